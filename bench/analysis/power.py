@@ -1,0 +1,62 @@
+"""What the Kolmogorov-Smirnov test can see at all with so many trials."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import ks_2samp
+
+DRAWS = 2_000
+LARGEST_SHIFT = 8.0  # standard deviations: complete separation for every practical sample
+
+
+@lru_cache
+def critical_distance(n: int, alpha: float) -> int | None:
+    """Return the smallest k for which D = k/n between two samples of n values has an exact p <= alpha.
+
+    None when even complete separation (k = n) does not reach it.
+    """
+    low, high = 0, n + 1  # p decreases with k, so the smallest k is bracketed
+    while high - low > 1:
+        k = (low + high) // 2
+        if _exact_p(k, n) <= alpha:
+            high = k
+        else:
+            low = k
+    return high if high <= n else None
+
+
+@lru_cache
+def detectable_shift(n: int, alpha: float, power: float = 0.8) -> float | None:
+    """Return the shift, in standard deviations, that the test sees with the given power; None where it sees none.
+
+    Assumes two normal samples of n values that differ by a shift only. Found by bisection over 2,000 seeded draws,
+    so good to about 0.02.
+    """
+    needed = critical_distance(n, alpha)
+    if needed is None:
+        return None
+    rng = np.random.default_rng(20_250_101)
+    this, other = rng.standard_normal((2, DRAWS, n))
+    low, high = 0.0, LARGEST_SHIFT
+    for _ in range(12):
+        shift = (low + high) / 2
+        seen = np.mean(_distances(this, other + shift) >= needed)
+        low, high = (low, shift) if seen >= power else (shift, high)
+    return high
+
+
+def _exact_p(k: int, n: int) -> float:
+    """Return the exact p of D = k/n: that of n values against the same ones moved up by k ranks."""
+    values = np.arange(n, dtype=float)
+    return float(ks_2samp(values, values + k - 0.5, method="exact").pvalue) if k else 1.0
+
+
+def _distances(this: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return n D of each pair of rows of two (draws, n) arrays without ties."""
+    n = this.shape[1]
+    order = np.concatenate((this, other), axis=1).argsort(axis=1)
+    steps = np.where(order < n, 1, -1).cumsum(axis=1)
+    return np.asarray(np.abs(steps).max(axis=1))

@@ -1,0 +1,73 @@
+"""A study's output folder: the frozen study, the environments that ran it, and the refusal of a foreign one."""
+
+from __future__ import annotations
+
+import json
+import os
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from bench import environment
+from bench.errors import BenchError
+from bench.store import Store
+from bench.study import Study
+
+STUDY = "study.toml"
+ENVIRONMENT = "environment.json"
+
+
+class Folder:
+    """The folder that a run writes and that reports read."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self.store = Store(self.path)
+
+    def study(self) -> Study:
+        """Return the frozen study; raises BenchError where the folder holds none."""
+        if not (self.path / STUDY).exists():
+            raise BenchError(f"{self.path} holds no {STUDY}; give the folder that 'bench run' wrote")
+        return Study.load(self.path / STUDY)
+
+    def environments(self) -> list[dict[str, Any]]:
+        """Return what each run that wrote here noted of its environment, oldest first."""
+        path = self.path / ENVIRONMENT
+        return list(json.loads(path.read_text(encoding="utf-8"))) if path.exists() else []
+
+    def claim(self, study: Study) -> Study:
+        """Prepare the folder for ``study`` and return the study as frozen there.
+
+        A folder of the same study is continued; more trials than before extend it, fewer leave it as it is.
+
+        Raises:
+            BenchError: when the folder cannot be written, or holds another study or other files.
+        """
+        if (self.path / STUDY).exists():
+            present = self.study()
+            if present.identity() != study.identity():
+                raise BenchError(
+                    f"{self.path} holds another study ({present.name!r}, budget {present.budget}, seed {present.seed}, "
+                    f"or other problems or options); give another --output"
+                )
+            study = study.override(trials=max(study.trials, present.trials))
+        elif self.path.is_dir() and any(not item.name.startswith(".") for item in self.path.iterdir()):
+            raise BenchError(f"{self.path} is not empty and holds no study; give another --output")
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            self._write(STUDY, study.to_toml())
+        except OSError as error:
+            raise BenchError(f"the output folder {self.path} cannot be written: {error.strerror}") from error
+        return study
+
+    def note_environment(self, jobs: int) -> None:
+        """Append this run's environment, with its start time and number of workers."""
+        now = datetime.now(UTC).isoformat(timespec="seconds")
+        record = {"started": now, "jobs": jobs, **environment.describe()}
+        self._write(ENVIRONMENT, json.dumps([*self.environments(), record], indent=1))
+
+    def _write(self, name: str, text: str) -> None:
+        """Replace a file at once, so that a kill leaves the old or the new one."""
+        temporary = self.path / f".{name}.tmp"
+        temporary.write_text(text, encoding="utf-8")
+        temporary.replace(self.path / name)

@@ -1,0 +1,135 @@
+"""What an optimizer sees of a problem: a counted, clocked and recorded function with a hard budget."""
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bench.errors import BenchError
+from bench.problem import Floats, Problem
+
+
+class BudgetExhausted(Exception):  # noqa: N818 - the contract's name; it ends a trial, it is no error
+    """Raised by an objective that has no evaluation left; the harness catches it, an optimizer need not."""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """The anytime record of a trial: improvements only.
+
+    Attributes:
+        evaluations: (m,) int64, the evaluation (counted from 1) at which each improvement was found, increasing.
+        values: (m,) float64, the best-so-far objective value from that evaluation on, decreasing.
+    """
+
+    evaluations: NDArray[np.int64]
+    values: Floats
+
+    def at(self, evaluations: ArrayLike) -> Floats:
+        """Return the best-so-far value after each of the given evaluation counts, +inf before the first."""
+        found = np.searchsorted(self.evaluations, np.asarray(evaluations), side="right")
+        return np.concatenate(([np.inf], self.values))[found]
+
+
+class Objective:
+    """The function an optimizer minimises, and all that it may know of the problem.
+
+    ``objective(x)`` takes (n, d) points and returns (n,) values, or one (d,) point and returns a float. Every row
+    counts as one evaluation; a row outside the box or not finite is counted too, and its value is +inf, so nothing
+    is won by leaving the box. A NaN value counts as +inf. No row past the budget is evaluated.
+
+    Args:
+        problem: what is minimised.
+        budget: the number of evaluations allowed, at least 1.
+        rng: the trial's stream for initial points, independent of the optimizer's own.
+    """
+
+    def __init__(self, problem: Problem, budget: int, rng: np.random.Generator) -> None:
+        if budget < 1:
+            raise BenchError(f"the budget must be at least 1 evaluation, not {budget}")
+        self.lower: Floats = problem.lower.copy()
+        self.upper: Floats = problem.upper.copy()
+        self.lower.flags.writeable = self.upper.flags.writeable = False
+        self.budget = int(budget)
+        self.evaluations = 0
+        self.outside_box = 0
+        self.seconds = 0.0  # spent inside the problem's evaluate
+        self.stop_reason: str | None = None
+        self.best_value = np.inf
+        self.best_point: Floats | None = None
+        self._problem = problem
+        self._rng = rng
+        self._improved_at: list[int] = []
+        self._improved_to: list[float] = []
+
+    @property
+    def dimension(self) -> int:
+        """The number of search variables d."""
+        return len(self.lower)
+
+    @property
+    def remaining(self) -> int:
+        """The number of evaluations left."""
+        return self.budget - self.evaluations
+
+    def repair(self, x: Floats) -> Floats:
+        """Return the (n, d) feasible points nearest to ``x`` by the problem's rule; costs no evaluation."""
+        return self._problem.repair(x)
+
+    def initial(self, n: int) -> Floats:
+        """Return (n, d) points, uniform in the box and then repaired, independent in every trial."""
+        span = self.upper - self.lower
+        return self.repair(self.lower + span * self._rng.random((n, self.dimension)))
+
+    def stop(self, reason: str) -> None:
+        """Declare that the optimizer ends before its budget by a criterion of its own, such as ``"tolfun"``."""
+        self.stop_reason = reason
+
+    def __call__(self, x: ArrayLike) -> Floats | float:
+        """Evaluate, count and record; raises BudgetExhausted after the last row that the budget allows."""
+        points = np.asarray(x, dtype=np.float64)
+        single = points.ndim == 1
+        rows = points[np.newaxis] if single else points
+        if rows.ndim != 2 or rows.shape[1] != self.dimension:
+            raise ValueError(f"expected points of shape (n, {self.dimension}) or ({self.dimension},), got {points.shape}")
+        allowed = min(len(rows), self.remaining)
+        if allowed < len(rows):
+            if allowed:
+                self._evaluate(rows[:allowed])
+            raise BudgetExhausted
+        values = self._evaluate(rows)
+        return float(values[0]) if single else values
+
+    def _evaluate(self, rows: Floats) -> Floats:
+        if not len(rows):
+            return np.empty(0)
+        started = perf_counter()
+        values = np.asarray(self._problem.evaluate(rows), dtype=np.float64)
+        self.seconds += perf_counter() - started
+        if values.shape != (len(rows),):
+            raise ValueError(f"problem {self._problem.name!r} returned shape {values.shape} for {len(rows)} points")
+        inside = ((rows >= self.lower) & (rows <= self.upper)).all(axis=1)
+        if not inside.all() or np.isnan(values).any():
+            self.outside_box += int(len(rows) - inside.sum())
+            values = np.where(inside & ~np.isnan(values), values, np.inf)
+        self._record(rows, values)
+        self.evaluations += len(rows)
+        return values
+
+    def _record(self, rows: Floats, values: Floats) -> None:
+        """Append every improvement within the batch to the trace, in order, and keep the best point."""
+        if self.best_point is not None and not values.min() < self.best_value:
+            return
+        before = np.minimum.accumulate(np.concatenate(([self.best_value], values[:-1])))
+        for row in np.flatnonzero(values < before):
+            self._improved_at.append(self.evaluations + int(row) + 1)
+            self._improved_to.append(float(values[row]))
+        best = int(np.argmin(values))
+        self.best_value = float(values[best])
+        self.best_point = rows[best].copy()
+
+    @property
+    def trace(self) -> Trace:
+        """The improvements so far."""
+        return Trace(np.array(self._improved_at, dtype=np.int64), np.array(self._improved_to, dtype=np.float64))

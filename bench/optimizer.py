@@ -1,0 +1,91 @@
+"""The second of the two contracts: what the harness asks of an optimizer."""
+
+from __future__ import annotations
+
+import dataclasses
+import types
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from bench.errors import BenchError, nearest
+
+if TYPE_CHECKING:
+    from bench.objective import Objective
+
+
+def parameter(default: Any, *, minimum: float | None = None, maximum: float | None = None) -> Any:
+    """Return a dataclass field with a default and, optionally, the closed range its value must lie in."""
+    return dataclasses.field(default=default, metadata={"minimum": minimum, "maximum": maximum})
+
+
+class Optimizer(ABC):
+    """A population or trajectory method; subclasses are frozen dataclasses whose fields are their parameters.
+
+    A parameter is declared as a field with a type (``int``, ``float``, ``bool``, ``str``, ``Literal[…]`` or a union
+    with None) and a default, with :func:`parameter` where it has a range; its value is checked on construction.
+    A field ``agents`` is the population size, and a trial's budget must hold at least one generation of it.
+    """
+
+    def __post_init__(self) -> None:
+        """Check every parameter; raises BenchError naming the first that does not fit."""
+        hints = get_type_hints(type(self))
+        for field in dataclasses.fields(self):  # type: ignore[arg-type]
+            _check(type(self).__name__, field, hints[field.name], getattr(self, field.name))
+
+    @abstractmethod
+    def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Minimise until the budget is spent, seeing only ``objective`` and drawing only from ``rng``.
+
+        The call may loop forever: ``objective`` raises BudgetExhausted when the budget ends, and the harness keeps
+        the best point. An optimizer that stops by a criterion of its own says so with ``objective.stop(reason)``.
+        """
+
+    @property
+    def minimum_budget(self) -> int:
+        """The evaluations that one generation takes: the population size, or 1 without one."""
+        return int(getattr(self, "agents", 1))
+
+
+def build(cls: type[Optimizer], name: str, options: dict[str, Any]) -> Optimizer:
+    """Return ``cls(**options)``; raises BenchError for an option that is no parameter, naming the nearest one."""
+    known = {field.name for field in dataclasses.fields(cls) if field.init}  # type: ignore[arg-type]
+    for option in options:
+        if option not in known:
+            raise BenchError(f"optimizer {name!r} has no parameter {option!r}{nearest(option, known)}")
+    return cls(**options)
+
+
+def _check(owner: str, field: dataclasses.Field[Any], hint: Any, value: Any) -> None:
+    """Raise BenchError unless ``value`` is of the hinted type and inside the field's range."""
+    where = f"parameter {field.name!r} of {owner}"
+    if not _fits(hint, value):
+        raise BenchError(f"{where} must be {_spell(hint)}, not {value!r}")
+    low, high = field.metadata.get("minimum"), field.metadata.get("maximum")
+    if value is None or (low is None and high is None):
+        return
+    if not (low is None or value >= low) or not (high is None or value <= high):  # written so that NaN is refused
+        wanted = f"at least {low}" if high is None else f"at most {high}" if low is None else f"from {low} to {high}"
+        raise BenchError(f"{where} must be {wanted}, not {value!r}")
+
+
+def _fits(hint: Any, value: Any) -> bool:
+    if get_origin(hint) is Literal:
+        return value in get_args(hint)
+    if get_origin(hint) in (Union, types.UnionType):
+        return any(_fits(option, value) for option in get_args(hint))
+    if hint is float:
+        return isinstance(value, (int, float)) and not isinstance(value, bool)
+    if hint is int:
+        return isinstance(value, int) and not isinstance(value, bool)
+    return isinstance(value, hint) if isinstance(hint, type) else True
+
+
+def _spell(hint: Any) -> str:
+    if get_origin(hint) is Literal:
+        return "one of " + ", ".join(repr(choice) for choice in get_args(hint))
+    if get_origin(hint) in (Union, types.UnionType):
+        return " or ".join(_spell(option) for option in get_args(hint))
+    names = {int: "a whole number", float: "a number", bool: "true or false", str: "a text", type(None): "nothing"}
+    return names.get(hint, str(hint))

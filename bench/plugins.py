@@ -1,0 +1,145 @@
+"""Find and load plug-ins by entry point; built-ins have no privilege that a stranger's package lacks.
+
+Groups: ``bench.optimizers``, ``bench.problems``, ``bench.commands``, ``bench.studies``, ``bench.report_sections``.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
+
+from bench.errors import BenchError, nearest
+from bench.optimizer import Optimizer, build
+from bench.problem import Problem
+
+DISTRIBUTION = "backlash-bench"
+
+
+@runtime_checkable
+class Family(Protocol):
+    """Many optimizers or problems behind one entry point, such as ``signature-01`` … ``signature-20``."""
+
+    def names(self) -> list[str]:
+        """Return the full names that can be listed; a family may load others too (``recording:<path>``)."""
+
+    def load(self, name: str, **options: Any) -> Any:
+        """Return the plug-in of that full name; raises BenchError for what it does not know."""
+
+
+@cache
+def entries(group: str) -> dict[str, EntryPoint]:
+    """Return the entry points of ``bench.<group>`` by name.
+
+    Raises:
+        BenchError: when two packages offer different plug-ins under one name.
+    """
+    refuse_foreign_modules()
+    found: dict[str, EntryPoint] = {}
+    for entry in entry_points(group=f"bench.{group}"):
+        other = found.setdefault(entry.name, entry)
+        if other.value != entry.value:
+            raise BenchError(
+                f"two plug-ins of bench.{group} are called {entry.name!r}: {other.value} and {entry.value}; "
+                "uninstall one or have its author rename it"
+            )
+    return found
+
+
+@cache
+def load(group: str, name: str) -> Any:
+    """Return the object behind an entry point; raises BenchError when its package fails to import."""
+    try:
+        return entries(group)[name].load()
+    except Exception as error:  # a stranger's import may raise anything
+        raise BenchError(
+            f"the plug-in {name!r} of bench.{group} ({entries(group)[name].value}) failed to load: "
+            f"{type(error).__name__}: {error}"
+        ) from error
+
+
+def load_optimizer(name: str, **options: Any) -> Optimizer:
+    """Return the optimizer of that name, such as ``load_optimizer("gwo", agents=300)``.
+
+    Raises:
+        BenchError: for an unknown name or parameter (with the nearest one) or a value out of its range.
+    """
+    family, colon, _ = name.partition(":")
+    if name not in entries("optimizers") and not (colon and family in entries("optimizers")):
+        raise BenchError(f"unknown optimizer {name!r}{nearest(name, optimizer_names())}")
+    plugin = load("optimizers", family if name not in entries("optimizers") else name)
+    if isinstance(plugin, type) and issubclass(plugin, Optimizer) and not colon:
+        return build(plugin, name, options)
+    if isinstance(plugin, Family) and colon:
+        loaded = plugin.load(name, **options)
+        if isinstance(loaded, Optimizer):
+            return loaded
+    raise BenchError(f"the plug-in behind {name!r} is no Optimizer subclass, nor a family named as '{family}:<name>'")
+
+
+def load_problem(name: str, **options: Any) -> Problem:
+    """Return the problem of that name, such as ``load_problem("signature-12", unit="rpm")``.
+
+    Raises:
+        BenchError: for an unknown name or option (with the nearest one) or data that cannot be read.
+    """
+    prefix, colon, _ = name.partition(":")
+    if colon and prefix in entries("problems"):
+        return _problem(load("problems", prefix).load(name, **options), name)
+    for family in sorted(entries("problems"), key=lambda family: not name.startswith(family)):
+        plugin = load("problems", family)
+        if name in plugin.names():
+            return _problem(plugin.load(name, **options), name)
+    raise BenchError(f"unknown problem {name!r}{nearest(name, [*problem_names(), *entries('problems')])}")
+
+
+def _problem(loaded: Any, name: str) -> Problem:
+    if isinstance(loaded, Problem):
+        return loaded
+    raise BenchError(f"the plug-in behind {name!r} did not return a Problem but a {type(loaded).__name__}")
+
+
+def optimizer_names() -> list[str]:
+    """Return every optimizer name that can be listed, members of families included."""
+    return _listed("optimizers")
+
+
+def problem_names() -> list[str]:
+    """Return every problem name that can be listed."""
+    return _listed("problems")
+
+
+def _listed(group: str) -> list[str]:
+    names: list[str] = []
+    for name in entries(group):
+        try:
+            plugin = load(group, name)
+        except BenchError:
+            continue  # `bench list` shows it with its error
+        names += plugin.names() if isinstance(plugin, Family) and not isinstance(plugin, type) else [name]
+    return sorted(names)
+
+
+def refuse_foreign_modules() -> None:
+    """Refuse to run where another package's module shadows one of this distribution's generic top-level names.
+
+    Raises:
+        BenchError: when the distribution is not installed, or ``optimizers`` or ``problems`` is somebody else's.
+    """
+    home = Path(__file__).resolve().parents[1]
+    try:
+        own = {entry.module.partition(".")[0] for entry in distribution(DISTRIBUTION).entry_points} - {"bench"}
+    except PackageNotFoundError as error:
+        raise BenchError(
+            f"{DISTRIBUTION} is not installed here, so no plug-in can be found; run 'pip install -e .' in its folder"
+        ) from error
+    for module in sorted(own):
+        spec = find_spec(module)
+        origin = spec.origin if spec is not None else None
+        if origin is None or Path(origin).resolve().parents[1] != home:
+            raise BenchError(
+                f"the module {module!r} found at {origin or 'no place'} is not {DISTRIBUTION}'s own (expected in {home}); "
+                "run from another folder or rename that module"
+            )

@@ -1,0 +1,102 @@
+"""The first of the two contracts: what the harness asks of a problem."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bench.errors import BenchError
+
+Floats = NDArray[np.float64]
+
+
+class Problem(ABC):
+    """A box-bounded single-objective minimisation problem.
+
+    A subclass sets the attributes below and implements :meth:`evaluate`. It must be pure (no state changes between
+    calls) and picklable or reloadable by name, because trials run in worker processes.
+
+    Attributes:
+        name: the name under which the problem is loaded and stored, such as ``"signature-12"``.
+        variables: the d names of the search variables, such as ``("A", "t0", …)``.
+        lower: (d,) float64, the lower end of the box.
+        upper: (d,) float64, the upper end of the box.
+        optimum: the best known objective value, or None where none is known.
+    """
+
+    name: str
+    variables: tuple[str, ...]
+    lower: Floats
+    upper: Floats
+    optimum: float | None = None
+
+    @property
+    def dimension(self) -> int:
+        """The number of search variables d."""
+        return len(self.lower)
+
+    @abstractmethod
+    def evaluate(self, x: Floats) -> Floats:
+        """Return the (n,) objective values of the (n, d) points ``x``, each finite or +inf; lower is better."""
+
+    def repair(self, x: Floats) -> Floats:
+        """Return the (n, d) feasible points nearest to ``x`` by the problem's own rule; by default the box's clip."""
+        return np.clip(x, self.lower, self.upper)
+
+    def describe(self, x: Floats) -> dict[str, float]:  # noqa: ARG002 - part of the contract
+        """Return the domain figures of the (d,) point ``x``, one column each in the tidy frame; by default none."""
+        return {}
+
+    def fingerprint(self) -> str:
+        """Return a hash of the data the problem is made of, or "" where the name says it all."""
+        return ""
+
+
+class FunctionProblem(Problem):
+    """A user's own function as a problem.
+
+    Example:
+        >>> sphere = FunctionProblem(lambda x: (x**2).sum(axis=1), [-5] * 3, [5] * 3, name="sphere")
+
+    Args:
+        fun: maps (n, d) points to (n,) values, or one (d,) point to a float with ``vectorized=False``.
+        lower: (d,) lower bounds.
+        upper: (d,) upper bounds, each above its lower bound.
+        name: the name results are stored under.
+        vectorized: whether ``fun`` takes many points at once.
+        optimum: the best known value, if any.
+
+    Raises:
+        BenchError: when the bounds are not two finite vectors of one length with lower < upper.
+    """
+
+    def __init__(
+        self,
+        fun: Callable[..., Any],
+        lower: ArrayLike,
+        upper: ArrayLike,
+        *,
+        name: str = "function",
+        vectorized: bool = True,
+        optimum: float | None = None,
+        variables: Sequence[str] | None = None,
+    ) -> None:
+        self.lower = np.array(lower, dtype=np.float64, ndmin=1)
+        self.upper = np.array(upper, dtype=np.float64, ndmin=1)
+        if self.lower.ndim != 1 or self.lower.shape != self.upper.shape:
+            raise BenchError(f"problem {name!r}: lower and upper must be vectors of one length; give one value a variable")
+        if not (np.isfinite(self.lower).all() and np.isfinite(self.upper).all() and (self.lower < self.upper).all()):
+            raise BenchError(f"problem {name!r}: every lower bound must be finite and below its upper bound")
+        self.name = name
+        self.optimum = optimum
+        self.variables = tuple(variables) if variables is not None else tuple(f"x{i + 1}" for i in range(self.dimension))
+        self._fun = fun
+        self._vectorized = vectorized
+
+    def evaluate(self, x: Floats) -> Floats:
+        """Return the (n,) values of ``fun`` at the (n, d) points ``x``."""
+        if self._vectorized:
+            return np.asarray(self._fun(x), dtype=np.float64)
+        return np.array([float(self._fun(row)) for row in x], dtype=np.float64)

@@ -1,0 +1,120 @@
+"""What a report is made of: sections of words, tables and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib.figure
+import pandas as pd
+from pandas.api.types import is_bool_dtype, is_numeric_dtype
+
+from bench.report.words import cell_text
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A table's cell as shown: its plain text and how it is set."""
+
+    text: str
+    bold: bool = False
+    italic: bool = False
+    heads_row: bool = False
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table, written as CSV at full precision, as LaTeX and into the page.
+
+    Attributes:
+        name: what its files are called; any text, made safe for a file name.
+        caption: one sentence.
+        frame: the values; the index is shown where it has a name.
+        bold: where to set values bold, a frame of booleans like ``frame``; columns it lacks are not.
+        italic: likewise for italics.
+        decimals: decimals of every float, or by column; floats without any are shown with four significant digits.
+        note: what the reader must know of the marks, below the table.
+    """
+
+    name: str
+    caption: str
+    frame: pd.DataFrame
+    bold: pd.DataFrame | None = None
+    italic: pd.DataFrame | None = None
+    decimals: int | Mapping[str, int] | None = None
+    note: str = ""
+
+    @property
+    def has_index(self) -> bool:
+        """Whether the index is part of the table."""
+        return any(name is not None for name in self.frame.index.names)
+
+    @property
+    def header(self) -> list[tuple[str, bool]]:
+        """The columns as shown, the index first: title, and whether it holds numbers."""
+        index = [(str(name), False) for name in self.frame.index.names] if self.has_index else []
+        return index + [(str(name), _is_number(values)) for name, values in self.frame.items()]
+
+    @property
+    def rows(self) -> list[list[Cell]]:
+        """The cells as shown, row by row, those of the index first."""
+        keys = self.frame.index.to_frame().itertuples(index=False) if self.has_index else [()] * len(self.frame)
+        columns = [
+            [
+                Cell(cell_text(value, self._decimals(name)), bold=bool(bold), italic=bool(italic))
+                for value, bold, italic in zip(values, *marks, strict=True)
+            ]
+            for name, values in self.frame.items()
+            for marks in [(self._marks(self.bold, name), self._marks(self.italic, name))]
+        ]
+        heads = [[Cell(cell_text(value), heads_row=True) for value in key] for key in keys]
+        return [[*head, *(column[i] for column in columns)] for i, head in enumerate(heads)]
+
+    def _decimals(self, column: Any) -> int | None:
+        return self.decimals.get(column) if isinstance(self.decimals, Mapping) else self.decimals
+
+    def _marks(self, which: pd.DataFrame | None, column: Any) -> list[bool]:
+        return [False] * len(self.frame) if which is None or column not in which else list(which[column])
+
+
+def _is_number(values: pd.Series[Any]) -> bool:
+    return is_numeric_dtype(values) and not is_bool_dtype(values)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure, written as SVG and PDF with the data behind it as CSV, and drawn into the page.
+
+    Attributes:
+        name: what its files are called; any text, made safe for a file name.
+        caption: one sentence or two; also what a screen reader says.
+        figure: a matplotlib figure, best from :func:`bench.report.style.panels`.
+        data: the tidy data behind it.
+    """
+
+    name: str
+    caption: str
+    figure: matplotlib.figure.Figure
+    data: pd.DataFrame
+
+
+Part = Table | Figure
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of the page: a title, paragraphs of plain text, warnings, and tables and figures."""
+
+    title: str
+    text: tuple[str, ...] = ()
+    items: tuple[Part, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse what no page can show, so that a plug-in's mistake is found at its source."""
+        texts: tuple[Any, ...] = (self.title, *self.text, *self.warnings)
+        if isinstance(self.text, str) or not all(isinstance(text, str) for text in texts):
+            raise TypeError("a section's title, paragraphs and warnings must be texts")
+        if not all(isinstance(item, Table | Figure) for item in self.items):
+            raise TypeError("a section's items must be Table or Figure")

@@ -1,0 +1,47 @@
+"""Numbers and lists in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+MISSING = "–"
+
+
+def cell_text(value: Any, decimals: int | None = None) -> str:
+    """Return a table's value as shown: yes or no, – where missing, ∞, fixed decimals or four significant digits."""
+    if isinstance(value, (bool, np.bool_)):
+        return "yes" if value else "no"
+    if isinstance(value, str):
+        return value
+    if pd.isna(value):
+        return MISSING
+    if isinstance(value, (float, np.floating)):
+        if math.isinf(value):
+            return "∞" if value > 0 else "−∞"
+        return f"{value:.4g}" if decimals is None else f"{value:.{decimals}f}"
+    if isinstance(value, (int, np.integer)):
+        return f"{value:,}"
+    return str(value)
+
+
+def count(number: int, noun: str) -> str:
+    """Return ``"1 trial"``, ``"2 trials"`` or ``"60,000 trials"``."""
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+
+
+def listing(items: Sequence[str], at_most: int = 8) -> str:
+    """Return ``"a, b and c"``, shortened to ``"a, b and 5 more"`` beyond ``at_most``."""
+    shown = list(items)
+    if len(shown) > at_most:
+        shown = [*shown[: at_most - 1], f"{len(shown) - at_most + 1} more"]
+    return shown[0] if len(shown) == 1 else f"{', '.join(shown[:-1])} and {shown[-1]}"
+
+
+def seconds(value: float) -> str:
+    """Return a duration with its unit, such as ``"12 ms"`` or ``"3.4 s"``."""
+    return f"{1000 * value:.3g} ms" if value < 1 else f"{value:.3g} s"

@@ -1,0 +1,77 @@
+"""Read a study's folder: the tidy frame, the traces and what they belong to."""
+
+from __future__ import annotations
+
+from functools import cache, cached_property
+from os import PathLike
+from typing import Any
+
+import pandas as pd
+
+from bench.folder import Folder
+from bench.objective import Trace
+from bench.problem import Problem
+from bench.study import Study
+
+FIRST_COLUMNS = (
+    "study", "problem", "optimizer", "trial", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s",
+    "stop", "outside_box", "error",
+)  # fmt: skip
+
+
+class Results:
+    """All that a report needs of one study's folder, read once and lazily.
+
+    Attributes:
+        study: the study as frozen in the folder.
+        environments: what each run that wrote here noted of its machine.
+    """
+
+    def __init__(self, path: str | PathLike[str]) -> None:
+        self._folder = Folder(path)
+        self.study: Study = self._folder.study()
+        self.environments: list[dict[str, Any]] = self._folder.environments()
+        self._problem = cache(self.study.problem)
+
+    @cached_property
+    def frame(self) -> pd.DataFrame:
+        """The tidy frame: one row a trial; see :func:`load_results`."""
+        rows = self._folder.store.rows()
+        variables = {f"x_{name}": None for row in rows for name in row["x"]}
+        figures = {name: None for row in rows for name in row["figures"]}
+        table = [
+            {"study": self.study.name}
+            | {name: value for name, value in row.items() if name not in ("x", "figures")}
+            | {f"x_{name}": value for name, value in row["x"].items()}
+            | row["figures"]
+            for row in rows
+        ]
+        frame = pd.DataFrame(table, columns=[*FIRST_COLUMNS, *variables, *figures])
+        order = {"problem": self.study.problems, "optimizer": self.study.optimizers}
+        rank = {column: {entry.label: i for i, entry in enumerate(entries)} for column, entries in order.items()}
+        in_study_order = frame.sort_values(
+            ["problem", "optimizer", "trial"], key=lambda column: column.map(rank.get(str(column.name), {})).fillna(column)
+            if column.name in rank else column,
+        )  # fmt: skip
+        return in_study_order.reset_index(drop=True)
+
+    def traces(self, problem: str, optimizer: str) -> dict[int, Trace]:
+        """Return the anytime traces of one cell by trial number."""
+        return self._folder.store.traces(problem, optimizer)
+
+    def problem(self, label: str) -> Problem:
+        """Return the problem of that label, loaded once."""
+        return self._problem(label)
+
+
+def load_results(path: str | PathLike[str]) -> pd.DataFrame:
+    """Return the tidy frame of a study's folder, one row a trial, in the study's order.
+
+    Columns: study, problem, optimizer, trial, seed, status (ok | failed | timeout), fun, nfev, wall_s, cpu_s,
+    objective_s, stop, outside_box, error, one ``x_<variable>`` per variable and one per domain figure. A failed
+    trial's figures are missing values.
+
+    Raises:
+        BenchError: when the folder holds no study or no trials.
+    """
+    return Results(path).frame

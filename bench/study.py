@@ -1,0 +1,212 @@
+"""A study: which optimizers run on which problems, how often and with what budget; read from TOML."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import tomllib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from bench import plugins
+from bench.errors import BenchError, nearest
+from bench.optimizer import Optimizer
+from bench.problem import Problem
+from bench.seeds import trial_seed
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A problem or an optimizer of a study: its plug-in name, the label results carry, and its options."""
+
+    name: str
+    label: str
+    options: dict[str, Any] = field(default_factory=dict)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the entry as it stands in a study file."""
+        label = {} if self.label == self.name else {"label": self.label}
+        return {"name": self.name, **label, **self.options}
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One run to be made: a cell of the study (problem label, optimizer label), its number from 0, and its seed."""
+
+    problem: str
+    optimizer: str
+    number: int
+    seed: int
+
+    @property
+    def key(self) -> tuple[str, str, int]:
+        """What identifies the trial within its study."""
+        return self.problem, self.optimizer, self.number
+
+
+@dataclass(frozen=True)
+class Study:
+    """A comparison of optimizers on problems.
+
+    Attributes:
+        name: a short name, which also names the default output folder.
+        title: one line that says what is compared.
+        seed: the root of every trial's seed.
+        trials: runs of each optimizer on each problem.
+        budget: evaluations a run may spend.
+        problems: the problems, with distinct labels.
+        optimizers: the optimizers, with distinct labels.
+    """
+
+    name: str
+    problems: tuple[Entry, ...]
+    optimizers: tuple[Entry, ...]
+    trials: int = 30
+    budget: int = 10_000
+    seed: int = 0
+    title: str = ""
+
+    @classmethod
+    def load(cls, source: str | PathLike[str]) -> Study:
+        """Return the study of an installed name (``"thesis"``) or of a TOML file's path.
+
+        Raises:
+            BenchError: for an unknown name, an unreadable or malformed file, or contents that make no study.
+        """
+        text, where = _read(source)
+        try:
+            data = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            raise BenchError(f"study {where} is not valid TOML: {error}") from error
+        return cls.from_dict(data, where)
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any], where: str = "given") -> Study:
+        """Return the study that a parsed TOML document describes; raises BenchError naming what does not fit."""
+        known = {item.name for item in dataclasses.fields(cls)}
+        for key in data:
+            if key not in known:
+                raise BenchError(f"study {where}: unknown key {key!r}{nearest(key, known)}")
+        for key, kind, spelled in (
+            ("name", str, "a text"), ("title", str, "a text"), ("seed", int, "a whole number"),
+            ("trials", int, "a whole number"), ("budget", int, "a whole number"),
+        ):  # fmt: skip
+            if key in data and (not isinstance(data[key], kind) or isinstance(data[key], bool)):
+                raise BenchError(f"study {where}: {key!r} must be {spelled}, not {data[key]!r}")
+        if not data.get("name"):
+            raise BenchError(f"study {where} has no name; add a line such as name = \"my-study\"")
+        study = cls(
+            **{
+                **data,
+                "problems": _entries(data.get("problems"), "problems", where),
+                "optimizers": _entries(data.get("optimizers"), "optimizers", where),
+            }
+        )
+        if study.trials < 1 or study.budget < 1:
+            raise BenchError(f"study {where}: trials and budget must be at least 1")
+        return study
+
+    def override(self, **changes: Any) -> Study:
+        """Return a copy with the given fields replaced, those that are None left as they are."""
+        changed = dataclasses.replace(self, **{key: value for key, value in changes.items() if value is not None})
+        if changed.trials < 1 or changed.budget < 1:
+            raise BenchError("trials and budget must be at least 1")
+        return changed
+
+    def problem(self, label: str) -> Problem:
+        """Load the problem of that label, named by its label."""
+        entry = _named(self.problems, label, "problem", self.name)
+        problem = plugins.load_problem(entry.name, **entry.options)
+        problem.name = entry.label
+        return problem
+
+    def optimizer(self, label: str) -> Optimizer:
+        """Load the optimizer of that label."""
+        entry = _named(self.optimizers, label, "optimizer", self.name)
+        return plugins.load_optimizer(entry.name, **entry.options)
+
+    def check(self) -> None:
+        """Load every problem and optimizer once and check the budget against the largest generation.
+
+        Raises:
+            BenchError: for the first name, parameter, recording or budget that cannot work.
+        """
+        for entry in self.optimizers:
+            needed = self.optimizer(entry.label).minimum_budget
+            if self.budget < needed:
+                raise BenchError(
+                    f"study {self.name!r}: a budget of {self.budget} evaluations is below one generation of "
+                    f"{entry.label!r}, which takes {needed}; raise the budget or lower its agents"
+                )
+        for entry in self.problems:
+            self.problem(entry.label)
+
+    def plan(self) -> Iterator[Trial]:
+        """Yield every trial of the study: trial number by trial number, problem by problem, optimizer by optimizer."""
+        for number in range(self.trials):
+            for problem in self.problems:
+                for optimizer in self.optimizers:
+                    seed = trial_seed(self.seed, problem.label, optimizer.label, number)
+                    yield Trial(problem.label, optimizer.label, number, seed)
+
+    def to_toml(self) -> str:
+        """Return the study as a TOML document that loads back as an equal study."""
+        head = {"name": self.name, "title": self.title, "seed": self.seed, "trials": self.trials, "budget": self.budget}
+        lists = {
+            "problems": [entry.as_dict() for entry in self.problems],
+            "optimizers": [entry.as_dict() for entry in self.optimizers],
+        }
+        return tomli_w.dumps({**head, **lists})
+
+    def identity(self) -> str:
+        """Return a hash of all that decides a trial's result; the number of trials and the title do not."""
+        content = dataclasses.asdict(self) | {"trials": None, "title": None}
+        return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
+
+
+def _read(source: str | PathLike[str]) -> tuple[str, str]:
+    """Return the text of a study and how to call it in a message."""
+    installed = plugins.entries("studies")
+    if str(source) in installed:
+        text: str = plugins.load("studies", str(source)).read_text(encoding="utf-8")
+        return text, repr(str(source))
+    path = Path(source)
+    if path.suffix != ".toml" and not path.exists():
+        raise BenchError(f"unknown study {str(source)!r}{nearest(str(source), installed)}, or give the path of a TOML file")
+    try:
+        return path.read_text(encoding="utf-8"), str(path)
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
+        raise BenchError(f"the study file {path} cannot be read: {reason}") from error
+
+
+def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
+    """Return the entries of a ``[[problems]]`` or ``[[optimizers]]`` list; ``names`` stands for several of one kind."""
+    if not isinstance(items, list) or not items or not all(isinstance(item, dict) for item in items):
+        raise BenchError(f"study {where} needs at least one [[{key}]] table with a name")
+    entries: list[Entry] = []
+    for item in items:
+        options = dict(item)
+        names = options.pop("names", None) or [options.pop("name", None)]
+        label = options.pop("label", None)
+        if not all(isinstance(name, str) and name for name in names) or (label is not None and not isinstance(label, str)):
+            raise BenchError(f"study {where}: a [[{key}]] table needs a name (or a list of names), all of them texts")
+        entries += [Entry(name, label or name, options) for name in names]
+    labels = [entry.label for entry in entries]
+    twice = sorted({label for label in labels if labels.count(label) > 1})
+    if twice:
+        raise BenchError(f"study {where}: {twice[0]!r} stands twice among the {key}; give one of them another label")
+    return tuple(entries)
+
+
+def _named(entries: Iterable[Entry], label: str, kind: str, study: str) -> Entry:
+    found = {entry.label: entry for entry in entries}
+    if label not in found:
+        raise BenchError(f"study {study!r} has no {kind} {label!r}{nearest(label, found)}")
+    return found[label]

@@ -1,0 +1,114 @@
+"""One trial: an optimizer on a problem, within a budget, from a seed."""
+
+from dataclasses import dataclass
+from time import perf_counter, process_time
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from bench import plugins
+from bench.objective import BudgetExhausted, Objective, Trace
+from bench.optimizer import Optimizer
+from bench.problem import Floats, Problem
+from bench.seeds import streams
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a trial found and what it took.
+
+    Attributes:
+        x: (d,) the best point.
+        fun: its objective value.
+        nfev: evaluations made.
+        trace: the best-so-far value over evaluations.
+        time: wall seconds of the whole search.
+        cpu_time: processor seconds of the same.
+        objective_time: wall seconds inside the problem's evaluate; the optimizer's overhead is ``time`` less this.
+        stop: ``"budget"``, or the reason the optimizer declared, or ``"undeclared"`` when it returned early in silence.
+        outside_box: evaluations spent outside the box.
+        figures: the problem's domain figures of ``x``.
+        seed: the seed that repeats the trial.
+    """
+
+    x: Floats
+    fun: float
+    nfev: int
+    trace: Trace
+    time: float
+    cpu_time: float
+    objective_time: float
+    stop: str
+    outside_box: int
+    figures: dict[str, float]
+    seed: int
+
+    @property
+    def overhead_time(self) -> float:
+        """Wall seconds that the optimizer itself took."""
+        return self.time - self.objective_time
+
+
+def solve(problem: str | Problem, optimizer: str | Optimizer, *, budget: int, seed: int = 0) -> Result:
+    """Run one optimizer once on one problem.
+
+    Example:
+        >>> bench.solve("signature-12", "gwo", budget=60_000, seed=1).fun
+
+    Args:
+        problem: a problem or the name of one.
+        optimizer: an optimizer or the name of one.
+        budget: evaluations it may spend; a budget below one generation is spent and then ends.
+        seed: repeats the run exactly; the ``seed`` of a study's row repeats that trial.
+
+    Raises:
+        BenchError: for an unknown name or a budget below 1.
+    """
+    problem = plugins.load_problem(problem) if isinstance(problem, str) else problem
+    optimizer = plugins.load_optimizer(optimizer) if isinstance(optimizer, str) else optimizer
+    start_stream, search_stream = streams(seed)
+    objective = Objective(problem, budget, start_stream)
+    with threadpool_limits(limits=1):  # results and times must not depend on how many threads a BLAS finds
+        wall, cpu = perf_counter(), process_time()
+        stop = "undeclared"
+        try:
+            optimizer.minimize(objective, search_stream)
+        except BudgetExhausted:
+            stop = "budget"
+        wall, cpu = perf_counter() - wall, process_time() - cpu
+    if objective.remaining == 0:
+        stop = "budget"
+    elif objective.stop_reason is not None:
+        stop = objective.stop_reason
+    if objective.best_point is None:
+        raise RuntimeError("the optimizer returned without a single evaluation")
+    return Result(
+        x=objective.best_point,
+        fun=objective.best_value,
+        nfev=objective.evaluations,
+        trace=objective.trace,
+        time=wall,
+        cpu_time=cpu,
+        objective_time=objective.seconds,
+        stop=stop,
+        outside_box=objective.outside_box,
+        figures=problem.describe(objective.best_point),
+        seed=seed,
+    )
+
+
+def as_row(result: Result, variables: tuple[str, ...]) -> dict[str, Any]:
+    """Return the result as the columns of its store row (see bench.store)."""
+    return {
+        "status": "ok",
+        "fun": result.fun,
+        "nfev": result.nfev,
+        "wall_s": result.time,
+        "cpu_s": result.cpu_time,
+        "objective_s": result.objective_time,
+        "stop": result.stop,
+        "outside_box": result.outside_box,
+        "x": dict(zip(variables, result.x.tolist(), strict=True)),
+        "figures": result.figures,
+        "trace": result.trace,
+    }

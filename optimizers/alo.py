@@ -1,0 +1,135 @@
+"""The ant lion optimizer (ALO) as its author's code runs it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.objective import Objective
+from bench.optimizer import parameter
+from bench.problem import Floats
+from optimizers._population import Population, compiled, evaluate
+
+Words = NDArray[np.uint64]
+
+# The +-1 steps of a random walk are random bits, taken eight at a time. For each byte (lowest bit first) and k = 0..8:
+_STEPS = 2 * (np.arange(256)[:, np.newaxis] >> np.arange(8) & 1) - 1
+SUM = np.hstack([np.zeros((256, 1), dtype=np.int64), _STEPS.cumsum(axis=1)])  # where its first k steps lead
+LOW, HIGH = np.minimum.accumulate(SUM, axis=1), np.maximum.accumulate(SUM, axis=1)  # the extremes on the way there
+
+
+@dataclass(frozen=True)
+class ALO(Population):
+    """Ant lion optimizer: ants walk at random around an antlion and around the elite; the fitter ant takes the place.
+
+    Example:
+        >>> bench.solve("signature-12", ALO(agents=300), budget=60_000, seed=1).fun
+
+    Source: S. Mirjalili, The Ant Lion Optimizer, Advances in Engineering Software 83, 2015,
+    doi:10.1016/j.advengsoft.2015.01.010; the details follow the author's MATLAB code, ALO.m, which departs from the
+    paper: the ratio I has a ``1 +``; the interval's two ends are each mirrored with probability one half; and the
+    fitness that the roulette wheel and the merge see of the antlions **stays that of the initial population**,
+    while their positions move on. The roulette weighs with 1/f and is sound for positive objective values only:
+    otherwise it takes, like the code, the first entry of the running sum that exceeds its draw, or else antlion 1.
+
+    Attributes:
+        agents: N, the number of ants and of antlions.
+        handling: see :class:`~optimizers._population.Population`.
+        variant: ``"code"`` follows ALO.m; ``"paper"`` refreshes the antlions' fitness every generation (eq. 2.12) and
+            is in all else the same.
+    """
+
+    agents: int = parameter(30, minimum=2)
+    variant: Literal["code", "paper"] = "code"
+
+    def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Minimise until the budget is spent."""
+        N, d, T = self.agents, objective.dimension, self.generations(objective)
+        antlions = objective.initial(N)
+        fitness = evaluate(objective, antlions)
+        order = np.argsort(fitness, kind="stable")
+        antlions, fitness = antlions[order], fitness[order]
+        elite, elite_fitness = antlions[0].copy(), fitness[0]
+        for t in range(2, T + 1):
+            lower, upper = objective.lower / ratio(t, T), objective.upper / ratio(t, T)  # (eqs. 2.10 and 2.11)
+            uniforms = rng.random((N, 5))
+            words = rng.integers(2**64, size=(N, 2, d, -(-T // 64)), dtype=np.uint64)
+            ants = walk_ants(antlions, elite, wheel(fitness), lower, upper, t, T, uniforms, words)
+            ants = self.confine(objective, ants)
+            merged = np.concatenate([fitness, evaluate(objective, ants)])
+            order = np.argsort(merged, kind="stable")[:N]
+            antlions, merged = np.concatenate([antlions, ants])[order], merged[order]
+            if merged[0] < elite_fitness:
+                elite, elite_fitness = antlions[0].copy(), merged[0]
+            antlions[0], merged[0] = elite, elite_fitness
+            if self.variant == "paper":
+                fitness = merged  # an antlion takes the place, and the fitness, of the ant it caught (eq. 2.12)
+
+
+def ratio(t: int, T: int) -> float:
+    """Return I, by which the walks' interval shrinks in generation ``t`` of ``T``."""
+    for share, w in ((0.95, 6), (0.9, 5), (0.75, 4), (0.5, 3), (0.1, 2)):  # (below eq. 2.11)
+        if t > share * T:
+            return 1 + 10.0**w * t / T  # (the paper has no "1 +")
+    return 1.0
+
+
+def wheel(fitness: Floats) -> Floats:
+    """Return the (N,) running sum of the roulette's weights."""
+    with np.errstate(all="ignore"):  # f = 0 weighs infinitely much
+        return np.cumsum(1 / fitness)
+
+
+@compiled
+def walk_ants(
+    antlions: Floats,
+    elite: Floats,
+    wheel: Floats,
+    lower: Floats,
+    upper: Floats,
+    t: int,
+    T: int,
+    uniforms: Floats,
+    words: Words,
+) -> Floats:
+    """Return the (N, d) ants of generation ``t``.
+
+    ``lower`` and ``upper`` are the bounds over I; row i of the (N, 5) ``uniforms`` is ant i's draw on the roulette and
+    the coins of its two walks for the lower and the upper end; ``words`` are (N, 2, d, ceil(T / 64)) random bits.
+    """
+    N, d = antlions.shape
+    ants = np.empty((N, d))
+    for i in range(N):
+        chosen = 0  # no hit: the first
+        for j in range(N):
+            if wheel[j] > uniforms[i, 0] * wheel[-1]:
+                chosen = j
+                break
+        for k in range(d):
+            total = 0.0
+            for walk in range(2):
+                antlion = elite[k] if walk else antlions[chosen, k]
+                low = antlion + (lower[k] if uniforms[i, 1 + 2 * walk] < 0.5 else -lower[k])  # c (eq. 2.8)
+                high = antlion + (upper[k] if uniforms[i, 2 + 2 * walk] < 0.5 else -upper[k])  # d (eq. 2.9)
+                X, a, b = random_walk(words[i, walk, k], t, T)
+                total += (X - a) * (high - low) / (b - a) + low  # (eq. 2.7)
+            ants[i, k] = total / 2  # (eq. 2.13)
+    return ants
+
+
+@compiled
+def random_walk(words: Words, t: int, T: int) -> tuple[int, int, int]:
+    """Return where a walk of T fair +-1 steps is after t - 1 of them (eq. 2.1), and its minimum and maximum."""
+    x = X = a = b = 0
+    for step in range(0, T, 8):
+        byte = (words[step >> 6] >> np.uint64(step & 63)) & np.uint64(255)
+        k = min(8, T - step)
+        if step <= t - 1 < step + k:
+            X = x + SUM[byte, t - 1 - step]
+        a = min(a, x + LOW[byte, k])
+        b = max(b, x + HIGH[byte, k])
+        x += SUM[byte, k]
+    return X, a, b

@@ -1,0 +1,35 @@
+"""Uniform random search, the floor that every other method has to rise above."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.objective import Objective
+from optimizers._population import Population, evaluate
+
+
+@dataclass(frozen=True)
+class RandomSearch(Population):
+    """Independent points, uniform in the box.
+
+    Example:
+        >>> bench.solve("signature-12", RandomSearch(), budget=60_000, seed=1).fun
+
+    Source: S. H. Brooks, A discussion of random methods for seeking maxima, Operations Research 6(2), 1958,
+    doi:10.1287/opre.6.2.244. With ``handling="repair"`` the points are those of the uniform law after the problem's
+    repair, which is the law of every other method's start.
+
+    Attributes:
+        agents: the points evaluated at once; it changes the speed and nothing else.
+        handling: see :class:`~optimizers._population.Population`.
+    """
+
+    def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Minimise until the budget is spent."""
+        span = objective.upper - objective.lower
+        x = objective.initial(self.agents)
+        for _ in range(self.generations(objective)):
+            evaluate(objective, x)
+            x = self.confine(objective, objective.lower + span * rng.random(x.shape))

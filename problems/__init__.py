@@ -1,0 +1,1 @@
+"""The built-in problems, one family a folder, with all that is about backlash: commands, studies and report views."""

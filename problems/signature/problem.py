@@ -1,0 +1,125 @@
+"""The constrained signature fit as a problem (thesis sections 5.3.1, 7.1.1 and 7.2.2)."""
+
+import hashlib
+import math
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.problem import Problem
+from problems.signature import kernel
+from problems.signature.calibration import default_calibration
+from problems.signature.model import VARIABLES, A, box
+from problems.signature.recordings import Recording
+
+Floats = NDArray[np.float64]
+Unit = Literal["rps", "rpm"]
+
+FACTOR = {"rps": 1.0, "rpm": 60.0}
+
+TOLERANCE_RPM = 3.8672 / 2
+"""rpm; half of Delta A, the accuracy on delta as an accuracy on A (section 7.2.3)."""
+
+
+class SignatureFit(Problem):
+    """Fit the backlash signature to a recording of motor speed by minimising the RMSE.
+
+    The speed is taken about its mean, as the thesis's swarms saw it, so v_t is the offset from the recording's mean
+    speed. Objective, A and v_t are in ``unit``; times are in s, tau in 1/s, omega in rad/s.
+
+    Args:
+        name: the name to store results under.
+        recording: the signal, in rps.
+        period: T_f, the time of one load turn, in s.
+        turns: n, the load turns that the signature spans.
+        unit: "rps", as the authors' notebook, or "rpm", as Table 7.2.
+        amplitude_factor: A's bound in units of the half range; 1.0 in Table 7.1, 1.3 in the notebook.
+        expected: the expected amplitude in rps, where the truth is known.
+        half_gap: the true delta in rad, where it is known.
+
+    Attributes:
+        expected_rpm: the expected amplitude in rpm, or None.
+        tolerance_rpm: half the width of the accuracy band about it, rpm.
+        half_gap: the true delta in rad, or None.
+
+    Raises:
+        BenchError: for options out of range and a recording that cannot hold a load turn.
+    """
+
+    variables = VARIABLES
+    tolerance_rpm = TOLERANCE_RPM
+
+    def __init__(
+        self,
+        name: str,
+        recording: Recording,
+        *,
+        period: float = 0.4,
+        turns: int = 12,
+        unit: Unit = "rps",
+        amplitude_factor: float = 1.3,
+        expected: float | None = None,
+        half_gap: float | None = None,
+    ) -> None:
+        _check_options(name, period, turns, unit, amplitude_factor)
+        length = recording.dt * (len(recording.speed) - 1)
+        if length < period:
+            raise BenchError(
+                f"problem {name!r}: the recording lasts {length:.4g} s, less than one load turn of {period:g} s; "
+                "record longer or set the option period"
+            )
+        if recording.dt > period / 20:
+            raise BenchError(
+                f"problem {name!r}: a sample every {recording.dt:.4g} s is too coarse for a load turn of {period:g} s"
+            )
+        if np.ptp(recording.speed) == 0.0:
+            raise BenchError(f"problem {name!r}: the speed is constant, so there is no disturbance to fit")
+        self.name = name
+        self.unit = unit
+        self.period = float(period)
+        self.turns = turns
+        self.time = recording.time
+        self.mean_rps = float(recording.speed.mean())
+        self.signal: Floats = (recording.speed - self.mean_rps) * FACTOR[unit]  # r(t), (eq. 5.1)
+        self.expected_rpm = None if expected is None else 60.0 * expected
+        self.half_gap = half_gap
+        self.lower, self.upper = box(self.time, self.signal, period=period, amplitude_factor=amplitude_factor)
+        self._folded = kernel.fold(self.signal, start=recording.start, dt=recording.dt, period=period, turns=turns)
+
+    def evaluate(self, x: Floats) -> Floats:
+        """Return the (n,) RMSEs of (n, 7) points, in ``unit``."""
+        return kernel.evaluate(np.ascontiguousarray(x, dtype=np.float64), self._folded)
+
+    def repair(self, x: Floats) -> Floats:
+        """Return the (n, 7) points with every value capped at the limit it breaks (section 7.2.2)."""
+        points = np.ascontiguousarray(x, dtype=np.float64)
+        return kernel.repair(points, self.lower, self.upper, self.time[0], self.time[-1], self.period / 2)
+
+    def describe(self, x: Floats) -> dict[str, float]:
+        """Return the amplitude |A| in rpm, its error against the expected one, and the half-gap delta in rad.
+
+        The sign of A is of no meaning: (A, t0) and (-A, t0 + T_d) describe the same train but for its first half turn.
+        """
+        amplitude = abs(float(x[A])) * 60.0 / FACTOR[self.unit]
+        figures = {"amplitude_rpm": amplitude}
+        if self.expected_rpm is not None:
+            figures["amplitude_error_rpm"] = amplitude - self.expected_rpm
+        return figures | {"backlash_rad": default_calibration().backlash(amplitude)}
+
+    def fingerprint(self) -> str:
+        """Return the SHA-256 of the samples the problem is made of."""
+        return hashlib.sha256(self.time.tobytes() + self.signal.tobytes()).hexdigest()
+
+
+def _check_options(name: str, period: float, turns: int, unit: str, amplitude_factor: float) -> None:
+    """Raise BenchError for an option of the wrong type or out of range."""
+    if unit not in get_args(Unit):
+        raise BenchError(f"problem {name!r}: unit must be 'rps' or 'rpm', not {unit!r}")
+    if isinstance(turns, bool) or not isinstance(turns, int) or turns < 1:
+        raise BenchError(f"problem {name!r}: turns must be a whole number of at least 1, not {turns!r}")
+    for option, value in (("period", period), ("amplitude_factor", amplitude_factor)):
+        number = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+        if not number or value <= 0:
+            raise BenchError(f"problem {name!r}: {option} must be a positive number, not {value!r}")

@@ -1,0 +1,91 @@
+"""Read a user's recording: two columns, time in s and motor speed in rps, as csv or xlsx."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A uniformly sampled signal.
+
+    Attributes:
+        start: time of the first sample, s.
+        dt: sampling period, s.
+        speed: (N,) motor speed, rps.
+    """
+
+    start: float
+    dt: float
+    speed: Floats
+
+    @property
+    def time(self) -> Floats:
+        """(N,) s: the uniform grid."""
+        return self.start + self.dt * np.arange(len(self.speed))
+
+
+def read(path: str | Path) -> Recording:
+    """Return the recording of a csv or xlsx file, whose first two columns are time and speed, headed or not.
+
+    Raises:
+        BenchError: for a file that cannot be read, has one column, values that are no numbers, or a time that runs
+            backwards or in unequal steps.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in READERS:
+        raise BenchError(f"recording {path}: unknown kind of file {path.suffix!r}; give a .csv or .xlsx file")
+    try:
+        table = READERS[path.suffix.lower()](path)
+    except FileNotFoundError as error:
+        raise BenchError(f"recording {path}: there is no such file") from error
+    except Exception as error:  # the readers raise many kinds for a damaged file
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise BenchError(f"recording {path} cannot be read: {reason}") from error
+    if table.shape[1] < 2:
+        raise BenchError(f"recording {path} has {table.shape[1]} column; it needs two, time in s and speed in rps")
+    values = table.iloc[:, :2].apply(pd.to_numeric, errors="coerce")
+    if len(values) and values.iloc[0].isna().all():  # the header line
+        values = values.iloc[1:]
+    if len(values) < 3:
+        raise BenchError(f"recording {path} has {len(values)} samples; a load turn needs many more")
+    bad = values.index[~np.isfinite(values.to_numpy(dtype=float)).all(axis=1)]
+    if len(bad):
+        raise BenchError(f"recording {path}: line {int(bad[0]) + 1} has no number in time or speed (NaN or text); mend or cut it")
+    return _uniform(values.iloc[:, 0].to_numpy(dtype=float), values.iloc[:, 1].to_numpy(dtype=float), path)
+
+
+def _uniform(time: Floats, speed: Floats, path: Path) -> Recording:
+    steps = np.diff(time)
+    if (steps <= 0).any():
+        line = int(np.argmax(steps <= 0)) + 2
+        raise BenchError(f"recording {path}: time stands still or runs backwards at sample {line}; sort or mend it")
+    dt = float((time[-1] - time[0]) / (len(time) - 1))
+    off = np.abs(time - (time[0] + dt * np.arange(len(time)))) > 0.25 * dt
+    uneven = np.abs(steps - dt) > 0.5 * dt
+    if off.any() or uneven.any():
+        line = int(np.argmax(uneven)) + 2 if uneven.any() else int(np.argmax(off)) + 1
+        raise BenchError(
+            f"recording {path}: time is not uniform near sample {line} (steps from {steps.min():.6g} to {steps.max():.6g} s); "
+            "resample it to equal steps"
+        )
+    return Recording(float(time[0]), dt, speed)
+
+
+def _read_csv(path: Path) -> pd.DataFrame:
+    # Any of the usual separators; a header line, if there is one, is recognised by holding no numbers.
+    return pd.read_csv(path, header=None, sep=None, engine="python", encoding_errors="replace", skip_blank_lines=True)
+
+
+def _read_xlsx(path: Path) -> pd.DataFrame:
+    return pd.read_excel(path, header=None)
+
+
+READERS = {".csv": _read_csv, ".txt": _read_csv, ".xlsx": _read_xlsx}

@@ -1,0 +1,199 @@
+"""What every population method here owes the harness: exact budgets, no hidden state, no crash at the edges."""
+
+import dataclasses
+import pickle
+import random
+
+import numpy as np
+import pytest
+
+from bench import BenchError, FunctionProblem, solve
+from bench.objective import Objective
+from bench.optimizer import build
+from optimizers.alo import ALO
+from optimizers.da import DA
+from optimizers.goa import GOA
+from optimizers.gwo import GWO
+from optimizers.random_search import RandomSearch
+
+CLASSES = [GWO, ALO, GOA, DA, RandomSearch]
+VARIANTS = [
+    pytest.param(cls, options, id="-".join([cls.__name__, *options.values()]))
+    for cls, options in [
+        (GWO, {}),
+        (GWO, {"variant": "cascade"}),
+        (ALO, {}),
+        (ALO, {"variant": "paper"}),
+        (GOA, {}),
+        (GOA, {"variant": "full-distance"}),
+        (DA, {}),
+        (RandomSearch, {}),
+    ]
+]
+each_class = pytest.mark.parametrize("cls", CLASSES)
+each = pytest.mark.parametrize(("cls", "options"), VARIANTS)
+
+
+class Recorded(FunctionProblem):
+    """A function that keeps the batches it is asked for."""
+
+    def __init__(self, fun=lambda x: (x**2).sum(axis=1), d=3, lower=-4.0, upper=6.0):
+        super().__init__(fun, [lower] * d, [upper] * d)
+        self.batches = []
+
+    def evaluate(self, x):
+        self.batches.append(x.copy())
+        return super().evaluate(x)
+
+
+def minimum(cls):
+    return next(field.metadata["minimum"] for field in dataclasses.fields(cls) if field.name == "agents")
+
+
+@each
+@pytest.mark.parametrize(
+    ("budget", "batches"), [(30, [6] * 5), (33, [6] * 5 + [3]), (6, [6]), (7, [6, 1]), (4, [4]), (1, [1])]
+)
+def test_spends_the_budget_exactly_in_whole_generations(cls, options, budget, batches):
+    problem = Recorded()
+    result = solve(problem, cls(agents=6, **options), budget=budget, seed=1)
+    assert result.nfev == budget
+    assert result.stop == "budget"
+    assert [len(x) for x in problem.batches] == batches
+
+
+@each
+def test_returns_after_the_last_generation_of_a_budget_of_whole_ones(cls, options):
+    objective = Objective(Recorded(), 24, np.random.default_rng(1))
+    cls(agents=6, **options).minimize(objective, np.random.default_rng(2))  # raises nothing
+    assert objective.remaining == 0
+
+
+@each
+def test_the_seed_decides_everything(cls, options):
+    runs = []
+    for seed in (5, 5, 6):
+        problem = Recorded()
+        solve(problem, cls(agents=6, **options), budget=60, seed=seed)
+        runs.append(np.concatenate(problem.batches))
+    np.testing.assert_array_equal(runs[0], runs[1])
+    assert not np.array_equal(runs[0], runs[2])
+
+
+@each
+def test_the_start_comes_from_the_objective(cls, options):
+    problem = Recorded()
+    cls(agents=6, **options).minimize(Objective(problem, 12, np.random.default_rng(3)), np.random.default_rng(4))
+    np.testing.assert_array_equal(problem.batches[0], Objective(problem, 1, np.random.default_rng(3)).initial(6))
+
+
+@each
+def test_global_random_state_is_neither_read_nor_written(cls, options):
+    runs = []
+    for seed in (1, 2):
+        np.random.seed(seed)  # noqa: NPY002 - the state that must not matter
+        random.seed(seed)
+        before = np.random.get_state()[1].copy(), random.getstate()  # noqa: NPY002
+        runs.append(solve(Recorded(), cls(agents=6, **options), budget=60, seed=1).fun)
+        np.testing.assert_array_equal(np.random.get_state()[1], before[0])  # noqa: NPY002
+        assert random.getstate() == before[1]
+    assert runs[0] == runs[1]
+
+
+EDGES = {
+    "plateau": lambda x: np.ones(len(x)),
+    "zero": lambda x: np.zeros(len(x)),
+    "infinite": lambda x: np.full(len(x), np.inf),
+    "nan": lambda x: np.full(len(x), np.nan),
+    "partly infinite": lambda x: np.where(x[:, 0] > 0, np.inf, (x**2).sum(axis=1)),
+    "negative": lambda x: (x**2).sum(axis=1) - 1000,
+    "mixed signs": lambda x: x.sum(axis=1),
+    "tiny": lambda x: (x**2).sum(axis=1) * 1e-310,
+    "huge": lambda x: (x**2).sum(axis=1) * 1e306,
+}
+
+
+@each
+@pytest.mark.parametrize("d", [1, 4])
+@pytest.mark.parametrize("edge", EDGES)
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_no_edge_of_the_values_breaks_it(cls, options, d, edge):
+    problem = Recorded(EDGES[edge], d)
+    result = solve(problem, cls(agents=minimum(cls), **options), budget=12 * minimum(cls), seed=1)
+    assert result.nfev == 12 * minimum(cls)
+    assert result.outside_box == 0
+    assert np.isfinite(np.concatenate(problem.batches)).all()
+
+
+@each
+def test_a_shifted_box_without_the_origin_is_kept(cls, options):
+    problem = Recorded(lambda x: (x**2).sum(axis=1), 3, lower=100.0, upper=101.0)
+    assert solve(problem, cls(agents=6, **options), budget=120, seed=1).outside_box == 0
+
+
+@each_class
+def test_bad_parameters_are_refused_in_the_words_of_the_harness(cls):
+    with pytest.raises(BenchError, match="no parameter 'agnets'; did you mean 'agents'"):
+        build(cls, "x", {"agnets": 30})
+    with pytest.raises(BenchError, match=f"'agents' of {cls.__name__} must be at least {minimum(cls)}"):
+        cls(agents=minimum(cls) - 1)
+    with pytest.raises(BenchError, match=r"'agents' .* must be a whole number"):
+        cls(agents=30.0)
+    with pytest.raises(BenchError, match=r"'handling' .* must be one of 'repair', 'box'"):
+        cls(handling="clip")
+    if cls in (GWO, ALO, GOA):
+        with pytest.raises(BenchError, match=r"'variant' .* must be one of 'code'"):
+            cls(variant="matlab")
+
+
+@each
+def test_options_survive_a_worker_process(cls, options):
+    optimizer = cls(agents=12, handling="box", **options)
+    assert pickle.loads(pickle.dumps(optimizer)) == optimizer
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        optimizer.agents = 13
+
+
+@pytest.mark.parametrize(("cls", "variant"), [(GWO, "cascade"), (ALO, "paper"), (GOA, "full-distance")])
+def test_a_variant_is_another_algorithm(cls, variant):
+    ours, other = (solve(Recorded(), cls(agents=6, **o), budget=120, seed=1).fun for o in ({}, {"variant": variant}))
+    assert ours != other
+
+
+class Ordered(Recorded):
+    """Feasible where the variables increase: the repair sorts them."""
+
+    def repair(self, x):
+        return np.sort(super().repair(x), axis=1)
+
+
+@each
+def test_repair_evaluates_no_infeasible_point_and_box_does(cls, options):
+    infeasible = {}
+    for handling in ("repair", "box"):
+        problem = Ordered(d=4)
+        solve(problem, cls(agents=6, handling=handling, **options), budget=120, seed=1)
+        infeasible[handling] = sum((np.diff(x, axis=1) < 0).any(axis=1).sum() for x in problem.batches)
+    assert infeasible["repair"] == 0
+    assert infeasible["box"] > 0
+
+
+@pytest.mark.parametrize("variant", ["code", "full-distance"])
+def test_goa_draws_nothing_after_the_start_but_its_dummy_variable(variant):
+    def bests(d):
+        return {
+            GOA(agents=6, variant=variant).minimize(objective, np.random.default_rng(seed)) or objective.best_value
+            for seed in range(4)
+            for objective in [Objective(Recorded(d=d), 60, np.random.default_rng(1))]
+        }
+
+    assert len(bests(4)) == 1
+    # With d = 3 the dummy pairs with the third variable only in the authors' code.
+    assert len(bests(3)) == (4 if variant == "code" else 1)
+
+
+def test_random_search_is_uniform_in_the_box():
+    problem = Recorded(d=2)
+    solve(problem, RandomSearch(agents=100), budget=20_000, seed=1)
+    shares = np.histogram2d(*np.concatenate(problem.batches).T, bins=5, range=[[-4, 6]] * 2)[0] / 20_000
+    assert np.abs(shares - 1 / 25).max() < 5 * np.sqrt(0.04 * 0.96 / 20_000)

@@ -1,0 +1,68 @@
+"""The final bests are distributed like those of the authors' codes (quantiles of hundreds to thousands of runs)."""
+
+import numpy as np
+import pytest
+
+from bench import FunctionProblem, solve
+from optimizers.alo import ALO
+from optimizers.da import DA
+from optimizers.goa import GOA
+from optimizers.gwo import GWO
+
+D, AGENTS, GENERATIONS, RUNS = 7, 30, 200, 60
+LEVELS = (0.05, 0.5, 0.95)
+TOLERANCE = 1.05  # the published quantiles are rounded to two digits
+
+
+def sphere(x):
+    return ((x - np.linspace(-4, 5, D)) ** 2).sum(axis=1)
+
+
+def rastrigin(x):
+    y = x - np.linspace(-2, 2.5, D)
+    return (y**2 - 10 * np.cos(2 * np.pi * y) + 10).sum(axis=1)
+
+
+def rosenbrock(x):
+    return (100 * (x[:, 1:] - x[:, :-1] ** 2) ** 2 + (1 - x[:, :-1]) ** 2).sum(axis=1)
+
+
+PROBLEMS = {
+    "sphere": FunctionProblem(sphere, [-10] * D, [10] * D),
+    "rastrigin": FunctionProblem(rastrigin, [-5.12] * D, [5.12] * D),
+    "rosenbrock": FunctionProblem(rosenbrock, [-5] * D, [10] * D),
+}
+
+PUBLISHED = [
+    (ALO, "sphere", (3.5e-11, 4.4e-10, 7.3e-9)),
+    (ALO, "rastrigin", (4.0, 13, 25)),
+    (ALO, "rosenbrock", (0.75, 4.8, 250)),
+    (GOA, "sphere", (9.5e-3, 1.7, 23)),
+    (GOA, "rastrigin", (6.5, 19, 41)),
+    (GOA, "rosenbrock", (2.2, 126, 1500)),
+    (GWO, "sphere", (2.1e-4, 2.9e-3, 0.35)),
+    (GWO, "rastrigin", (2.0, 6.0, 13)),
+    (GWO, "rosenbrock", (3.0, 4.0, 5.1)),
+    (DA, "sphere", (7.6e-8, 2.2e-4, 4.2e-2)),
+    (DA, "rastrigin", (7.0, 20, 40)),
+    (DA, "rosenbrock", (0.5, 6.3, 430)),
+]
+
+
+def final_bests(optimizer, problem):
+    return np.array([solve(problem, optimizer, budget=AGENTS * GENERATIONS, seed=seed).fun for seed in range(RUNS)])
+
+
+@pytest.mark.parametrize(("optimizer", "function", "quantiles"), PUBLISHED)
+def test_final_bests_are_distributed_as_published(optimizer, function, quantiles):
+    bests = final_bests(optimizer(agents=AGENTS), PROBLEMS[function])
+    assert quantiles[0] < np.median(bests) < quantiles[2]
+    for level, quantile in zip(LEVELS, quantiles, strict=True):
+        slack = 3.5 * np.sqrt(level * (1 - level) / RUNS)  # of a binomial share
+        assert (bests <= quantile * TOLERANCE).mean() > level - slack
+        assert (bests >= quantile / TOLERANCE).mean() > 1 - level - slack
+
+
+def test_full_distance_is_a_very_different_grasshopper_algorithm():
+    bests = final_bests(GOA(agents=AGENTS, variant="full-distance"), PROBLEMS["sphere"])
+    assert 8.6e-9 / 2 < np.median(bests) < 8.6e-9 * 2

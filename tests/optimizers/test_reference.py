@@ -1,0 +1,142 @@
+"""Each optimizer evaluates the very points that the plain reference evaluates, from the same draws."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from bench.objective import Objective
+from bench.problem import FunctionProblem
+from optimizers.alo import ALO, SUM, random_walk
+from optimizers.da import DA
+from optimizers.goa import GOA, social_force
+from optimizers.gwo import GWO
+from tests.optimizers import reference
+
+
+class Recorded(FunctionProblem):
+    """A function that keeps the batches it is asked for."""
+
+    def evaluate(self, x):
+        self.batches = [*getattr(self, "batches", []), x.copy()]
+        return super().evaluate(x)
+
+
+class Ordered(Recorded):
+    """Feasible where the variables increase: the repair sorts them."""
+
+    def repair(self, x):
+        return np.sort(super().repair(x), axis=1)
+
+
+def bowl(x):
+    return float(sum((k + 1) * (v - 1.5) ** 2 for k, v in enumerate(x))) + 1.0
+
+
+def steps(x):
+    """Ties everywhere, and zeros, of which the roulette's weight is infinite."""
+    return float(np.floor(bowl(x) / 25))
+
+
+def signed(x):
+    return bowl(x) - 40.0
+
+
+def cliff(x):
+    return np.inf if x[0] < 0 else bowl(x)
+
+
+def compare(optimizer, plain, problem, generations, **options):
+    """Assert that both evaluate the same points, generation by generation; return these."""
+    N = optimizer.agents
+    problem.batches = []
+    optimizer.minimize(Objective(problem, N * generations, np.random.default_rng(11)), np.random.default_rng(12))
+    start = Objective(problem, 1, np.random.default_rng(11)).initial(N)
+
+    def confine(x):
+        clipped = np.clip(x, problem.lower, problem.upper)
+        return problem.repair(clipped) if optimizer.handling == "repair" else clipped
+
+    f = problem._fun
+    expected = plain(f, confine, problem.lower, problem.upper, start, generations, np.random.default_rng(12), **options)
+    assert len(problem.batches) == len(expected) == generations
+    for t, (ours, theirs) in enumerate(zip(problem.batches, expected, strict=True)):
+        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-12 * 100 ** min(t, 2), err_msg=f"generation {t + 1}")
+    return expected
+
+
+def make(kind, f, d):
+    return kind(f, np.linspace(-4, -3, d), np.linspace(5, 6, d), vectorized=False)
+
+
+FUNCTIONS = [bowl, steps, signed, cliff]
+SHAPES = [(Recorded, 1), (Recorded, 2), (Recorded, 7), (Ordered, 3)]
+everywhere = pytest.mark.parametrize("f", FUNCTIONS)
+shaped = pytest.mark.parametrize(("kind", "d"), SHAPES)
+
+
+@everywhere
+@shaped
+@pytest.mark.parametrize("variant", ["code", "cascade"])
+def test_gwo(f, kind, d, variant):
+    compare(GWO(agents=9, variant=variant), reference.gwo, make(kind, f, d), 10, variant=variant)
+
+
+@everywhere
+@shaped
+@pytest.mark.parametrize("variant", ["code", "paper"])
+def test_alo(f, kind, d, variant):
+    compare(ALO(agents=6, variant=variant), reference.alo, make(kind, f, d), 21, variant=variant)
+
+
+def test_alo_walks_longer_than_one_word_and_no_multiple_of_a_byte():
+    compare(ALO(agents=4), reference.alo, make(Recorded, bowl, 2), 70)
+
+
+@everywhere
+@shaped
+@pytest.mark.parametrize("variant", ["code", "full-distance"])
+def test_goa(f, kind, d, variant):
+    compare(GOA(agents=8, variant=variant), reference.goa, make(kind, f, d), 8, variant=variant)
+
+
+@everywhere
+@shaped
+def test_da(f, kind, d):
+    compare(DA(agents=9), reference.da, make(kind, f, d), 10)
+
+
+def test_the_comparison_of_da_takes_every_branch():
+    seen = Counter()
+    compare(DA(agents=9), reference.da, make(Recorded, bowl, 2), 10, seen=seen)
+    compare(DA(agents=9), reference.da, make(Recorded, bowl, 7), 10, seen=seen)
+    branches = {"far, swarm", "far, alone", "close, swarm", "close, alone", "threatened", "safe"}
+    assert branches | {"enemy on the bounds", "equal in a component"} == set(seen)
+
+
+@pytest.mark.parametrize("optimizer", [GWO, ALO, GOA, DA])
+def test_handling_box_leaves_the_problems_own_rule_out(optimizer):
+    plain = getattr(reference, optimizer.__name__.lower())
+    batches = compare(optimizer(agents=6, handling="box"), plain, make(Ordered, bowl, 3), 6)
+    assert any((np.diff(x, axis=1) < 0).any() for x in batches[1:])
+
+
+@pytest.mark.parametrize("T", [1, 2, 7, 8, 9, 63, 64, 65, 130])
+def test_a_walk_by_bytes_is_the_walk_by_steps(T):
+    words = np.random.default_rng(T).integers(2**64, size=-(-T // 64), dtype=np.uint64)
+    bits = [int(words[n // 64]) >> n % 64 & 1 for n in range(T)]
+    X = np.concatenate([[0], np.cumsum([2 * bit - 1 for bit in bits])])
+    for t in range(1, T + 1):
+        assert random_walk(words, t, T) == (X[t - 1], X.min(), X.max())
+
+
+def test_the_bytes_of_a_walk_are_fair():
+    assert SUM[:, 8].sum() == 0
+    assert (SUM[:, 8] ** 2).mean() == 8  # the variance of eight independent +-1 steps
+
+
+def test_social_force_is_the_formula():
+    distance = np.linspace(0, 40, 100_001)
+    r = 2 + distance % 2
+    expected = 0.5 * np.exp(-r / 1.5) - np.exp(-r)
+    assert np.abs([social_force(D) for D in distance] - expected).max() < 1e-16
