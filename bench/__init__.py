@@ -5,15 +5,21 @@ finds them by entry point. ``bench.solve`` runs one optimizer once; ``bench.run`
 reads what it wrote; ``bench.write_report`` makes tables, figures and a page of it.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from bench.errors import BenchError
 from bench.objective import BudgetExhausted, Objective, Trace
 from bench.optimizer import Optimizer, parameter
 from bench.plugins import load_optimizer, load_problem
 from bench.problem import FunctionProblem, Problem
-from bench.results import Results, load_results
 from bench.runner import run
 from bench.study import Study
 from bench.trial import Result, solve
+
+if TYPE_CHECKING:
+    from bench.report import write_report
+    from bench.results import Results, load_results
 
 __all__ = [
     "BenchError",
@@ -32,4 +38,15 @@ __all__ = [
     "parameter",
     "run",
     "solve",
+    "write_report",
 ]
+
+# Only reading results and reporting need pandas and matplotlib, whose import takes longer than many a trial.
+_ON_DEMAND = {"Results": "bench.results", "load_results": "bench.results", "write_report": "bench.report"}
+
+
+def __getattr__(name: str) -> Any:
+    """Import what is needed on demand."""
+    if name in _ON_DEMAND:
+        return getattr(import_module(_ON_DEMAND[name]), name)
+    raise AttributeError(f"module 'bench' has no attribute {name!r}")

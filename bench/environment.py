@@ -49,7 +49,9 @@ def _git() -> dict[str, Any] | None:
         return None
     try:
         commit = subprocess.run(["git", "-C", home, "rev-parse", "HEAD"], capture_output=True, text=True, check=True)
-        changes = subprocess.run(["git", "-C", home, "status", "--porcelain"], capture_output=True, text=True, check=True)
+        changes = subprocess.run(
+            ["git", "-C", home, "status", "--porcelain"], capture_output=True, text=True, check=True
+        )
     except (OSError, subprocess.CalledProcessError):
         return None
     return {"commit": commit.stdout.strip(), "dirty": bool(changes.stdout.strip())}

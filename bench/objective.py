@@ -92,7 +92,9 @@ class Objective:
         single = points.ndim == 1
         rows = points[np.newaxis] if single else points
         if rows.ndim != 2 or rows.shape[1] != self.dimension:
-            raise ValueError(f"expected points of shape (n, {self.dimension}) or ({self.dimension},), got {points.shape}")
+            raise ValueError(
+                f"expected points of shape (n, {self.dimension}) or ({self.dimension},), got {points.shape}"
+            )
         allowed = min(len(rows), self.remaining)
         if allowed < len(rows):
             if allowed:

@@ -45,7 +45,7 @@ class Optimizer(ABC):
     @property
     def minimum_budget(self) -> int:
         """The evaluations that one generation takes: the population size, or 1 without one."""
-        return int(getattr(self, "agents", 1))
+        return int(getattr(self, "agents", None) or 1)
 
 
 def build(cls: type[Optimizer], name: str, options: dict[str, Any]) -> Optimizer:

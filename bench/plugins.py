@@ -140,6 +140,6 @@ def refuse_foreign_modules() -> None:
         origin = spec.origin if spec is not None else None
         if origin is None or Path(origin).resolve().parents[1] != home:
             raise BenchError(
-                f"the module {module!r} found at {origin or 'no place'} is not {DISTRIBUTION}'s own (expected in {home}); "
-                "run from another folder or rename that module"
+                f"the module {module!r} found at {origin or 'no place'} is not {DISTRIBUTION}'s own, "
+                f"which is in {home}; run from another folder or rename that module"
             )

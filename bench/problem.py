@@ -86,12 +86,16 @@ class FunctionProblem(Problem):
         self.lower = np.array(lower, dtype=np.float64, ndmin=1)
         self.upper = np.array(upper, dtype=np.float64, ndmin=1)
         if self.lower.ndim != 1 or self.lower.shape != self.upper.shape:
-            raise BenchError(f"problem {name!r}: lower and upper must be vectors of one length; give one value a variable")
+            raise BenchError(
+                f"problem {name!r}: lower and upper must be vectors of one length; give one value a variable"
+            )
         if not (np.isfinite(self.lower).all() and np.isfinite(self.upper).all() and (self.lower < self.upper).all()):
             raise BenchError(f"problem {name!r}: every lower bound must be finite and below its upper bound")
         self.name = name
         self.optimum = optimum
-        self.variables = tuple(variables) if variables is not None else tuple(f"x{i + 1}" for i in range(self.dimension))
+        self.variables = (
+            tuple(variables) if variables is not None else tuple(f"x{i + 1}" for i in range(self.dimension))
+        )
         self._fun = fun
         self._vectorized = vectorized
 

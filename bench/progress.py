@@ -7,7 +7,15 @@ from types import TracebackType
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 from bench.study import Study, Trial
 
@@ -19,9 +27,14 @@ class Display:
         self._console = console
         self._live = console.is_terminal
         self._progress = Progress(
-            TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
-            TextColumn("left"), TimeRemainingColumn(elapsed_when_finished=True), console=console, disable=not self._live,
-        )  # fmt: skip
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(elapsed_when_finished=True),
+            console=console,
+            disable=not self._live,
+        )
         self._bars: dict[str, TaskID] = {}
         self._failed = 0
         self._made = self._left = 0
@@ -31,7 +44,9 @@ class Display:
         self._progress.start()
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self._progress.stop()
 
     def plan(self, study: Study, done: set[tuple[str, str, int]]) -> None:
@@ -44,7 +59,7 @@ class Display:
         self._console.print(
             f"study {study.name}: {size} = {len(keys)} runs of {study.budget} evaluations"
             + (f", {len(present)} of them already done" if present else ""),
-            markup=False, highlight=False,
+            markup=False, highlight=False, soft_wrap=True,
         )  # fmt: skip
         self._bars["all"] = self._progress.add_task("[bold]all", total=len(keys), completed=len(present))
         for entry in study.optimizers:
@@ -59,14 +74,16 @@ class Display:
             self._failed += 1
             reason = str(row["error"]).splitlines()[0]
             self._console.print(
-                f"failed: {trial.optimizer} on {trial.problem}, trial {trial.number}: {reason}", markup=False, style="red"
-            )
+                f"failed: {trial.optimizer} on {trial.problem}, trial {trial.number}: {reason}",
+                markup=False, highlight=False, soft_wrap=True, style="red",
+            )  # fmt: skip
         self._progress.advance(self._bars["all"])
         self._progress.advance(self._bars[f"of {trial.optimizer}"])
         if not self._live and (monotonic() - self._spoken > 15 or self._made == self._left):
             self._spoken = monotonic()
             rest = (self._spoken - self._started) / self._made * (self._left - self._made)
-            self._console.print(f"{self._made} of {self._left} runs done, about {rest:.0f} s left", highlight=False)
+            left = f", about {rest:.0f} s left" if self._made < self._left else ""
+            self._console.print(f"{self._made} of {self._left} runs done{left}", highlight=False)
 
 
 def _plain(label: str) -> str:

@@ -36,7 +36,10 @@ class Results:
     @cached_property
     def frame(self) -> pd.DataFrame:
         """The tidy frame: one row a trial; see :func:`load_results`."""
+        problems = {entry.label: rank for rank, entry in enumerate(self.study.problems)}
+        optimizers = {entry.label: rank for rank, entry in enumerate(self.study.optimizers)}
         rows = self._folder.store.rows()
+        rows.sort(key=lambda row: (problems[row["problem"]], optimizers[row["optimizer"]], row["trial"]))
         variables = {f"x_{name}": None for row in rows for name in row["x"]}
         figures = {name: None for row in rows for name in row["figures"]}
         table = [
@@ -46,14 +49,7 @@ class Results:
             | row["figures"]
             for row in rows
         ]
-        frame = pd.DataFrame(table, columns=[*FIRST_COLUMNS, *variables, *figures])
-        order = {"problem": self.study.problems, "optimizer": self.study.optimizers}
-        rank = {column: {entry.label: i for i, entry in enumerate(entries)} for column, entries in order.items()}
-        in_study_order = frame.sort_values(
-            ["problem", "optimizer", "trial"], key=lambda column: column.map(rank.get(str(column.name), {})).fillna(column)
-            if column.name in rank else column,
-        )  # fmt: skip
-        return in_study_order.reset_index(drop=True)
+        return pd.DataFrame(table, columns=[*FIRST_COLUMNS, *variables, *figures])
 
     def traces(self, problem: str, optimizer: str) -> dict[int, Trace]:
         """Return the anytime traces of one cell by trial number."""

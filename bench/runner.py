@@ -6,6 +6,7 @@ import random
 import tomllib
 import traceback
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from os import PathLike, cpu_count
@@ -119,7 +120,5 @@ def _warm_up(study_text: str, optimizer: str) -> None:
     """Spend one discarded, short trial a worker and optimizer, so that compilation lands in no trial's time."""
     study = _study(study_text)
     loaded = study.optimizer(optimizer)
-    try:
+    with suppress(Exception):  # the trial itself will say what is wrong
         solve(study.problem(study.problems[0].label), loaded, budget=3 * loaded.minimum_budget)
-    except Exception:  # noqa: S110 - the trial itself will say what is wrong
-        pass

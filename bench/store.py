@@ -72,12 +72,12 @@ class Store:
             return set(connection.execute(query))
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return every row but its trace, in the order of problem, optimizer and trial."""
+        """Return every row but its trace."""
         if not self.path.exists():
             raise BenchError(f"there is no {FILE} in {self.path.parent}; give the folder that 'bench run' wrote")
         names = [name for name in COLUMNS if name != "trace"]
         with self._open() as connection:
-            found = connection.execute(f"SELECT {', '.join(names)} FROM trials ORDER BY problem, optimizer, trial")
+            found = connection.execute(f"SELECT {', '.join(names)} FROM trials")
             rows = [dict(zip(names, row, strict=True)) for row in found]
         for row in rows:
             row["x"] = json.loads(row["x"]) if row["x"] else {}
@@ -86,7 +86,9 @@ class Store:
 
     def traces(self, problem: str, optimizer: str) -> dict[int, Trace]:
         """Return the anytime traces of a cell by trial number; failed trials have none."""
-        query = "SELECT trial, trace FROM trials WHERE problem = ? AND optimizer = ? AND trace IS NOT NULL ORDER BY trial"
+        query = (
+            "SELECT trial, trace FROM trials WHERE problem = ? AND optimizer = ? AND trace IS NOT NULL ORDER BY trial"
+        )
         with self._open() as connection:
             return {trial: _unpack(blob) for trial, blob in connection.execute(query, (problem, optimizer))}
 

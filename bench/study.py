@@ -100,7 +100,7 @@ class Study:
             if key in data and (not isinstance(data[key], kind) or isinstance(data[key], bool)):
                 raise BenchError(f"study {where}: {key!r} must be {spelled}, not {data[key]!r}")
         if not data.get("name"):
-            raise BenchError(f"study {where} has no name; add a line such as name = \"my-study\"")
+            raise BenchError(f'study {where} has no name; add a line such as name = "my-study"')
         study = cls(
             **{
                 **data,
@@ -178,7 +178,9 @@ def _read(source: str | PathLike[str]) -> tuple[str, str]:
         return text, repr(str(source))
     path = Path(source)
     if path.suffix != ".toml" and not path.exists():
-        raise BenchError(f"unknown study {str(source)!r}{nearest(str(source), installed)}, or give the path of a TOML file")
+        raise BenchError(
+            f"unknown study {str(source)!r}{nearest(str(source), installed)}, or give the path of a TOML file"
+        )
     try:
         return path.read_text(encoding="utf-8"), str(path)
     except (OSError, UnicodeDecodeError) as error:
@@ -195,7 +197,9 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         options = dict(item)
         names = options.pop("names", None) or [options.pop("name", None)]
         label = options.pop("label", None)
-        if not all(isinstance(name, str) and name for name in names) or (label is not None and not isinstance(label, str)):
+        if not all(isinstance(name, str) and name for name in names) or (
+            label is not None and not isinstance(label, str)
+        ):
             raise BenchError(f"study {where}: a [[{key}]] table needs a name (or a list of names), all of them texts")
         entries += [Entry(name, label or name, options) for name in names]
     labels = [entry.label for entry in entries]

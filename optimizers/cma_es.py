@@ -55,15 +55,18 @@ class CMAES(Optimizer):
         options = {
             **SILENT, **UNLIMITED,
             "popsize": self.agents if self.agents is not None else 4 + int(3 * np.log(objective.dimension)),
-            "CMA_stds": self.sigma * (upper - lower),
-            "maxstd": (upper - lower) / 3,  # what pycma's own bounds set
             "seed": np.nan,  # leaves numpy's global state alone
             "randn": lambda *shape: rng.standard_normal(shape),
         }  # fmt: skip
+        step = 1.0
+        if objective.dimension > 1:
+            options |= {"CMA_stds": self.sigma * (upper - lower), "maxstd": (upper - lower) / 3}  # as pycma's bounds set
+        else:  # pycma has no coordinate-wise scales in one dimension
+            step = self.sigma * float(upper[0] - lower[0])
         mean = (lower + upper) / 2 if self.start == "midpoint" else objective.initial(1)[0]
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # pycma warns of what the harness records: flat fitness, early stops
-            strategy = cma.CMAEvolutionStrategy(from_box(mean, lower, upper), 1.0, options)
+            strategy = cma.CMAEvolutionStrategy(from_box(mean, lower, upper), step, options)
             while not strategy.stop():
                 asked = strategy.ask()
                 x = to_box(np.array(asked), lower, upper)

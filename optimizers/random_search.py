@@ -22,7 +22,7 @@ class RandomSearch(Population):
     repair, which is the law of every other method's start.
 
     Attributes:
-        agents: the points evaluated at once; it changes the speed and nothing else.
+        agents: the points evaluated at once; it changes the speed and not the law.
         handling: see :class:`~optimizers._population.Population`.
     """
 

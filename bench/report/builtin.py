@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from bench.analysis import ALPHA, CONTENTION, HIDDEN_THREADS
@@ -33,20 +34,18 @@ def _comparison(findings: Findings) -> Section:
     matrix, summary = findings.matrix, findings.summary
     best, alike = matrix.best, matrix.alike
     text = []
-    if rows := int(best.any(axis=1).sum()):
-        shares = [f"{label} on {n}" for label, n in best.sum().sort_values(ascending=False, kind="stable").items() if n]
-        unclear = int((alike & matrix.mean.notna()).any(axis=1).sum())
+    if best.to_numpy().any():
+        unclear = int(alike.any(axis=1).sum())
         text.append(
-            f"The lowest mean is that of {listing(shares)} of {count(rows, 'problem')}. On {unclear} of them at "
-            "least one other optimizer's result may come from the best one's distribution."
+            f"The lowest mean is {_shares(best)}. On {unclear or 'none'} of them the result of another optimizer may "
+            "come from the best one’s distribution."
         )
         median = summary.pivot(index="problem", columns="optimizer", values="median").loc[best.index, best.columns]
-        lowest = median.eq(median.min(axis=1), axis=0)
-        differ = int((best.any(axis=1) & ~(best & lowest).any(axis=1)).sum())
+        differ = int((best.any(axis=1) & ~(best & _is_lowest(median)).any(axis=1)).sum())
         if differ:
             text.append(
                 f"On {count(differ, 'problem')} the lowest mean and the lowest median belong to different "
-                "optimizers: there the mean is ruled by a few bad trials."
+                "optimizers: a few trials sway the mean there, so look at the distributions."
             )
     means = Table(
         "comparison",
@@ -58,16 +57,43 @@ def _comparison(findings: Findings) -> Section:
         "in the thesis) cannot tell the result from the best one’s distribution. –: no mean, as trials failed or are "
         "missing.",
     )
-    every = Table("cells", "Every cell: trials, failures and statistics of the best objective value.", summary)
-    return Section("Comparison", tuple(text), (means, every))
+    return Section("Comparison", tuple(text), (means,))
 
 
 def _distributions(findings: Findings) -> Section:
-    return Section("Distributions", items=(distribution_figure(findings),))
+    every = Table("cells", "Every cell: trials, failures and statistics of the best objective value.", findings.summary)
+    box = findings.summary.assign(iqr=findings.summary["q3"] - findings.summary["q1"])
+    width = box.pivot(index="problem", columns="optimizer", values="iqr").loc[findings.problems, findings.optimizers]
+    text = (
+        ()
+        if len(findings.optimizers) < 2
+        else (f"The narrowest middle half of the trials is {_shares(_is_lowest(width))}.",)
+    )
+    return Section("Distributions", text, items=(distribution_figure(findings), every))
 
 
 def _convergence(findings: Findings) -> Section:
-    return Section("Convergence", items=(convergence_figure(findings),))
+    figure = convergence_figure(findings)
+    sentences = []
+    for share in (0.01, 0.1, 1.0) if len(findings.optimizers) > 1 else ():
+        spent = max(round(share * findings.results.study.budget), 1)
+        reached = figure.data[figure.data["evaluations"] <= spent].groupby(["problem", "optimizer"], sort=False).last()
+        median = reached["median"].unstack("optimizer")
+        sentences.append(f"After {count(spent, 'evaluation')} the lowest median is {_shares(_is_lowest(median))}.")
+    return Section("Convergence", (" ".join(dict.fromkeys(sentences)),) if sentences else (), (figure,))
+
+
+def _is_lowest(table: pd.DataFrame) -> pd.DataFrame:
+    """Return where a table holds its row's lowest finite value."""
+    finite = table.where(np.isfinite(table.to_numpy(dtype=float)))
+    return finite.eq(finite.min(axis=1), axis=0)
+
+
+def _shares(marks: pd.DataFrame) -> str:
+    """Return in words how often each column is marked, of the rows with any mark; ties count for each."""
+    totals = marks.sum().sort_values(ascending=False, kind="stable")
+    shares = [f"{label}’s on {number}" for label, number in totals.items() if number]
+    return f"{listing(shares)} of {count(int(marks.any(axis=1).sum()), 'problem')}" if shares else "not known"
 
 
 def _tests(findings: Findings) -> list[Section]:
@@ -85,7 +111,7 @@ def _tests(findings: Findings) -> list[Section]:
     names = {
         "first": "first", "second": "second", "distance": "D", "p": "p", "p_holm": "p (Holm)",
         "significant": "significant", "a12": "A12", "lower": "tends lower", "testable": "testable", "tied": "tied > "
-        "10 %",
+        "10%",
     }  # fmt: skip
     tables = [
         Table(
@@ -126,8 +152,8 @@ def _time(findings: Findings) -> Section:
             "CPU s": timing["cpu_median"],
             "CPU IQR": _interval(timing, "cpu"),
             "objective": timing["objective_share"].map("{:.0%}".format, na_action="ignore"),
-            "evaluations/s": timing["speed_median"],
-            "evaluations/s IQR": _interval(timing, "speed"),
+            "evals/s": timing["speed_median"],
+            "evals/s IQR": _interval(timing, "speed"),
             "wall/CPU": timing["wall_per_cpu"],
         }
     ).set_index(pd.Index(timing["optimizer"], name="optimizer"))
@@ -135,14 +161,18 @@ def _time(findings: Findings) -> Section:
         "timing",
         "Median time of one trial, its quartiles, the share spent in the problem’s evaluate, and evaluations a second.",
         shown,
-        decimals={"wall/CPU": 2, "evaluations/s": 0},
+        decimals={"wall/CPU": 2, "evals/s": 0},
     )
     return Section("Time", tuple(text), (timing_figure(timing), table), tuple(warnings))
 
 
 def _interval(timing: pd.DataFrame, name: str) -> list[str]:
     quartiles = zip(timing[f"{name}_q1"], timing[f"{name}_q3"], strict=True)
-    return ["–" if pd.isna(q1) else f"{q1:.4g} to {q3:.4g}" for q1, q3 in quartiles]
+    return ["–" if pd.isna(q1) else f"{_short(q1)}–{_short(q3)}" for q1, q3 in quartiles]
+
+
+def _short(value: float) -> str:
+    return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}"
 
 
 def _environment(findings: Findings) -> Section:

@@ -25,7 +25,7 @@ def file_name(name: str) -> str:
     Names are data and may hold anything; what had to be changed ends in a hash, so that two names never share a file.
     """
     safe = re.sub(r"[^a-z0-9_]+", "-", name.lower()).strip("-")[:60]
-    return safe if safe == name else f"{safe or 'part'}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+    return safe if safe and safe == name else f"{safe or 'part'}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
 
 
 def save_table(table: Table, folder: Path, name: str) -> list[str]:
@@ -54,8 +54,9 @@ def _draw(figure: matplotlib.figure.Figure) -> tuple[bytes, bytes]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # a label's letters may be missing from the font
         canvas = FigureCanvasSVG(figure)
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
+        if (engine := figure.get_layout_engine()) is not None:
+            engine.execute(figure)
+            figure.set_layout_engine("none")
         canvas.print_svg(svg, metadata={"Date": None})  # type: ignore[no-untyped-call]
         FigureCanvasPdf(figure).print_pdf(pdf, metadata={"CreationDate": None})  # type: ignore[no-untyped-call]
     return svg.getvalue(), pdf.getvalue()

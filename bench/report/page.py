@@ -58,8 +58,8 @@ def inline(svg: str, name: str, caption: str) -> Markup:
                 element.set(key, f"{name}-{value}")
             elif key in ("href", f"{{{XLINK}}}href") and value.startswith("#"):
                 element.set(key, f"#{name}-{value[1:]}")
-            elif value.startswith("url(#"):
-                element.set(key, f"url(#{name}-{value[5:]}")
+            elif "url(#" in value:
+                element.set(key, value.replace("url(#", f"url(#{name}-"))
     ElementTree.register_namespace("", SVG)
     ElementTree.register_namespace("xlink", XLINK)
     return Markup(ElementTree.tostring(root, encoding="unicode"))

@@ -10,7 +10,7 @@ import matplotlib.figure
 import pandas as pd
 from pandas.api.types import is_bool_dtype, is_numeric_dtype
 
-from bench.report.words import cell_text
+from bench.report.words import cell_text, usual_decimals
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,8 @@ class Table:
         frame: the values; the index is shown where it has a name.
         bold: where to set values bold, a frame of booleans like ``frame``; columns it lacks are not.
         italic: likewise for italics.
-        decimals: decimals of every float, or by column; floats without any are shown with four significant digits.
+        decimals: decimals of every float, or by column; floats without any have four
+            significant digits, aligned where a column's values are of like size.
         note: what the reader must know of the marks, below the table.
     """
 
@@ -62,17 +63,19 @@ class Table:
         keys = self.frame.index.to_frame().itertuples(index=False) if self.has_index else [()] * len(self.frame)
         columns = [
             [
-                Cell(cell_text(value, self._decimals(name)), bold=bool(bold), italic=bool(italic))
+                Cell(cell_text(value, decimals), bold=bool(bold), italic=bool(italic))
                 for value, bold, italic in zip(values, *marks, strict=True)
             ]
             for name, values in self.frame.items()
             for marks in [(self._marks(self.bold, name), self._marks(self.italic, name))]
+            for decimals in [self._decimals(name, values)]
         ]
         heads = [[Cell(cell_text(value), heads_row=True) for value in key] for key in keys]
         return [[*head, *(column[i] for column in columns)] for i, head in enumerate(heads)]
 
-    def _decimals(self, column: Any) -> int | None:
-        return self.decimals.get(column) if isinstance(self.decimals, Mapping) else self.decimals
+    def _decimals(self, column: Any, values: pd.Series[Any]) -> int | None:
+        given = self.decimals.get(column) if isinstance(self.decimals, Mapping) else self.decimals
+        return usual_decimals(values) if given is None and _is_number(values) else given
 
     def _marks(self, which: pd.DataFrame | None, column: Any) -> list[bool]:
         return [False] * len(self.frame) if which is None or column not in which else list(which[column])

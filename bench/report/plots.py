@@ -28,8 +28,9 @@ def distribution_figure(findings: Findings) -> Figure:
             _box(ax, row, values, looks[optimizer], many=len(data) > style.MANY_POINTS)
         ax.set_title(style.plain(problem), loc="left")
         if wide and (data.loc[data["problem"] == problem, "score"] > 0).all():
-            ax.set_xscale("log")
+            style.log_scale(ax, "x")
         ax.grid(visible=False, axis="y")
+        ax.use_sticky_edges = False
     axes[0].set_yticks(range(len(optimizers)), [style.plain(label, 16) for label in optimizers])
     axes[0].set_ylim(len(optimizers) - 0.4, -0.6)
     caption = (
@@ -77,9 +78,9 @@ def convergence_figure(findings: Findings) -> Figure:
             if len(curve):
                 _curve(ax, curve, look, first_marker=2 * i)
         ax.set_title(style.plain(problem), loc="left")
-        ax.set_xscale("log")
+        style.log_scale(ax, "x")
         if style.is_wide(panel["median"], ratio=3):
-            ax.set_yscale("log")
+            style.log_scale(ax, "y")
     for ax in axes[-3:]:
         ax.set_xlabel("evaluations")
         ax.xaxis.set_tick_params(labelbottom=True)
@@ -89,7 +90,7 @@ def convergence_figure(findings: Findings) -> Figure:
         )
         for label, look in looks.items()
     ]
-    figure.legend(handles=handles, loc="outside upper left", ncols=min(len(handles), 5))
+    figure.legend(handles=handles, loc="outside upper left", ncols=min(len(handles), 6))
     caption = (
         "Median best-so-far objective value over evaluations, with the quartiles as a band (log axes where the "
         "values are positive and wide). A trial that ended early keeps its last value; failed trials count as infinite."

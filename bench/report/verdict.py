@@ -72,7 +72,7 @@ def _grounds(findings: Findings) -> str:
         "optimizer has a trial. Separable means that the exact two-sample Kolmogorov-Smirnov test at alpha = "
         f"{ALPHA:g}, adjusted by Holm over the {count(pairs, 'pair')} of a problem, tells it from each rival and "
         "that it tends to be the lower one "
-        f"({count(len(findings.pairs), 'hypothesis').replace('hypothesiss', 'hypotheses')} in all). A winner is "
+        f"({count(len(findings.pairs), 'test')} in all). A winner is "
         "named only if it is separable from every rival on more than half of the problems. The counts describe these "
         "problems; no test across problems is made here."
     )
@@ -90,7 +90,9 @@ def _power(findings: Findings) -> str:
         if needed is None or shift is None:
             parts.append(f"at {name} no difference at all can be found")
         else:
-            parts.append(f"at {name} it needs D of at least {needed}/{n} and sees 80 % of shifts of {shift:.2f} SD")
+            parts.append(
+                f"at {name} the test needs D of at least {needed}/{n} and sees 80% of shifts of {shift:.2f} SD"
+            )
             shifts.append(f"{shift:.1f}")
     ending = (
         f"“not significant” therefore reads “shifts below about {' to '.join(dict.fromkeys(shifts))} SD would often be "
@@ -141,7 +143,7 @@ def _warnings(findings: Findings) -> list[str]:
         )
     if tied := pairs["tied"].astype(bool).sum():
         found.append(
-            f"In {tied} of {count(len(pairs), 'pair')} more than 10 % of the values are ties; their p is on the safe "
+            f"In {tied} of {count(len(pairs), 'pair')} more than 10% of the values are ties; their p is on the safe "
             "side (too large)."
         )
     return found

@@ -23,10 +23,19 @@ def cell_text(value: Any, decimals: int | None = None) -> str:
     if isinstance(value, (float, np.floating)):
         if math.isinf(value):
             return "∞" if value > 0 else "−∞"
-        return f"{value:.4g}" if decimals is None else f"{value:.{decimals}f}"
+        return f"{value:.4g}" if decimals is None else f"{value:,.{decimals}f}"
     if isinstance(value, (int, np.integer)):
         return f"{value:,}"
     return str(value)
+
+
+def usual_decimals(values: Any) -> int | None:
+    """Return the decimals that show a column's values with four significant digits, None where they span too much."""
+    sizes = np.abs(np.asarray(values, dtype=float))
+    sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
+    if not len(sizes) or not 1e-3 < sizes.max() < 1e5 or sizes.max() > 1e3 * sizes.min():
+        return None
+    return max(3 - math.floor(math.log10(sizes.max())), 0)
 
 
 def count(number: int, noun: str) -> str:

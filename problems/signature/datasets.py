@@ -8,6 +8,7 @@ made again.
 import hashlib
 import json
 import os
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
@@ -91,9 +92,7 @@ def _read(path: Path) -> dict[str, Floats] | None:
 def _write(path: Path, arrays: dict[str, Floats]) -> None:
     """Write a cache file at once, so that two workers cannot see each other's half; a read-only cache is no error."""
     temporary = path.with_name(f"{path.stem}.{os.getpid()}.tmp.npz")
-    try:
+    with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        np.savez(temporary, **arrays, digest=np.array(_digest(arrays)))
+        np.savez(temporary, allow_pickle=False, digest=np.array(_digest(arrays)), **arrays)
         temporary.replace(path)
-    except OSError:
-        temporary.unlink(missing_ok=True)

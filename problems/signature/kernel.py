@@ -38,7 +38,7 @@ class Folded(NamedTuple):
         signal: (N,) the speed r about its mean.
         twice_f: (N,) 2 F.
         twice_g: (N,) 2 G.
-        count: (N,) C.
+        terms: (N,) C.
         s1: sum of r.
         s2: sum of r^2.
         start: time of the first sample, s.
@@ -51,7 +51,7 @@ class Folded(NamedTuple):
     signal: Floats
     twice_f: Floats
     twice_g: Floats
-    count: Floats
+    terms: Floats
     s1: float
     s2: float
     start: float
@@ -66,15 +66,25 @@ def fold(signal: Floats, *, start: float, dt: float, period: float, turns: int) 
     n, replicas = len(signal), 2 * turns
     exact = period / 2 / dt
     shift = round(exact) if abs(exact - round(exact)) * dt * replicas < EDGE else 0
-    f, g, count = np.zeros(n), np.zeros(n), np.zeros(n)
+    f, g, terms = np.zeros(n), np.zeros(n), np.zeros(n)
     for k in range(replicas if shift else 0):
         if (length := n - k * shift) <= 0:
             break
         f[:length] += (-1.0) ** k * signal[k * shift :]
         g[:length] += (-1.0) ** k
-        count[:length] += 1.0
+        terms[:length] += 1.0
     return Folded(
-        signal, 2 * f, 2 * g, count, float(signal.sum()), float((signal**2).sum()), start, dt, period / 2, replicas, shift
+        signal,
+        2 * f,
+        2 * g,
+        terms,
+        float(signal.sum()),
+        float((signal**2).sum()),
+        start,
+        dt,
+        period / 2,
+        replicas,
+        shift,
     )
 
 
@@ -86,7 +96,7 @@ def evaluate(points: Floats, recording: Folded) -> Floats:
     model = np.empty(n)
     re, im, lanes = np.empty(LANES), np.empty(LANES), np.empty(LANES)
     s1, s2, start, dt, shift = recording.s1, recording.s2, recording.start, recording.dt, recording.shift
-    count, twice_f, twice_g = recording.count, recording.twice_f, recording.twice_g
+    terms, twice_f, twice_g = recording.terms, recording.twice_f, recording.twice_g
     for p in range(len(points)):
         a, t0, tau, omega = points[p, 0], points[p, 1], points[p, 2], points[p, 3]
         c, t1, t2 = points[p, 4], points[p, 5], points[p, 6]
@@ -95,8 +105,8 @@ def evaluate(points: Floats, recording: Folded) -> Floats:
             continue
         # The open window (t0 + T1, t0 + T2) in samples; clamped as floats, since far ones do not fit an integer.
         begin, end = (t0 - start + t1 + EDGE) / dt, (t0 - start + t2 - EDGE) / dt
-        first = int(math.floor(min(max(begin, -1.0), n))) + 1
-        last = int(math.ceil(min(max(end, 0.0), n)))
+        first = math.floor(min(max(begin, -1.0), n)) + 1
+        last = math.ceil(min(max(end, 0.0), n))
         squares = s2 - 2 * c * s1 + n * c * c
         folded = shift > 0 and begin >= -1.0 and (last - first <= shift if end <= n else end - begin < shift - 1.0)
         if folded and last > first:
@@ -105,7 +115,7 @@ def evaluate(points: Floats, recording: Folded) -> Floats:
             z_re, z_im = amplitude * math.cos(phase), amplitude * math.sin(phase)
             q, (cosine, sine) = _exp_of_minus(tau * dt), _cos_sin(omega * dt)
             squares += _first_window(
-                z_re, z_im, q * cosine, q * sine, c, first, last, count, twice_f, twice_g, re, im, lanes
+                z_re, z_im, q * cosine, q * sine, c, first, last, terms, twice_f, twice_g, re, im, lanes
             )
         if not folded or squares < 1e-6 * s2:
             squares = _direct(a, t0, tau, omega, c, t1, t2, recording, model)
@@ -116,7 +126,7 @@ def evaluate(points: Floats, recording: Folded) -> Floats:
 @njit(cache=True, error_model="numpy", inline="always")
 def _first_window(
     z_re: float, z_im: float, q_re: float, q_im: float, c: float, first: int, last: int,
-    count: Floats, twice_f: Floats, twice_g: Floats, re: Floats, im: Floats, lanes: Floats,
+    terms: Floats, twice_f: Floats, twice_g: Floats, re: Floats, im: Floats, lanes: Floats,
 ) -> float:  # fmt: skip
     """Return the sum of y (C y - 2 F + 2 c G) over samples first … last - 1, where y_j = Im(z q^j)."""
     re[0], im[0] = 1.0, 0.0  # q^0 … q^7 by doubling: short chains of multiplications, not one long one
@@ -132,13 +142,14 @@ def _first_window(
     while base + width <= end:
         for j in range(width):
             y = z_re * im[j] + z_im * re[j]
-            lanes[j] += y * (count[base + j] * y - (twice_f[base + j] - c * twice_g[base + j]))
+            lanes[j] += y * (terms[base + j] * y - (twice_f[base + j] - c * twice_g[base + j]))
         z_re, z_im = z_re * q_re - z_im * q_im, z_re * q_im + z_im * q_re
         base += width
     for j in range(end - base):
         y = z_re * im[j] + z_im * re[j]
-        lanes[j] += y * (count[base + j] * y - (twice_f[base + j] - c * twice_g[base + j]))
-    return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
+        lanes[j] += y * (terms[base + j] * y - (twice_f[base + j] - c * twice_g[base + j]))
+    total: float = ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
+    return total
 
 
 @njit(inline="always")
@@ -179,8 +190,8 @@ def _direct(
     q_re, q_im = q * math.cos(omega * dt), q * math.sin(omega * dt)
     for k in range(recording.replicas):
         origin = t0 + k * recording.delay - recording.start
-        first = int(math.floor(min(max((origin + t1 + EDGE) / dt, -1.0), n))) + 1
-        last = int(math.ceil(min(max((origin + t2 - EDGE) / dt, 0.0), n)))
+        first = math.floor(min(max((origin + t1 + EDGE) / dt, -1.0), n)) + 1
+        last = math.ceil(min(max((origin + t2 - EDGE) / dt, 0.0), n))
         if first >= last:
             continue
         u = first * dt - origin

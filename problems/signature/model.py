@@ -18,7 +18,7 @@ EDGE = 1e-9
 
 def step(u: Floats) -> Floats:
     """Return the unit step, 1 after zero and 0 at and before it."""
-    return (u > EDGE) * 1.0
+    return np.where(u > EDGE, 1.0, 0.0)
 
 
 def oscillation(u: Floats, x: Floats) -> Floats:
@@ -28,7 +28,8 @@ def oscillation(u: Floats, x: Floats) -> Floats:
     with the two names exchanged). The amplitude is that at the start of the window.
     """
     decay = np.exp(-x[TAU] * np.maximum(u - x[T1], 0.0))  # capped, as it would overflow long before the window
-    return x[A] * decay * np.sin(x[OMEGA] * u) * step(u - x[T1]) * step(x[T2] - u)
+    wave: Floats = x[A] * decay * np.sin(x[OMEGA] * u) * step(u - x[T1]) * step(x[T2] - u)
+    return wave
 
 
 def signature(t: Floats, x: Floats, *, period: float, turns: int) -> Floats:

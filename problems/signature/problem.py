@@ -90,12 +90,14 @@ class SignatureFit(Problem):
 
     def evaluate(self, x: Floats) -> Floats:
         """Return the (n,) RMSEs of (n, 7) points, in ``unit``."""
-        return kernel.evaluate(np.ascontiguousarray(x, dtype=np.float64), self._folded)
+        values: Floats = kernel.evaluate(np.ascontiguousarray(x, dtype=np.float64), self._folded)
+        return values
 
     def repair(self, x: Floats) -> Floats:
         """Return the (n, 7) points with every value capped at the limit it breaks (section 7.2.2)."""
         points = np.ascontiguousarray(x, dtype=np.float64)
-        return kernel.repair(points, self.lower, self.upper, self.time[0], self.time[-1], self.period / 2)
+        repaired: Floats = kernel.repair(points, self.lower, self.upper, self.time[0], self.time[-1], self.period / 2)
+        return repaired
 
     def describe(self, x: Floats) -> dict[str, float]:
         """Return the amplitude |A| in rpm, its error against the expected one, and the half-gap delta in rad.

@@ -69,7 +69,11 @@ def make(kind, f, d):
     return kind(f, np.linspace(-4, -3, d), np.linspace(5, 6, d), vectorized=False)
 
 
-FUNCTIONS = [bowl, steps, signed, cliff]
+def nowhere(x):
+    return np.inf
+
+
+FUNCTIONS = [bowl, steps, signed, cliff, nowhere]
 SHAPES = [(Recorded, 1), (Recorded, 2), (Recorded, 7), (Ordered, 3)]
 everywhere = pytest.mark.parametrize("f", FUNCTIONS)
 shaped = pytest.mark.parametrize(("kind", "d"), SHAPES)
@@ -93,6 +97,10 @@ def test_alo_walks_longer_than_one_word_and_no_multiple_of_a_byte():
     compare(ALO(agents=4), reference.alo, make(Recorded, bowl, 2), 70)
 
 
+def test_alo_sorts_ties_stably():
+    compare(ALO(agents=40), reference.alo, make(Recorded, lambda x: steps(x) + 1, 2), 4)
+
+
 @everywhere
 @shaped
 @pytest.mark.parametrize("variant", ["code", "full-distance"])
@@ -104,6 +112,19 @@ def test_goa(f, kind, d, variant):
 @shaped
 def test_da(f, kind, d):
     compare(DA(agents=9), reference.da, make(kind, f, d), 10)
+
+
+class Edge(Recorded):
+    """Feasible only on one bound, where DA finds no enemy and keeps the one at the origin."""
+
+    def repair(self, x):
+        x = super().repair(x)
+        x[:, 0] = self.lower[0]
+        return x
+
+
+def test_da_without_a_point_inside_the_bounds():
+    compare(DA(agents=9), reference.da, make(Edge, bowl, 2), 10)
 
 
 def test_the_comparison_of_da_takes_every_branch():

@@ -1,0 +1,167 @@
+"""The command line. Bad input is one sentence and exit code 2; failed trials end a run with 1, Ctrl-C with 130."""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from bench import listing, plugins
+from bench.errors import BenchError
+from bench.progress import Display
+
+app = typer.Typer(
+    help="Compare metaheuristics: run studies, and report what may be claimed from them.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+)
+
+Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.")]
+
+
+def main() -> None:
+    """Run the command line and turn bad input into a sentence on standard error."""
+    try:
+        plugins.refuse_foreign_modules()
+        for name in plugins.entries("commands"):
+            _add_command(name)
+        app()
+    except BenchError as error:
+        _say(str(error))
+        sys.exit(2)
+    except KeyboardInterrupt:
+        sys.exit(130)
+
+
+def _say(message: str) -> None:
+    """Print one red line on standard error."""
+    Console(stderr=True).print(f"bench: {message}", style="red", markup=False, highlight=False, soft_wrap=True)
+
+
+def _add_command(name: str) -> None:
+    """Add a plug-in's sub-command; one that fails to load says so when it is called, and breaks nothing else."""
+    try:
+        command = plugins.load("commands", name)
+    except BenchError as error:
+        message = str(error)
+
+        def command() -> None:
+            raise BenchError(message)
+
+        command.__doc__ = "(failed to load)"
+    if isinstance(command, typer.Typer):
+        app.add_typer(command, name=name)
+    else:
+        app.command(name)(command)
+
+
+@app.command("list")
+def list_plugins(
+    kind: Annotated[str, typer.Argument(help="optimizers, problems, studies, commands, or all")] = "all",
+) -> None:
+    """List the optimizers, problems and studies that are installed, with their parameters."""
+    listing.show(kind, Console())
+
+
+@app.command()
+def run(
+    study: Annotated[str, typer.Argument(help="An installed study's name (see 'bench list studies') or a TOML file.")],
+    output: Annotated[Path | None, typer.Option(help="Folder to write; default: results/runs/STUDY.")] = None,
+    jobs: Annotated[int, typer.Option(help="Worker processes; -1 takes every core.")] = -1,
+    backend: Annotated[str, typer.Option(help="joblib backend.")] = "loky",
+    trials: Annotated[
+        int | None, typer.Option(help="Trials of each optimizer on each problem, instead of the study's.")
+    ] = None,
+    budget: Annotated[int | None, typer.Option(help="Evaluations a trial, instead of the study's.")] = None,
+    seed: Annotated[int | None, typer.Option(help="The root of all seeds, instead of the study's.")] = None,
+    report: Annotated[bool, typer.Option(help="Write the report when the run ends.")] = True,
+) -> None:
+    """Run a study, continue one that was interrupted, or extend one; then write its report.
+
+    The same command continues where the last one ended: every finished trial is kept.
+    """
+    from bench.runner import run as run_study
+    from bench.study import Study
+
+    console = Console()
+    chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed)
+    try:
+        with Display(console) as display:
+            outcome = run_study(
+                chosen, output, n_jobs=jobs, backend=backend, on_plan=display.plan, on_trial=display.trial
+            )
+    except KeyboardInterrupt:
+        _say("interrupted; every finished trial is kept: run the same command again to continue")
+        sys.exit(130)
+    if report:
+        _report(outcome.folder, console)
+    else:
+        console.print(f"results in {outcome.folder}", markup=False, highlight=False, soft_wrap=True)
+    if outcome.failed:
+        _say(f"{outcome.failed} trials failed; see the report or 'bench status {outcome.folder}'")
+        sys.exit(1)
+
+
+@app.command()
+def status(output: Output) -> None:
+    """Show how far a study's folder is, what failed, and where it ran."""
+    from bench.results import Results
+
+    listing.show_status(Results(output), Console())
+
+
+@app.command()
+def report(output: Output) -> None:
+    """Write the report of a study's folder: a page, tables (CSV, LaTeX) and figures (SVG, PDF)."""
+    _report(output, Console())
+
+
+def _report(folder: Path, console: Console) -> None:
+    from bench.report import write_report
+
+    page = write_report(folder)
+    console.print(f"report: {page}", markup=False, highlight=False, soft_wrap=True)
+
+
+@app.command()
+def solve(
+    problem: Annotated[str, typer.Argument(help="A problem's name, such as signature-12 or recording:joint2.csv.")],
+    optimizer: Annotated[str, typer.Argument(help="An optimizer's name, such as gwo.")],
+    budget: Annotated[int, typer.Option(help="Evaluations to spend.")] = 60_000,
+    seed: Annotated[int, typer.Option(help="Repeats the run; the seed of a study's row repeats that trial.")] = 0,
+    option: Annotated[
+        list[str] | None, typer.Option("--set", help="A parameter of the optimizer, as agents=300.")
+    ] = None,
+    problem_option: Annotated[list[str] | None, typer.Option(help="An option of the problem, as unit=rpm.")] = None,
+) -> None:
+    """Run one optimizer once on one problem and print what it found."""
+    from bench.trial import solve as solve_once
+
+    loaded = plugins.load_problem(problem, **_pairs(problem_option))
+    chosen = plugins.load_optimizer(optimizer, **_pairs(option))
+    if budget < chosen.minimum_budget:
+        raise BenchError(
+            f"a budget of {budget} evaluations is below one generation of {optimizer!r}, which takes "
+            f"{chosen.minimum_budget}; raise --budget or lower its agents"
+        )
+    listing.show_result(solve_once(loaded, chosen, budget=budget, seed=seed), loaded, Console())
+
+
+def _pairs(items: list[str] | None) -> dict[str, Any]:
+    """Return KEY=VALUE texts as options; a value that is no TOML value is taken as a text."""
+    options: dict[str, Any] = {}
+    for item in items or []:
+        key, equals, value = item.partition("=")
+        if not equals or not key.strip():
+            raise BenchError(f"{item!r} is no KEY=VALUE, as in agents=300")
+        try:
+            options[key.strip()] = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            options[key.strip()] = value
+    return options

@@ -1,0 +1,86 @@
+"""Plug-ins for the tests of the harness; the folder beside this file registers them as an installed package does."""
+
+import os
+from dataclasses import dataclass
+from time import sleep
+
+import numpy as np
+
+from bench import FunctionProblem, Optimizer, parameter
+
+
+@dataclass(frozen=True)
+class HillClimber(Optimizer):
+    """A (1+1)-ES with the one-fifth rule (Rechenberg 1973)."""
+
+    sigma: float = 0.2
+
+    def minimize(self, objective, rng):
+        span, step = objective.upper - objective.lower, self.sigma
+        x = objective.initial(1)
+        f = objective(x)
+        while True:
+            y = objective.repair(x + step * span * rng.standard_normal(x.shape))
+            g = objective(y)
+            if g <= f:
+                x, f, step = y, g, step * 1.5
+            else:
+                step *= 1.5**-0.25
+
+
+@dataclass(frozen=True)
+class Scatter(Optimizer):
+    """Uniform points, ``agents`` at a time."""
+
+    agents: int = parameter(10, minimum=2)
+
+    def minimize(self, objective, rng):
+        while True:
+            objective(rng.uniform(objective.lower, objective.upper, (self.agents, objective.dimension)))
+
+
+@dataclass(frozen=True)
+class Faulty(Optimizer):
+    """Raises on every problem whose box is two-dimensional."""
+
+    def minimize(self, objective, rng):
+        objective(objective.initial(3))
+        if objective.dimension == 2:
+            raise RuntimeError("cannot do planes")
+        while True:
+            objective(objective.initial(3))
+
+
+@dataclass(frozen=True)
+class Early(Optimizer):
+    """Stops after five evaluations, saying so or not."""
+
+    honest: bool = True
+
+    def minimize(self, objective, rng):
+        objective(objective.initial(5))
+        if self.honest:
+            objective.stop("tired")
+
+
+class Functions:
+    """sphere-2, sphere-3 and slow-2 as a family."""
+
+    def names(self):
+        return ["sphere-2", "sphere-3", "slow-2"]
+
+    def load(self, name, **options):
+        kind, d = name.split("-")
+        box = [-5.0] * int(d), [5.0] * int(d)
+        if kind == "slow":
+            return FunctionProblem(
+                lambda x: sleep(float(os.environ.get("SLOW", "0.01"))) or (x**2).sum(axis=1), *box, name=name
+            )
+        problem = FunctionProblem(
+            lambda x: (x**2).sum(axis=1) + options.get("offset", 0.0), *box, name=name, optimum=0.0
+        )
+        problem.describe = lambda x: {"radius": float(np.linalg.norm(x))}
+        return problem
+
+
+functions = Functions()

@@ -1,0 +1,164 @@
+"""The command line as a stranger uses it: what it prints, and one sentence and an exit code for wrong input."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from bench import cli
+
+STUDY = """
+name = "tiny"
+trials = 2
+budget = 40
+
+[[problems]]
+names = ["sphere-2", "sphere-3"]
+
+[[optimizers]]
+name = "scatter"
+
+[[optimizers]]
+name = "{second}"
+"""
+
+
+def bench(*arguments, cwd=None, **environment):
+    done = subprocess.run(
+        [sys.executable, "-m", "bench", *map(str, arguments)],
+        capture_output=True, text=True, cwd=cwd, env=os.environ | environment, timeout=300,
+    )  # fmt: skip
+    assert "Traceback" not in done.stderr + done.stdout, done.stderr
+    return done
+
+
+@pytest.fixture
+def tiny(tmp_path):
+    path = tmp_path / "tiny.toml"
+    path.write_text(STUDY.format(second="hill-climber"))
+    return path
+
+
+def test_run_writes_a_report_and_status_knows_it(tiny, tmp_path):
+    done = bench("run", tiny, "--output", tmp_path / "out", "--jobs", 1)
+    assert done.returncode == 0, done.stderr
+    assert "2 problems x 2 optimizers x 2 trials = 8 runs of 40 evaluations" in done.stdout
+    assert "8 of 8 runs done" in done.stdout
+    for name in ("study.toml", "trials.sqlite", "environment.json", "report.html"):
+        assert (tmp_path / "out" / name).stat().st_size > 0
+    again = bench("run", tiny, "--output", tmp_path / "out", "--jobs", 1, "--no-report")
+    assert "8 of them already done" in again.stdout
+    status = bench("status", tmp_path / "out")
+    assert status.returncode == 0
+    assert "scatter       4     0       4" in status.stdout
+
+
+def test_failed_trials_are_said_and_end_with_one(tmp_path):
+    path = tmp_path / "faults.toml"
+    path.write_text(STUDY.format(second="faulty"))
+    done = bench("run", path, "--output", tmp_path / "out", "--jobs", 1)
+    assert done.returncode == 1
+    assert "failed: faulty on sphere-2, trial 0: RuntimeError: cannot do planes" in done.stdout
+    assert "2 trials failed" in done.stderr
+    assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_the_default_output_is_named_after_the_study(tiny, tmp_path):
+    assert bench("run", tiny, "--jobs", 1, "--no-report", cwd=tmp_path).returncode == 0
+    assert (tmp_path / "results" / "runs" / "tiny" / "trials.sqlite").exists()
+
+
+def test_list_names_everything_and_a_broken_plugin_s_error():
+    done = bench("list", COLUMNS="200")
+    assert done.returncode == 0
+    for name in ("cma-es", "gwo", "hill-climber", "signature-01 … signature-20", "recording:<name>", "thesis", "simulate"):
+        assert name in done.stdout
+    assert "failed to load: ModuleNotFoundError: No module named 'testing_plugins_missing'" in done.stdout
+    assert "agents=30" in done.stdout
+
+
+def test_solve_prints_the_point_and_the_figures():
+    done = bench("solve", "sphere-3", "hill-climber", "--budget", 300, "--seed", 4, "--set", "sigma=0.1")
+    assert done.returncode == 0
+    for word in ("best value", "x3", "radius", "300 (stopped by: budget)"):
+        assert word in done.stdout
+
+
+def test_simulate_writes_a_recording_that_can_be_fitted(tmp_path):
+    assert bench("simulate", tmp_path / "a.csv", "--level", 12).returncode == 0
+    done = bench("solve", f"recording:{tmp_path / 'a.csv'}", "gwo", "--set", "agents=100", "--budget", 20000)
+    assert done.returncode == 0
+    assert "backlash_rad" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["run", "thesys"], "unknown study 'thesys'; did you mean 'thesis'?"),
+        (["run", "quick", "--budget", "299"], "a budget of 299 evaluations is below one generation of 'cma-es'"),
+        (["run", "quick", "--trials", "0"], "trials and budget must be at least 1"),
+        (["run", "quick", "--jobs", "0"], "the number of jobs must be at least 1"),
+        (["run", "quick", "--output", "/proc/nothing/here"], "the output folder /proc/nothing/here cannot be written"),
+        (["solve", "signature-12", "gwp"], "unknown optimizer 'gwp'; did you mean 'gwo'?"),
+        (["solve", "signature-99", "gwo"], "unknown problem 'signature-99'"),
+        (["solve", "signature-12", "gwo", "--set", "agentss=3"], "no parameter 'agentss'; did you mean 'agents'?"),
+        (["solve", "signature-12", "gwo", "--set", "agents"], "'agents' is no KEY=VALUE"),
+        (["solve", "signature-12", "gwo", "--problem-option", "unit=Hz"], "unit must be 'rps' or 'rpm', not 'Hz'"),
+        (["solve", "signature-12", "gwo", "--budget", "20"], "a budget of 20 evaluations is below one generation"),
+        (["solve", "recording:none.csv", "gwo"], "recording none.csv: there is no such file"),
+        (["list", "optimisers"], "unknown kind 'optimisers'; did you mean 'optimizers'?"),
+        (["report", "."], "holds no study.toml"),
+        (["status", "nowhere"], "holds no study.toml"),
+        (["simulate", "a.csv"], "give either --level 1 … 20 or --half-gap in rad"),
+        (["simulate", "/proc/a.csv", "--level", "3"], "cannot be written"),
+    ],
+)
+def test_wrong_input_is_one_sentence_and_exit_code_two(arguments, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["bench", *arguments])
+    with pytest.raises(SystemExit) as caught:
+        cli.main()
+    stderr = capsys.readouterr().err
+    assert caught.value.code == 2
+    assert said in stderr
+    assert stderr.startswith("bench: ")
+    assert stderr.count("\n") == 1
+
+
+def test_files_that_are_no_study(tmp_path):
+    (tmp_path / "bad.toml").write_text("name = ")
+    assert "is not valid TOML" in bench("run", tmp_path / "bad.toml").stderr
+    (tmp_path / "odd.toml").write_text(STUDY.format(second="hillclimber"))
+    done = bench("run", tmp_path / "odd.toml")
+    assert done.returncode == 2
+    assert "unknown optimizer 'hillclimber'; did you mean 'hill-climber'?" in done.stderr
+
+
+def test_another_study_s_folder_is_left_alone(tiny, tmp_path):
+    bench("run", tiny, "--output", tmp_path / "out", "--jobs", 1, "--no-report")
+    before = (tmp_path / "out" / "study.toml").read_text()
+    done = bench("run", tiny, "--output", tmp_path / "out", "--budget", 50)
+    assert done.returncode == 2
+    assert "holds another study" in done.stderr
+    assert (tmp_path / "out" / "study.toml").read_text() == before
+
+
+def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path):
+    path = tmp_path / "slow.toml"
+    path.write_text(STUDY.format(second="hill-climber").replace("sphere-2", "slow-2").replace("trials = 2", "trials = 40"))
+    command = [sys.executable, "-m", "bench", "run", str(path), "--output", str(tmp_path / "out"), "--jobs", "1"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    store, deadline = tmp_path / "out" / "trials.sqlite", time.monotonic() + 60
+    while time.monotonic() < deadline and not (store.exists() and store.stat().st_size):
+        time.sleep(0.1)
+    time.sleep(2)
+    os.killpg(process.pid, signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "run the same command again to continue" in said
+    assert "Traceback" not in said
+    assert "ok" not in said
+    assert bench("status", tmp_path / "out").returncode == 0

@@ -1,0 +1,165 @@
+"""The runner and the store: nothing is lost, and nothing depends on how the work was done."""
+
+import os
+import random
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench import BenchError, Results, Study, load_results, run, solve
+
+TIMES = ["wall_s", "cpu_s", "objective_s"]
+
+
+def same(a, b):
+    pd.testing.assert_frame_equal(a.drop(columns=TIMES), b.drop(columns=TIMES), check_exact=True)
+
+
+def test_a_run_fills_the_frame(small_study, tmp_path):
+    outcome = run(small_study, tmp_path / "out", n_jobs=1)
+    assert (outcome.made, outcome.failed) == (18, 0)
+    frame = load_results(tmp_path / "out")
+    assert len(frame) == 18
+    assert frame["problem"].unique().tolist() == ["sphere-2", "sphere-3"]
+    assert frame["optimizer"].unique().tolist() == ["hill-climber", "scatter", "early"]
+    assert frame["status"].eq("ok").all()
+    by_optimizer = frame.groupby("optimizer")
+    assert by_optimizer["nfev"].unique().map(list).to_dict() == {"early": [5], "hill-climber": [60], "scatter": [60]}
+    assert by_optimizer["stop"].unique().map(list).to_dict() == {
+        "early": ["tired"], "hill-climber": ["budget"], "scatter": ["budget"]
+    }  # fmt: skip
+    assert frame["seed"].is_unique
+    points = frame[["x_x1", "x_x2", "x_x3"]].fillna(0.0)
+    np.testing.assert_allclose((points**2).sum(axis=1), frame["fun"], rtol=1e-15)
+    np.testing.assert_allclose(frame["radius"] ** 2, frame["fun"], rtol=1e-15)
+    assert (frame["objective_s"] <= frame["wall_s"]).all()
+
+
+def test_a_row_s_seed_repeats_its_trial(small_study, tmp_path):
+    run(small_study, tmp_path / "out", n_jobs=1)
+    results = Results(tmp_path / "out")
+    row = results.frame[results.frame["optimizer"] == "scatter"].iloc[0]
+    again = solve(results.problem(row["problem"]), small_study.optimizer("scatter"), budget=60, seed=int(row["seed"]))
+    assert again.fun == row["fun"]
+    stored = results.traces(row["problem"], "scatter")[row["trial"]]
+    assert stored.values.tolist() == again.trace.values.tolist()
+    assert stored.evaluations.tolist() == again.trace.evaluations.tolist()
+
+
+def test_workers_and_other_optimizers_change_no_result(small_study, tmp_path):
+    run(small_study, tmp_path / "one", n_jobs=1)
+    run(small_study, tmp_path / "two", n_jobs=2)
+    same(load_results(tmp_path / "one"), load_results(tmp_path / "two"))
+    alone = Study.from_dict(
+        {"name": "small", "trials": 3, "budget": 60, "seed": 5, "problems": [{"name": "sphere-3"}],
+         "optimizers": [{"name": "scatter", "agents": 7}]}
+    )  # fmt: skip
+    run(alone, tmp_path / "alone", n_jobs=1)
+    all_of_it = load_results(tmp_path / "one")
+    part = all_of_it[(all_of_it["optimizer"] == "scatter") & (all_of_it["problem"] == "sphere-3")]
+    same(part.reset_index(drop=True), load_results(tmp_path / "alone"))
+
+
+def test_a_rerun_makes_nothing_and_more_trials_extend(small_study, tmp_path):
+    run(small_study.override(trials=2), tmp_path / "out", n_jobs=1)
+    assert run(small_study.override(trials=2), tmp_path / "out", n_jobs=1).made == 0
+    assert run(small_study, tmp_path / "out", n_jobs=1).made == 6
+    run(small_study, tmp_path / "whole", n_jobs=1)
+    same(load_results(tmp_path / "out"), load_results(tmp_path / "whole"))
+
+
+def test_another_study_s_folder_is_refused(small_study, tmp_path):
+    run(small_study, tmp_path / "out", n_jobs=1)
+    with pytest.raises(BenchError, match="holds another study"):
+        run(small_study.override(budget=70), tmp_path / "out", n_jobs=1)
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "thesis.docx").write_text("my life's work")
+    with pytest.raises(BenchError, match="is not empty and holds no study"):
+        run(small_study, tmp_path / "full", n_jobs=1)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(BenchError, match="cannot be written"):
+        run(small_study, tmp_path / "file", n_jobs=1)
+
+
+def test_a_failing_trial_costs_its_own_cell(small_study, tmp_path):
+    study = Study.from_dict(
+        {"name": "faults", "trials": 2, "budget": 30, "problems": [{"names": ["sphere-2", "sphere-3"]}],
+         "optimizers": [{"name": "faulty"}, {"name": "scatter"}]}
+    )  # fmt: skip
+    outcome = run(study, tmp_path / "out", n_jobs=2)
+    assert outcome.failed == 2
+    frame = load_results(tmp_path / "out")
+    failed = frame[frame["status"] == "failed"]
+    assert set(zip(failed["problem"], failed["optimizer"], strict=True)) == {("sphere-2", "faulty")}
+    assert failed["error"].str.startswith("RuntimeError: cannot do planes").all()
+    assert failed["fun"].isna().all()
+    assert len(frame) == 8
+    assert run(study, tmp_path / "out", n_jobs=1).made == 2  # failed trials are tried again
+
+
+def test_a_killed_run_continues_where_it_was(tmp_path):
+    study = Study.from_dict(
+        {"name": "long", "trials": 12, "budget": 40, "seed": 3, "problems": [{"names": ["slow-2", "sphere-3"]}],
+         "optimizers": [{"name": "hill-climber"}, {"name": "scatter"}]}
+    )  # fmt: skip
+    path = tmp_path / "long.toml"
+    path.write_text(study.to_toml())
+    command = [
+        sys.executable,
+        "-m",
+        "bench",
+        "run",
+        str(path),
+        "--output",
+        str(tmp_path / "out"),
+        "--jobs",
+        "2",
+        "--no-report",
+    ]
+    held, waits = [], random.Random(1)
+    for _ in range(3):
+        process = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL)
+        store = tmp_path / "out" / "trials.sqlite"
+        before, deadline = len(held), time.monotonic() + 60
+        while time.monotonic() < deadline and process.poll() is None and len(held) <= before:
+            time.sleep(0.05)
+            held = load_results(tmp_path / "out")["trial"].tolist() if store.exists() and _has_table(store) else []
+        time.sleep(waits.uniform(0, 0.3))
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        now = load_results(tmp_path / "out")
+        assert len(now) >= len(held)  # nothing that was committed is lost
+        held = now["trial"].tolist()
+    assert len(held) < 48, "the run ended before it could be killed"
+    with sqlite3.connect(tmp_path / "out" / "trials.sqlite") as connection:
+        assert connection.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    run(study, tmp_path / "whole", n_jobs=2)
+    same(load_results(tmp_path / "out"), load_results(tmp_path / "whole"))
+
+
+def _has_table(store):
+    with sqlite3.connect(store) as connection:
+        return bool(connection.execute("SELECT count(*) FROM sqlite_master WHERE name = 'trials'").fetchone()[0])
+
+
+def test_solve_by_name_and_stop_reasons():
+    assert solve("sphere-3", "early", budget=50).stop == "tired"
+    from bench import load_optimizer
+
+    assert solve("sphere-3", load_optimizer("early", honest=False), budget=50).stop == "undeclared"
+    assert solve("sphere-3", load_optimizer("early", honest=False), budget=5).stop == "budget"
+    result = solve("sphere-3", "hill-climber", budget=2000, seed=1)
+    assert result.fun < 1e-6
+    assert result.overhead_time > 0
+
+
+def test_no_results_are_said_so(tmp_path):
+    with pytest.raises(BenchError, match=r"holds no study\.toml"):
+        load_results(tmp_path)

@@ -1,0 +1,108 @@
+"""Studies: reading, checking, planning, and what makes two of them the same."""
+
+import pytest
+
+from bench import BenchError, Study
+from bench.seeds import trial_seed
+
+MINIMAL = {"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": [{"name": "scatter"}]}
+
+
+def study(**changes):
+    return Study.from_dict(MINIMAL | changes)
+
+
+def test_a_study_survives_its_toml(small_study, tmp_path):
+    path = tmp_path / "s.toml"
+    path.write_text(small_study.to_toml())
+    assert Study.load(path) == small_study
+
+
+@pytest.mark.parametrize("name", ["thesis", "quick"])
+def test_the_shipped_studies_can_run(name):
+    Study.load(name).check()
+
+
+def test_the_thesis_study_is_that_of_section_7_2():
+    thesis = Study.load("thesis")
+    assert [entry.name for entry in thesis.problems] == [f"signature-{k:02d}" for k in range(3, 21)]
+    assert (thesis.trials, thesis.budget) == (30, 300 * 200)
+    assert {entry.name for entry in thesis.optimizers} == {"cma-es", "alo", "goa", "gwo", "da"}
+    for entry in thesis.optimizers:
+        optimizer = thesis.optimizer(entry.label)
+        assert optimizer.agents == 300
+        assert optimizer.handling == ("box" if entry.name == "cma-es" else "repair")
+
+
+def test_seeds_depend_on_nothing_but_what_a_trial_is():
+    a = study(trials=2, problems=[{"names": ["sphere-2", "sphere-3"]}])
+    b = study(
+        trials=5, problems=[{"names": ["sphere-3", "sphere-2"]}], optimizers=[{"name": "early"}, {"name": "scatter"}]
+    )
+    seeds = {trial.key: trial.seed for trial in b.plan()}
+    for trial in a.plan():
+        assert seeds[trial.key] == trial.seed
+    assert len(set(seeds.values())) == len(seeds)
+
+
+def test_a_seed_is_pinned():
+    assert trial_seed(2024, "signature-12", "gwo", 0) == 4642658214545525248
+
+
+def test_identity_is_what_decides_a_result():
+    same = [study(), study(trials=9), study(title="other words")]
+    assert len({each.identity() for each in same}) == 1
+    other = [study(budget=77), study(seed=1), study(optimizers=[{"name": "scatter", "agents": 5}])]
+    assert len({each.identity() for each in [study(), *other]}) == 4
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"trails": 3}, "unknown key 'trails'; did you mean 'trials'?"),
+        ({"trials": "3"}, "'trials' must be a whole number"),
+        ({"trials": 0}, "at least 1"),
+        ({"name": ""}, "has no name"),
+        ({"problems": []}, "needs at least one [[problems]] table"),
+        ({"optimizers": "gwo"}, "needs at least one [[optimizers]] table"),
+        ({"optimizers": [{"agents": 3}]}, "needs a name"),
+        ({"optimizers": [{"name": "scatter"}, {"name": "scatter", "agents": 5}]}, "'scatter' stands twice"),
+    ],
+)
+def test_a_study_that_makes_no_sense_is_named(changes, said):
+    with pytest.raises(BenchError) as caught:
+        study(**changes)
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"budget": 9}, "a budget of 9 evaluations is below one generation of 'scatter', which takes 10"),
+        ({"problems": [{"name": "spere-2"}]}, "unknown problem 'spere-2'; did you mean 'sphere-2'?"),
+        ({"optimizers": [{"name": "scater"}]}, "unknown optimizer 'scater'; did you mean 'scatter'?"),
+    ],
+)
+def test_check_finds_what_cannot_run(changes, said):
+    with pytest.raises(BenchError) as caught:
+        study(**changes).check()
+    assert said in str(caught.value)
+
+
+def test_labels_tell_two_settings_of_one_optimizer_apart():
+    two = study(optimizers=[{"name": "scatter"}, {"name": "scatter", "label": "wide", "agents": 40}])
+    assert two.optimizer("wide").agents == 40
+    assert {trial.optimizer for trial in two.plan()} == {"scatter", "wide"}
+
+
+def test_unknown_and_malformed_files(tmp_path):
+    with pytest.raises(BenchError, match="unknown study 'thesys'; did you mean 'thesis'"):
+        Study.load("thesys")
+    (tmp_path / "bad.toml").write_text("name = [")
+    with pytest.raises(BenchError, match=r"bad\.toml is not valid TOML"):
+        Study.load(tmp_path / "bad.toml")
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(BenchError, match="not UTF-8"):
+        Study.load(tmp_path / "bytes.toml")
+    with pytest.raises(BenchError, match="cannot be read"):
+        Study.load(tmp_path / "missing.toml")

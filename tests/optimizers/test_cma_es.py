@@ -1,0 +1,110 @@
+"""cma-es is pycma: the same map into the box, the same run to the last bit, and honest stops."""
+
+import cma
+import numpy as np
+import pytest
+
+from bench import FunctionProblem, Objective, load_problem, solve
+from bench.seeds import streams
+from optimizers.cma_es import CMAES, from_box, to_box
+
+
+def boxes(seed):
+    rng = np.random.default_rng(seed)
+    lower = rng.normal(size=7) * 10 ** rng.uniform(-3, 3, 7)
+    return rng, lower, lower + 10 ** rng.uniform(-4, 4, 7)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_map_into_the_box_is_pycma_s_to_the_last_bit(seed):
+    rng, lower, upper = boxes(seed)
+    points = lower + (upper - lower) * rng.normal(0.5, 3.0, (300, 7))
+    theirs = cma.BoundTransform([lower, upper])
+    np.testing.assert_array_equal(to_box(points, lower, upper), np.array([theirs.repair(x) for x in points]))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_pre_image_maps_back(seed):
+    rng, lower, upper = boxes(seed)
+    x = rng.uniform(lower, upper)
+    np.testing.assert_allclose(to_box(from_box(x, lower, upper)[np.newaxis], lower, upper)[0], x, rtol=1e-9, atol=1e-12)
+
+
+def test_a_run_is_pycma_s_own_with_bounds():
+    problem = load_problem("signature-12", unit="rpm")
+    ours = solve(problem, CMAES(agents=60, handling="box", start="midpoint"), budget=60 * 100, seed=3)
+    _, stream = streams(3)
+    options = {
+        "popsize": 60, "bounds": [problem.lower, problem.upper], "CMA_stds": (problem.upper - problem.lower) / 4,
+        "seed": np.nan, "randn": lambda *shape: stream.standard_normal(shape), "verbose": -9, "verb_log": 0,
+    }  # fmt: skip
+    strategy = cma.CMAEvolutionStrategy((problem.lower + problem.upper) / 2, 1, options)
+    best, evaluations = np.inf, 0
+    while not strategy.stop() and evaluations < 60 * 100:
+        asked = strategy.ask()
+        values = problem.evaluate(np.array(asked))
+        strategy.tell(asked, values.tolist())
+        best, evaluations = min(best, values.min()), evaluations + len(asked)
+    assert (ours.fun, ours.nfev) == (best, evaluations)
+
+
+def test_stops_by_tolerance_are_declared():
+    sphere = FunctionProblem(lambda x: (x**2).sum(axis=1), [-5] * 4, [5] * 4)
+    result = solve(sphere, CMAES(), budget=50_000, seed=1)
+    assert result.nfev < 50_000
+    assert "tol" in result.stop
+    assert result.fun < 1e-10
+
+
+def test_repaired_points_alone_are_evaluated():
+    class Diagonal(FunctionProblem):
+        seen: list = []  # noqa: RUF012
+
+        def repair(self, x):
+            x = np.clip(x, self.lower, self.upper)
+            return np.minimum(x, x[:, ::-1].max(axis=1, keepdims=True) * 0 + 1.0)
+
+        def evaluate(self, x):
+            self.seen.append(x)
+            return super().evaluate(x)
+
+    problem = Diagonal(lambda x: ((x - 0.5) ** 2).sum(axis=1), [-5, -5], [5, 5])
+    assert solve(problem, CMAES(agents=10, handling="repair"), budget=2000, seed=1).fun < 1e-8
+    assert np.vstack(problem.seen).max() <= 1.0
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 50])
+def test_exact_budget_in_any_dimension(dimension):
+    problem = FunctionProblem(lambda x: np.abs(x).sum(axis=1), [-5] * dimension, [5] * dimension)
+    assert solve(problem, CMAES(agents=20), budget=110, seed=0).nfev == 110
+
+
+def test_infinite_values_and_plateaus_end_without_an_error():
+    for value in (np.inf, 1.0):
+        flat = FunctionProblem(lambda x, value=value: np.full(len(x), value), [0, 0], [1, 1])
+        assert solve(flat, CMAES(agents=12), budget=3000, seed=0).nfev <= 3000
+
+
+def test_numpy_s_global_state_is_left_alone():
+    np.random.seed(7)  # noqa: NPY002 - it is the global state that is looked at
+    before = np.random.get_state()[1].tolist()  # noqa: NPY002
+    solve("signature-03", CMAES(agents=30), budget=600)
+    assert np.random.get_state()[1].tolist() == before  # noqa: NPY002
+
+
+def test_start_is_the_midpoint_or_a_random_feasible_point():
+    problem = FunctionProblem(lambda x: (x**2).sum(axis=1), [0, 0], [1, 1])
+
+    def centre(start):
+        seen = []
+        watched = FunctionProblem(lambda x: seen.append(x) or (x**2).sum(axis=1), [0, 0], [1, 1])
+        objective = Objective(watched, 500, np.random.default_rng(0))
+        try:
+            CMAES(agents=500, start=start, sigma=0.01).minimize(objective, np.random.default_rng(1))
+        except Exception as error:  # noqa: BLE001 - the budget ends it
+            assert type(error).__name__ == "BudgetExhausted"
+        return seen[0].mean(axis=0)
+
+    np.testing.assert_allclose(centre("midpoint"), 0.5, atol=0.003)
+    start = Objective(problem, 1, np.random.default_rng(0)).initial(1)[0]
+    np.testing.assert_allclose(centre("random"), start, atol=0.003)
