@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -86,8 +87,13 @@ class Objective:
         """Declare that the optimizer ends before its budget by a criterion of its own, such as ``"tolfun"``."""
         self.stop_reason = reason
 
-    def __call__(self, x: ArrayLike) -> Floats | float:
-        """Evaluate, count and record; raises BudgetExhausted after the last row that the budget allows."""
+    def __call__(self, x: ArrayLike) -> Any:
+        """Return the (n,) values of (n, d) points, or the float of one (d,) point.
+
+        Raises:
+            BudgetExhausted: when the budget ends before the last row; the rows it still holds are evaluated and kept.
+            ValueError: for points of another shape.
+        """
         points = np.asarray(x, dtype=np.float64)
         single = points.ndim == 1
         rows = points[np.newaxis] if single else points

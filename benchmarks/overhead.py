@@ -12,6 +12,7 @@ import numpy as np
 from bench import BudgetExhausted, FunctionProblem, Optimizer
 from bench.objective import Objective
 from optimizers.alo import ALO
+from optimizers.cma_es import CMAES
 from optimizers.da import DA
 from optimizers.goa import GOA
 from optimizers.gwo import GWO
@@ -25,27 +26,28 @@ OPTIMIZERS: list[tuple[str, Optimizer]] = [
     ("da", DA(agents=AGENTS)),
     ("alo", ALO(agents=AGENTS)),
     ("goa", GOA(agents=AGENTS)),
+    ("cma-es", CMAES(agents=AGENTS, handling="box", start="midpoint")),
 ]
 
 
 def overhead(optimizer: Optimizer, seed: int) -> float:
-    """Return the milliseconds a generation takes beside the objective, in a run of GENERATIONS on a sphere."""
+    """Return the milliseconds a generation takes beside the objective, in a run of at most GENERATIONS on a sphere."""
     problem = FunctionProblem(lambda x: (x * x).sum(axis=1), [-5.0] * DIMENSION, [5.0] * DIMENSION)
     start, search = (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(2))
     objective = Objective(problem, AGENTS * GENERATIONS, start)
     began = perf_counter()
     with suppress(BudgetExhausted):
         optimizer.minimize(objective, search)
-    return (perf_counter() - began - objective.seconds) / GENERATIONS * 1e3
+    return (perf_counter() - began - objective.seconds) / (objective.evaluations / AGENTS) * 1e3
 
 
 def main() -> None:
     print(f"{AGENTS} agents, {GENERATIONS} generations, d = {DIMENSION}, one core, median of {RUNS} runs")
-    print(f"{'optimizer':<16}{'ms a generation':>16}{'s a run':>10}")
+    print(f"{'optimizer':<16}{'ms a generation':>16}")
     for label, optimizer in OPTIMIZERS:
         overhead(optimizer, seed=0)  # the first run compiles
         ms = median(overhead(optimizer, seed) for seed in range(1, RUNS + 1))
-        print(f"{label:<16}{ms:>16.3f}{ms * GENERATIONS / 1e3:>10.3f}")
+        print(f"{label:<16}{ms:>16.3f}")
 
 
 if __name__ == "__main__":

@@ -40,11 +40,6 @@ class Population(Optimizer):
         return np.ascontiguousarray(objective.repair(x)) if self.handling == "repair" else x
 
 
-def evaluate(objective: Objective, x: Floats) -> Floats:
-    """Return the (n,) objective values of the (n, d) points ``x``."""
-    return np.asarray(objective(x))
-
-
 def compiled(function: Function) -> Function:
     """Return ``function`` compiled by numba, with numpy's rules of division.
 

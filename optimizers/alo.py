@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers._population import Population, compiled, evaluate
+from optimizers._population import Population, compiled
 
 Words = NDArray[np.uint64]
 
@@ -49,7 +49,7 @@ class ALO(Population):
         """Minimise until the budget is spent."""
         N, d, T = self.agents, objective.dimension, self.generations(objective)
         antlions = objective.initial(N)
-        fitness = evaluate(objective, antlions)
+        fitness = objective(antlions)
         order = np.argsort(fitness, kind="stable")
         antlions, fitness = antlions[order], fitness[order]
         elite, elite_fitness = antlions[0].copy(), fitness[0]
@@ -59,7 +59,7 @@ class ALO(Population):
             words = rng.integers(2**64, size=(N, 2, d, -(-T // 64)), dtype=np.uint64)
             ants = walk_ants(antlions, elite, wheel(fitness), lower, upper, t, T, uniforms, words)
             ants = self.confine(objective, ants)
-            merged = np.concatenate([fitness, evaluate(objective, ants)])
+            merged = np.concatenate([fitness, objective(ants)])
             order = np.argsort(merged, kind="stable")[:N]
             antlions, merged = np.concatenate([antlions, ants])[order], merged[order]
             if merged[0] < elite_fitness:

@@ -12,7 +12,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
-from optimizers._population import compiled, evaluate
+from optimizers._population import compiled
 
 UNLIMITED: dict[str, Any] = {"maxiter": np.inf, "maxfevals": np.inf}
 """pycma's own limits on length are off: the harness's budget ends a trial, or a tolerance of pycma does."""
@@ -60,7 +60,10 @@ class CMAES(Optimizer):
         }  # fmt: skip
         step = 1.0
         if objective.dimension > 1:
-            options |= {"CMA_stds": self.sigma * (upper - lower), "maxstd": (upper - lower) / 3}  # as pycma's bounds set
+            options |= {
+                "CMA_stds": self.sigma * (upper - lower),
+                "maxstd": (upper - lower) / 3,
+            }  # as pycma's bounds set
         else:  # pycma has no coordinate-wise scales in one dimension
             step = self.sigma * float(upper[0] - lower[0])
         mean = (lower + upper) / 2 if self.start == "midpoint" else objective.initial(1)[0]
@@ -70,7 +73,7 @@ class CMAES(Optimizer):
             while not strategy.stop():
                 asked = strategy.ask()
                 x = to_box(np.array(asked), lower, upper)
-                f = evaluate(objective, objective.repair(x) if self.handling == "repair" else x)
+                f = objective(objective.repair(x) if self.handling == "repair" else x)
                 strategy.tell(asked, f.tolist())
         objective.stop(" ".join(sorted(strategy.stop())))
 

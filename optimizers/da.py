@@ -10,7 +10,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers._population import Population, compiled, evaluate
+from optimizers._population import Population, compiled
 
 BETA = 1.5  # (below eq. 3.9)
 SIGMA = gamma(1 + BETA) * sin(pi * BETA / 2) / (gamma((1 + BETA) / 2) * BETA * 2 ** ((BETA - 1) / 2))  # (eq. 3.10)
@@ -47,7 +47,7 @@ class DA(Population):
         x = objective.initial(N)
         v = (lower + span * rng.random((N, d))).T.copy()  # the steps start like positions (DA.m)
         for t in range(1, T + 1):
-            fitness = evaluate(objective, x)
+            fitness = objective(x)
             best = int(np.argmin(fitness))
             if fitness[best] < food_fitness:
                 food, food_fitness = x[best].copy(), fitness[best]

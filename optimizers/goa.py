@@ -11,7 +11,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers._population import Population, compiled, evaluate
+from optimizers._population import Population, compiled
 
 C_MAX, C_MIN = 1.0, 0.00004  # (GOA.m)
 EPS = 2.0**-52  # (GOA.m: eps)
@@ -46,7 +46,7 @@ class GOA(Population):
         width = 2 if self.variant == "code" else d
         lower, upper = objective.lower, objective.upper
         x = objective.initial(N)
-        f = evaluate(objective, x)
+        f = objective(x)
         if d % width:  # the dummy variable (GOA.m: dim + 1)
             lower, upper = np.append(lower, -100.0), np.append(upper, 100.0)
             x = np.column_stack([x, rng.uniform(-100.0, 100.0, N)])
@@ -57,7 +57,7 @@ class GOA(Population):
             S = (upper - lower) * c / 2 * social_forces(x.T.copy(), width).T  # (eq. 2.7, the sum over j)
             x = np.minimum(np.maximum(c * S + target, lower), upper)  # (eq. 2.7)
             x[:, :d] = inside = self.confine(objective, x[:, :d])
-            f = evaluate(objective, inside)
+            f = objective(inside)
             best = int(np.argmin(f))
             if f[best] < target_fitness:
                 target, target_fitness = x[best].copy(), f[best]

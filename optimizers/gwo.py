@@ -10,7 +10,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers._population import Population, compiled, evaluate
+from optimizers._population import Population, compiled
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class GWO(Population):
         scores = np.full(3, np.inf)  # (GWO.m: inf)
         x = objective.initial(N)
         for l in range(T):  # noqa: E741 - the code's symbol
-            promote(leaders, scores, x, evaluate(objective, x), self.variant == "cascade")
+            promote(leaders, scores, x, objective(x), self.variant == "cascade")
             a = 2 - 2 * l / T  # falls from 2 to 0 (below eq. 3.4)
             x = self.confine(objective, hunt(x, leaders, a, rng.random((N, d, 3, 2))))
 

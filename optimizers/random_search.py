@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.objective import Objective
-from optimizers._population import Population, evaluate
+from optimizers._population import Population
 
 
 @dataclass(frozen=True)
@@ -31,5 +31,5 @@ class RandomSearch(Population):
         span = objective.upper - objective.lower
         x = objective.initial(self.agents)
         for _ in range(self.generations(objective)):
-            evaluate(objective, x)
+            objective(x)
             x = self.confine(objective, objective.lower + span * rng.random(x.shape))

@@ -119,7 +119,7 @@ def evaluate(points: Floats, recording: Folded) -> Floats:
             )
         if not folded or squares < 1e-6 * s2:
             squares = _direct(a, t0, tau, omega, c, t1, t2, recording, model)
-        values[p] = math.sqrt(max(squares, 0.0) / n)
+        values[p] = math.sqrt(max(squares, 0.0) / n) if squares < np.inf else np.inf  # far outside the box: overflow
     return values
 
 

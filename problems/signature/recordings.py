@@ -29,8 +29,7 @@ class Recording:
     @property
     def time(self) -> Floats:
         """(N,) s: the uniform grid."""
-        time: Floats = self.start + self.dt * np.arange(len(self.speed))
-        return time
+        return np.linspace(self.start, self.start + self.dt * (len(self.speed) - 1), len(self.speed))
 
 
 def read(path: str | Path) -> Recording:
@@ -73,7 +72,7 @@ def _uniform(time: Floats, speed: Floats, path: Path) -> Recording:
     off = np.abs(time - (time[0] + dt * np.arange(len(time)))) > 0.25 * dt  # a missing sample shifts half of them so
     if off.any():
         raise BenchError(
-            f"recording {path}: time is not uniform near sample {int(np.argmax(off)) + 1} (steps from {steps.min():.6g} "
+            f"recording {path}: time is not uniform near sample {int(np.argmax(off)) + 1} (steps of {steps.min():.6g} "
             f"to {steps.max():.6g} s); resample it to equal steps"
         )
     return Recording(float(time[0]), dt, speed)

@@ -74,7 +74,15 @@ def test_the_default_output_is_named_after_the_study(tiny, tmp_path):
 def test_list_names_everything_and_a_broken_plugin_s_error():
     done = bench("list", COLUMNS="200")
     assert done.returncode == 0
-    for name in ("cma-es", "gwo", "hill-climber", "signature-01 … signature-20", "recording:<name>", "thesis", "simulate"):
+    for name in (
+        "cma-es",
+        "gwo",
+        "hill-climber",
+        "signature-01 … signature-20",
+        "recording:<name>",
+        "thesis",
+        "simulate",
+    ):
         assert name in done.stdout
     assert "failed to load: ModuleNotFoundError: No module named 'testing_plugins_missing'" in done.stdout
     assert "agents=30" in done.stdout
@@ -148,9 +156,13 @@ def test_another_study_s_folder_is_left_alone(tiny, tmp_path):
 
 def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path):
     path = tmp_path / "slow.toml"
-    path.write_text(STUDY.format(second="hill-climber").replace("sphere-2", "slow-2").replace("trials = 2", "trials = 40"))
+    path.write_text(
+        STUDY.format(second="hill-climber").replace("sphere-2", "slow-2").replace("trials = 2", "trials = 40")
+    )
     command = [sys.executable, "-m", "bench", "run", str(path), "--output", str(tmp_path / "out"), "--jobs", "1"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
     store, deadline = tmp_path / "out" / "trials.sqlite", time.monotonic() + 60
     while time.monotonic() < deadline and not (store.exists() and store.stat().st_size):
         time.sleep(0.1)

@@ -52,7 +52,7 @@ def test_equals_the_literal_formula(name):
 
 def test_windows_that_end_on_a_sample_leave_it_out_in_every_turn():
     """0.204 is no exact multiple of 0.002 in binary: rounding must not let the end in here and out there."""
-    t, speed, _, upper, folded, train = case("the published recordings")
+    t, speed, _, _, folded, train = case("the published recordings")
     points = np.array([[1.0, t0, 10.0, 134.0, 0.0, 0.0, t2] for t0 in (0.0, 0.1, 0.2) for t2 in (0.1, 0.2, 0.204)])
     np.testing.assert_allclose(kernel.evaluate(points, folded), literal(points, t, speed, train), rtol=0, atol=1e-12)
     assert folded.shift == 100
@@ -88,12 +88,13 @@ def test_no_number_is_infinitely_bad(bad, variable):
     assert kernel.evaluate(x[np.newaxis], folded)[0] == np.inf
 
 
-def test_far_outside_the_box_nothing_breaks():
-    _, _, lower, upper, folded, _ = case("the published recordings")
-    points = np.random.default_rng(4).normal(size=(500, 7)) * 10.0 ** np.random.default_rng(5).integers(0, 200, (500, 1))
+def test_far_outside_the_box_values_are_finite_or_infinitely_bad():
+    folded = case("the published recordings")[4]
+    rng = np.random.default_rng(4)
+    points = rng.normal(size=(2000, 7)) * 10.0 ** rng.integers(0, 200, (2000, 1))
     values = kernel.evaluate(points, folded)
-    assert not np.isnan(values[np.isfinite(values)]).any()
-    assert len(values) == 500
+    assert (values > 0).all()
+    assert np.isposinf(values).any()
 
 
 @given(st.lists(st.floats(-1e3, 1e3), min_size=7, max_size=7), st.sampled_from(sorted(CASES)))

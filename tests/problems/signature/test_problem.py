@@ -178,7 +178,7 @@ def test_other_recordings_that_cannot_be_used(tmp_path):
     with pytest.raises(BenchError, match="cannot be read"):
         load_problem(f"recording:{tmp_path / 'bad.xlsx'}")
     (tmp_path / "empty.csv").write_text("")
-    with pytest.raises(BenchError, match="cannot be read|column"):
+    with pytest.raises(BenchError, match=r"cannot be read|column"):
         load_problem(f"recording:{tmp_path / 'empty.csv'}")
 
 
