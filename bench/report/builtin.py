@@ -162,6 +162,7 @@ def _time(findings: Findings) -> Section:
         "Median time of one trial, its quartiles, the share spent in the problem’s evaluate, and evaluations a second.",
         shown,
         decimals={"wall/CPU": 2, "evals/s": 0},
+        data=timing,
     )
     return Section("Time", tuple(text), (timing_figure(timing), table), tuple(warnings))
 

@@ -32,7 +32,10 @@ def save_table(table: Table, folder: Path, name: str) -> list[str]:
     """Write a table as CSV (full precision) and LaTeX; return the paths relative to ``folder``."""
     (folder / TABLES).mkdir(exist_ok=True)
     paths = [f"{TABLES}/{name}.csv", f"{TABLES}/{name}.tex"]
-    _save_csv(table.frame, folder / paths[0], index=table.has_index)
+    if table.data is None:
+        _save_csv(table.frame, folder / paths[0], index=table.has_index)
+    else:
+        _save_csv(table.data, folder / paths[0], index=False)
     (folder / paths[1]).write_text(to_latex(table, name), encoding="utf-8", newline="\n")
     return paths
 

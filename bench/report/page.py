@@ -44,8 +44,7 @@ def render(title: str, lead: str, views: list[View]) -> str:
 
 
 def inline(svg: str, name: str, caption: str) -> Markup:
-    """Return a figure's SVG for the page: without metadata or fixed size, its ids made its own, its caption as "
-    "label."""
+    """Return a figure's SVG for the page: no metadata, no fixed size, its ids made its own, its caption as label."""
     root = ElementTree.fromstring(svg)
     for metadata in root.findall(f"{{{SVG}}}metadata"):
         root.remove(metadata)

@@ -36,6 +36,7 @@ class Table:
         decimals: decimals of every float, or by column; floats without any have four
             significant digits, aligned where a column's values are of like size.
         note: what the reader must know of the marks, below the table.
+        data: what the CSV file holds where ``frame`` is abridged for reading; ``frame`` itself by default.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Table:
     italic: pd.DataFrame | None = None
     decimals: int | Mapping[str, int] | None = None
     note: str = ""
+    data: pd.DataFrame | None = None
 
     @property
     def has_index(self) -> bool:

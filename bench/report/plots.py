@@ -142,4 +142,4 @@ def timing_figure(timing: pd.DataFrame) -> Figure:
     ax.set_xlabel("mean wall time of one trial in seconds")
     figure.legend(loc="outside upper left", ncols=2)
     data = known[["optimizer", "trials", "wall_mean", "objective_mean"]]
-    return Figure("timing", "Mean wall time of one trial of each optimizer over all problems.", figure, data)
+    return Figure("mean-time", "Mean wall time of one trial of each optimizer over all problems.", figure, data)
