@@ -30,7 +30,7 @@ class Display:
             BarColumn(),
             MofNCompleteColumn(),
             TextColumn("left"),
-            TimeRemainingColumn(elapsed_when_finished=True),
+            TimeRemainingColumn(),
             console=console,
             disable=not self._live,
         )
