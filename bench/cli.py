@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 import tomllib
 from pathlib import Path
@@ -31,12 +32,17 @@ def main() -> None:
         plugins.refuse_foreign_modules()
         for name in plugins.entries("commands"):
             _add_command(name)
-        app()
+        sys.exit(app(standalone_mode=False))
     except BenchError as error:
         _say(str(error))
         sys.exit(2)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, typer.Abort):
         sys.exit(130)
+    except Exception as error:
+        if not hasattr(error, "format_message"):  # a usage error of click, or of typer's own copy of it
+            raise
+        _say(error.format_message().rstrip())
+        sys.exit(2)
 
 
 def _say(message: str) -> None:
@@ -86,8 +92,11 @@ def run(
 
     The same command continues where the last one ended: every finished trial is kept.
     """
+    from bench.runner import WorkerDiedError
     from bench.runner import run as run_study
     from bench.study import Study
+
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # a polite kill ends like Ctrl-C, and stops the workers
 
     console = Console()
     chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed)
@@ -99,6 +108,9 @@ def run(
     except KeyboardInterrupt:
         _say("interrupted; every finished trial is kept: run the same command again to continue")
         sys.exit(130)
+    except WorkerDiedError as error:
+        _say(str(error))
+        sys.exit(1)
     if report:
         _report(outcome.folder, console)
     else:
@@ -150,7 +162,14 @@ def solve(
             f"a budget of {budget} evaluations is below one generation of {optimizer!r}, which takes "
             f"{chosen.minimum_budget}; raise --budget or lower its agents"
         )
-    listing.show_result(solve_once(loaded, chosen, budget=budget, seed=seed), loaded, Console())
+    try:
+        result = solve_once(loaded, chosen, budget=budget, seed=seed)
+    except BenchError:
+        raise
+    except Exception as error:  # a plug-in may raise anything
+        _say(f"{optimizer} failed on {problem}: {type(error).__name__}: {error}")
+        sys.exit(1)
+    listing.show_result(result, loaded, Console())
 
 
 def _pairs(items: list[str] | None) -> dict[str, Any]:

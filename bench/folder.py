@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
+
+from filelock import FileLock, Timeout
 
 from bench import environment
 from bench.errors import BenchError
@@ -15,6 +19,7 @@ from bench.study import Study
 
 STUDY = "study.toml"
 ENVIRONMENT = "environment.json"
+DATA = "data.json"
 
 
 class Folder:
@@ -32,8 +37,8 @@ class Folder:
 
     def environments(self) -> list[dict[str, Any]]:
         """Return what each run that wrote here noted of its environment, oldest first."""
-        path = self.path / ENVIRONMENT
-        return list(json.loads(path.read_text(encoding="utf-8"))) if path.exists() else []
+        records = self._json(ENVIRONMENT)
+        return [record for record in records if isinstance(record, dict)] if isinstance(records, list) else []
 
     def claim(self, study: Study) -> Study:
         """Prepare the folder for ``study`` and return the study as frozen there.
@@ -60,11 +65,49 @@ class Folder:
             raise BenchError(f"the output folder {self.path} cannot be written: {error.strerror}") from error
         return study
 
+    def check_data(self, fingerprints: dict[str, str]) -> None:
+        """Note the fingerprints of the problems' data, by label, and refuse data that changed under a study.
+
+        Raises:
+            BenchError: when a problem's data is not what the folder's trials were made with.
+        """
+        noted = self._json(DATA)
+        before = noted if isinstance(noted, dict) else {}
+        for label, fingerprint in fingerprints.items():
+            if before.get(label, fingerprint) != fingerprint:
+                raise BenchError(
+                    f"the data of problem {label!r} changed since {self.path} was begun, and its trials would mix two "
+                    "data sets; put the data back or give another --output"
+                )
+        self._write(DATA, json.dumps(before | fingerprints, indent=1))
+
+    @contextmanager
+    def lock(self) -> Iterator[None]:
+        """Hold the folder for one run; a killed run's hold ends with it.
+
+        Raises:
+            BenchError: when another run is writing here.
+        """
+        try:
+            with FileLock(self.path / ".lock", timeout=0):
+                yield
+        except Timeout as error:
+            raise BenchError(
+                f"another run is writing to {self.path}; wait for its end or give another --output"
+            ) from error
+
     def note_environment(self, jobs: int) -> None:
         """Append this run's environment, with its start time and number of workers."""
         now = datetime.now(UTC).isoformat(timespec="seconds")
         record = {"started": now, "jobs": jobs, **environment.describe()}
         self._write(ENVIRONMENT, json.dumps([*self.environments(), record], indent=1))
+
+    def _json(self, name: str) -> Any:
+        """Return a JSON file's content, or None where it is missing or damaged: notes never stand in a run's way."""
+        try:
+            return json.loads((self.path / name).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
 
     def _write(self, name: str, text: str) -> None:
         """Replace a file at once, so that a kill leaves the old or the new one."""

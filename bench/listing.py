@@ -32,8 +32,8 @@ def show(kind: str, console: Console) -> None:
             package = f"{entry.dist.name} {entry.dist.version}" if entry.dist is not None else ""
             try:
                 about, style = _about(name, plugins.load(each, name)), ""
-            except BenchError as error:
-                about, style = str(error), "red"
+            except Exception as error:  # a stranger's plug-in may raise anything
+                about, style = f"failed to load: {error}".replace("failed to load: the plug-in", "the plug-in"), "red"
             table.add_row(Text(name), Text(about, style=style), Text(package))
         console.print(table, "")
 
@@ -44,7 +44,9 @@ def _about(name: str, plugin: Any) -> str:
         names = plugin.names()
         return f"{names[0]} … {names[-1]}" if names else f"{name}:<name>"
     if isinstance(plugin, type) and issubclass(plugin, Optimizer):
-        fields = dataclasses.fields(plugin)  # type: ignore[arg-type]
+        if not dataclasses.is_dataclass(plugin):
+            raise TypeError("it is no dataclass")
+        fields = dataclasses.fields(plugin)
         parameters = ", ".join(f"{field.name}={field.default!r}" for field in fields)
         return f"{_first_line(plugin)}\n{parameters}" if parameters else _first_line(plugin)
     if hasattr(plugin, "read_text"):
@@ -87,9 +89,11 @@ def show_result(result: Result, problem: Problem, console: Console) -> None:
     table = Table(show_header=False, box=None, pad_edge=False)
     table.add_row("best value", repr(result.fun))
     for name, value in zip(problem.variables, result.x, strict=True):
-        table.add_row(f"  {name}", f"{value:.10g}")
+        table.add_row(Text(f"  {name}"), f"{value:.10g}")
     for name, value in result.figures.items():
-        table.add_row(name, f"{value:.6g}")
+        table.add_row(Text(name), f"{value:.6g}")
     table.add_row("evaluations", f"{result.nfev} (stopped by: {result.stop})")
-    table.add_row("time", f"{result.time:.3f} s, of which {result.objective_time:.3f} s in the objective")
+    table.add_row(
+        "time", f"{result.objective_time:.3f} s in the objective and {result.overhead_time:.3f} s in the optimizer"
+    )
     console.print(table)

@@ -11,8 +11,11 @@ from bench.errors import BenchError
 from bench.problem import Floats, Problem
 
 
-class BudgetExhausted(Exception):  # noqa: N818 - the contract's name; it ends a trial, it is no error
-    """Raised by an objective that has no evaluation left; the harness catches it, an optimizer need not."""
+class BudgetExhausted(BaseException):
+    """Raised by an objective that has no evaluation left; the harness catches it, an optimizer need not.
+
+    No subclass of Exception, so that an optimizer's own ``except Exception`` does not swallow its end.
+    """
 
 
 @dataclass(frozen=True)
@@ -47,18 +50,18 @@ class Objective:
     """
 
     def __init__(self, problem: Problem, budget: int, rng: np.random.Generator) -> None:
-        if budget < 1:
-            raise BenchError(f"the budget must be at least 1 evaluation, not {budget}")
+        if isinstance(budget, bool) or not isinstance(budget, (int, np.integer)) or budget < 1:
+            raise BenchError(f"the budget must be a whole number of at least 1 evaluation, not {budget!r}")
         self.lower: Floats = problem.lower.copy()
         self.upper: Floats = problem.upper.copy()
         self.lower.flags.writeable = self.upper.flags.writeable = False
-        self.budget = int(budget)
-        self.evaluations = 0
         self.outside_box = 0
         self.seconds = 0.0  # spent inside the problem's evaluate
-        self.stop_reason: str | None = None
         self.best_value = np.inf
         self.best_point: Floats | None = None
+        self._budget = budget
+        self._evaluations = 0
+        self._stop_reason: str | None = None
         self._problem = problem
         self._rng = rng
         self._improved_at: list[int] = []
@@ -68,6 +71,21 @@ class Objective:
     def dimension(self) -> int:
         """The number of search variables d."""
         return len(self.lower)
+
+    @property
+    def budget(self) -> int:
+        """The number of evaluations allowed."""
+        return self._budget
+
+    @property
+    def evaluations(self) -> int:
+        """The number of evaluations made."""
+        return self._evaluations
+
+    @property
+    def stop_reason(self) -> str | None:
+        """Why the optimizer said that it ends early, if it did."""
+        return self._stop_reason
 
     @property
     def remaining(self) -> int:
@@ -85,7 +103,7 @@ class Objective:
 
     def stop(self, reason: str) -> None:
         """Declare that the optimizer ends before its budget by a criterion of its own, such as ``"tolfun"``."""
-        self.stop_reason = reason
+        self._stop_reason = str(reason)
 
     def __call__(self, x: ArrayLike) -> Any:
         """Return the (n,) values of (n, d) points, or the float of one (d,) point.
@@ -112,17 +130,20 @@ class Objective:
     def _evaluate(self, rows: Floats) -> Floats:
         if not len(rows):
             return np.empty(0)
+        given = rows.copy()  # a problem that writes into its argument must not move the optimizer's points
         started = perf_counter()
-        values = np.asarray(self._problem.evaluate(rows), dtype=np.float64)
+        values = np.asarray(self._problem.evaluate(given), dtype=np.float64)
         self.seconds += perf_counter() - started
         if values.shape != (len(rows),):
             raise ValueError(f"problem {self._problem.name!r} returned shape {values.shape} for {len(rows)} points")
+        if (values == -np.inf).any():
+            raise ValueError(f"problem {self._problem.name!r} returned -inf; a value must be finite or +inf")
         inside = ((rows >= self.lower) & (rows <= self.upper)).all(axis=1)
         if not inside.all() or np.isnan(values).any():
             self.outside_box += int(len(rows) - inside.sum())
             values = np.where(inside & ~np.isnan(values), values, np.inf)
         self._record(rows, values)
-        self.evaluations += len(rows)
+        self._evaluations += len(rows)
         return values
 
     def _record(self, rows: Floats, values: Floats) -> None:

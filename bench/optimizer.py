@@ -50,11 +50,16 @@ class Optimizer(ABC):
 
 def build(cls: type[Optimizer], name: str, options: dict[str, Any]) -> Optimizer:
     """Return ``cls(**options)``; raises BenchError for an option that is no parameter, naming the nearest one."""
-    known = {field.name for field in dataclasses.fields(cls) if field.init}  # type: ignore[arg-type]
+    if not dataclasses.is_dataclass(cls) or getattr(cls, "__abstractmethods__", None):
+        raise BenchError(f"optimizer {name!r} ({cls.__name__}) must be a frozen dataclass that implements minimize")
+    known = {field.name for field in dataclasses.fields(cls) if field.init}
     for option in options:
         if option not in known:
             raise BenchError(f"optimizer {name!r} has no parameter {option!r}{nearest(option, known)}")
-    return cls(**options)
+    try:
+        return cls(**options)
+    except TypeError as error:
+        raise BenchError(f"optimizer {name!r} cannot be made: {error}; give its parameters defaults") from error
 
 
 def _check(owner: str, field: dataclasses.Field[Any], hint: Any, value: Any) -> None:

@@ -5,6 +5,8 @@ Groups: ``bench.optimizers``, ``bench.problems``, ``bench.commands``, ``bench.st
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
 from importlib.util import find_spec
@@ -60,7 +62,7 @@ def load(group: str, name: str) -> Any:
         ) from error
 
 
-def load_optimizer(name: str, **options: Any) -> Optimizer:
+def load_optimizer(name: str, /, **options: Any) -> Optimizer:
     """Return the optimizer of that name, such as ``load_optimizer("gwo", agents=300)``.
 
     Raises:
@@ -73,26 +75,47 @@ def load_optimizer(name: str, **options: Any) -> Optimizer:
     if isinstance(plugin, type) and issubclass(plugin, Optimizer) and not colon:
         return build(plugin, name, options)
     if isinstance(plugin, Family) and colon:
-        loaded = plugin.load(name, **options)
+        loaded = _ask(plugin.load, name, options)
         if isinstance(loaded, Optimizer):
             return loaded
     raise BenchError(f"the plug-in behind {name!r} is no Optimizer subclass, nor a family named as '{family}:<name>'")
 
 
-def load_problem(name: str, **options: Any) -> Problem:
+def load_problem(name: str, /, **options: Any) -> Problem:
     """Return the problem of that name, such as ``load_problem("signature-12", unit="rpm")``.
 
     Raises:
         BenchError: for an unknown name or option (with the nearest one) or data that cannot be read.
     """
     prefix, colon, _ = name.partition(":")
-    if colon and prefix in entries("problems"):
-        return _problem(load("problems", prefix).load(name, **options), name)
-    for family in sorted(entries("problems"), key=lambda family: not name.startswith(family)):
-        plugin = load("problems", family)
-        if name in plugin.names():
-            return _problem(plugin.load(name, **options), name)
-    raise BenchError(f"unknown problem {name!r}{nearest(name, [*problem_names(), *entries('problems')])}")
+    families = entries("problems")
+    if colon and prefix in families:
+        return _problem(_ask(load("problems", prefix).load, name, options), name)
+    for family in sorted(families, key=lambda family: not name.startswith(family)):
+        try:
+            plugin = load("problems", family)
+            mine = name in plugin.names()
+        except Exception as error:  # a broken family must not stand in the way of another's problem
+            if name.startswith(family):
+                raise BenchError(f"problem {name!r} cannot be looked up: {_first_line(error)}") from error
+            continue
+        if mine:
+            return _problem(_ask(plugin.load, name, options), name)
+    raise BenchError(f"unknown problem {name!r}{nearest(name, problem_names())}")
+
+
+def _ask(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:
+    """Call a family's loader; what a stranger's code raises becomes one sentence."""
+    try:
+        return loader(name, **options)
+    except BenchError:
+        raise
+    except Exception as error:
+        raise BenchError(f"{name!r} cannot be loaded: {type(error).__name__}: {_first_line(error)}") from error
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error) or type(error).__name__).splitlines()[0]
 
 
 def _problem(loaded: Any, name: str) -> Problem:
@@ -114,11 +137,9 @@ def problem_names() -> list[str]:
 def _listed(group: str) -> list[str]:
     names: list[str] = []
     for name in entries(group):
-        try:
+        with suppress(Exception):  # `bench list` shows it with its error
             plugin = load(group, name)
-        except BenchError:
-            continue  # `bench list` shows it with its error
-        names += plugin.names() if isinstance(plugin, Family) and not isinstance(plugin, type) else [name]
+            names += plugin.names() if isinstance(plugin, Family) and not isinstance(plugin, type) else [name]
     return sorted(names)
 
 

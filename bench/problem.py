@@ -96,6 +96,8 @@ class FunctionProblem(Problem):
         self.variables = (
             tuple(variables) if variables is not None else tuple(f"x{i + 1}" for i in range(self.dimension))
         )
+        if len(set(self.variables)) != self.dimension:
+            raise BenchError(f"problem {name!r}: give {self.dimension} different variable names, not {self.variables}")
         self._fun = fun
         self._vectorized = vectorized
 

@@ -26,7 +26,7 @@ class Display:
         self._console = console
         self._live = console.is_terminal
         self._progress = Progress(
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(),
             MofNCompleteColumn(),
             TextColumn("left"),
@@ -60,11 +60,11 @@ class Display:
             + (f", {len(present)} of them already done" if present else ""),
             markup=False, highlight=False, soft_wrap=True,
         )  # fmt: skip
-        self._bars["all"] = self._progress.add_task("[bold]all", total=len(keys), completed=len(present))
+        self._bars["all"] = self._progress.add_task("all", total=len(keys), completed=len(present))
         for entry in study.optimizers:
             mine = sum(key[1] == entry.label for key in present)
             total = len(study.problems) * study.trials
-            self._bars[f"of {entry.label}"] = self._progress.add_task(_plain(entry.label), total=total, completed=mine)
+            self._bars[f"of {entry.label}"] = self._progress.add_task(entry.label, total=total, completed=mine)
 
     def trial(self, trial: Trial, row: dict[str, Any]) -> None:
         """Count one finished trial; a failed one is said at once."""
@@ -83,8 +83,3 @@ class Display:
             rest = (self._spoken - self._started) / self._made * (self._left - self._made)
             left = f", about {rest:.0f} s left" if self._made < self._left else ""
             self._console.print(f"{self._made} of {self._left} runs done{left}", highlight=False)
-
-
-def _plain(label: str) -> str:
-    """Escape rich's markup, since labels are data."""
-    return label.replace("[", r"\[")

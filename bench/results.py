@@ -8,15 +8,12 @@ from typing import Any
 
 import pandas as pd
 
+from bench.errors import BenchError
 from bench.folder import Folder
 from bench.objective import Trace
 from bench.problem import Problem
 from bench.study import Study
-
-FIRST_COLUMNS = (
-    "study", "problem", "optimizer", "trial", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s",
-    "stop", "outside_box", "error",
-)  # fmt: skip
+from bench.trial import FRAME_COLUMNS
 
 
 class Results:
@@ -39,6 +36,14 @@ class Results:
         problems = {entry.label: rank for rank, entry in enumerate(self.study.problems)}
         optimizers = {entry.label: rank for rank, entry in enumerate(self.study.optimizers)}
         rows = self._folder.store.rows()
+        strange = ({row["problem"] for row in rows} - problems.keys()) | (
+            {row["optimizer"] for row in rows} - optimizers.keys()
+        )
+        if strange:
+            raise BenchError(
+                f"{self._folder.path} holds trials of {min(strange)!r}, which its study.toml does not name; "
+                "put back the study.toml that the run wrote"
+            )
         rows.sort(key=lambda row: (problems[row["problem"]], optimizers[row["optimizer"]], row["trial"]))
         variables = {f"x_{name}": None for row in rows for name in row["x"]}
         figures = {name: None for row in rows for name in row["figures"]}
@@ -49,7 +54,7 @@ class Results:
             | row["figures"]
             for row in rows
         ]
-        return pd.DataFrame(table, columns=[*FIRST_COLUMNS, *variables, *figures])
+        return pd.DataFrame(table, columns=[*FRAME_COLUMNS, *variables, *figures])
 
     def traces(self, problem: str, optimizer: str) -> dict[int, Trace]:
         """Return the anytime traces of one cell by trial number."""

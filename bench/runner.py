@@ -9,20 +9,26 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
-from os import PathLike, cpu_count
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from joblib import Parallel, delayed, parallel_config
+from joblib import Parallel, cpu_count, delayed, parallel_config
+from joblib.externals.loky.process_executor import BrokenProcessPool
 
-from bench.errors import BenchError
+from bench.errors import BenchError, nearest
 from bench.folder import Folder
-from bench.optimizer import Optimizer
 from bench.problem import Problem
 from bench.study import Study, Trial
 from bench.trial import as_row, solve
 
+BACKENDS = ("loky",)
+
 Listener = Callable[[Trial, dict[str, Any]], None]
+
+
+class WorkerDiedError(RuntimeError):
+    """A worker process ended in the middle of a trial; what was finished is kept."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +41,7 @@ class Outcome:
 
 
 def run(
-    study: Study | str,
+    study: Study | str | PathLike[str],
     output: str | PathLike[str] | None = None,
     *,
     n_jobs: int = -1,
@@ -52,62 +58,68 @@ def run(
         study: a study, the name of an installed one, or a TOML file's path.
         output: the folder to write, ``results/runs/<study name>`` by default.
         n_jobs: worker processes; -1 takes every core.
-        backend: a joblib backend.
+        backend: a joblib backend, "loky".
         on_plan: called once with the study as frozen and the keys already done.
         on_trial: called with every finished trial and its row.
 
     Raises:
         BenchError: for a study that cannot be run or a folder that cannot take it.
+        WorkerDiedError: when a worker process ends in the middle of a trial.
     """
-    if n_jobs == 0 or n_jobs < -1:
-        raise BenchError(f"the number of jobs must be at least 1, or -1 for every core, not {n_jobs}")
-    study = Study.load(study) if isinstance(study, str) else study
-    study.check()
+    if isinstance(n_jobs, bool) or not isinstance(n_jobs, int) or n_jobs == 0 or n_jobs < -1:
+        raise BenchError(f"the number of jobs must be at least 1, or -1 for every core, not {n_jobs!r}")
+    if backend not in BACKENDS:
+        raise BenchError(f"unknown backend {backend!r}{nearest(backend, BACKENDS)}")
+    study = study if isinstance(study, Study) else Study.load(study)
+    fingerprints = study.check()
     folder = Folder(output if output is not None else Path("results") / "runs" / study.name)
     study = folder.claim(study)
-    done = folder.store.keys(finished_only=True)
-    if on_plan is not None:
-        on_plan(study, done)
-    missing = [trial for trial in study.plan() if trial.key not in done]
-    # Interleaved in random order, so that a busy machine slows no one algorithm more than another.
-    random.Random(study.seed).shuffle(missing)
-    jobs = (cpu_count() or 1) if n_jobs == -1 else n_jobs
-    if missing:
-        folder.note_environment(jobs)
-    with folder.store.writer() as writer:
-        for trial, row in _stream(study, missing, jobs, backend):
-            writer.add(trial, row)
-            if on_trial is not None:
-                on_trial(trial, row)
-    failed = len(folder.store.keys()) - len(folder.store.keys(finished_only=True))
+    with folder.lock():
+        folder.check_data(fingerprints)
+        done = folder.store.keys(finished_only=True)
+        if on_plan is not None:
+            on_plan(study, done)
+        missing = [trial for trial in study.plan() if trial.key not in done]
+        # Interleaved in random order, so that a busy machine slows no one algorithm more than another.
+        random.Random(study.seed).shuffle(missing)
+        jobs = cpu_count() if n_jobs == -1 else n_jobs
+        if missing:
+            folder.note_environment(jobs)
+        with folder.store.writer() as writer:
+            for trial, row in _stream(study, missing, jobs, backend):
+                writer.add(trial, row)
+                if on_trial is not None:
+                    on_trial(trial, row)
+        failed = len(folder.store.keys()) - len(folder.store.keys(finished_only=True))
     return Outcome(folder.path, len(missing), failed)
 
 
 def _stream(study: Study, trials: list[Trial], jobs: int, backend: str) -> Iterable[tuple[Trial, dict[str, Any]]]:
     """Yield (trial, row) as workers finish, in any order."""
     text = study.to_toml()  # a study's text is its pickle: workers load plug-ins by name, as the parent does
-    with parallel_config(backend=backend, n_jobs=jobs, inner_max_num_threads=1 if backend == "loky" else None):
+    with parallel_config(backend=backend, n_jobs=jobs, inner_max_num_threads=1):
         # One trial a task: a task is a tenth of a second or more, and a killed run then loses only those under way.
         parallel = Parallel(return_as="generator_unordered", batch_size=1, pre_dispatch="3*n_jobs")
-        yield from parallel(delayed(_work)(text, trial) for trial in trials)
+        try:
+            yield from parallel(delayed(_work)(text, trial) for trial in trials)
+        except BrokenProcessPool as error:
+            raise WorkerDiedError(
+                "a worker process died (killed, out of memory, or ended by a plug-in); every finished trial is kept: "
+                "run the same command again to continue"
+            ) from error
 
 
 def _work(study_text: str, trial: Trial) -> tuple[Trial, dict[str, Any]]:
     """Make one trial in a worker; whatever it raises becomes its row."""
     try:
-        problem, optimizer, budget = _load(study_text, trial.problem, trial.optimizer)
-        _warm_up(study_text, trial.optimizer)
-        result = solve(problem, optimizer, budget=budget, seed=trial.seed)
-    except Exception as error:  # a plug-in may raise anything, and it costs only its own cell
+        study = _study(study_text)
+        problem, optimizer = _problem(study_text, trial.problem), study.optimizer(trial.optimizer)
+        _warm_up(study_text, type(problem), trial.problem, trial.optimizer)
+        result = solve(problem, optimizer, budget=study.budget, seed=trial.seed)
+        return trial, as_row(result, problem.variables)
+    except (Exception, SystemExit) as error:  # a plug-in may raise anything, and it costs only its own cell
         where = traceback.format_exc(limit=-3)
         return trial, {"status": "failed", "error": f"{type(error).__name__}: {error}\n{where}"}
-    return trial, as_row(result, problem.variables)
-
-
-@lru_cache(maxsize=256)
-def _load(study_text: str, problem: str, optimizer: str) -> tuple[Problem, Optimizer, int]:
-    study = _study(study_text)
-    return study.problem(problem), study.optimizer(optimizer), study.budget
 
 
 @lru_cache(maxsize=4)
@@ -116,9 +128,19 @@ def _study(text: str) -> Study:
 
 
 @lru_cache(maxsize=256)
-def _warm_up(study_text: str, optimizer: str) -> None:
-    """Spend one discarded, short trial a worker and optimizer, so that compilation lands in no trial's time."""
+def _problem(study_text: str, label: str) -> Problem:
+    return _study(study_text).problem(label)
+
+
+_warm: set[tuple[str, type, str]] = set()
+
+
+def _warm_up(study_text: str, kind: type, problem: str, optimizer: str) -> None:
+    """Spend one discarded, short trial a worker, kind of problem and optimizer: no trial shall wait for a compiler."""
+    if (study_text, kind, optimizer) in _warm:
+        return
+    _warm.add((study_text, kind, optimizer))
     study = _study(study_text)
     loaded = study.optimizer(optimizer)
     with suppress(Exception):  # the trial itself will say what is wrong
-        solve(study.problem(study.problems[0].label), loaded, budget=3 * loaded.minimum_budget)
+        solve(_problem(study_text, problem), loaded, budget=min(study.budget, 3 * loaded.minimum_budget))

@@ -68,20 +68,17 @@ class Store:
         if not self.path.exists():
             return set()
         query = "SELECT problem, optimizer, trial FROM trials" + (" WHERE status = 'ok'" if finished_only else "")
-        with self._open() as connection:
-            return set(connection.execute(query))
+        return set(self._select(query))
 
     def rows(self) -> list[dict[str, Any]]:
         """Return every row but its trace."""
         if not self.path.exists():
             raise BenchError(f"there is no {FILE} in {self.path.parent}; give the folder that 'bench run' wrote")
         names = [name for name in COLUMNS if name != "trace"]
-        with self._open() as connection:
-            found = connection.execute(f"SELECT {', '.join(names)} FROM trials")
-            rows = [dict(zip(names, row, strict=True)) for row in found]
+        rows = [dict(zip(names, row, strict=True)) for row in self._select(f"SELECT {', '.join(names)} FROM trials")]
         for row in rows:
-            row["x"] = json.loads(row["x"]) if row["x"] else {}
-            row["figures"] = json.loads(row["figures"]) if row["figures"] else {}
+            for name in ("x", "figures"):
+                row[name] = self._parse(row[name], row) if row[name] else {}
         return rows
 
     def traces(self, problem: str, optimizer: str) -> dict[int, Trace]:
@@ -89,8 +86,23 @@ class Store:
         query = (
             "SELECT trial, trace FROM trials WHERE problem = ? AND optimizer = ? AND trace IS NOT NULL ORDER BY trial"
         )
+        return {trial: _unpack(blob) for trial, blob in self._select(query, problem, optimizer)}
+
+    def _select(self, query: str, *values: str) -> list[tuple[Any, ...]]:
+        """Return a query's rows; a store whose run was killed before it made the table has none."""
         with self._open() as connection:
-            return {trial: _unpack(blob) for trial, blob in connection.execute(query, (problem, optimizer))}
+            if not connection.execute("SELECT count(*) FROM sqlite_master WHERE name = 'trials'").fetchone()[0]:
+                return []
+            return connection.execute(query, values).fetchall()
+
+    def _parse(self, text: str, row: dict[str, Any]) -> dict[str, float]:
+        try:
+            return dict(json.loads(text))
+        except ValueError as error:
+            raise BenchError(
+                f"the store {self.path} is damaged: trial {row['trial']} of {row['optimizer']} on {row['problem']} "
+                "cannot be read; restore it from a copy"
+            ) from error
 
 
 class Writer:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import os
+import re
 import tomllib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -73,7 +74,7 @@ class Study:
     title: str = ""
 
     @classmethod
-    def load(cls, source: str | PathLike[str]) -> Study:
+    def load(cls, source: str | os.PathLike[str]) -> Study:
         """Return the study of an installed name (``"thesis"``) or of a TOML file's path.
 
         Raises:
@@ -101,6 +102,11 @@ class Study:
                 raise BenchError(f"study {where}: {key!r} must be {spelled}, not {data[key]!r}")
         if not data.get("name"):
             raise BenchError(f'study {where} has no name; add a line such as name = "my-study"')
+        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", data["name"]):
+            raise BenchError(
+                f"study {where}: the name {data['name']!r} must be up to 100 letters, digits, '.', '_' or '-', "
+                "as it names a folder"
+            )
         study = cls(
             **{
                 **data,
@@ -114,25 +120,28 @@ class Study:
 
     def override(self, **changes: Any) -> Study:
         """Return a copy with the given fields replaced, those that are None left as they are."""
-        changed = dataclasses.replace(self, **{key: value for key, value in changes.items() if value is not None})
-        if changed.trials < 1 or changed.budget < 1:
+        given = {key: value for key, value in changes.items() if value is not None}
+        if not all(
+            isinstance(value, int) and value >= 1 for key, value in given.items() if key in ("trials", "budget")
+        ):
             raise BenchError("trials and budget must be at least 1")
-        return changed
+        return dataclasses.replace(self, **given)
 
     def problem(self, label: str) -> Problem:
-        """Load the problem of that label, named by its label."""
+        """Load the problem of that label."""
         entry = _named(self.problems, label, "problem", self.name)
-        problem = plugins.load_problem(entry.name, **entry.options)
-        problem.name = entry.label
-        return problem
+        return plugins.load_problem(entry.name, **entry.options)
 
     def optimizer(self, label: str) -> Optimizer:
         """Load the optimizer of that label."""
         entry = _named(self.optimizers, label, "optimizer", self.name)
         return plugins.load_optimizer(entry.name, **entry.options)
 
-    def check(self) -> None:
+    def check(self) -> dict[str, str]:
         """Load every problem and optimizer once and check the budget against the largest generation.
+
+        Returns:
+            the fingerprint of every problem's data, by label.
 
         Raises:
             BenchError: for the first name, parameter, recording or budget that cannot work.
@@ -144,8 +153,7 @@ class Study:
                     f"study {self.name!r}: a budget of {self.budget} evaluations is below one generation of "
                     f"{entry.label!r}, which takes {needed}; raise the budget or lower its agents"
                 )
-        for entry in self.problems:
-            self.problem(entry.label)
+        return {entry.label: self.problem(entry.label).fingerprint() for entry in self.problems}
 
     def plan(self) -> Iterator[Trial]:
         """Yield every trial of the study: trial number by trial number, problem by problem, optimizer by optimizer."""
@@ -170,20 +178,20 @@ class Study:
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
-def _read(source: str | PathLike[str]) -> tuple[str, str]:
+def _read(source: str | os.PathLike[str]) -> tuple[str, str]:
     """Return the text of a study and how to call it in a message."""
     installed = plugins.entries("studies")
     if str(source) in installed:
         text: str = plugins.load("studies", str(source)).read_text(encoding="utf-8")
         return text, repr(str(source))
     path = Path(source)
-    if path.suffix != ".toml" and not path.exists():
+    if path.suffix != ".toml" and not os.path.exists(path):  # noqa: PTH110 - unlike Path.exists, it never raises
         raise BenchError(
             f"unknown study {str(source)!r}{nearest(str(source), installed)}, or give the path of a TOML file"
         )
     try:
-        return path.read_text(encoding="utf-8"), str(path)
-    except (OSError, UnicodeDecodeError) as error:
+        return path.read_text(encoding="utf-8-sig"), str(path)
+    except (OSError, ValueError) as error:  # a ValueError is a text that is no UTF-8, or a path with a NUL
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
         raise BenchError(f"the study file {path} cannot be read: {reason}") from error
 
@@ -195,13 +203,16 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
     entries: list[Entry] = []
     for item in items:
         options = dict(item)
-        names = options.pop("names", None) or [options.pop("name", None)]
+        if "names" in options and "name" in options:
+            raise BenchError(f"study {where}: a [[{key}]] table has a name or names, not both")
+        names = options.pop("names") if "names" in options else [options.pop("name", None)]
         label = options.pop("label", None)
-        if not all(isinstance(name, str) and name for name in names) or (
-            label is not None and not isinstance(label, str)
-        ):
+        texts = isinstance(names, list) and names and all(isinstance(name, str) and name.strip() for name in names)
+        if not texts or not (label is None or (isinstance(label, str) and label.strip())):
             raise BenchError(f"study {where}: a [[{key}]] table needs a name (or a list of names), all of them texts")
         entries += [Entry(name, label or name, options) for name in names]
+        if not all(entry.label.isprintable() for entry in entries):
+            raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
     labels = [entry.label for entry in entries]
     twice = sorted({label for label in labels if labels.count(label) > 1})
     if twice:

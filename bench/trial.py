@@ -7,10 +7,17 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from bench import plugins
+from bench.errors import BenchError
 from bench.objective import BudgetExhausted, Objective, Trace
 from bench.optimizer import Optimizer
 from bench.problem import Floats, Problem
 from bench.seeds import streams
+
+FRAME_COLUMNS = (
+    "study", "problem", "optimizer", "trial", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s",
+    "stop", "outside_box", "error",
+)  # fmt: skip
+"""The tidy frame's own columns; one ``x_<variable>`` each and the problem's domain figures follow."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +73,10 @@ def solve(problem: str | Problem, optimizer: str | Optimizer, *, budget: int, se
     """
     problem = plugins.load_problem(problem) if isinstance(problem, str) else problem
     optimizer = plugins.load_optimizer(optimizer) if isinstance(optimizer, str) else optimizer
+    if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
+        raise BenchError("solve needs a problem and an optimizer, or their names")
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise BenchError(f"the seed must be a whole number of at least 0, not {seed!r}")
     start_stream, search_stream = streams(seed)
     objective = Objective(problem, budget, start_stream)
     with threadpool_limits(limits=1):  # results and times must not depend on how many threads a BLAS finds
@@ -98,7 +109,18 @@ def solve(problem: str | Problem, optimizer: str | Optimizer, *, budget: int, se
 
 
 def as_row(result: Result, variables: tuple[str, ...]) -> dict[str, Any]:
-    """Return the result as the columns of its store row (see bench.store)."""
+    """Return the result as the columns of its store row (see bench.store).
+
+    Raises:
+        ValueError: when the problem's variables or domain figures make no columns: not one name a variable, a name
+            twice or one of the frame's own, a figure that is no number.
+    """
+    if len(set(variables)) != len(result.x):
+        raise ValueError(f"the problem names {len(set(variables))} different variables for {len(result.x)} dimensions")
+    figures = {str(name): float(value) for name, value in dict(result.figures).items()}
+    reserved = sorted(name for name in figures if name in FRAME_COLUMNS or name.startswith("x_"))
+    if reserved:
+        raise ValueError(f"the problem's describe() uses a name of the tidy frame: {reserved[0]!r}")
     return {
         "status": "ok",
         "fun": result.fun,
@@ -109,6 +131,6 @@ def as_row(result: Result, variables: tuple[str, ...]) -> dict[str, Any]:
         "stop": result.stop,
         "outside_box": result.outside_box,
         "x": dict(zip(variables, result.x.tolist(), strict=True)),
-        "figures": result.figures,
+        "figures": figures,
         "trace": result.trace,
     }

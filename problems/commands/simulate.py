@@ -21,6 +21,8 @@ def simulate(
     from problems.joint import half_gap as half_gap_of  # imports numba, for which no other command should wait
     from problems.joint import simulate as run
 
+    if output.suffix.lower() != ".csv":
+        raise BenchError(f"{output} must end in .csv, as that is what is written")
     if (level is None) == (half_gap is None):
         raise BenchError("give either --level 1 … 20 or --half-gap in rad")
     gap = half_gap if half_gap is not None else half_gap_of(int(level or 0))

@@ -17,8 +17,10 @@ class _Simulated:
     def names(self) -> list[str]:
         return [f"signature-{level:02d}" for level in LEVELS]
 
-    def load(self, name: str, **options: Any) -> SignatureFit:
+    def load(self, name: str, /, **options: Any) -> SignatureFit:
         _check_names(name, options)
+        if name not in self.names():
+            raise BenchError(f"unknown problem {name!r}{nearest(name, self.names())}")
         made = dataset(self.names().index(name) + 1)
         recording = Recording(float(made.time[0]), float(made.time[1] - made.time[0]), made.speed)
         return SignatureFit(name, recording, expected=made.peak, half_gap=made.half_gap, **options)
@@ -30,7 +32,7 @@ class _Recorded:
     def names(self) -> list[str]:
         return []
 
-    def load(self, name: str, **options: Any) -> SignatureFit:
+    def load(self, name: str, /, **options: Any) -> SignatureFit:
         _check_names(name, options)
         path = name.partition(":")[2]
         if not path:

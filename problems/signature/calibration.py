@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from problems.joint import half_gap
 from problems.signature.datasets import LEVELS, dataset, simulated
 
 Floats = NDArray[np.float64]
@@ -34,11 +35,7 @@ class Calibration:
 
 @cache
 def default_calibration() -> Calibration:
-    """Return the calibration of the default joint, from no gap to level 20."""
-    made = [simulated(0.0), *(dataset(level) for level in LEVELS)]
+    """Return the calibration of the default joint, from no gap past level 20, whose fits scatter to both sides."""
+    beyond = (half_gap(LEVELS[-1]) + 0.0004 * step for step in range(1, 6))  # past 6e-3 rad the motion is irregular
+    made = [simulated(0.0), *(dataset(level) for level in LEVELS), *(simulated(gap) for gap in beyond)]
     return Calibration(np.array([60 * each.peak for each in made]), np.array([each.half_gap for each in made]))
-
-
-def thesis_cubic(amplitude: float) -> float:
-    """Return delta in rad of an amplitude in rpm by the thesis's cubic (eq. 4.7)."""
-    return 1e-6 * float(np.polyval([-0.0018, 0.4323, 9.2524, 34.0313], amplitude))

@@ -217,7 +217,7 @@ def repair(points: Floats, lower: Floats, upper: Floats, start: float, stop: flo
     for p in range(len(points)):
         for j in range(7):
             fixed[p, j] = min(max(points[p, j], lower[j]), upper[j])
-        fixed[p, 5] = min(fixed[p, 5], math.pi / (2 * fixed[p, 3]))
+        fixed[p, 5] = min(fixed[p, 5], math.pi / (2 * fixed[p, 3]), delay)
         fixed[p, 6] = min(max(fixed[p, 6], fixed[p, 5]), delay)
         fixed[p, 1] = min(max(fixed[p, 1], start), stop - fixed[p, 6])
     return fixed

@@ -1,7 +1,6 @@
 """The constrained signature fit as a problem (thesis sections 5.3.1, 7.1.1 and 7.2.2)."""
 
 import hashlib
-import math
 from typing import Literal, get_args
 
 import numpy as np
@@ -74,6 +73,8 @@ class SignatureFit(Problem):
             raise BenchError(
                 f"problem {name!r}: a sample every {recording.dt:.4g} s is too coarse for a load turn of {period:g} s"
             )
+        if np.abs(recording.speed).max() > 1e6:
+            raise BenchError(f"problem {name!r}: a speed of more than 1e6 rps is none; give the speed in rps")
         if np.ptp(recording.speed) == 0.0:
             raise BenchError(f"problem {name!r}: the speed is constant, so there is no disturbance to fit")
         self.name = name
@@ -119,9 +120,8 @@ def _check_options(name: str, period: float, turns: int, unit: str, amplitude_fa
     """Raise BenchError for an option of the wrong type or out of range."""
     if unit not in get_args(Unit):
         raise BenchError(f"problem {name!r}: unit must be 'rps' or 'rpm', not {unit!r}")
-    if isinstance(turns, bool) or not isinstance(turns, int) or turns < 1:
-        raise BenchError(f"problem {name!r}: turns must be a whole number of at least 1, not {turns!r}")
+    if isinstance(turns, bool) or not isinstance(turns, int) or not 1 <= turns <= 100_000:
+        raise BenchError(f"problem {name!r}: turns must be a whole number from 1 to 100000, not {turns!r}")
     for option, value in (("period", period), ("amplitude_factor", amplitude_factor)):
-        number = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-        if not number or value <= 0:
-            raise BenchError(f"problem {name!r}: {option} must be a positive number, not {value!r}")
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value <= 1e6:
+            raise BenchError(f"problem {name!r}: {option} must be a positive number up to 1e6, not {value!r}")

@@ -50,7 +50,7 @@ def read(path: str | Path) -> Recording:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise BenchError(f"recording {path} cannot be read: {reason}") from error
     if table.shape[1] < 2:
-        raise BenchError(f"recording {path} has {table.shape[1]} column; it needs two, time in s and speed in rps")
+        raise BenchError(f"recording {path} has {table.shape[1]} columns; it needs two, time in s and speed in rps")
     values = table.iloc[:, :2].apply(pd.to_numeric, errors="coerce")
     if len(values) and values.iloc[0].isna().all():  # the header line
         values = values.iloc[1:]
@@ -71,20 +71,23 @@ def _uniform(time: Floats, speed: Floats, path: Path) -> Recording:
     dt = float((time[-1] - time[0]) / (len(time) - 1))
     off = np.abs(time - (time[0] + dt * np.arange(len(time)))) > 0.25 * dt  # a missing sample shifts half of them so
     if off.any():
+        near = int(np.argmax(np.abs(steps - dt))) + 2
         raise BenchError(
-            f"recording {path}: time is not uniform near sample {int(np.argmax(off)) + 1} (steps of {steps.min():.6g} "
-            f"to {steps.max():.6g} s); resample it to equal steps"
+            f"recording {path}: time is not uniform near sample {near} (steps of {steps.min():.6g} to "
+            f"{steps.max():.6g} s); resample it to equal steps"
         )
     return Recording(float(time[0]), dt, speed)
 
 
 def _read_csv(path: Path) -> pd.DataFrame:
     """Return the cells of a text file separated by semicolons, tabs, commas or blanks; decimal commas become points."""
-    lines = {i: line for i, line in enumerate(path.read_text("utf-8", errors="replace").splitlines()) if line.strip()}
-    last = next(reversed(lines.values()), "")
-    separator = next((mark for mark in (";", "\t", ",") if mark in last), None)
+    lines = {
+        i: line for i, line in enumerate(path.read_text("utf-8-sig", errors="replace").splitlines()) if line.strip()
+    }
+    middle = list(lines.values())[len(lines) // 2] if lines else ""  # neither a header nor a closing remark
+    separator = next((mark for mark in (";", "\t", ",") if mark in middle), None)
     cells = pd.DataFrame([line.split(separator) for line in lines.values()], index=list(lines))
-    return cells.map(lambda cell: cell.replace(",", ".") if cell else cell)
+    return cells.map(lambda cell: cell.replace(",", ".").strip(' "') if isinstance(cell, str) else cell)
 
 
 def _read_xlsx(path: Path) -> pd.DataFrame:

@@ -105,6 +105,14 @@ def test_simulate_writes_a_recording_that_can_be_fitted(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
+        (["runn"], "No such command 'runn'"),
+        (["run"], "issing"),
+        (["run", "quick", "--jobs", "x"], "valid integer"),
+        (["run", "quick", "--backend", "nope"], "unknown backend 'nope'"),
+        (["simulate", "a.csv", "--level", "21"], "20"),
+        (["simulate", "a.xlsx", "--level", "3"], "must end in .csv"),
+        (["solve", "signature-12", "gwo", "--seed", "-1"], "the seed must be a whole number of at least 0"),
+        (["solve", "signature:03", "gwo"], "did you mean 'signature-03'?"),
         (["run", "thesys"], "unknown study 'thesys'; did you mean 'thesis'?"),
         (["run", "quick", "--budget", "299"], "a budget of 299 evaluations is below one generation of 'cma-es'"),
         (["run", "quick", "--trials", "0"], "trials and budget must be at least 1"),

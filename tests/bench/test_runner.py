@@ -163,3 +163,62 @@ def test_solve_by_name_and_stop_reasons():
 def test_no_results_are_said_so(tmp_path):
     with pytest.raises(BenchError, match=r"holds no study\.toml"):
         load_results(tmp_path)
+
+
+def test_a_store_whose_table_was_never_made_is_begun_again(small_study, tmp_path):
+    """A kill between the file's creation and its table's leaves an empty store."""
+    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
+    for file in (tmp_path / "out").glob("trials.sqlite*"):
+        file.unlink()
+    (tmp_path / "out" / "trials.sqlite").touch()
+    assert load_results(tmp_path / "out").empty
+    assert run(small_study.override(trials=1), tmp_path / "out", n_jobs=1).made == 6
+
+
+def test_two_runs_do_not_write_one_folder(small_study, tmp_path):
+    with pytest.raises(BenchError, match="another run is writing"):
+        run(small_study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: run(small_study, tmp_path / "out", n_jobs=1))
+
+
+def test_data_that_changed_under_a_study_is_refused(tmp_path):
+    t = np.arange(1000) * 0.002
+    for frequency in (5.0, 7.0):
+        table = np.column_stack([t, 100 + np.sin(frequency * t)])
+        np.savetxt(tmp_path / "a.csv", table, delimiter=",")
+        study = Study.from_dict(
+            {"name": "mine", "trials": int(frequency), "budget": 60,
+             "problems": [{"name": f"recording:{tmp_path / 'a.csv'}"}], "optimizers": [{"name": "scatter"}]}
+        )  # fmt: skip
+        if frequency == 5.0:
+            run(study, tmp_path / "out", n_jobs=1)
+        else:
+            with pytest.raises(BenchError, match="changed since"):
+                run(study, tmp_path / "out", n_jobs=1)
+
+
+@pytest.mark.parametrize(
+    ("problem", "said"),
+    [("names-3", "names 2 different variables for 3 dimensions"), ("figures-2", "a name of the tidy frame: 'fun'"),
+     ("text-2", "could not convert"), ("exit-2", "SystemExit"), ("minus-2", "returned -inf")],
+)  # fmt: skip
+def test_a_problem_that_breaks_the_contract_costs_its_own_cell(problem, said, tmp_path):
+    study = Study.from_dict(
+        {"name": "odd", "trials": 1, "budget": 30, "problems": [{"name": problem}, {"name": "sphere-2"}],
+         "optimizers": [{"name": "scatter"}]}
+    )  # fmt: skip
+    assert run(study, tmp_path / "out", n_jobs=2).failed == 1
+    frame = load_results(tmp_path / "out").set_index("problem")
+    assert frame["status"].to_dict() == {problem: "failed", "sphere-2": "ok"}
+    assert said in frame.loc[problem, "error"]
+
+
+def test_a_worker_that_dies_is_said_and_loses_nothing_finished(tmp_path):
+    from bench.runner import WorkerDiedError
+
+    study = Study.from_dict(
+        {"name": "dying", "trials": 3, "budget": 30, "problems": [{"name": "sphere-2"}, {"name": "death-2"}],
+         "optimizers": [{"name": "scatter"}]}
+    )  # fmt: skip
+    with pytest.raises(WorkerDiedError, match="run the same command again"):
+        run(study, tmp_path / "out", n_jobs=2)
+    assert load_results(tmp_path / "out")["status"].eq("ok").all()

@@ -66,6 +66,10 @@ def test_identity_is_what_decides_a_result():
         ({"problems": []}, "needs at least one [[problems]] table"),
         ({"optimizers": "gwo"}, "needs at least one [[optimizers]] table"),
         ({"optimizers": [{"agents": 3}]}, "needs a name"),
+        ({"optimizers": [{"names": 3}]}, "needs a name"),
+        ({"optimizers": [{"names": []}]}, "needs a name"),
+        ({"optimizers": [{"names": "gwo"}]}, "needs a name"),
+        ({"optimizers": [{"name": "gwo", "label": 7}]}, "needs a name"),
         ({"optimizers": [{"name": "scatter"}, {"name": "scatter", "agents": 5}]}, "'scatter' stands twice"),
     ],
 )

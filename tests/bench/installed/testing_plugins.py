@@ -1,6 +1,7 @@
 """Plug-ins for the tests of the harness; the folder beside this file registers them as an installed package does."""
 
 import os
+import sys
 from dataclasses import dataclass
 from time import sleep
 
@@ -64,22 +65,25 @@ class Early(Optimizer):
 
 
 class Functions:
-    """sphere-2, sphere-3 and slow-2 as a family."""
+    """Spheres, a slow one, and some that break the contract, each in its own way."""
 
     def names(self):
-        return ["sphere-2", "sphere-3", "slow-2"]
+        return ["sphere-2", "sphere-3", "slow-2", "names-3", "figures-2", "text-2", "exit-2", "minus-2", "death-2"]
 
     def load(self, name, **options):
         kind, d = name.split("-")
+        values = {
+            "slow": lambda x: sleep(float(os.environ.get("SLOW", "0.01"))) or (x**2).sum(axis=1),
+            "exit": lambda x: sys.exit(3),
+            "minus": lambda x: np.full(len(x), -np.inf),
+            "death": lambda x: os._exit(1),
+        }
         box = [-5.0] * int(d), [5.0] * int(d)
-        if kind == "slow":
-            return FunctionProblem(
-                lambda x: sleep(float(os.environ.get("SLOW", "0.01"))) or (x**2).sum(axis=1), *box, name=name
-            )
-        problem = FunctionProblem(
-            lambda x: (x**2).sum(axis=1) + options.get("offset", 0.0), *box, name=name, optimum=0.0
-        )
-        problem.describe = lambda x: {"radius": float(np.linalg.norm(x))}
+        problem = FunctionProblem(values.get(kind, lambda x: (x**2).sum(axis=1)), *box, name=name, optimum=0.0)
+        figures = {"figures": lambda x: {"fun": 1.0}, "text": lambda x: {"radius": "wide"}}
+        problem.describe = figures.get(kind, lambda x: {"radius": float(np.linalg.norm(x))})
+        if kind == "names":
+            problem.variables = ("a", "a", "b")
         return problem
 
 

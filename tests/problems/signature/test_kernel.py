@@ -15,6 +15,7 @@ CASES = {  # sampling period, samples, T_f, turns, time of the first sample
     "more turns than the recording holds": (0.002, 900, 0.4, 12, 0.0),
     "fewer turns than the recording holds": (0.002, 2401, 0.4, 3, -1.0),
     "slow turns, fast sampling": (0.0005, 3000, 1.0, 2, 0.0),
+    "turns faster than the box's T1 and T2": (0.002, 1000, 0.1, 9, 0.0),
 }
 
 
