@@ -27,8 +27,8 @@ from problems.signature.model import EDGE
 
 Floats = NDArray[np.float64]
 
-LANES = 8
-"""Samples per step of the recurrence: eight powers of the factor side by side vectorise, one chain does not."""
+LANES = 16
+"""Samples per step of the recurrence: sixteen powers of the factor side by side vectorise, one chain does not."""
 
 
 class Folded(NamedTuple):
@@ -129,12 +129,12 @@ def _first_window(
     terms: Floats, twice_f: Floats, twice_g: Floats, re: Floats, im: Floats, lanes: Floats,
 ) -> float:  # fmt: skip
     """Return the sum of y (C y - 2 F + 2 c G) over samples first … last - 1, where y_j = Im(z q^j)."""
-    re[0], im[0] = 1.0, 0.0  # q^0 … q^7 by doubling: short chains of multiplications, not one long one
-    for half in (1, 2, 4):
+    re[0], im[0] = 1.0, 0.0  # q^0 … q^15 by doubling: short chains of multiplications, not one long one
+    for half in (1, 2, 4, 8):
         for j in range(half):
             re[half + j] = re[j] * q_re - im[j] * q_im
             im[half + j] = re[j] * q_im + im[j] * q_re
-        q_re, q_im = q_re * q_re - q_im * q_im, 2 * q_re * q_im  # q^2, q^4 and, to step by, q^8
+        q_re, q_im = q_re * q_re - q_im * q_im, 2 * q_re * q_im  # q^2, q^4, q^8 and, to step by, q^16
     lanes[:] = 0.0
     # Unsigned, so that the compiler need not expect an index counted from the end, and vectorises.
     base, end = np.uintp(first), np.uintp(last)
@@ -148,7 +148,10 @@ def _first_window(
     for j in range(end - base):
         y = z_re * im[j] + z_im * re[j]
         lanes[j] += y * (terms[base + j] * y - (twice_f[base + j] - c * twice_g[base + j]))
-    total: float = ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
+    for half in (8, 4, 2, 1):  # the lanes' sum in a fixed order
+        for j in range(half):
+            lanes[j] += lanes[half + j]
+    total: float = lanes[0]
     return total
 
 
