@@ -29,8 +29,7 @@ Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.
 def main() -> None:
     """Run the command line and turn bad input into a sentence on standard error."""
     try:
-        plugins.refuse_foreign_modules()
-        for name in plugins.entries("commands"):
+        for name in plugins.entries("commands"):  # refuses foreign modules of the distribution's generic names
             _add_command(name)
         sys.exit(app(standalone_mode=False))
     except BenchError as error:
@@ -157,11 +156,7 @@ def solve(
 
     loaded = plugins.load_problem(problem, **_pairs(problem_option))
     chosen = plugins.load_optimizer(optimizer, **_pairs(option))
-    if budget < chosen.minimum_budget:
-        raise BenchError(
-            f"a budget of {budget} evaluations is below one generation of {optimizer!r}, which takes "
-            f"{chosen.minimum_budget}; raise --budget or lower its agents"
-        )
+    chosen.check_budget(budget, optimizer)
     try:
         result = solve_once(loaded, chosen, budget=budget, seed=seed)
     except BenchError:

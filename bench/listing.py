@@ -32,8 +32,10 @@ def show(kind: str, console: Console) -> None:
             package = f"{entry.dist.name} {entry.dist.version}" if entry.dist is not None else ""
             try:
                 about, style = _about(name, plugins.load(each, name)), ""
+            except BenchError as error:
+                about, style = str(error), "red"
             except Exception as error:  # a stranger's plug-in may raise anything
-                about, style = f"failed to load: {error}".replace("failed to load: the plug-in", "the plug-in"), "red"
+                about, style = f"failed to load: {error}", "red"
             table.add_row(Text(name), Text(about, style=style), Text(package))
         console.print(table, "")
 

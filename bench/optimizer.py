@@ -47,6 +47,14 @@ class Optimizer(ABC):
         """The evaluations that one generation takes: the population size, or 1 without one."""
         return int(getattr(self, "agents", None) or 1)
 
+    def check_budget(self, budget: int, label: str) -> None:
+        """Raise BenchError, naming the optimizer by ``label``, for a budget below one generation."""
+        if budget < self.minimum_budget:
+            raise BenchError(
+                f"a budget of {budget} evaluations is below one generation of {label!r}, which takes "
+                f"{self.minimum_budget}; raise the budget or lower its agents"
+            )
+
 
 def build(cls: type[Optimizer], name: str, options: dict[str, Any]) -> Optimizer:
     """Return ``cls(**options)``; raises BenchError for an option that is no parameter, naming the nearest one."""

@@ -147,12 +147,7 @@ class Study:
             BenchError: for the first name, parameter, recording or budget that cannot work.
         """
         for entry in self.optimizers:
-            needed = self.optimizer(entry.label).minimum_budget
-            if self.budget < needed:
-                raise BenchError(
-                    f"study {self.name!r}: a budget of {self.budget} evaluations is below one generation of "
-                    f"{entry.label!r}, which takes {needed}; raise the budget or lower its agents"
-                )
+            self.optimizer(entry.label).check_budget(self.budget, entry.label)
         return {entry.label: self.problem(entry.label).fingerprint() for entry in self.problems}
 
     def plan(self) -> Iterator[Trial]:

@@ -60,10 +60,8 @@ class CMAES(Optimizer):
         }  # fmt: skip
         step = 1.0
         if objective.dimension > 1:
-            options |= {
-                "CMA_stds": self.sigma * (upper - lower),
-                "maxstd": (upper - lower) / 3,
-            }  # as pycma's bounds set
+            # pycma's own bounds set the same maximum
+            options |= {"CMA_stds": self.sigma * (upper - lower), "maxstd": (upper - lower) / 3}
         else:  # pycma has no coordinate-wise scales in one dimension
             step = self.sigma * float(upper[0] - lower[0])
         mean = (lower + upper) / 2 if self.start == "midpoint" else objective.initial(1)[0]
