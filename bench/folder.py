@@ -20,6 +20,7 @@ from bench.study import Study
 STUDY = "study.toml"
 ENVIRONMENT = "environment.json"
 DATA = "data.json"
+CHECKS = "checks.json"
 
 
 class Folder:
@@ -65,14 +66,18 @@ class Folder:
             raise BenchError(f"the output folder {self.path} cannot be written: {error.strerror}") from error
         return study
 
+    def fingerprints(self) -> dict[str, str]:
+        """Return the noted fingerprints of the problems' data, by label."""
+        noted = self._json(DATA)
+        return noted if isinstance(noted, dict) else {}
+
     def check_data(self, fingerprints: dict[str, str]) -> None:
         """Note the fingerprints of the problems' data, by label, and refuse data that changed under a study.
 
         Raises:
             BenchError: when a problem's data is not what the folder's trials were made with.
         """
-        noted = self._json(DATA)
-        before = noted if isinstance(noted, dict) else {}
+        before = self.fingerprints()
         for label, fingerprint in fingerprints.items():
             if before.get(label, fingerprint) != fingerprint:
                 raise BenchError(
@@ -80,6 +85,15 @@ class Folder:
                     "data sets; put the data back or give another --output"
                 )
         self._write(DATA, json.dumps(before | fingerprints, indent=1))
+
+    def checks(self) -> dict[str, list[dict[str, Any]]]:
+        """Return what ``bench check`` noted of the study's optimizers, by label; empty where it was not asked."""
+        noted = self._json(CHECKS)
+        return noted if isinstance(noted, dict) else {}
+
+    def note_checks(self, checks: dict[str, list[dict[str, Any]]]) -> None:
+        """Note the diagnoses of the study's optimizers, by label."""
+        self._write(CHECKS, json.dumps(checks, indent=1))
 
     @contextmanager
     def lock(self) -> Iterator[None]:

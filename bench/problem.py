@@ -1,7 +1,8 @@
 """The first of the two contracts: what the harness asks of a problem."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,8 @@ class Problem(ABC):
         lower: (d,) float64, the lower end of the box.
         upper: (d,) float64, the upper end of the box.
         optimum: the best known objective value, or None where none is known.
+        expected: the true value of a domain figure and how far from it is near enough, by the name that
+            :meth:`describe` gives it, such as ``{"amplitude_rpm": (140.2, 1.93)}``; drawn in reports.
     """
 
     name: str
@@ -31,6 +34,7 @@ class Problem(ABC):
     lower: Floats
     upper: Floats
     optimum: float | None = None
+    expected: Mapping[str, tuple[float, float]] = MappingProxyType({})
 
     @property
     def dimension(self) -> int:

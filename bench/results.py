@@ -1,9 +1,13 @@
-"""Read a study's folder: the tidy frame, the traces and what they belong to."""
+"""Read one study's folder, or several to be compared: the tidy frame, the traces and what they belong to."""
 
 from __future__ import annotations
 
+import dataclasses
+from collections import Counter
+from collections.abc import Sequence
 from functools import cache, cached_property
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -12,67 +16,184 @@ from bench.errors import BenchError
 from bench.folder import Folder
 from bench.objective import Trace
 from bench.problem import Problem
-from bench.study import Study
+from bench.study import Entry, Study
 from bench.trial import FRAME_COLUMNS
+
+AnyPath = str | PathLike[str]
 
 
 class Results:
-    """All that a report needs of one study's folder, read once and lazily.
+    """All that a report needs of a study's folder, or of several that compare like with like, read once and lazily.
+
+    Several folders make one study of all their problems and optimizers. An optimizer's label that stands in more
+    than one of them is told apart by its folder's name, as in ``"gwo (old)"``.
 
     Attributes:
-        study: the study as frozen in the folder.
+        study: the study as frozen in the folder; for several, all their problems and optimizers.
         environments: what each run that wrote here noted of its machine.
+        checks: what ``bench check`` noted of each optimizer, by label; empty where it was not asked.
+        fingerprints: the hash of each problem's data, by label, as noted when it ran; "" where the name says it all.
+
+    Raises:
+        BenchError: when a folder holds no study, or the folders differ in budget or in what a problem's label means.
     """
 
-    def __init__(self, path: str | PathLike[str]) -> None:
-        self._folder = Folder(path)
-        self.study: Study = self._folder.study()
-        self.environments: list[dict[str, Any]] = self._folder.environments()
+    def __init__(self, path: AnyPath, *others: AnyPath) -> None:
+        self._sources = _sources([Folder(each) for each in (path, *others)])
+        self.study = _united([source.study for source in self._sources])
+        self.environments = [record for source in self._sources for record in source.environments]
+        self.fingerprints = _agreed([source.folder.fingerprints() for source in self._sources], self.paths)
+        self.checks = {
+            source.shown[label]: noted
+            for source in self._sources
+            for label, noted in source.folder.checks().items()
+            if label in source.shown
+        }
         self._problem = cache(self.study.problem)
+
+    @property
+    def paths(self) -> list[Path]:
+        """The folders, in the order given."""
+        return [source.folder.path for source in self._sources]
 
     @cached_property
     def frame(self) -> pd.DataFrame:
         """The tidy frame: one row a trial; see :func:`load_results`."""
-        problems = {entry.label: rank for rank, entry in enumerate(self.study.problems)}
-        optimizers = {entry.label: rank for rank, entry in enumerate(self.study.optimizers)}
-        rows = self._folder.store.rows()
-        strange = ({row["problem"] for row in rows} - problems.keys()) | (
-            {row["optimizer"] for row in rows} - optimizers.keys()
+        rows = [row for source in self._sources for row in source.rows()]
+        problems, optimizers = (
+            {entry.label: rank for rank, entry in enumerate(entries)}
+            for entries in (self.study.problems, self.study.optimizers)
         )
-        if strange:
-            raise BenchError(
-                f"{self._folder.path} holds trials of {min(strange)!r}, which its study.toml does not name; "
-                "put back the study.toml that the run wrote"
-            )
         rows.sort(key=lambda row: (problems[row["problem"]], optimizers[row["optimizer"]], row["trial"]))
         variables = {f"x_{name}": None for row in rows for name in row["x"]}
         figures = {name: None for row in rows for name in row["figures"]}
         table = [
-            {"study": self.study.name}
-            | {name: value for name, value in row.items() if name not in ("x", "figures")}
+            {name: value for name, value in row.items() if name not in ("x", "figures")}
             | {f"x_{name}": value for name, value in row["x"].items()}
             | row["figures"]
             for row in rows
         ]
         return pd.DataFrame(table, columns=[*FRAME_COLUMNS, *variables, *figures])
 
-    def traces(self, problem: str, optimizer: str) -> dict[int, Trace]:
-        """Return the anytime traces of one cell by trial number."""
-        return self._folder.store.traces(problem, optimizer)
+    @cached_property
+    def traces(self) -> dict[tuple[str, str, int], Trace]:
+        """The anytime traces by (problem, optimizer, trial); failed trials have none."""
+        return {
+            (problem, source.shown[optimizer], trial): trace
+            for source in self._sources
+            for (problem, optimizer, trial), trace in source.folder.store.traces().items()
+        }
 
     def problem(self, label: str) -> Problem:
-        """Return the problem of that label, loaded once."""
-        return self._problem(label)
+        """Return the problem of that label, loaded once; raises BenchError when it is not the one that was run.
+
+        Its data may have changed since, or its plug-in may be missing on the machine that reads the results.
+        """
+        problem = self._problem(label)
+        if self.fingerprints.get(label, "") not in ("", problem.fingerprint()):
+            raise BenchError(f"the data of problem {label!r} is no longer what the trials were made with")
+        return problem
 
 
-def load_results(path: str | PathLike[str]) -> pd.DataFrame:
-    """Return the tidy frame of a study's folder, one row a trial, in the study's order.
+def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
+    """Return the tidy frame of a study's folder, one row a trial, in the study's order; of several, all their rows.
 
     Columns: study, problem, optimizer, trial, seed, status (ok | failed | timeout), fun, nfev, wall_s, cpu_s,
     objective_s, stop, outside_box, error, one ``x_<variable>`` per variable and one per domain figure. A failed
     trial's figures are missing values.
 
     Raises:
-        BenchError: when the folder holds no study or no trials.
+        BenchError: when a folder holds no study or no trials, or the folders cannot be compared (:class:`Results`).
     """
-    return Results(path).frame
+    return Results(path, *others).frame
+
+
+@dataclasses.dataclass(frozen=True)
+class _Source:
+    """One folder, its study with the labels as shown, and what its own optimizer labels are shown as."""
+
+    folder: Folder
+    study: Study
+    shown: dict[str, str]
+    environments: list[dict[str, Any]]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the store's rows with the labels as shown and the study's name."""
+        rows = self.folder.store.rows()
+        known = {entry.label for entry in self.study.problems}
+        strange = {row["problem"] for row in rows} - known | {row["optimizer"] for row in rows} - self.shown.keys()
+        if strange:
+            raise BenchError(
+                f"{self.folder.path} holds trials of {min(strange)!r}, which its study.toml does not name; "
+                "put back the study.toml that the run wrote"
+            )
+        return [{"study": self.study.name} | row | {"optimizer": self.shown[row["optimizer"]]} for row in rows]
+
+
+def _sources(folders: list[Folder]) -> list[_Source]:
+    studies = [folder.study() for folder in folders]
+    names = _short_names([folder.path for folder in folders])
+    labels = Counter(entry.label for study in studies for entry in study.optimizers)
+    sources = []
+    for folder, study, name in zip(folders, studies, names, strict=True):
+        shown = {
+            entry.label: f"{entry.label} ({name})" if labels[entry.label] > 1 else entry.label
+            for entry in study.optimizers
+        }
+        optimizers = tuple(dataclasses.replace(entry, label=shown[entry.label]) for entry in study.optimizers)
+        environments = [{"folder": name} | record if len(folders) > 1 else record for record in folder.environments()]
+        sources.append(_Source(folder, dataclasses.replace(study, optimizers=optimizers), shown, environments))
+    return sources
+
+
+def _short_names(paths: list[Path]) -> list[str]:
+    """Return the folders' own names, or with as many parents as it takes to tell them apart."""
+    parts = [path.resolve().parts for path in paths]
+    if len(set(parts)) < len(parts):
+        raise BenchError(f"{paths[0]} is given twice; give folders that differ")
+    for depth in range(1, max(map(len, parts)) + 1):
+        names = ["/".join(each[-depth:]) for each in parts]
+        if len(set(names)) == len(names):
+            return names
+    return [str(path) for path in paths]
+
+
+def _united(studies: list[Study]) -> Study:
+    """Return one study of all problems and optimizers."""
+    first = studies[0]
+    if len(studies) == 1:
+        return first
+    problems: dict[str, Entry] = {}
+    for study in studies:
+        if study.budget != first.budget:
+            raise BenchError(
+                f"study {first.name!r} has a budget of {first.budget:,} evaluations and {study.name!r} one of "
+                f"{study.budget:,}; only runs of one budget can be compared"
+            )
+        for entry in study.problems:
+            if problems.setdefault(entry.label, entry) != entry:
+                raise BenchError(
+                    f"problem {entry.label!r} has other options in {study.name!r} than in the studies before it; "
+                    "only runs on the same problem can be compared"
+                )
+    return dataclasses.replace(
+        first,
+        name="-".join(dict.fromkeys(study.name for study in studies)),
+        title=" beside ".join(dict.fromkeys(study.title or study.name for study in studies)),
+        trials=max(study.trials for study in studies),
+        problems=tuple(problems.values()),
+        optimizers=tuple(entry for study in studies for entry in study.optimizers),
+    )
+
+
+def _agreed(fingerprints: Sequence[dict[str, str]], paths: list[Path]) -> dict[str, str]:
+    """Return all fingerprints; raises BenchError when a problem's data differs between folders."""
+    agreed: dict[str, str] = {}
+    for each, path in zip(fingerprints, paths, strict=True):
+        for label, fingerprint in each.items():
+            if agreed.setdefault(label, fingerprint) != fingerprint:
+                raise BenchError(
+                    f"{path} ran problem {label!r} on other data than {paths[0]}; only runs on the same data can be "
+                    "compared"
+                )
+    return agreed

@@ -81,19 +81,17 @@ class Store:
                 row[name] = self._parse(row[name], row) if row[name] else {}
         return rows
 
-    def traces(self, problem: str, optimizer: str) -> dict[int, Trace]:
-        """Return the anytime traces of a cell by trial number; failed trials have none."""
-        query = (
-            "SELECT trial, trace FROM trials WHERE problem = ? AND optimizer = ? AND trace IS NOT NULL ORDER BY trial"
-        )
-        return {trial: _unpack(blob) for trial, blob in self._select(query, problem, optimizer)}
+    def traces(self) -> dict[tuple[str, str, int], Trace]:
+        """Return the anytime traces by (problem, optimizer, trial); failed trials have none."""
+        query = "SELECT problem, optimizer, trial, trace FROM trials WHERE trace IS NOT NULL"
+        return {(problem, optimizer, trial): _unpack(blob) for problem, optimizer, trial, blob in self._select(query)}
 
-    def _select(self, query: str, *values: str) -> list[tuple[Any, ...]]:
+    def _select(self, query: str) -> list[tuple[Any, ...]]:
         """Return a query's rows; a store whose run was killed before it made the table has none."""
         with self._open() as connection:
             if not connection.execute("SELECT count(*) FROM sqlite_master WHERE name = 'trials'").fetchone()[0]:
                 return []
-            return connection.execute(query, values).fetchall()
+            return connection.execute(query).fetchall()
 
     def _parse(self, text: str, row: dict[str, Any]) -> dict[str, float]:
         try:

@@ -47,7 +47,7 @@ def test_a_row_s_seed_repeats_its_trial(small_study, tmp_path):
     row = results.frame[results.frame["optimizer"] == "scatter"].iloc[0]
     again = solve(results.problem(row["problem"]), small_study.optimizer("scatter"), budget=60, seed=int(row["seed"]))
     assert again.fun == row["fun"]
-    stored = results.traces(row["problem"], "scatter")[row["trial"]]
+    stored = results.traces[row["problem"], "scatter", row["trial"]]
     assert stored.values.tolist() == again.trace.values.tolist()
     assert stored.evaluations.tolist() == again.trace.evaluations.tolist()
 

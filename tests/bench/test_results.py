@@ -1,0 +1,90 @@
+"""Reading one folder, and several beside each other."""
+
+import json
+
+import pandas as pd
+import pytest
+
+from bench import BenchError, Results, Study, load_results, run
+
+
+@pytest.fixture
+def ran(tmp_path, small_study):
+    """Run variants of the small study into folders, by name."""
+
+    def make(name, **changes):
+        optimizers = changes.pop("optimizers", None)
+        study = small_study.override(**changes)
+        if optimizers:
+            study = Study.from_dict({**_as_dict(study), "optimizers": optimizers})
+        run(study, tmp_path / name, n_jobs=1)
+        return tmp_path / name
+
+    return make
+
+
+def _as_dict(study):
+    return {
+        "name": study.name, "trials": study.trials, "budget": study.budget, "seed": study.seed,
+        "problems": [entry.as_dict() for entry in study.problems],
+        "optimizers": [entry.as_dict() for entry in study.optimizers],
+    }  # fmt: skip
+
+
+def test_one_folder_keeps_its_labels(ran):
+    results = Results(ran("one"))
+    assert results.frame["optimizer"].unique().tolist() == ["hill-climber", "scatter", "early"]
+    assert set(results.traces) == set(results.frame[["problem", "optimizer", "trial"]].itertuples(index=False))
+    assert results.fingerprints.keys() == {"sphere-2", "sphere-3"}
+
+
+def test_two_versions_of_an_optimizer_are_told_apart_by_folder(ran):
+    old, new = ran("old"), ran("new", optimizers=[{"name": "scatter", "agents": 9}, {"name": "early"}])
+    results = Results(old, new)
+    labels = ["hill-climber", "scatter (old)", "early (old)", "scatter (new)", "early (new)"]
+    assert [entry.label for entry in results.study.optimizers] == labels
+    assert results.frame.groupby("problem", sort=False)["optimizer"].unique().map(list).tolist() == [labels, labels]
+    assert results.frame["trial"].tolist() == [0, 1, 2] * 10
+    assert set(results.traces) == set(results.frame[["problem", "optimizer", "trial"]].itertuples(index=False))
+    alone = load_results(old)
+    both = results.frame[results.frame["optimizer"] == "scatter (old)"]
+    pd.testing.assert_series_equal(
+        both["fun"], alone.loc[alone["optimizer"] == "scatter", "fun"], check_index=False, check_exact=True
+    )
+    assert [record["folder"] for record in results.environments] == ["old", "new"]
+    pd.testing.assert_frame_equal(load_results(old, new), results.frame)
+
+
+def test_folders_of_one_name_are_told_apart_by_their_parents(ran):
+    results = Results(ran("a/out"), ran("b/out"))
+    assert [entry.label for entry in results.study.optimizers][::3] == ["hill-climber (a/out)", "hill-climber (b/out)"]
+
+
+def test_what_cannot_be_compared_is_refused(ran):
+    one = ran("one")
+    with pytest.raises(BenchError, match="budget of 60 evaluations"):
+        Results(one, ran("short", budget=50))
+    with pytest.raises(BenchError, match="given twice"):
+        Results(one, one)
+    other = ran("data")
+    noted = json.loads((other / "data.json").read_text())
+    (other / "data.json").write_text(json.dumps(noted | {"sphere-2": "f00"}))
+    (one / "data.json").write_text(json.dumps(noted | {"sphere-2": "ba7"}))
+    with pytest.raises(BenchError, match="other data"):
+        Results(one, other)
+
+
+def test_a_problem_whose_options_differ_is_refused(ran):
+    one, two = ran("one"), ran("two")
+    text = (two / "study.toml").read_text()
+    (two / "study.toml").write_text(text.replace('name = "sphere-2"', 'name = "sphere-2", shift = 1'))
+    with pytest.raises(BenchError, match="problem 'sphere-2' has other options"):
+        Results(one, two)
+
+
+def test_a_problem_whose_data_changed_is_not_loaded(ran):
+    folder = ran("one")
+    assert Results(folder).problem("sphere-2").dimension == 2
+    (folder / "data.json").write_text(json.dumps({"sphere-2": "f00"}))
+    with pytest.raises(BenchError, match="no longer what the trials were made with"):
+        Results(folder).problem("sphere-2")
