@@ -1,37 +1,93 @@
 """Statistics of a study: pure functions from the tidy frame (:func:`bench.load_results`) to tables; no plotting.
 
+Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`compact_letters`,
+:func:`comparison_matrix`, :func:`ranking`. Across problems: :func:`medians`, :func:`friedman`,
+:func:`wilcoxon_tests`, :func:`nemenyi`, :func:`probability_of_improvement`, :func:`interquartile_mean`. Over the
+evaluations: :func:`convergence`, :func:`targets`, :func:`hitting_times`, :func:`expected_running_time`, :func:`ecdf`,
+:func:`data_profiles`, :func:`success_rates`. And :func:`timing`, :func:`power_table`, :func:`integrity`.
+
 Example:
-    >>> frame = bench.load_results("results/runs/thesis")
+    >>> results = bench.Results("results/runs/thesis")
+    >>> frame = in_study_order(results.frame, results.study)
     >>> pairs = pairwise_tests(frame)
     >>> ranking(summarise(frame), pairs)
+    >>> hits = hitting_times(frame, results.traces, targets(results.traces), results.study.budget)
+    >>> expected_running_time(hits)
 """
 
-from bench.analysis.anytime import best_so_far, evaluation_grid
-from bench.analysis.cells import cells, coverage, in_study_order, labels, scores, summarise
-from bench.analysis.compare import Matrix, comparison_matrix, ranking
-from bench.analysis.pairwise import ALPHA, a12, pairwise_tests, tied_share
-from bench.analysis.power import critical_distance, detectable_shift
+from bench.analysis.across import (
+    average_ranks,
+    cliques,
+    critical_difference,
+    friedman,
+    nemenyi,
+    relative_medians,
+    wilcoxon_tests,
+)
+from bench.analysis.aggregate import interquartile_mean, normalised_errors, probability_of_improvement
+from bench.analysis.anytime import best_so_far, convergence, evaluation_grid
+from bench.analysis.cells import NEAR, cells, coverage, in_study_order, labels, scores, summarise
+from bench.analysis.compare import comparison_matrix, medians, ranking, table
+from bench.analysis.integrity import integrity
+from bench.analysis.letters import compact_letters
+from bench.analysis.pairwise import ALPHA, RESAMPLES, a12, effect_size, holm, pairwise_tests, tied_share
+from bench.analysis.power import critical_distance, detectable_shift, power_table
+from bench.analysis.targets import (
+    data_profiles,
+    ecdf,
+    expected_running_time,
+    fractions,
+    hitting_times,
+    success_rates,
+    targets,
+)
 from bench.analysis.timing import CONTENTION, HIDDEN_THREADS, timing
 
 __all__ = [
     "ALPHA",
     "CONTENTION",
     "HIDDEN_THREADS",
-    "Matrix",
+    "NEAR",
+    "RESAMPLES",
     "a12",
+    "average_ranks",
     "best_so_far",
     "cells",
+    "cliques",
+    "compact_letters",
     "comparison_matrix",
+    "convergence",
     "coverage",
+    "critical_difference",
     "critical_distance",
+    "data_profiles",
     "detectable_shift",
+    "ecdf",
+    "effect_size",
     "evaluation_grid",
+    "expected_running_time",
+    "fractions",
+    "friedman",
+    "hitting_times",
+    "holm",
     "in_study_order",
+    "integrity",
+    "interquartile_mean",
     "labels",
+    "medians",
+    "nemenyi",
+    "normalised_errors",
     "pairwise_tests",
+    "power_table",
+    "probability_of_improvement",
     "ranking",
+    "relative_medians",
     "scores",
+    "success_rates",
     "summarise",
+    "table",
+    "targets",
     "tied_share",
     "timing",
+    "wilcoxon_tests",
 ]

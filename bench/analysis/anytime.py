@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import product
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.analysis.cells import labels
 from bench.objective import Trace
+
+CURVE = ("evaluations", "median", "q1", "q3")
 
 
 def evaluation_grid(budget: int, points: int = 60) -> NDArray[np.int64]:
@@ -23,7 +27,7 @@ def best_so_far(traces: Sequence[Trace], evaluations: NDArray[np.int64], failed:
     Quartiles are upper order statistics wherever a value is still infinite. No row for a cell without trials.
     """
     if not len(traces) + failed:
-        return pd.DataFrame(columns=["evaluations", "median", "q1", "q3"], dtype=float)
+        return pd.DataFrame(columns=list(CURVE), dtype=float)
     values = np.full((len(traces) + failed, len(evaluations)), np.inf)
     for row, trace in zip(values, traces, strict=False):
         row[:] = trace.at(evaluations)
@@ -32,3 +36,33 @@ def best_so_far(traces: Sequence[Trace], evaluations: NDArray[np.int64], failed:
     quartiles[:, whole] = np.quantile(values[:, whole], [0.25, 0.5, 0.75], axis=0)
     q1, median, q3 = quartiles
     return pd.DataFrame({"evaluations": evaluations, "median": median, "q1": q1, "q3": q3})
+
+
+def convergence(
+    frame: pd.DataFrame, traces: Mapping[tuple[str, str, int], Trace], budget: int, points: int = 60
+) -> pd.DataFrame:
+    """Return the :func:`best_so_far` of every cell: problem, optimizer, evaluations, median, q1 and q3.
+
+    A failed trial counts as +inf, and so does one without a trace. No rows for a cell without trials.
+
+    Args:
+        frame: the tidy frame.
+        traces: by (problem, optimizer, trial).
+        budget: evaluations that each trial was allowed.
+        points: how many evaluation counts at most; see :func:`evaluation_grid`.
+    """
+    grid = evaluation_grid(budget, points)
+    found: dict[tuple[str, str], list[Trace | None]] = {}
+    for problem, optimizer, trial, status in zip(
+        frame["problem"], frame["optimizer"], frame["trial"], frame["status"], strict=True
+    ):
+        trace = traces.get((problem, optimizer, trial)) if status == "ok" else None
+        found.setdefault((problem, optimizer), []).append(trace)
+    curves = []
+    for problem, optimizer in product(labels(frame, "problem"), labels(frame, "optimizer")):
+        if trials := found.get((problem, optimizer)):
+            known = [trace for trace in trials if trace is not None]
+            curve = best_so_far(known, grid, failed=len(trials) - len(known))
+            curves.append(curve.assign(problem=problem, optimizer=optimizer))
+    columns = ["problem", "optimizer", *CURVE]
+    return pd.concat(curves, ignore_index=True)[columns] if curves else pd.DataFrame(columns=columns)

@@ -9,9 +9,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.stats import quantile_test
 
 from bench.problem import Floats
 from bench.study import Study
+
+NEAR = 1e-10  # relative: well above rounding, well below what anybody would call a difference
+STATISTICS = ("mean", "sd", "median", "median_low", "median_high", "q1", "q3", "best", "worst")
 
 
 def in_study_order(frame: pd.DataFrame, study: Study) -> pd.DataFrame:
@@ -41,11 +45,36 @@ def scores(frame: pd.DataFrame) -> pd.Series[float]:
     return values.where((frame["status"] == "ok") & np.isfinite(values), np.inf)
 
 
-def cells(frame: pd.DataFrame) -> dict[tuple[str, str], Floats]:
-    """Return the scores of each (problem, optimizer), (n,) in order of trials, empty where there is none."""
-    keys = [frame["problem"].astype(object), frame["optimizer"].astype(object)]
+def merge_near_ties(values: Floats) -> Floats:
+    """Return the values, those that agree to a relative 1e-10 made equal to the lowest of them.
+
+    Optimizers that find the same optimum differ by rounding, and a test of ranks would test that rounding. Values
+    are merged where neighbours in sorted order differ by at most 1e-10 of the larger magnitude; a chain of such
+    neighbours becomes one value. Zero, +inf and NaN stay what they are.
+    """
+    finite = np.isfinite(values)
+    distinct, position = np.unique(values[finite], return_inverse=True)
+    with np.errstate(over="ignore"):
+        apart = np.diff(distinct) > NEAR * np.maximum(np.abs(distinct[1:]), np.abs(distinct[:-1]))
+    lowest = np.concatenate((distinct[:1], distinct[1:][apart]))
+    group = np.concatenate(([0], apart.cumsum()))
+    merged = values.copy()
+    merged[finite] = lowest[group[position]]
+    return merged
+
+
+def cells(frame: pd.DataFrame, merge: bool = False) -> dict[tuple[str, str], Floats]:
+    """Return the scores of each (problem, optimizer), (n,) in order of trials, empty where there is none.
+
+    With ``merge``, near-ties among all scores of a problem become ties (:func:`merge_near_ties`): what every test
+    and rank is made of.
+    """
+    problem, optimizer = frame["problem"].astype(object), frame["optimizer"].astype(object)
+    values = scores(frame)
+    if merge:
+        values = values.groupby(problem).transform(lambda pooled: merge_near_ties(pooled.to_numpy()))
     found: dict[Any, Floats] = {
-        key: np.asarray(values, dtype=np.float64) for key, values in scores(frame).groupby(keys)
+        key: np.asarray(own, dtype=np.float64) for key, own in values.groupby([problem, optimizer])
     }
     return {
         (problem, optimizer): found.get((problem, optimizer), np.empty(0))
@@ -70,17 +99,19 @@ def coverage(frame: pd.DataFrame, planned: int) -> pd.DataFrame:
 
 
 def summarise(frame: pd.DataFrame) -> pd.DataFrame:
-    """Return one row a cell: n, failed, mean, sd (n - 1), median, q1, q3, best and worst of the scores.
+    """Return one row a cell: n, failed, mean, sd (n - 1), median, its 95 % interval, q1, q3, best and worst.
 
-    Mean and sd are missing as soon as one trial failed, since no finite number stands for a failure; median and
-    quartiles then are the upper order statistics, as nothing lies between a number and infinity.
+    ``median_low`` and ``median_high`` are order statistics, so they assume no distribution (Conover 1999, Practical
+    Nonparametric Statistics, section 3.2); missing below six trials, which allow no such interval. Mean and sd are
+    missing as soon as one trial failed, since no finite number stands for a failure; median and quartiles then are
+    the upper order statistics, as nothing lies between a number and infinity.
     """
     rows = [
         {"problem": problem, "optimizer": optimizer, **_describe(values)}
         for (problem, optimizer), values in cells(frame).items()
     ]
-    statistics = ["n", "failed", "mean", "sd", "median", "q1", "q3", "best", "worst"]
-    return pd.DataFrame(rows, columns=["problem", "optimizer", *statistics])
+    table = pd.DataFrame(rows, columns=["problem", "optimizer", "n", "failed", *STATISTICS])
+    return table.astype(dict.fromkeys(STATISTICS, float))
 
 
 def _describe(values: Floats) -> dict[str, Any]:
@@ -88,12 +119,15 @@ def _describe(values: Floats) -> dict[str, Any]:
     if n == 0:
         return {"n": 0, "failed": 0}
     q1, median, q3 = np.quantile(values, [0.25, 0.5, 0.75], method="higher" if failed else "linear")
+    interval: Any = quantile_test(values, p=0.5).confidence_interval(0.95)
     return {
         "n": n,
         "failed": failed,
         "mean": values.mean() if not failed else np.nan,
         "sd": values.std(ddof=1) if not failed and n > 1 else np.nan,
         "median": median,
+        "median_low": interval.low,
+        "median_high": interval.high,
         "q1": q1,
         "q3": q3,
         "best": values.min(),

@@ -2,58 +2,63 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import pandas as pd
 
+from bench.analysis.cells import merge_near_ties
+from bench.analysis.letters import compact_letters
 from bench.analysis.pairwise import ALPHA
 
 
-@dataclass(frozen=True)
-class Matrix:
-    """The comparison matrix, problems by optimizers.
+def comparison_matrix(
+    summary: pd.DataFrame,
+    pairs: pd.DataFrame,
+    statistic: Literal["median", "mean"] = "median",
+    alpha: float = ALPHA,
+) -> pd.DataFrame:
+    """Return the matrix of thesis Table 7.2, one row a cell: problem, optimizer, value, best, alike and letters.
 
-    Attributes:
-        mean: the mean score, missing where a trial failed or none was made.
-        best: whether a cell holds the lowest mean of its row (bold), in rows where at least two cells have a mean.
-        alike: whether a cell that is not the best may come from the best one's distribution (italics).
-    """
-
-    mean: pd.DataFrame
-    best: pd.DataFrame
-    alike: pd.DataFrame
-
-
-def comparison_matrix(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) -> Matrix:
-    """Return the matrix of thesis Table 7.2: mean, the best, and what an exact KS test cannot tell from the best.
+    ``value`` is the statistic, missing where it is not known. ``best`` (bold in the thesis) marks the lowest finite
+    value of a problem, each of them where several tie, in problems with at least two values. ``alike`` (italics)
+    marks a known value that is not best, where the test cannot tell its cell from a best one: as in the thesis, by
+    the raw p > ``alpha``; an untestable pair (p = 1) counts as alike. ``letters`` are those of
+    :func:`bench.analysis.compact_letters`, after Holm's adjustment.
 
     Args:
         summary: from :func:`bench.analysis.summarise`.
-        pairs: from :func:`bench.analysis.pairwise_tests`; as in the thesis, the raw p is compared with ``alpha``.
-        alpha: the level; an untestable pair (p = 1) counts as alike.
+        pairs: from :func:`bench.analysis.pairwise_tests`, of at least the summary's optimizers.
+        statistic: "median", or "mean" as in the thesis, which a single failed trial leaves unknown.
+        alpha: the level.
     """
-    mean = _table(summary, "mean")
-    best = mean.eq(mean.min(axis=1), axis=0) & (mean.notna().sum(axis=1) > 1).to_numpy()[:, np.newaxis]
-    known = mean.notna()
-    alike = pd.DataFrame(False, index=mean.index, columns=mean.columns)
-    for pair in pairs[pairs["p"] > alpha].itertuples():
-        for one, other in ((pair.first, pair.second), (pair.second, pair.first)):
-            if best.at[pair.problem, one] and not best.at[pair.problem, other]:
-                alike.at[pair.problem, other] = bool(known.at[pair.problem, other])
-    return Matrix(mean, best, alike)
+    values = table(summary, statistic)
+    best = _lowest(values) & (values.notna().sum(axis=1) > 1).to_numpy()[:, np.newaxis]
+    winners = {(problem, optimizer) for optimizer in best for problem in best.index[best[optimizer]]}
+    near = {
+        (pair.problem, one)
+        for pair in pairs[pairs["p"] > alpha].itertuples()
+        for one, other in ((pair.first, pair.second), (pair.second, pair.first))
+        if (pair.problem, other) in winners
+    }
+    cells = list(zip(summary["problem"], summary["optimizer"], strict=True))
+    marked = summary[["problem", "optimizer"]].assign(
+        value=summary[statistic],
+        best=[cell in winners for cell in cells],
+        alike=summary[statistic].notna() & np.array([cell in near - winners for cell in cells], dtype=bool),
+    )
+    return marked.merge(compact_letters(summary, pairs, alpha))
 
 
 def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     """Return for each optimizer: problems, first, separable, mean_rank.
 
-    The unit is the problem, its value the median score; problems are counted where every optimizer has a trial.
-    ``first`` counts the problems with the lowest median (a tie counts for each), ``separable`` those of them where
-    the optimizer differs from every rival (KS, Holm) and tends to be lower than each (A12 > 0.5).
+    The unit is the problem, its value the median score, as in :func:`medians`. ``first`` counts the problems with
+    the lowest median (a tie counts for each), ``separable`` those of them where the optimizer differs from every
+    rival (KS, Holm) and tends to be lower than each (A12 > 0.5).
     """
-    median = _table(summary, "median").dropna()
-    lowest = median.min(axis=1)
-    first = median.eq(lowest, axis=0) & np.isfinite(lowest).to_numpy()[:, np.newaxis]
+    median = medians(summary)
+    first = _lowest(median)
     beats = _beats(pairs, alpha)
     rivals = max(len(median.columns) - 1, 1)  # with no rival at all nothing is separable
     separable = [
@@ -71,6 +76,35 @@ def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) ->
     )
 
 
+def table(long: pd.DataFrame, column: str) -> pd.DataFrame:
+    """Return a column of a table with one row a cell as problems by optimizers, both in the order of its rows."""
+    order = {key: list(dict.fromkeys(long[key])) for key in ("problem", "optimizer")}
+    wide = long.pivot(index="problem", columns="optimizer", values=column)
+    return wide.reindex(index=order["problem"], columns=order["optimizer"]).rename_axis(columns=None)
+
+
+def medians(summary: pd.DataFrame) -> pd.DataFrame:
+    """Return the median scores, problems by optimizers, of the problems on which every optimizer has a trial.
+
+    A median is +inf where half of the trials failed. Near-ties on a problem are ties, so that two optimizers at the
+    same optimum rank alike.
+    """
+    return _tied(table(summary, "median").dropna())
+
+
+def _tied(values: pd.DataFrame) -> pd.DataFrame:
+    """Return the table with near-ties within each row made ties."""
+    rows = [merge_near_ties(row) for row in values.to_numpy(dtype=float)]
+    return pd.DataFrame(np.reshape(rows, values.shape), index=values.index, columns=values.columns)
+
+
+def _lowest(values: pd.DataFrame) -> pd.DataFrame:
+    """Return which cells hold the lowest value of their row, ties included; none where that is not finite."""
+    tied = _tied(values)
+    lowest = tied.min(axis=1)
+    return tied.eq(lowest.where(np.isfinite(lowest)), axis=0)
+
+
 def _beats(pairs: pd.DataFrame, alpha: float) -> dict[tuple[str, str], set[str]]:
     """Return for each (problem, optimizer) the rivals it is separable from and tends to be lower than."""
     beaten: dict[tuple[str, str], set[str]] = {}
@@ -78,10 +112,3 @@ def _beats(pairs: pd.DataFrame, alpha: float) -> dict[tuple[str, str], set[str]]
         winner, one, other = str(pair.lower), str(pair.first), str(pair.second)
         beaten.setdefault((str(pair.problem), winner), set()).add(other if winner == one else one)
     return beaten
-
-
-def _table(summary: pd.DataFrame, statistic: str) -> pd.DataFrame:
-    """Return a statistic as problems by optimizers, in the summary's order."""
-    order = {column: list(dict.fromkeys(summary[column])) for column in ("problem", "optimizer")}
-    table = summary.pivot(index="problem", columns="optimizer", values=statistic).astype(float)
-    return table.reindex(index=order["problem"], columns=order["optimizer"]).rename_axis(columns=None)

@@ -5,8 +5,10 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
+import pandas as pd
 from scipy.stats import ks_2samp
+
+from bench.analysis.pairwise import ALPHA, ks_distance
 
 DRAWS = 2_000
 LARGEST_SHIFT = 8.0  # standard deviations: complete separation for every practical sample
@@ -43,20 +45,25 @@ def detectable_shift(n: int, alpha: float, power: float = 0.8) -> float | None:
     low, high = 0.0, LARGEST_SHIFT
     for _ in range(12):
         shift = (low + high) / 2
-        seen = np.mean(_distances(this, other + shift) >= needed)
+        seen = np.mean((n * ks_distance(this, other + shift)).round() >= needed)
         low, high = (low, shift) if seen >= power else (shift, high)
     return high
+
+
+def power_table(n: int, pairs: int, alpha: float = ALPHA) -> pd.DataFrame:
+    """Return what n trials a cell can show: level, alpha, distance (in units of 1/n) and shift.
+
+    The rows are ``alpha`` itself and, where several pairs are tested, the first step of Holm's adjustment, alpha
+    over the number of pairs. ``distance`` is the :func:`critical_distance` and ``shift`` the
+    :func:`detectable_shift`; both are missing where nothing can be significant.
+    """
+    levels = {"alpha": alpha} | ({"first Holm step": alpha / pairs} if pairs > 1 else {})
+    rows = [(name, level, critical_distance(n, level), detectable_shift(n, level)) for name, level in levels.items()]
+    table = pd.DataFrame(rows, columns=["level", "alpha", "distance", "shift"])
+    return table.astype({"distance": float, "shift": float})
 
 
 def _exact_p(k: int, n: int) -> float:
     """Return the exact p of D = k/n: that of n values against the same ones moved up by k ranks."""
     values = np.arange(n, dtype=float)
     return float(ks_2samp(values, values + k - 0.5, method="exact").pvalue) if k else 1.0
-
-
-def _distances(this: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return n D of each pair of rows of two (draws, n) arrays without ties."""
-    n = this.shape[1]
-    order = np.concatenate((this, other), axis=1).argsort(axis=1)
-    steps = np.where(order < n, 1, -1).cumsum(axis=1)
-    return np.asarray(np.abs(steps).max(axis=1))

@@ -31,7 +31,7 @@ def timing(frame: pd.DataFrame) -> pd.DataFrame:
         numbers = own[["wall_s", "cpu_s", "objective_s", "nfev"]].astype(float)
         wall, cpu = numbers["wall_s"], numbers["cpu_s"]
         speed = numbers["nfev"] / wall.where(wall > 0)
-        ratio = (wall / cpu.where(cpu > 0)).median()
+        ratio = (wall / cpu.where(cpu > 0)).dropna().median()
         rows.append(
             {
                 "optimizer": optimizer,
@@ -40,7 +40,7 @@ def timing(frame: pd.DataFrame) -> pd.DataFrame:
                 **_spread("wall", wall),
                 **_spread("cpu", cpu),
                 "objective_mean": numbers["objective_s"].mean(),
-                "objective_share": (numbers["objective_s"] / wall.where(wall > 0)).median(),
+                "objective_share": (numbers["objective_s"] / wall.where(wall > 0)).dropna().median(),
                 **_spread("speed", speed),
                 "wall_per_cpu": ratio,
                 "contention": bool(ratio > CONTENTION),

@@ -1,0 +1,178 @@
+"""Tests across problems: each problem counts once, with the median score of each optimizer.
+
+Pooling the trials of all problems would count one problem many times over. All functions here start from
+:func:`bench.analysis.medians`, problems by optimizers, and follow Demšar (2006, Journal of Machine Learning
+Research 7). Lower is better; +inf, where half of the trials failed, ranks last and ties with itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from itertools import combinations
+from math import inf, sqrt
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import f, friedmanchisquare, rankdata, studentized_range
+
+from bench.analysis.cells import merge_near_ties
+from bench.analysis.pairwise import ALPHA, holm
+from bench.problem import Floats
+
+
+def average_ranks(medians: pd.DataFrame) -> pd.Series[float]:
+    """Return the average rank of each optimizer over the problems, 1 for the lowest; ties share their mean rank."""
+    return medians.rank(axis=1).mean()
+
+
+def friedman(medians: pd.DataFrame) -> pd.DataFrame:
+    """Return one row: does any optimizer rank differently from the others, over all problems?
+
+    Columns: problems, optimizers; ``statistic``, Friedman's chi-squared corrected for ties (Friedman 1937), and its
+    p; ``iman_davenport``, the less conservative F of Iman and Davenport (1980, Communications in Statistics A9), its
+    degrees of freedom df1 and df2, and p_iman_davenport; ``note``.
+
+    The note is "too few optimizers" below three, "too few problems" below two, or "identical" where no problem ranks
+    any two optimizers differently; the statistics are then missing and p = 1. F is infinite, and its p = 0, where
+    all problems rank the optimizers alike.
+    """
+    n, k = medians.shape
+    ranks = medians.rank(axis=1)
+    note = ""
+    if k < 3:
+        note = "too few optimizers"
+    elif n < 2:
+        note = "too few problems"
+    elif ranks.eq(ranks.iloc[:, 0], axis=0).all(axis=None):
+        note = "identical"
+    row: dict[str, Any] = {"problems": n, "optimizers": k, "statistic": np.nan, "p": 1.0}
+    row |= {"iman_davenport": np.nan, "df1": k - 1, "df2": (k - 1) * max(n - 1, 0), "p_iman_davenport": 1.0}
+    if not note:
+        test = friedmanchisquare(*ranks.to_numpy().T)
+        chi2, largest = float(test.statistic), n * (k - 1)
+        ratio = inf if np.isclose(chi2, largest, rtol=1e-9) else (n - 1) * chi2 / (largest - chi2)
+        row |= {"statistic": chi2, "p": float(test.pvalue)}
+        row |= {"iman_davenport": ratio, "p_iman_davenport": float(f.sf(ratio, row["df1"], row["df2"]))}
+    return pd.DataFrame([row | {"note": note}])
+
+
+def relative_medians(medians: pd.DataFrame, optima: Mapping[str, float] | None = None) -> tuple[pd.DataFrame, str]:
+    """Return the medians on a scale on which problems can be compared, and the name of that scale.
+
+    A signed-rank test ranks differences across problems, so an error ten times as large must mean the same on each.
+    One scale holds for all problems, the first that all of them allow:
+
+    - "log10 error": log10(median - optimum), where every problem's optimum is known and lies below every median;
+    - "log10 median": where all medians are positive;
+    - "share of range": (median - lowest) / (highest - lowest) over the finite medians of a problem.
+    """
+    if optima is not None and all(problem in optima for problem in medians.index):
+        error = medians.sub(pd.Series({problem: optima[problem] for problem in medians.index}, dtype=float), axis=0)
+        if (error > 0).all(axis=None):
+            return error.apply(np.log10), "log10 error"
+    if (medians > 0).all(axis=None):
+        return medians.apply(np.log10), "log10 median"
+    finite = medians.where(np.isfinite(medians))
+    lowest, spread = finite.min(axis=1), finite.max(axis=1) - finite.min(axis=1)
+    share = finite.sub(lowest, axis=0).div(spread.where(spread > 0, 1.0), axis=0)
+    return share.fillna(inf), "share of range"
+
+
+def wilcoxon_tests(
+    medians: pd.DataFrame, optima: Mapping[str, float] | None = None, alpha: float = ALPHA
+) -> pd.DataFrame:
+    """Return Wilcoxon's signed-rank test of each pair of optimizers: is one lower on most problems?
+
+    Columns: first, second, problems; ``statistic``, the smaller sum of ranks, and its exact two-sided p; p_holm,
+    adjusted over all pairs (Holm 1979); significant (p_holm <= alpha); ``lower``, the optimizer with the larger sum
+    of ranks in its favour ("" where they are equal); ``scale``, what is compared (:func:`relative_medians`);
+    ``note``, which is "identical" where no problem differs and "untestable" where too few differ for any p <= alpha.
+    Both have p = 1.
+
+    The ranks of problems without a difference are split between both sums (Demšar 2006, section 3.1.3), and so are
+    those of problems that both optimizers failed. p is exact also with ties: the share of all ways to sign the ranks
+    that leave the sums as far apart.
+    """
+    relative, scale = relative_medians(medians, optima)
+    rows: list[dict[str, Any]] = []
+    for first, second in combinations(medians.columns, 2):
+        with np.errstate(invalid="ignore"):
+            difference = (relative[first] - relative[second]).fillna(0.0).to_numpy()  # inf - inf: none
+        rows.append({"first": first, "second": second, "problems": len(medians), **_signed_ranks(difference, alpha)})
+    columns = ["first", "second", "problems", "statistic", "p", "p_holm", "significant", "lower", "scale", "note"]
+    tests = pd.DataFrame(rows, columns=columns)
+    tests["p_holm"] = holm(tests["p"].to_numpy(dtype=float))
+    favoured = tests["first"].where(tests["lower"] < 0, tests["second"].where(tests["lower"] > 0, ""))
+    return tests.assign(significant=(tests["p_holm"] <= alpha).astype(bool), lower=favoured, scale=scale)
+
+
+def nemenyi(medians: pd.DataFrame) -> pd.DataFrame:
+    """Return first, second and p of Nemenyi's test for each pair (Nemenyi 1963): the p of the average ranks' gap.
+
+    A companion to the critical-difference diagram; it is more conservative than :func:`wilcoxon_tests`, and its p
+    depends on the other optimizers. p = 1 without any problem.
+    """
+    from scikit_posthocs import posthoc_nemenyi_friedman  # slow: it imports the drawing libraries
+
+    pairs = list(combinations(range(medians.shape[1]), 2))
+    ranks = medians.rank(axis=1).to_numpy()
+    p = posthoc_nemenyi_friedman(ranks).to_numpy() if len(ranks) and pairs else np.ones((len(pairs) + 1,) * 2)
+    rows = [(medians.columns[i], medians.columns[j], p[i, j]) for i, j in pairs]
+    return pd.DataFrame(rows, columns=["first", "second", "p"])
+
+
+@lru_cache
+def critical_difference(k: int, n: int, alpha: float = ALPHA) -> float:
+    """Return by how much the average ranks of two of k optimizers on n problems must differ (Demšar 2006).
+
+    q_alpha sqrt(k (k + 1) / (6 n)), with q_alpha the quantile of the studentised range over sqrt(2).
+    """
+    q = studentized_range.ppf(1 - alpha, k, inf) / sqrt(2)
+    return float(q * sqrt(k * (k + 1) / (6 * n)))
+
+
+def cliques(average_ranks: pd.Series[float], difference: float) -> list[tuple[str, ...]]:
+    """Return the groups of at least two optimizers whose average ranks lie closer than the critical difference.
+
+    Only the largest groups, each from its lowest rank on: the bars of a critical-difference diagram.
+    """
+    ordered = average_ranks.sort_values(kind="stable")
+    groups: list[tuple[str, ...]] = []
+    last = 0
+    for start, rank in enumerate(ordered):
+        end = int((ordered < rank + difference).sum())
+        if end > max(last, start + 1):
+            groups.append(tuple(ordered.index[start:end]))
+            last = end
+    return groups
+
+
+def _signed_ranks(difference: Floats, alpha: float) -> dict[str, Any]:
+    """Return statistic, p, note and, as ``lower``, the difference of the two sums of ranks."""
+    size = merge_near_ties(np.abs(difference))
+    ranks = rankdata(size)
+    balance = float(np.sign(difference) @ ranks)
+    differing = np.count_nonzero(size)
+    result = {"statistic": (float(ranks.sum()) - abs(balance)) / 2, "p": 1.0, "lower": balance, "note": ""}
+    if len(size) and differing == 0:
+        return result | {"note": "identical"}
+    if 2 / 2**differing > alpha:  # the smallest p there is: all signs alike
+        return result | {"note": "untestable"}
+    return result | {"p": _signed_rank_p(ranks[size > 0], balance)}
+
+
+def _signed_rank_p(ranks: Floats, balance: float) -> float:
+    """Return the chance that fair signs leave the sum of signed ranks as far from 0 as ``balance``.
+
+    Equal to ``scipy.stats.wilcoxon(method="exact")``, which knows neither ties nor zeros.
+    """
+    doubled = np.rint(2 * ranks).astype(int)  # shared ranks are halves
+    chances = np.ones(1)  # of each sum of the positive ranks
+    for rank in doubled:
+        coin = np.zeros(rank + 1)
+        coin[[0, rank]] = 0.5
+        chances = np.convolve(chances, coin)
+    sums = 2 * np.arange(len(chances)) - doubled.sum()
+    return float(min(chances[np.abs(sums) >= np.rint(2 * abs(balance))].sum(), 1.0))

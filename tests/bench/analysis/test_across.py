@@ -1,0 +1,288 @@
+"""Tests across problems: Demšar's published example, against scipy and scikit-posthocs, by hand and as properties."""
+
+from itertools import combinations, product
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scikit_posthocs import posthoc_nemenyi_friedman
+from scipy.stats import friedmanchisquare, rankdata, wilcoxon
+
+from bench.analysis.across import (
+    average_ranks,
+    cliques,
+    critical_difference,
+    friedman,
+    nemenyi,
+    relative_medians,
+    wilcoxon_tests,
+)
+from bench.analysis.cells import summarise
+from bench.analysis.compare import medians
+from bench.analysis.pairwise import holm
+
+pytestmark = pytest.mark.filterwarnings("error")
+INF = float("inf")
+
+
+def table_of(rows, optimizers="abcdefgh"):
+    rows = np.array(rows, dtype=float)
+    return pd.DataFrame(rows, [f"p{i}" for i in range(len(rows))], list(optimizers[: rows.shape[1]]))
+
+
+def random_table(seed, problems=10, optimizers=4):
+    return table_of(np.random.default_rng(seed).gamma(2, 1, (problems, optimizers)))
+
+
+class TestDemsarsExample:
+    """Demšar 2006, section 3.2.2 and Table 2; the data are his Table 6."""
+
+    def test_average_ranks(self, demsar):
+        assert average_ranks(demsar).round(3).tolist() == [3.143, 2.000, 2.893, 1.964]
+
+    def test_friedman_and_iman_davenport(self, demsar):
+        # He prints the statistics without the correction for ties, which scipy makes: four of the 14 rows have some.
+        n, k = demsar.shape
+        chi2 = 12 * n / (k * (k + 1)) * ((average_ranks(demsar) ** 2).sum() - k * (k + 1) ** 2 / 4)
+        assert round(chi2, 2) == 9.28
+        assert round((n - 1) * chi2 / (n * (k - 1) - chi2), 2) == 3.69
+        row = friedman(demsar).iloc[0]
+        ties = sum((counts**3 - counts).sum() for counts in (row.value_counts() for _, row in demsar.iterrows()))
+        assert row.statistic == pytest.approx(chi2 / (1 - ties / (n * k * (k**2 - 1))))
+        assert row.iman_davenport > 3.69
+        assert (row.problems, row.optimizers, row.df1, row.df2, row.note) == (14, 4, 3, 39, "")
+        assert row.p_iman_davenport < row.p < 0.05
+
+    def test_critical_difference(self):
+        assert round(critical_difference(4, 14, 0.05), 2) == 1.25
+        assert round(critical_difference(4, 14, 0.10), 2) == 1.12
+
+    @pytest.mark.parametrize(("k", "q05", "q10"), [(2, 1.960, 1.645), (4, 2.569, 2.291), (10, 3.164, 2.920)])
+    def test_critical_values(self, k, q05, q10):
+        scale = np.sqrt(k * (k + 1) / (6 * 14))
+        assert round(critical_difference(k, 14, 0.05) / scale, 3) == q05
+        assert round(critical_difference(k, 14, 0.10) / scale, 3) == q10
+
+    def test_groups(self, demsar):
+        ranks = average_ranks(demsar)
+        assert cliques(ranks, critical_difference(4, 14)) == [("C4.5+m+cf", "C4.5+m", "C4.5+cf", "C4.5")]
+        assert cliques(ranks, critical_difference(4, 14, 0.10)) == [
+            ("C4.5+m+cf", "C4.5+m", "C4.5+cf"),
+            ("C4.5+cf", "C4.5"),
+        ]
+
+    def test_signed_ranks(self, demsar):
+        # His sums are 93 and 12. Two of the 14 differences are zero: he splits their ranks, as zero_method="zsplit".
+        pair = demsar[["C4.5", "C4.5+m"]]
+        difference = (pair["C4.5"] - pair["C4.5+m"]).round(4)
+        assert wilcoxon(difference, zero_method="zsplit").statistic == 12
+        test = wilcoxon_tests(10**pair).iloc[0]  # the logarithm is taken back
+        assert (test.scale, test.statistic, test.lower) == ("log10 median", 12, "C4.5+m")
+        assert test.significant
+
+
+class TestFriedman:
+    @pytest.mark.parametrize("seed", range(3))
+    def test_against_scipy(self, seed):
+        table = random_table(seed).round(0)
+        row, expected = friedman(table).iloc[0], friedmanchisquare(*table.to_numpy().T)
+        assert (row.statistic, row.p) == pytest.approx((expected.statistic, expected.pvalue))
+
+    @pytest.mark.parametrize("seed", range(3))
+    def test_iman_davenports_f_is_that_of_an_analysis_of_variance_of_the_ranks(self, seed):
+        ranks = random_table(seed).round(0).rank(axis=1).to_numpy()
+        n, k = ranks.shape
+        between = n * ((ranks.mean(axis=0) - (k + 1) / 2) ** 2).sum()
+        rest = ((ranks - (k + 1) / 2) ** 2).sum() - between
+        expected = (between / (k - 1)) / (rest / ((k - 1) * (n - 1)))
+        assert friedman(table_of(ranks)).iloc[0].iman_davenport == pytest.approx(expected)
+
+    def test_problems_that_all_rank_alike(self):
+        row = friedman(table_of([[1, 2, 3], [2, 4, 8], [0, 1, INF]])).iloc[0]
+        assert (row.statistic, row.iman_davenport, row.p_iman_davenport, row.note) == (6.0, INF, 0.0, "")
+
+    def test_failures_rank_last_and_tie_among_themselves(self):
+        table = table_of([[1, INF, INF], [2, INF, 5], [3, 4, INF]])
+        assert average_ranks(table).tolist() == pytest.approx([1, 7.5 / 3, 7.5 / 3])
+        pd.testing.assert_frame_equal(friedman(table), friedman(table.replace(INF, 1e9)))
+
+    @pytest.mark.parametrize(
+        ("rows", "note"),
+        [
+            ([[1, 1, 1], [2, 2, 2]], "identical"),
+            ([[INF] * 3, [0] * 3], "identical"),
+            ([[1, 2, 3]], "too few problems"),
+            (np.empty((0, 3)), "too few problems"),
+            ([[1, 2], [3, 4]], "too few optimizers"),
+            (np.empty((0, 1)), "too few optimizers"),
+        ],
+    )
+    def test_what_cannot_be_tested_says_so(self, rows, note):
+        row = friedman(table_of(rows)).iloc[0]
+        assert (row.note, row.p, row.p_iman_davenport) == (note, 1.0, 1.0)
+        assert np.isnan([row.statistic, row.iman_davenport]).all()
+
+    @settings(max_examples=40, deadline=None)
+    @given(st.lists(st.lists(st.integers(-9, 9), min_size=4, max_size=4), min_size=2, max_size=9))
+    def test_only_the_order_within_a_problem_counts(self, rows):
+        table = table_of(rows)
+        moved = table.mul(np.arange(1, len(table) + 1), axis=0) ** 3 - 5
+        pd.testing.assert_frame_equal(friedman(table), friedman(moved))
+        assert 0 <= friedman(table).iloc[0].p_iman_davenport <= 1
+
+
+class TestRelativeMedians:
+    table = table_of([[1, 2], [10, 1000], [5, INF]])
+
+    def test_errors_where_every_optimum_is_known_and_missed(self):
+        relative, scale = relative_medians(self.table, {"p0": 0.0, "p1": 0.0, "p2": 4.0, "other": 1.0})
+        assert scale == "log10 error"
+        assert relative.to_numpy().tolist() == [[0, np.log10(2)], [1, 3], [0, INF]]
+
+    @pytest.mark.parametrize("optima", [None, {}, {"p0": 0.0, "p1": 0.0}, {"p0": 0.0, "p1": 0.0, "p2": 5.0}])
+    def test_medians_where_an_optimum_is_unknown_or_reached(self, optima):
+        relative, scale = relative_medians(self.table, optima)
+        assert scale == "log10 median"
+        assert relative.loc["p1"].tolist() == [1, 3]
+
+    def test_shares_of_the_range_where_a_median_is_not_positive(self):
+        table = table_of([[-1, 0, 3], [1, INF, 2], [2, 2, 2], [INF, INF, 1], [INF, INF, INF]])
+        relative, scale = relative_medians(table)
+        assert scale == "share of range"
+        assert relative.to_numpy().tolist() == [[0, 0.25, 1], [0, INF, 1], [0, 0, 0], [INF, INF, 0], [INF] * 3]
+
+
+class TestWilcoxon:
+    def test_columns_and_pairs(self):
+        tests = wilcoxon_tests(random_table(0))
+        columns = ["first", "second", "problems", "statistic", "p", "p_holm", "significant", "lower", "scale", "note"]
+        assert list(tests.columns) == columns
+        assert list(zip(tests["first"], tests["second"], strict=True)) == list(combinations("abcd", 2))
+
+    @pytest.mark.parametrize("seed", range(3))
+    def test_against_scipy(self, seed):
+        table = random_table(seed, problems=18)
+        tests = wilcoxon_tests(table)
+        for test in tests.itertuples():
+            difference = np.log10(table[test.first]) - np.log10(table[test.second])
+            expected = wilcoxon(difference, method="exact")
+            assert (test.statistic, test.p) == pytest.approx((expected.statistic, expected.pvalue))
+            upper = wilcoxon(difference, alternative="greater").pvalue
+            assert test.lower == (test.second if upper < 0.5 else test.first)
+        np.testing.assert_array_equal(tests["p_holm"], holm(tests["p"].to_numpy()))
+        np.testing.assert_array_equal(tests["significant"], tests["p_holm"] <= 0.05)
+
+    @pytest.mark.parametrize("seed", range(4))
+    def test_ties_and_zeros_against_all_flips_of_the_signs(self, seed):
+        rng = np.random.default_rng(seed)
+        difference = rng.integers(-2, 5, 9)
+        size = rankdata(np.abs(difference))
+        flips = np.array(list(product((-1, 1), repeat=9)))
+        sums = (flips * np.where(difference == 0, 0, size)).sum(axis=1)
+        seen = (np.sign(difference) * size).sum()
+        test = wilcoxon_tests(table_of(10.0 ** np.column_stack((difference, np.zeros(9))))).iloc[0]
+        assert test.p == pytest.approx(np.mean(np.abs(sums) >= abs(seen)))
+        assert test.statistic == (45 - abs(seen)) / 2
+
+    def test_many_tied_problems(self):
+        table = random_table(1, problems=40, optimizers=2).round(0) + 1
+        tests = wilcoxon_tests(table)
+        expected = wilcoxon(np.log10(table["a"] / table["b"]).round(9), zero_method="zsplit")
+        assert tests["p"].iloc[0] == pytest.approx(expected.pvalue, abs=0.01)
+
+    def test_rounding_of_the_logarithm_does_not_break_ties(self):
+        rows = [[10.0**i, 3 * 10.0**i] for i in range(-3, 4)] + [[3 * 10.0**i, 10.0**i] for i in range(-9, -6)]
+        assert wilcoxon_tests(table_of(rows)).iloc[0].statistic == 3 * 5.5
+
+    def test_identical(self):
+        test = wilcoxon_tests(table_of([[1, 1], [2, 2]] * 4)).iloc[0]
+        assert (test.p, test.p_holm, test.significant, test.lower, test.note) == (1.0, 1.0, False, "", "identical")
+
+    def test_two_failures_are_no_difference(self):
+        rows = [[1, 2], [2, 4], [3, 6.1], [4, 8.2], [5, 10.3], [6, 12.4]]
+        test = wilcoxon_tests(table_of([*rows, [INF, INF]])).iloc[0]
+        assert (test.problems, test.lower, test.note) == (7, "a", "")
+        assert test.statistic == 0.5  # half the rank of the problem that both failed
+        assert test.p == 2 / 2**6
+
+    def test_one_failure_is_the_largest_difference(self):
+        test = wilcoxon_tests(table_of([[1, 2], [2, 4], [3, 6.1], [4, 8.2], [5, 10.3], [INF, 12.4]])).iloc[0]
+        assert test.statistic == 6
+
+    @pytest.mark.parametrize(("differing", "note"), [(5, "untestable"), (6, "")])
+    def test_too_few_differences_are_untestable(self, differing, note):
+        rows = [[i + 1, 2.0**i * 5] for i in range(differing)] + [[1, 1]] * 9
+        test = wilcoxon_tests(table_of(rows)).iloc[0]
+        assert test.note == note
+        assert (test.p == 1.0) == bool(note)
+        assert test.lower == "a"
+
+    def test_nothing_to_compare(self):
+        assert wilcoxon_tests(table_of([[1], [2]])).empty
+        tests = wilcoxon_tests(table_of(np.empty((0, 3))))
+        assert tests["note"].tolist() == ["untestable"] * 3
+        assert not tests["significant"].any()
+
+    @settings(max_examples=30, deadline=None)
+    @given(st.lists(st.lists(st.integers(1, 30) | st.just(INF), min_size=2, max_size=2), min_size=1, max_size=9))
+    def test_swapping_the_optimizers_swaps_only_the_favour(self, rows):
+        table = table_of(rows)
+        test, mirrored = wilcoxon_tests(table).iloc[0], wilcoxon_tests(table[["b", "a"]]).iloc[0]
+        assert (test.statistic, test.p, test.lower) == pytest.approx((mirrored.statistic, mirrored.p, mirrored.lower))
+        assert 0 < test.p <= test.p_holm <= 1
+
+
+class TestNemenyi:
+    @pytest.mark.parametrize("seed", range(3))
+    def test_against_scikit_posthocs_and_the_critical_difference(self, seed):
+        table = random_table(seed, problems=6)
+        expected = posthoc_nemenyi_friedman(table)
+        ranks = average_ranks(table)
+        for pair in nemenyi(table).itertuples():
+            assert pair.p == pytest.approx(expected.loc[pair.first, pair.second])
+            gap = abs(ranks[pair.first] - ranks[pair.second])
+            assert (pair.p <= 0.05) == (gap >= critical_difference(4, 6))
+
+    def test_failures(self):
+        table = table_of([[1, INF, INF], [2, INF, 5], [3, 4, INF]])
+        pd.testing.assert_frame_equal(nemenyi(table), nemenyi(table.replace(INF, 1e9)))
+
+    def test_nothing_to_compare(self):
+        assert nemenyi(table_of([[1], [2]])).empty
+        assert nemenyi(table_of(np.empty((0, 3))))["p"].tolist() == [1.0] * 3
+
+
+class TestCliques:
+    @pytest.mark.parametrize(
+        ("ranks", "difference", "expected"),
+        [
+            ({"a": 1.0, "b": 2.0, "c": 3.0}, 1.5, [("a", "b"), ("b", "c")]),
+            ({"a": 3.0, "b": 2.0, "c": 1.0}, 2.5, [("c", "b", "a")]),
+            ({"a": 1.0, "b": 2.0, "c": 3.0}, 1.0, []),  # a difference as large as the critical one is significant
+            ({"a": 1.0, "b": 1.2, "c": 2.9, "d": 3.0}, 0.5, [("a", "b"), ("c", "d")]),
+            ({"a": 1.5, "b": 1.5}, 1.0, [("a", "b")]),
+            ({"a": 1.0}, 1.0, []),
+            ({}, 1.0, []),
+        ],
+    )
+    def test_by_hand(self, ranks, difference, expected):
+        assert cliques(pd.Series(ranks, dtype=float), difference) == expected
+
+    @given(st.lists(st.integers(0, 20), max_size=8), st.integers(1, 10))
+    def test_a_pair_shares_a_group_just_where_it_is_close(self, ranks, difference):
+        series = pd.Series(ranks, index=[f"o{i}" for i in range(len(ranks))], dtype=float)
+        groups = [set(group) for group in cliques(series, difference)]
+        for one, other in combinations(series.index, 2):
+            together = any({one, other} <= group for group in groups)
+            assert together == (abs(series[one] - series[other]) < difference)
+        assert not any(one < other for one in groups for other in groups)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_from_trials(random_frame, seed):
+    table = medians(summarise(random_frame(seed, problems=7, failing=0.4)))
+    assert table.shape == (7, 4)
+    for result in (friedman(table), wilcoxon_tests(table), nemenyi(table)):
+        assert not result.filter(regex="^p").isna().any(axis=None)

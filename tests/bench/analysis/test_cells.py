@@ -1,0 +1,121 @@
+"""Cells: scores, summaries and near-ties, by hand and as properties."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import binom
+
+from bench.analysis.cells import cells, coverage, in_study_order, merge_near_ties, scores, summarise
+from bench.study import Entry, Study
+
+pytestmark = pytest.mark.filterwarnings("error")
+INF = float("inf")
+
+
+class TestScoresAndCells:
+    def test_a_trial_that_failed_or_is_not_finite_scores_infinity(self, frame_of):
+        frame = frame_of({("p", "a"): [1.0, None, float("nan"), -INF, INF]})
+        assert scores(frame).tolist() == [1.0, INF, INF, INF, INF]
+
+    def test_the_study_brings_its_order_and_its_empty_cells(self, frame_of):
+        study = Study("s", (Entry("q", "q"), Entry("p", "p")), (Entry("b", "b"), Entry("a", "a")), trials=3)
+        frame = in_study_order(frame_of({("p", "a"): [1.0, 2.0], ("q", "b"): [1.0, None, 3.0]}), study)
+        table = coverage(frame, planned=3)
+        assert table[["problem", "optimizer"]].to_numpy().tolist() == [["q", "b"], ["q", "a"], ["p", "b"], ["p", "a"]]
+        assert table["stored"].tolist() == [3, 0, 0, 2]
+        assert table["failed"].tolist() == [1, 0, 0, 0]
+        assert table["missing"].tolist() == [0, 3, 3, 1]
+
+    def test_near_ties_are_merged_over_the_cells_of_a_problem_and_not_over_problems(self, frame_of):
+        near = 1 + 1e-13
+        frame = frame_of({("p", "a"): [near, 2.0], ("p", "b"): [1.0, None], ("q", "a"): [near, 3.0]})
+        merged = cells(frame, merge=True)
+        assert merged["p", "a"].tolist() == [1.0, 2.0]
+        assert merged["p", "b"].tolist() == [1.0, INF]
+        assert merged["q", "a"].tolist() == [near, 3.0]
+        assert cells(frame)["p", "a"].tolist() == [near, 2.0]
+
+    def test_an_empty_frame_has_no_cells(self, frame_of):
+        assert cells(frame_of({}), merge=True) == {}
+        assert summarise(frame_of({})).empty
+
+
+class TestSummary:
+    def test_by_hand(self, frame_of, one):
+        row = one(summarise(frame_of({("p", "a"): [4.0, 1.0, 2.0, 3.0, 10.0]})))
+        assert (row.n, row.failed, row["mean"], row["median"], row.q1, row.q3) == (5, 0, 4.0, 3.0, 2.0, 4.0)
+        assert (row.best, row.worst) == (1.0, 10.0)
+        assert row.sd == pytest.approx(np.sqrt((0 + 9 + 4 + 1 + 36) / 4))
+
+    def test_a_failed_trial_leaves_no_mean_and_ranks_last(self, frame_of, one):
+        row = one(summarise(frame_of({("p", "a"): [1.0, 2.0, 3.0, None]})))
+        assert (row.n, row.failed, row["median"], row.q1, row.q3) == (4, 1, 3.0, 2.0, INF)
+        assert np.isnan(row["mean"])
+        assert np.isnan(row.sd)
+        assert (row.best, row.worst) == (1.0, INF)
+
+    def test_one_trial_has_a_mean_but_no_sd(self, frame_of, one):
+        row = one(summarise(frame_of({("p", "a"): [2.0]})))
+        assert row["mean"] == 2.0
+        assert np.isnan(row.sd)
+
+    def test_all_trials_failed(self, frame_of, one):
+        row = one(summarise(frame_of({("p", "a"): [None, None]})))
+        assert (row.n, row.failed, row["median"]) == (2, 2, INF)
+
+    def test_a_cell_without_trials_has_a_row_of_missing_numbers(self, frame_of, one):
+        frame = frame_of({("p", "a"): [1.0], ("q", "b"): [2.0]})
+        row = one(summarise(frame), problem="p", optimizer="b")
+        assert (row.n, row.failed) == (0, 0)
+        assert row.drop(["problem", "optimizer", "n", "failed"]).isna().all()
+
+    def test_the_interval_of_the_median_of_thirty_is_the_tenth_and_the_twenty_first(self, frame_of, one):
+        values = np.random.default_rng(3).permutation(30) + 1.0
+        row = one(summarise(frame_of({("p", "a"): values})))
+        assert (row.median_low, row.median_high) == (10.0, 21.0)
+        assert 1 - 2 * binom.cdf(9, 30, 0.5) >= 0.95 > 1 - 2 * binom.cdf(10, 30, 0.5)
+
+    @pytest.mark.parametrize("n", [1, 5])
+    def test_fewer_than_six_trials_have_no_interval(self, frame_of, one, n):
+        row = one(summarise(frame_of({("p", "a"): np.arange(n)})))
+        assert np.isnan(row.median_low)
+        assert np.isnan(row.median_high)
+
+    def test_failures_open_the_interval_upwards(self, frame_of, one):
+        row = one(summarise(frame_of({("p", "a"): [*range(1, 21), *[None] * 10]})))
+        assert (row.median_low, row.median_high) == (10.0, INF)
+
+
+class TestNearTies:
+    def test_by_hand(self):
+        values = np.array([2.0, 1 + 1e-13, 1.0, INF, 1 + 1e-9, -3.0, -3 - 1e-12, INF])
+        assert merge_near_ties(values).tolist() == [2.0, 1.0, 1.0, INF, 1 + 1e-9, -3 - 1e-12, -3 - 1e-12, INF]
+
+    def test_a_chain_of_neighbours_becomes_its_lowest_value(self):
+        chain = 1 + 0.9e-10 * np.arange(5)
+        assert merge_near_ties(chain[::-1]).tolist() == [1.0] * 5
+
+    def test_zero_and_tiny_values_differ(self):
+        values = np.array([0.0, 1e-300, 1e-14, 2e-14])
+        assert merge_near_ties(values).tolist() == values.tolist()
+
+    def test_extremes(self):
+        assert merge_near_ties(np.empty(0)).tolist() == []
+        assert merge_near_ties(np.array([INF, INF])).tolist() == [INF, INF]
+        assert merge_near_ties(np.array([1.7e308, -1.7e308, INF])).tolist() == [1.7e308, -1.7e308, INF]
+        np.testing.assert_equal(merge_near_ties(np.array([np.nan, 1.0])), [np.nan, 1.0])
+
+    def test_the_values_given_are_left_alone(self):
+        values = np.array([1 + 1e-13, 1.0])
+        merge_near_ties(values)
+        assert values.tolist() == [1 + 1e-13, 1.0]
+
+    @given(st.lists(st.floats(-1e6, 1e6) | st.just(INF)))
+    def test_keeps_the_order_moves_little_and_is_done_after_once(self, values):
+        values = np.array(values, dtype=float)
+        merged = merge_near_ties(values)
+        ordered = merged[np.argsort(values)]
+        assert (ordered[1:] >= ordered[:-1]).all()
+        np.testing.assert_allclose(merged, values, rtol=1e-10 * max(len(values), 1))
+        np.testing.assert_array_equal(merge_near_ties(merged), merged)

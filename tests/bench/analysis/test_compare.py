@@ -1,0 +1,183 @@
+"""The comparison matrix, its letters and the ranking, by hand and as properties."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.analysis.cells import summarise
+from bench.analysis.compare import comparison_matrix, medians, ranking, table
+from bench.analysis.letters import compact_letters
+from bench.analysis.pairwise import pairwise_tests
+
+pytestmark = pytest.mark.filterwarnings("error")
+INF = float("inf")
+LOW, NEAR = [1.0, 2.0, 3.0, 4.0, 5.0], [1.05, 2.05, 3.05, 4.05, 5.05]
+FAR = [11.0, 12.0, 13.0, 14.0, 15.0]
+
+
+def row_of(matrix, column, problem="p"):
+    return table(matrix, column).loc[problem].tolist()
+
+
+@pytest.fixture
+def matrix_of(frame_of):
+    def build(cells, **options):
+        frame = frame_of(cells)
+        return comparison_matrix(summarise(frame), pairwise_tests(frame), **options)
+
+    return build
+
+
+class TestMatrix:
+    @pytest.mark.parametrize(("statistic", "values"), [("mean", [3.0, 3.05, 13.0]), ("median", [3.0, 3.05, 13.0])])
+    def test_bold_is_the_lowest_and_italics_what_ks_cannot_tell_from_it(self, matrix_of, statistic, values):
+        matrix = matrix_of({("p", "a"): LOW, ("p", "b"): NEAR, ("p", "c"): FAR}, statistic=statistic)
+        assert list(matrix.columns) == ["problem", "optimizer", "value", "best", "alike", "letters"]
+        assert row_of(matrix, "value") == pytest.approx(values)
+        assert row_of(matrix, "best") == [True, False, False]
+        assert row_of(matrix, "alike") == [False, True, False]
+        assert row_of(matrix, "letters") == ["a", "a", "b"]
+
+    def test_mean_and_median_may_crown_different_optimizers(self, matrix_of):
+        cells = {("p", "a"): [1, 1, 1, 1, 99.0], ("p", "b"): [2, 3, 4, 5, 6.0]}
+        assert row_of(matrix_of(cells), "best") == [True, False]
+        assert row_of(matrix_of(cells, statistic="mean"), "best") == [False, True]
+
+    def test_alike_is_only_told_from_the_best_one(self, matrix_of):
+        matrix = matrix_of({("p", "a"): FAR, ("p", "b"): LOW, ("p", "c"): [v + 0.1 for v in FAR]})
+        assert not matrix["alike"].any()
+        assert row_of(matrix, "letters") == ["b", "a", "b"]
+
+    def test_a_cell_with_a_failure_has_no_mean_and_no_mark(self, matrix_of):
+        cells = {("p", "a"): [1, 2, None], ("p", "b"): [3, 4, 5.0], ("p", "c"): [6, 7, 8.0]}
+        matrix = matrix_of(cells, statistic="mean")
+        assert np.isnan(row_of(matrix, "value")[0])
+        assert row_of(matrix, "best") == [False, True, False]
+        assert row_of(matrix, "alike") == [False, False, True]
+
+    def test_nothing_is_best_of_one(self, matrix_of):
+        matrix = matrix_of({("p", "a"): [1.0, 2.0]})
+        assert not matrix["best"].any()
+        assert row_of(matrix, "letters") == ["a"]
+
+    def test_nothing_is_best_where_every_median_trial_failed(self, matrix_of):
+        matrix = matrix_of({("p", "a"): [None] * 5, ("p", "b"): [None] * 5})
+        assert row_of(matrix, "value") == [INF, INF]
+        assert not matrix[["best", "alike"]].any(axis=None)
+
+    def test_optimizers_that_differ_by_rounding_are_all_best(self, matrix_of):
+        matrix = matrix_of({("p", "a"): [1.0] * 5, ("p", "b"): [1 + 1e-13] * 5, ("p", "c"): FAR})
+        assert row_of(matrix, "best") == [True, True, False]
+        assert not matrix["alike"].any()
+        assert row_of(matrix, "value")[1] == 1 + 1e-13
+
+    def test_every_cell_has_a_row_also_without_trials(self, frame_of):
+        frame = frame_of({("p", "a"): LOW, ("p", "b"): NEAR, ("q", "a"): FAR})
+        frame["optimizer"] = pd.Categorical(frame["optimizer"], ["b", "c", "a"])
+        matrix = comparison_matrix(summarise(frame), pairwise_tests(frame))
+        assert len(matrix) == 6
+        assert row_of(matrix, "letters") == ["a", "", "a"]
+        assert row_of(matrix, "letters", "q") == ["", "", "a"]
+        assert row_of(matrix, "best", "q") == [False] * 3
+
+    def test_a_part_of_the_optimizers(self, frame_of):
+        frame = frame_of({("p", "a"): LOW, ("p", "b"): NEAR, ("p", "c"): FAR})
+        summary, pairs = summarise(frame), pairwise_tests(frame)
+        part = comparison_matrix(summary[summary["optimizer"] != "a"], pairs)
+        assert row_of(part, "best") == [True, False]
+        assert row_of(part, "letters") == ["a", "b"]
+
+    def test_no_trials_at_all(self, frame_of):
+        frame = frame_of({})
+        assert comparison_matrix(summarise(frame), pairwise_tests(frame)).empty
+
+
+class TestLetters:
+    @pytest.mark.parametrize("seed", range(3))
+    def test_optimizers_share_a_letter_just_where_they_are_not_separable(self, frame_of, seed):
+        rng = np.random.default_rng(seed)
+        shifts = rng.permutation(6) * 0.45
+        frame = frame_of({("p", name): rng.normal(shift, 1, 30) for name, shift in zip("abcdef", shifts, strict=True)})
+        summary, pairs = summarise(frame), pairwise_tests(frame)
+        letters = compact_letters(summary, pairs).set_index("optimizer")["letters"]
+        for pair in pairs.itertuples():
+            assert bool(set(letters[pair.first]) & set(letters[pair.second])) != pair.significant
+        assert letters.nunique() > 1
+        assert "a" in letters[summary.set_index("optimizer")["median"].idxmin()]
+
+    def test_at_the_level_itself_a_pair_is_separable(self, frame_of):
+        frame = frame_of({("p", "a"): LOW, ("p", "b"): NEAR})
+        pairs = pairwise_tests(frame).assign(p_holm=0.05)
+        assert compact_letters(summarise(frame), pairs, alpha=0.05)["letters"].tolist() == ["a", "b"]
+        assert compact_letters(summarise(frame), pairs, alpha=0.04)["letters"].tolist() == ["a", "a"]
+
+    def test_more_groups_than_letters(self, frame_of):
+        frame = frame_of({("p", f"o{i}"): [float(i)] for i in range(53)})
+        summary = summarise(frame)
+        names = summary["optimizer"]
+        pairs = pd.DataFrame(
+            [("p", one, other, 0.0) for i, one in enumerate(names) for other in names[:i]],
+            columns=["problem", "first", "second", "p_holm"],
+        )
+        assert compact_letters(summary, pairs)["letters"].tolist() == ["?"] * 53
+        assert compact_letters(summary[1:], pairs)["letters"].nunique() == 52
+
+
+class TestTables:
+    def test_the_order_is_that_of_the_rows(self, frame_of):
+        summary = summarise(frame_of({("q", "b"): [1.0], ("q", "a"): [2.0], ("p", "a"): [3.0]}))
+        wide = table(summary, "median")
+        assert (list(wide.index), list(wide.columns)) == (["q", "p"], ["b", "a"])
+        assert wide.loc["q"].tolist() == [1.0, 2.0]
+        assert np.isnan(wide.at["p", "b"])
+
+    def test_medians_are_those_of_complete_problems_with_near_ties_tied(self, frame_of):
+        cells = {("q", "b"): [1 + 1e-13], ("q", "a"): [1.0], ("p", "a"): [3.0], ("r", "b"): [None], ("r", "a"): [2.0]}
+        wide = medians(summarise(frame_of(cells)))
+        assert wide.loc["q"].tolist() == [1.0, 1.0]
+        assert wide.loc["r"].tolist() == [INF, 2.0]
+        assert "p" not in wide.index
+
+    def test_no_complete_problem(self, frame_of):
+        wide = medians(summarise(frame_of({("q", "b"): [1.0], ("p", "a"): [3.0]})))
+        assert wide.shape == (0, 2)
+
+
+class TestRanking:
+    def rank(self, frame):
+        return ranking(summarise(frame), pairwise_tests(frame))
+
+    def test_counts_first_places_and_separable_ones(self, frame_of):
+        frame = frame_of(
+            {
+                ("p", "a"): LOW, ("p", "b"): FAR,
+                ("q", "a"): LOW, ("q", "b"): NEAR,
+                ("r", "a"): FAR, ("r", "b"): NEAR,
+                ("s", "a"): FAR,
+            }
+        )  # fmt: skip
+        assert self.rank(frame).to_dict("list") == {
+            "optimizer": ["a", "b"], "problems": [3, 3], "first": [2, 1], "separable": [1, 1],
+            "mean_rank": pytest.approx([4 / 3, 5 / 3]),
+        }  # fmt: skip
+
+    def test_ties_count_for_each_and_failures_for_none(self, frame_of):
+        cells = {("p", "a"): [1, 1.0], ("p", "b"): [1, 1.0], ("q", "a"): [None, None], ("q", "b"): [None, None]}
+        table = self.rank(frame_of(cells))
+        assert table["first"].tolist() == [1, 1]
+        assert table["separable"].tolist() == [0, 0]
+        assert table["mean_rank"].tolist() == [1.5, 1.5]
+
+    def test_optimizers_that_differ_by_rounding_rank_alike(self, frame_of):
+        table = self.rank(frame_of({("p", "a"): [1.0] * 5, ("p", "b"): [1 + 1e-13] * 5, ("p", "c"): FAR}))
+        assert table["first"].tolist() == [1, 1, 0]
+        assert table["mean_rank"].tolist() == [1.5, 1.5, 3.0]
+
+    def test_one_optimizer_is_separable_from_nobody(self, frame_of):
+        table = self.rank(frame_of({("p", "a"): [1.0, 2.0]}))
+        assert table[["problems", "first", "separable"]].to_numpy().tolist() == [[1, 1, 0]]
+
+    def test_no_problem_with_every_optimizer(self, frame_of):
+        table = self.rank(frame_of({("p", "a"): [1.0], ("q", "b"): [1.0]}))
+        assert table[["problems", "first", "separable"]].to_numpy().tolist() == [[0, 0, 0]] * 2
+        assert table["mean_rank"].isna().all()

@@ -1,0 +1,356 @@
+"""Integrity: sound results pass every check, and each planted trap is found by its own check and no other."""
+
+import warnings
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.analysis.cells import in_study_order
+from bench.analysis.integrity import integrity
+from bench.objective import Trace
+from bench.study import Entry, Study
+
+BUDGET, TRIALS = 1_000, 6
+PROBLEMS, OPTIMIZERS = ("p", "q"), ("a", "b", "c")
+BOXES = {"p": {"u": (-1.0, 1.0), "v": (0.0, 10.0)}, "q": {"v": (0.0, 5.0), "u": (-2.0, 0.0)}}
+CHECKS = [
+    "completeness", "failures", "centre bias", "finite values", "budget", "records", "undeclared stops",
+    "declared stops", "outside the box", "repeated points", "ceiling", "same algorithm", "clamping", "seeds",
+    "random streams", "contention", "hidden threads",
+]  # fmt: skip
+
+
+class Sound:
+    """Results without fault, and how to spoil them."""
+
+    def __init__(self):
+        rng = np.random.default_rng(1)
+        rows = [
+            {"problem": problem, "optimizer": optimizer, "trial": trial}
+            for problem in PROBLEMS
+            for optimizer in OPTIMIZERS
+            for trial in range(TRIALS)
+        ]
+        n = len(rows)
+        self.frame = pd.DataFrame(rows).assign(
+            study="s", seed=rng.permutation(n), status="ok", fun=rng.uniform(1, 2, n), nfev=BUDGET, wall_s=1.0,
+            cpu_s=1.0, objective_s=0.5, stop="budget", outside_box=0, error=None,
+        )  # fmt: skip
+        for name in ("u", "v"):
+            lower, upper = np.array([BOXES[problem][name] for problem in self.frame["problem"]]).T
+            self.frame[f"x_{name}"] = rng.uniform(lower, upper)
+        self.traces = {
+            key: Trace(np.array([1, 10 + i]), np.array([3 + rng.random(), fun]))
+            for i, (*key, fun) in enumerate(
+                self.frame[["problem", "optimizer", "trial", "fun"]].itertuples(index=False, name=None)
+            )
+            for key in [tuple(key)]
+        }
+
+        self.diagnoses = {
+            name: [{"check": "centre bias", "passed": True, "finding": "errors are alike"}] for name in OPTIMIZERS
+        }
+
+    def put(self, where, **values):
+        for column, value in values.items():
+            self.frame[column] = self.frame[column].astype(object)
+            self.frame.loc[where, column] = value
+            self.frame[column] = self.frame[column].infer_objects()
+        return self
+
+    def trial(self, problem, optimizer, trial):
+        same = (self.frame["problem"] == problem) & (self.frame["optimizer"] == optimizer)
+        return same & (self.frame["trial"] == trial)
+
+    def copy(self, source, target, *, trace=False):
+        """Give one trial the final point and value of another, with or without its trace."""
+        row = self.frame[self.trial(*source)].iloc[0]
+        self.put(self.trial(*target), x_u=row["x_u"], x_v=row["x_v"])
+        if trace:
+            self.put(self.trial(*target), fun=row["fun"])
+            self.traces[target] = self.traces[source]
+
+    def check(self, **changes):
+        given = {
+            "study_budget": BUDGET,
+            "planned_trials": TRIALS,
+            "traces": self.traces,
+            "boxes": BOXES,
+            "diagnoses": self.diagnoses,
+        }
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            return integrity(self.frame, **(given | changes)).set_index("check")
+
+
+@pytest.fixture
+def sound():
+    return Sound()
+
+
+def test_sound_results_pass_every_check(sound):
+    table = sound.check()
+    assert list(table.index) == CHECKS
+    assert list(table) == ["verdict", "finding", "cells"]
+    assert set(table["verdict"]) == {"pass"}
+    assert set(table["cells"]) == {""}
+    assert table["finding"].str.endswith(".").all()
+    assert "36, 6 in each cell" in table.at["completeness", "finding"]
+
+
+def test_what_cannot_be_checked_says_so(sound):
+    verdicts = sound.check(traces=None, boxes=None, diagnoses=None)["verdict"]
+    unchecked = ["centre bias", "records", "same algorithm", "clamping", "random streams"]
+    assert list(verdicts.index[verdicts == "not checked"]) == unchecked
+    assert set(verdicts.drop(unchecked)) == {"pass"}
+
+
+TRAPS = {}
+
+
+def trap(check, verdict, *fragments, cells=None):
+    """Register a function that spoils results: which check must find it, and what the finding must say."""
+
+    def register(spoil):
+        TRAPS[spoil.__name__] = (spoil, check, verdict, fragments, cells)
+        return spoil
+
+    return register
+
+
+@trap("completeness", "warning", "2 of 36 planned trials", "0 of 6 cells", "4 to 6", "a on p", cells="a on p")
+def two_trials_missing(s):
+    s.frame = s.frame[~(s.trial("p", "a", 4) | s.trial("p", "a", 5))]
+
+
+@trap("completeness", "warning", "6 of 36 planned trials", "1 of 6 cells", "c on q", cells="c on q")
+def an_empty_cell(s):
+    s.frame = s.frame[~((s.frame["problem"] == "q") & (s.frame["optimizer"] == "c"))]
+
+
+@trap("failures", "error", "2 of 36 trials did not finish (", "failed 1", "timeout 1", "in a on p, b on q. They")
+def failed_trials(s):
+    nothing = {"fun": None, "nfev": None, "stop": None, "x_u": None, "x_v": None, "cpu_s": None, "wall_s": None}
+    s.put(s.trial("p", "a", 0), status="failed", **nothing).put(s.trial("q", "b", 0), status="timeout", **nothing)
+    del s.traces["p", "a", 0], s.traces["q", "b", 0]
+
+
+@trap("centre bias", "warning", "b: errors are 50 times as high", cells="")
+def an_optimizer_that_is_drawn_to_the_centre(s):
+    s.diagnoses["b"] = [{"check": "centre bias", "passed": False, "finding": "errors are 50 times as high"}]
+
+
+@trap("finite values", "warning", "1 of 36 trials", "c on q", cells="c on q")
+def a_final_value_that_is_no_number(s):
+    s.put(s.trial("q", "c", 1), fun=float("nan"))
+
+
+@trap("finite values", "warning", "1 of 36 trials", "c on q")
+def an_infinite_final_value(s):
+    s.put(s.trial("q", "c", 1), fun=float("inf"))
+    s.traces["q", "c", 1] = Trace(np.array([], dtype=np.int64), np.array([]))
+
+
+@trap("budget", "error", "1 of 36 trials", "budget of 1,000", "a on q")
+def more_evaluations_than_the_budget(s):
+    s.put(s.trial("q", "a", 2), nfev=BUDGET + 1)
+
+
+@trap("records", "error", "1 of 36 trials", "b on p")
+def a_final_value_that_its_trace_does_not_know(s):
+    s.put(s.trial("p", "b", 2), fun=0.5)
+
+
+@trap("records", "error", "1 of 36 trials", "b on p")
+def a_trace_longer_than_the_evaluations(s):
+    last = s.traces["p", "b", 2]
+    s.traces["p", "b", 2] = Trace(np.array([1, BUDGET + 1]), last.values)
+
+
+@trap("records", "error", "1 of 36 trials", "b on p")
+def a_finished_trial_without_a_trace(s):
+    del s.traces["p", "b", 2]
+
+
+@trap("undeclared stops", "warning", "2 of 36 trials", "more than 1%", "b on 2 problems", cells="b on p; b on q")
+def a_silent_end(s):
+    s.put(s.trial("p", "b", 2), nfev=989, stop="undeclared").put(s.trial("q", "b", 2), nfev=100, stop="budget")
+
+
+@trap("declared stops", "note", "3 of 36 trials", "a: tolfun (2), c: {odd} (1)", cells="a on p; a on q; c on q")
+def declared_ends(s):
+    s.put(s.trial("p", "a", 2), nfev=100, stop="tolfun").put(s.trial("q", "a", 2), nfev=999, stop="tolfun")
+    s.put(s.trial("q", "c", 2), nfev=100, stop="{odd}")
+
+
+@trap("outside the box", "note", "1 of 36 trials", "c 0.5%", cells="c on q")
+def points_outside_the_box(s):
+    s.put(s.trial("q", "c", 2), outside_box=60)
+
+
+@trap("repeated points", "error", "2 of 36 trials", "b on p", cells="b on p")
+def one_final_point_from_two_seeds(s):
+    s.copy(("p", "b", 1), ("p", "b", 4))
+
+
+@trap("ceiling", "warning", "6 of 36 trials", "fewer than 50%", "b on p", cells="b on p")
+def most_trials_end_at_one_value_but_for_rounding(s):
+    for trial in range(5):
+        key = ("p", "b", trial)
+        s.put(s.trial(*key), fun=1.5 * (1 + trial * 1e-14))
+        s.traces[key] = Trace(s.traces[key].evaluations, np.array([s.traces[key].values[0], 1.5 * (1 + trial * 1e-14)]))
+
+
+@trap("same algorithm", "warning", "2 of 36 trials", "a on p, c on p", cells="a on p; c on p")
+def one_algorithm_under_two_names(s):
+    s.copy(("p", "a", 1), ("p", "c", 3), trace=True)
+
+
+@trap("clamping", "warning", "b 8.33% (v 16.7%)", cells="b on q")
+def points_on_a_bound(s):
+    s.put(s.trial("q", "b", 1), x_v=5.0 - 1e-13).put(s.trial("q", "b", 2), x_v=0.0)
+
+
+@trap("clamping", "warning", "a 12.5% (u 16.7%, v 8.33%), c 4.17% (u 8.33%)")
+def two_worst_variables(s):
+    s.put(s.trial("p", "a", 1), x_u=-1.0).put(s.trial("q", "a", 1), x_u=-2.0, x_v=5.0)
+    s.put(s.trial("p", "c", 1), x_u=1.0)
+
+
+@trap("seeds", "error", "2 of 36 trials", "the same optimizer", "b on 2 problems")
+def a_seed_used_twice_by_one_optimizer(s):
+    s.put(s.trial("p", "b", 1), seed=77_000).put(s.trial("q", "b", 1), seed=77_000)
+
+
+@trap("seeds", "warning", "2 of 36 trials", "another optimizer", "a on p, b on p")
+def a_seed_used_by_two_optimizers(s):
+    s.put(s.trial("p", "a", 1), seed=77_000).put(s.trial("p", "b", 3), seed=77_000)
+
+
+@trap("random streams", "warning", "12 of 36 trials", "a on p, b on p", cells="a on p; b on p")
+def two_optimizers_draw_from_one_stream(s):
+    for trial in range(TRIALS):
+        first, own = s.traces["p", "a", trial], s.traces["p", "b", trial]
+        s.traces["p", "b", trial] = Trace(own.evaluations, np.array([first.values[0], own.values[1]]))
+
+
+@trap("contention", "warning", "b 1.25", "1.2 times")
+def trials_that_waited_for_a_core(s):
+    s.put(s.frame["optimizer"] == "b", cpu_s=0.8)
+
+
+@trap("hidden threads", "warning", "b 0.83", "1.1 times")
+def trials_that_used_two_cores(s):
+    s.put(s.frame["optimizer"] == "b", cpu_s=1.2)
+
+
+@pytest.mark.parametrize("name", TRAPS)
+def test_a_trap_is_found_by_its_own_check_only(sound, name):
+    spoil, check, verdict, fragments, cells = TRAPS[name]
+    spoil(sound)
+    table = sound.check()
+    assert table["verdict"].to_dict() == dict.fromkeys(CHECKS, "pass") | {check: verdict}
+    for fragment in fragments:
+        assert fragment in table.at[check, "finding"]
+    if cells is not None:
+        assert table.at[check, "cells"] == cells
+
+
+def test_every_check_has_a_trap():
+    assert {check for _, check, *_ in TRAPS.values()} == set(CHECKS)
+
+
+class TestWhatIsNoTrap:
+    def test_a_deterministic_start_is_no_shared_stream(self, sound):
+        for optimizer in ("a", "b"):
+            for trial in range(TRIALS):
+                key = ("p", optimizer, trial)
+                own = sound.traces[key]
+                sound.traces[key] = Trace(own.evaluations, np.array([3.25, own.values[1]]))
+        assert sound.check().at["random streams", "verdict"] == "pass"
+
+    def test_one_trial_a_cell_says_nothing_of_streams(self, sound):
+        sound.frame = sound.frame[sound.frame["trial"] == 0]
+        own = sound.traces["p", "b", 0]
+        sound.traces["p", "b", 0] = Trace(own.evaluations, np.array([sound.traces["p", "a", 0].values[0], 1.0]))
+        sound.put(sound.trial("p", "b", 0), fun=1.0)
+        assert set(sound.check(planned_trials=1)["verdict"]) == {"pass"}
+
+    def test_equal_points_of_equal_seeds_are_the_seeds_fault(self, sound):
+        sound.copy(("p", "b", 1), ("p", "b", 4), trace=True)
+        sound.put(sound.trial("p", "b", 1) | sound.trial("p", "b", 4), seed=77_000)
+        verdicts = sound.check()["verdict"]
+        assert verdicts["seeds"] == "error"
+        assert set(verdicts.drop("seeds")) == {"pass"}
+
+    def test_an_early_end_within_one_percent_needs_no_reason(self, sound):
+        sound.put(sound.trial("p", "b", 1), nfev=990, stop="undeclared")
+        assert set(sound.check()["verdict"]) == {"pass"}
+
+    def test_variables_that_a_problem_lacks(self, sound):
+        sound.put(sound.frame["problem"] == "q", x_u=None)
+        table = sound.check(boxes={"p": BOXES["p"], "q": {"v": (0.0, 5.0)}})
+        assert set(table["verdict"]) == {"pass"}
+
+    def test_a_box_that_is_not_known_is_named(self, sound):
+        points_on_a_bound(sound)
+        found = sound.check(boxes={"p": BOXES["p"]}).loc["clamping"]
+        assert found["verdict"] == "pass"
+        assert "not known of q" in found["finding"]
+
+
+class TestWithoutTrials:
+    @pytest.mark.parametrize("categories", [False, True])
+    def test_an_empty_frame(self, sound, categories):
+        entries = [[Entry(name, name) for name in names] for names in (PROBLEMS, OPTIMIZERS)]
+        sound.frame = sound.frame.iloc[:0]
+        if categories:
+            sound.frame = in_study_order(sound.frame, Study("s", *map(tuple, entries), trials=TRIALS))
+        verdicts = sound.check(traces={}, diagnoses={})["verdict"]
+        assert verdicts["completeness"] == "warning"
+        assert set(verdicts.drop("completeness")) == {"not checked"}
+
+    def test_nothing_but_failures(self, sound):
+        numbers = dict.fromkeys(["fun", "nfev", "wall_s", "cpu_s", "objective_s", "stop", "x_u", "x_v", "outside_box"])
+        sound.frame = sound.frame.assign(status="failed", **numbers)
+        verdicts = sound.check(traces={}, diagnoses={})["verdict"]
+        assert (verdicts["completeness"], verdicts["failures"]) == ("pass", "error")
+        assert set(verdicts.drop(["completeness", "failures"])) == {"not checked"}
+
+    def test_no_final_point_and_no_processor_time(self, sound):
+        sound.frame = sound.frame.drop(columns=["x_u", "x_v"]).assign(cpu_s=0.0)
+        verdicts = sound.check()["verdict"]
+        unchecked = ["repeated points", "same algorithm", "clamping", "contention", "hidden threads"]
+        assert list(verdicts.index[verdicts == "not checked"]) == unchecked
+
+    def test_no_finite_value(self, sound):
+        sound.frame["fun"] = np.inf
+        nothing = Trace(np.array([], dtype=np.int64), np.array([]))
+        table = sound.check(traces=dict.fromkeys(sound.traces, nothing))
+        assert table.at["finite values", "verdict"] == "warning"
+        assert table.at["ceiling", "verdict"] == "not checked"
+
+
+class TestFrames:
+    def test_categories_tell_of_cells_without_trials(self, sound):
+        an_empty_cell(sound)
+        entries = [tuple(Entry(name, name) for name in names) for names in (("q", "p", "r"), ("c", "a", "b"))]
+        sound.frame = in_study_order(sound.frame, Study("s", *entries, trials=TRIALS))
+        found = sound.check().loc["completeness"]
+        assert "24 of 54 planned trials" in found["finding"]
+        assert "4 of 9 cells" in found["finding"]
+        assert found["cells"] == "c on q; c on r; a on r; b on r"
+
+    def test_the_index_of_the_frame_does_not_matter(self, sound):
+        sound.copy(("p", "a", 1), ("p", "c", 3), trace=True)
+        expected = sound.check()
+        sound.frame.index = [0] * len(sound.frame)
+        pd.testing.assert_frame_equal(sound.check(), expected)
+
+    def test_at_most_five_names(self, sound):
+        frames = [sound.frame.assign(optimizer=f"o{i}", trial=range(100 * i, 100 * i + 36)) for i in range(8)]
+        sound.frame = pd.concat(frames, ignore_index=True).assign(status="failed")
+        found = sound.check(traces={}).loc["failures"]
+        assert "o4 on 2 problems and 3 more." in found["finding"]
+        assert found["cells"].count(";") == 15
