@@ -13,7 +13,7 @@ from rich.console import Console
 
 from bench import listing, plugins
 from bench.errors import BenchError
-from bench.progress import Display
+from bench.progress import Display, steps
 
 app = typer.Typer(
     help="Compare metaheuristics: run studies, and report what may be claimed from them.",
@@ -85,6 +85,9 @@ def run(
     ] = None,
     budget: Annotated[int | None, typer.Option(help="Evaluations a trial, instead of the study's.")] = None,
     seed: Annotated[int | None, typer.Option(help="The root of all seeds, instead of the study's.")] = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Also check the optimizers (see 'bench check') before the report.")
+    ] = False,
     report: Annotated[bool, typer.Option(help="Write the report when the run ends.")] = True,
 ) -> None:
     """Run a study, continue one that was interrupted, or extend one; then write its report.
@@ -110,13 +113,46 @@ def run(
     except WorkerDiedError as error:
         _say(str(error))
         sys.exit(1)
+    if check:
+        _check_folder(outcome.folder, console)
     if report:
-        _report(outcome.folder, console)
+        _report([outcome.folder], console)
     else:
         console.print(f"results in {outcome.folder}", markup=False, highlight=False, soft_wrap=True)
     if outcome.failed:
         _say(f"{outcome.failed} trials failed; see the report or 'bench status {outcome.folder}'")
         sys.exit(1)
+
+
+@app.command()
+def check(
+    name: Annotated[str, typer.Argument(help="An optimizer's name, such as gwo, or a folder that 'bench run' wrote.")],
+    option: Annotated[
+        list[str] | None, typer.Option("--set", help="A parameter of the optimizer, as agents=300.")
+    ] = None,
+) -> None:
+    """Check an optimizer for centre bias: whether it does better when the optimum is at the centre of the box.
+
+    Given a study's folder, every optimizer of the study is checked with its own options, and its report will say
+    what was found.
+    """
+    from bench.diagnosis import centre_bias
+
+    console = Console()
+    if name not in plugins.entries("optimizers") and (Path(name) / "study.toml").exists():
+        _check_folder(Path(name), console)
+        return
+    diagnosis = centre_bias(plugins.load_optimizer(name, **_pairs(option)))
+    listing.show_checks({name: [diagnosis]}, console)
+    if not diagnosis.passed:
+        sys.exit(1)
+
+
+def _check_folder(path: Path, console: Console) -> None:
+    from bench.diagnosis import diagnose
+    from bench.folder import Folder
+
+    listing.show_checks(diagnose(Folder(path)), console)
 
 
 @app.command()
@@ -128,16 +164,47 @@ def status(output: Output) -> None:
 
 
 @app.command()
-def report(output: Output) -> None:
-    """Write the report of a study's folder: a page, tables (CSV, LaTeX) and figures (SVG, PDF)."""
-    _report(output, Console())
+def report(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="OUTPUT…", help="A folder that 'bench run' wrote, or several to compare.")
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(help="Folder to write; default: OUTPUT itself, and results/comparisons/NAMES for several."),
+    ] = None,
+) -> None:
+    """Write the report of a study's folder: a page, tables (CSV, LaTeX), figures (SVG, PDF) and a methods paragraph.
+
+    Several folders, such as those of two versions of an optimizer, are compared as one study.
+    """
+    _report(folders, Console(), output)
 
 
-def _report(folder: Path, console: Console) -> None:
+def _report(folders: list[Path], console: Console, output: Path | None = None) -> None:
     from bench.report import write_report
 
-    page = write_report(folder)
+    with steps(console, "report") as on_progress:
+        page = write_report(*folders, output=output, on_progress=on_progress)
     console.print(f"report: {page}", markup=False, highlight=False, soft_wrap=True)
+
+
+@app.command()
+def export(
+    output: Output,
+    kind: Annotated[str, typer.Option("--format", help="ioh, coco, csv or parquet.")],
+    folder: Annotated[
+        Path | None, typer.Option("--output", help="Folder to write; default: OUTPUT/export/FORMAT.")
+    ] = None,
+) -> None:
+    """Write a study's results for other tools: IOHanalyzer, COCO's cocopp, or as plain tables."""
+    from bench.export import export as export_results
+    from bench.results import Results
+
+    made = export_results(Results(output), kind, folder or output / "export" / kind)
+    console = Console()
+    for note in made.notes:
+        console.print(f"note: {note}", style="yellow", markup=False, highlight=False, soft_wrap=True)
+    console.print(f"export: {made.folder}", markup=False, highlight=False, soft_wrap=True)
 
 
 @app.command()

@@ -16,6 +16,7 @@ from bench.optimizer import Optimizer
 from bench.problem import Problem
 
 if TYPE_CHECKING:
+    from bench.diagnosis import Diagnosis
     from bench.results import Results
     from bench.trial import Result
 
@@ -84,6 +85,17 @@ def show_status(results: Results, console: Console) -> None:
             f"Python {record['python']}{commit}",
             markup=False, highlight=False, soft_wrap=True,
         )  # fmt: skip
+
+
+def show_checks(checks: dict[str, list[Diagnosis]], console: Console) -> None:
+    """Print every check of every optimizer, failed ones in red."""
+    for label, diagnoses in checks.items():
+        for each in diagnoses:
+            outcome = "passed" if each.passed else "FAILED"
+            console.print(
+                f"{outcome}: {label}, {each.check}: {each.finding}",
+                style=None if each.passed else "red", markup=False, highlight=False, soft_wrap=True,
+            )  # fmt: skip
 
 
 def show_result(result: Result, problem: Problem, console: Console) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from time import monotonic
 from types import TracebackType
 from typing import Any
@@ -83,3 +85,24 @@ class Display:
             rest = (self._spoken - self._started) / self._made * (self._left - self._made)
             left = f", about {rest:.0f} s left" if self._made < self._left else ""
             self._console.print(f"{self._made} of {self._left} runs done{left}", highlight=False)
+
+
+@contextmanager
+def steps(console: Console, name: str) -> Iterator[Callable[[str, int, int], None]]:
+    """Show a bar for work in known steps; yields what to call before each: its title, steps done, steps in all."""
+    progress = Progress(
+        TextColumn("{task.fields[name]}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.description}", markup=False),
+        console=console,
+        disable=not console.is_terminal,
+        transient=True,
+    )
+    with progress:
+        task = progress.add_task("", name=name)
+
+        def show(title: str, done: int, total: int) -> None:
+            progress.update(task, description=title, completed=done, total=total)
+
+        yield show
