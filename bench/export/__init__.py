@@ -1,0 +1,112 @@
+"""A study's results in the formats of other tools.
+
+========  ==========================================================================
+ioh       IOHprofiler: IOHanalyzer, iohinspector
+coco      COCO: cocopp
+csv       two plain tables, of trials and of improvements
+parquet   the same with column types; needs pyarrow (the extra ``parquet``)
+========  ==========================================================================
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench.errors import BenchError, nearest
+from bench.export import coco, ioh, tabular
+from bench.export.runs import left_out
+from bench.results import Results
+
+__all__ = ["FORMATS", "Export", "Format", "export"]
+
+README = "README.txt"
+
+
+@dataclass(frozen=True)
+class Format:
+    """How results become files.
+
+    Attributes:
+        files: gives the path, within the export's folder, and the content of every file; raises BenchError at once,
+            not later, for results that the format cannot hold.
+        about: gives the lines of the README that say what the files are.
+        holds_failures: whether failed trials are in the files.
+    """
+
+    files: Callable[[Results], Iterator[tuple[str, str | bytes]]]
+    about: Callable[[Results], list[str]]
+    holds_failures: bool
+
+
+FORMATS = {
+    "ioh": Format(ioh.files, ioh.about, holds_failures=False),
+    "coco": Format(coco.files, coco.about, holds_failures=False),
+    "csv": Format(tabular.csv_files, tabular.about, holds_failures=True),
+    "parquet": Format(tabular.parquet_files, tabular.about, holds_failures=True),
+}
+
+
+@dataclass(frozen=True)
+class Export:
+    """What was written.
+
+    Attributes:
+        folder: where.
+        notes: sentences on what the format could not hold; they stand in the folder's README too.
+    """
+
+    folder: Path
+    notes: list[str]
+
+
+def export(results: Results, kind: str, folder: Path) -> Export:
+    """Write the results into ``folder`` in one of :data:`FORMATS`; the same results give the same bytes.
+
+    An earlier export of the same format is replaced as a whole.
+
+    Raises:
+        BenchError: for an unknown format, a study without trials or with what the format cannot hold, and a folder
+            that cannot be written or holds anything else.
+    """
+    if kind not in FORMATS:
+        raise BenchError(f"unknown export format {kind!r}{nearest(kind, FORMATS)}")
+    if results.frame.empty:
+        raise BenchError(f"{results.paths[0]} holds no trials yet; run the study first")
+    chosen = FORMATS[kind]
+    files = chosen.files(results)
+    notes = [] if chosen.holds_failures else left_out(results.frame)
+    title = f"An export in the format {kind}. The next one into this folder replaces all that is in it."
+    head = [title, "", f"Study: {results.study.title or results.study.name}", "", *chosen.about(results)]
+    try:
+        _empty(folder, title)
+        _write(folder / README, "\n".join([*head, *(["", *notes] if notes else []), ""]))
+        _write(folder / "study.toml", results.study.to_toml())
+        for path, content in files:
+            _write(folder / path, content)
+    except OSError as error:
+        raise BenchError(f"the export cannot be written into {folder}: {error.strerror}") from error
+    return Export(folder, notes)
+
+
+def _empty(folder: Path, title: str) -> None:
+    """Take away what an earlier export left; raises BenchError when there is anything else."""
+    content = list(folder.iterdir()) if folder.exists() else []
+    if content and not _begins_with(folder / README, title):
+        raise BenchError(f"{folder} holds something other than an earlier export of this format; give another folder")
+    for path in content:
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path)
+        else:
+            path.unlink()
+
+
+def _begins_with(path: Path, line: str) -> bool:
+    return path.is_file() and path.read_bytes().startswith(line.encode())
+
+
+def _write(path: Path, content: str | bytes) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(content.encode() if isinstance(content, str) else content)

@@ -1,0 +1,170 @@
+"""The format of COCO, for cocopp: the study as functions of a COCO suite.
+
+cocopp reads only COCO's own suites. Each problem takes the place of a function of ``bbob-constrained``, the suite that
+has the most (54) and no reference data of its own; the name that cocopp prints for the function is to be ignored.
+
+Every improvement and the last evaluation of a run stand in the ``.dat`` file; the ``.tdat`` file has its best-so-far
+value at 20 evaluation counts a decade and at the last evaluation. No evaluation is one of constraints.
+
+Source: N. Hansen, A. Auger, R. Ros, O. Mersmann, T. Tušar, D. Brockhoff, "COCO: a platform for comparing continuous
+optimizers in a black-box setting", Optimization Methods and Software 36(1), 2021.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.export.runs import Cell, Run, cells
+from bench.names import file_name, unique
+from bench.problem import Floats
+from bench.results import Results
+
+SUITE = "bbob-constrained"
+FUNCTIONS = 54
+PRECISION = 1e-8  # cocopp looks at no smaller difference
+SMALLEST = 1e-12  # cocopp takes logarithms: a difference must be positive
+INFINITE = 3e21  # what COCO writes for infinity
+COLUMNS = (
+    "f evaluations | g evaluations | best noise-free fitness - Fopt ({}) | measured fitness | best measured fitness"
+)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The value that a problem's objective values are compared with, and where it comes from."""
+
+    value: float
+    source: str
+
+
+def files(results: Results) -> Iterator[tuple[str, str]]:
+    """Return the path and the text of every file, one after the other.
+
+    Raises:
+        BenchError: when no trial finished, or the study has more problems than the suite has functions.
+    """
+    if len(results.study.problems) > FUNCTIONS:
+        raise BenchError(
+            f"the coco format holds at most {FUNCTIONS} problems and this study has {len(results.study.problems)}; "
+            "export fewer of them at a time, or choose ioh"
+        )
+    folders, known = optimizer_folders(results), references(results)
+    return (
+        (f"{folders[cell.optimizer]}/{path}", text)
+        for cell in cells(results)
+        for path, text in _cell_files(cell, folders[cell.optimizer], known[cell.problem].value)
+    )
+
+
+def about(results: Results) -> list[str]:
+    """Return the lines of the export's README."""
+    known = references(results)
+    return [
+        "One folder an optimizer, to be read by cocopp:",
+        "    python -m cocopp FOLDER/OPTIMIZER [FOLDER/OPTIMIZER ...]",
+        "",
+        f"cocopp reads only COCO's own suites, so each problem takes the place of a function of {SUITE}. Ignore",
+        "the function names that cocopp prints; its numbers are those below. No evaluation is one of constraints.",
+        "",
+        "Values are written less the reference of their function. As cocopp takes logarithms, a difference below",
+        f"{SMALLEST:g} is written as {SMALLEST:g}, and one above {INFINITE:g}, or infinite, as {INFINITE:g}.",
+        "cocopp's targets run from 1e2 to 1e-6. The measured values are the best ones so far; points are not recorded.",
+        "",
+        "Functions, by funcId, with their reference:",
+        *(
+            f"    {number}  {entry.label}: {known[entry.label].value!r}, {known[entry.label].source}"
+            for number, entry in enumerate(results.study.problems, start=1)
+        ),
+        "",
+        "Optimizers, by folder:",
+        *(f"    {folder}  {label}" for label, folder in optimizer_folders(results).items()),
+    ]
+
+
+def optimizer_folders(results: Results) -> dict[str, str]:
+    """Return the folder of each optimizer, by label.
+
+    cocopp calls an algorithm by its folder, from which it strikes the words ``data`` and ``noiseless``. A hyphen
+    within them keeps them, so that two names that differ stay different.
+    """
+    labels = [entry.label for entry in results.study.optimizers]
+    names = (re.sub("(?<=dat)(?=a)|(?<=noiseles)(?=s)", "-", file_name(label)) for label in labels)
+    return dict(zip(labels, unique(names), strict=True))
+
+
+def references(results: Results) -> dict[str, Reference]:
+    """Return each problem's reference: its optimum where one is known and no trial is below it, else the lowest value.
+
+    The lowest value is that of all optimizers' trials, so that all are compared with the same one.
+    """
+    finals: dict[str, list[float]] = {entry.label: [] for entry in results.study.problems}
+    for (problem, _, _), trace in results.traces.items():
+        finals[problem] += trace.values[-1:].tolist()
+    return {problem: _reference(_optimum(results, problem), values) for problem, values in finals.items()}
+
+
+def _reference(optimum: float | None, values: list[float]) -> Reference:
+    lowest = min(values, default=np.inf)
+    if optimum is not None and np.isfinite(optimum) and optimum <= lowest:
+        return Reference(optimum, "the problem's best known value")
+    if np.isfinite(lowest):
+        return Reference(lowest, "the lowest value found by any trial")
+    return Reference(0.0, "no trial found a finite value")
+
+
+def _optimum(results: Results, problem: str) -> float | None:
+    try:
+        optimum = results.problem(problem).optimum
+        return None if optimum is None else float(optimum)
+    except Exception:  # the plug-in may be missing, and may raise anything
+        return None
+
+
+def _cell_files(cell: Cell, algorithm: str, reference: float) -> Iterator[tuple[str, str]]:
+    data = f"data_f{cell.function}/bbobexp_f{cell.function}_DIM{cell.dimension}"
+    yield f"bbobexp_f{cell.function}.info", _index(cell, algorithm, f"{data}.dat", reference)
+    yield f"{data}.dat", _log(((run, run.evaluations) for run in cell.runs), reference)
+    yield f"{data}.tdat", _log(((run, _grid(run.nfev)) for run in cell.runs), reference)
+
+
+def _index(cell: Cell, algorithm: str, data: str, reference: float) -> str:
+    """Return the three lines of a function; all runs are of instance 1, as every trial meets the same problem."""
+    head = (
+        f"suite = '{SUITE}', funcId = {cell.function}, DIM = {cell.dimension}, Precision = {PRECISION:.3e}, "
+        f"algId = '{algorithm}', coco_version = '2.8.2', logger = '{SUITE}', data_format = 'bbob-new2'"
+    )
+    finals = (_difference(run.trace.at(run.nfev), reference) for run in cell.runs)
+    runs = [f"1:{run.nfev}|{final:.1e}" for run, final in zip(cell.runs, finals, strict=True)]
+    return "\n".join([head, f"% {cell.problem}", ", ".join([data, *runs]), ""])
+
+
+def _log(runs: Iterable[tuple[Run, NDArray[np.int64]]], reference: float) -> str:
+    """Return each run's rows, at the evaluations given with it, under a header.
+
+    Only improvements are recorded, so the measured value is the best-so-far one; points are not recorded at all.
+    """
+    lines = []
+    for run, evaluations in runs:
+        lines.append(f"% {COLUMNS.format(f'{reference:.9e}')}")
+        values = run.trace.at(evaluations)
+        measured = np.minimum(values, INFINITE)
+        for row in zip(evaluations, _difference(values, reference), measured, measured, strict=True):
+            lines.append("{:d} 0 {:+.9e} {:+.9e} {:+.9e}".format(*row))
+    return "\n".join([*lines, ""])
+
+
+def _difference(values: Floats, reference: float) -> Floats:
+    """Return the values less the reference, kept between what COCO can take the logarithm of and its infinity."""
+    return np.clip(values - reference, SMALLEST, INFINITE)
+
+
+def _grid(last: int) -> NDArray[np.int64]:
+    """Return 20 evaluation counts a decade, rounded down, up to and with the last."""
+    steps = np.arange(np.floor(20 * np.log10(last)) + 1)
+    return np.union1d(np.floor(10 ** (steps / 20)), [1, last]).astype(np.int64)

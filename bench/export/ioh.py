@@ -1,0 +1,114 @@
+"""The format of IOHprofiler, for IOHanalyzer and iohinspector.
+
+One folder an optimizer; in it, for each problem, a JSON file about its runs and a ``.dat`` file of their best-so-far
+values. A run is logged at its first evaluation, at every improvement and at its last evaluation.
+
+Source: J. de Nobel, F. Ye, D. Vermetten, H. Wang, C. Doerr, T. Bäck, "IOHexperimenter: Benchmarking Platform for
+Iterative Optimization Heuristics", Evolutionary Computation 32(3), 2024.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from bench.errors import BenchError
+from bench.export.runs import Cell, Run, cells
+from bench.names import file_name, unique
+from bench.results import Results
+
+VERSION = "0.3.22"  # of the format
+LARGEST_FUNCTION = 2**16 - 1  # readers keep a function's number in 16 bits
+COLUMNS = ["evaluations", "raw_y"]
+
+
+def files(results: Results) -> Iterator[tuple[str, str]]:
+    """Return the path and the text of every file, one after the other.
+
+    Raises:
+        BenchError: when no trial finished, or the study has more problems than the format can number.
+    """
+    if len(results.study.problems) > LARGEST_FUNCTION:
+        raise BenchError(f"the ioh format holds at most {LARGEST_FUNCTION:,} problems; export fewer of them at a time")
+    folders = optimizer_folders(results)
+    attributes = _experiment_attributes(results.environments)
+    return (
+        (f"{folders[cell.optimizer]}/{path}", text)
+        for cell in cells(results)
+        for path, text in _cell_files(cell, results.study.name, attributes)
+    )
+
+
+def about(results: Results) -> list[str]:
+    """Return the lines of the export's README."""
+    return [
+        "One folder an optimizer, to be read by IOHanalyzer or, in Python, iohinspector:",
+        "    manager = iohinspector.DataManager(); manager.add_folder(FOLDER)",
+        "",
+        "A run is logged at its first evaluation, at every improvement and at its last evaluation. raw_y is the best",
+        "objective value so far, inf before the first finite one.",
+        "",
+        "Functions, by function_id:",
+        *(f"    {number}  {entry.label}" for number, entry in enumerate(results.study.problems, start=1)),
+        "",
+        "Optimizers, by folder:",
+        *(f"    {folder}  {label}" for label, folder in optimizer_folders(results).items()),
+    ]
+
+
+def optimizer_folders(results: Results) -> dict[str, str]:
+    """Return the folder of each optimizer, by label."""
+    labels = [entry.label for entry in results.study.optimizers]
+    return dict(zip(labels, unique(map(file_name, labels)), strict=True))
+
+
+def _cell_files(cell: Cell, suite: str, attributes: list[dict[str, str]]) -> Iterator[tuple[str, str]]:
+    name = f"f{cell.function}_{file_name(cell.problem)}"
+    data = f"data_{name}/IOHprofiler_f{cell.function}_DIM{cell.dimension}.dat"
+    head = _head(cell, suite, attributes, data)
+    yield f"IOHprofiler_{name}.json", json.dumps(head, indent=1, allow_nan=False) + "\n"
+    yield data, "".join(_log(run) for run in cell.runs)
+
+
+def _head(cell: Cell, suite: str, attributes: list[dict[str, str]], data: str) -> dict[str, Any]:
+    return {
+        "version": VERSION,
+        "suite": suite,
+        "function_id": cell.function,
+        "function_name": cell.problem,
+        "maximization": False,
+        "algorithm": {"name": cell.optimizer, "info": ""},
+        "experiment_attributes": attributes,
+        "run_attributes": ["trial", "seed"],
+        "attributes": COLUMNS,
+        "scenarios": [{"dimension": cell.dimension, "path": data, "runs": [_run(run) for run in cell.runs]}],
+    }
+
+
+def _run(run: Run) -> dict[str, Any]:
+    """Return a run's entry; all are of instance 1, as every trial meets the same problem."""
+    found = len(run.trace.values) > 0
+    best = {
+        "evals": int(run.trace.evaluations[-1]) if found else run.nfev,
+        "y": float(run.trace.values[-1]) if found else None,
+        "x": [value if math.isfinite(value) else None for value in run.x.tolist()],
+    }
+    return {"instance": 1, "evals": run.nfev, "best": best, "trial": run.trial, "seed": run.seed}
+
+
+def _log(run: Run) -> str:
+    """Return a run's rows under their header; Python's shortest exact decimals, so that no digit is lost."""
+    rows = zip(run.evaluations.tolist(), run.values.tolist(), strict=True)
+    return "".join([f"{' '.join(COLUMNS)}\n", *(f"{evaluation} {value!r}\n" for evaluation, value in rows)])
+
+
+def _experiment_attributes(environments: list[dict[str, Any]]) -> list[dict[str, str]]:
+    """Return the commits of the code that made the trials, where they are known."""
+    commits = [
+        f"{git['commit']}-dirty" if git.get("dirty") else git["commit"]
+        for git in (environment.get("git") for environment in environments)
+        if git
+    ]
+    return [{"git_sha": "+".join(dict.fromkeys(commits))}] if commits else []

@@ -1,0 +1,109 @@
+"""The runs of a study as exchange formats hold them: a cell's finished trials, each from evaluation 1 to its last."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.objective import Trace
+from bench.problem import Floats
+from bench.results import Results
+
+Traces = Mapping[tuple[str, str, int], Trace]
+
+
+@dataclass(frozen=True)
+class Run:
+    """One finished trial.
+
+    Attributes:
+        trial: its number, from 0.
+        seed: the seed that repeats it.
+        nfev: evaluations made.
+        x: (d,) the best point.
+        trace: its improvements.
+    """
+
+    trial: int
+    seed: int
+    nfev: int
+    x: Floats
+    trace: Trace
+
+    @property
+    def evaluations(self) -> NDArray[np.int64]:
+        """(m,) int64: evaluation 1, every improvement and the last evaluation, increasing."""
+        return np.union1d(self.trace.evaluations, [1, self.nfev]).astype(np.int64)
+
+    @property
+    def values(self) -> Floats:
+        """(m,) float64: the best-so-far value after each of :attr:`evaluations`, +inf before the first finite one."""
+        return self.trace.at(self.evaluations)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """The finished trials of an optimizer on a problem, of which there is at least one.
+
+    Attributes:
+        function: the problem's number within the study, from 1.
+        problem: its label.
+        optimizer: the optimizer's label.
+        dimension: the number of search variables.
+        runs: the trials, by number.
+    """
+
+    function: int
+    problem: str
+    optimizer: str
+    dimension: int
+    runs: tuple[Run, ...]
+
+
+def cells(results: Results) -> list[Cell]:
+    """Return the study's cells in its order, optimizer by optimizer, those without a finished trial left out.
+
+    Raises:
+        BenchError: when no trial finished.
+    """
+    frame = results.frame
+    finished = frame[frame["status"] == "ok"]
+    if finished.empty:
+        raise BenchError("no trial of this study finished, and this format holds no others; csv and parquet hold all")
+    found = []
+    for optimizer in results.study.optimizers:
+        for number, problem in enumerate(results.study.problems, start=1):
+            here = finished[finished["problem"] == problem.label]
+            variables = [str(name) for name in here if str(name).startswith("x_") and here[name].notna().any()]
+            rows = here[here["optimizer"] == optimizer.label].to_dict("records")
+            runs = tuple(_run(row, variables, results.traces) for row in rows)
+            if runs:
+                found.append(Cell(number, problem.label, optimizer.label, len(variables), runs))
+    return found
+
+
+def _run(row: Mapping[Hashable, Any], variables: list[str], traces: Traces) -> Run:
+    point = np.array([row[name] for name in variables], dtype=np.float64)
+    trace = traces[row["problem"], row["optimizer"], row["trial"]]
+    return Run(row["trial"], row["seed"], int(row["nfev"]), point, trace)
+
+
+def left_out(frame: pd.DataFrame) -> list[str]:
+    """Return a sentence for each optimizer of which trials did not finish; there is no trace of those."""
+    unfinished = frame[frame["status"] != "ok"]
+    sentences = []
+    for optimizer, rows in unfinished.groupby("optimizer", sort=False):
+        where = ", ".join(
+            f"{count} on {problem}" for problem, count in rows["problem"].value_counts(sort=False).items()
+        )
+        sentences.append(
+            f"Left out, as this format holds no failures: {len(rows)} of the trials of {optimizer} ({where}). "
+            "What is computed without them flatters it."
+        )
+    return sentences

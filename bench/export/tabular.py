@@ -1,0 +1,91 @@
+"""Plain tables, for R, Julia, spreadsheets and databases: one of trials, one of improvements, as CSV or Parquet."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Callable, Iterator
+from importlib.util import find_spec
+
+import numpy as np
+import pandas as pd
+
+from bench.errors import BenchError
+from bench.results import Results
+
+TEXTS = ("study", "problem", "optimizer", "status", "stop", "error")
+COUNTS = ("trial", "seed", "nfev", "outside_box")
+
+
+def csv_files(results: Results) -> Iterator[tuple[str, str | bytes]]:
+    """Return the path and the content of every file; a number keeps all its digits."""
+    return _files(results, "csv", lambda frame: frame.to_csv(index=False, lineterminator="\n"))
+
+
+def parquet_files(results: Results) -> Iterator[tuple[str, str | bytes]]:
+    """Return the path and the content of every file.
+
+    Raises:
+        BenchError: when pyarrow is not installed.
+    """
+    if find_spec("pyarrow") is None:
+        raise BenchError("the parquet format needs pyarrow; install it with pip install 'backlash-bench[parquet]'")
+    return _files(results, "parquet", _parquet)
+
+
+def about(results: Results) -> list[str]:
+    """Return the lines of the export's README."""
+    return [
+        "trials: one row a trial. status is ok, failed or timeout; of a trial that is not ok, only error is known.",
+        "    fun is the best objective value, nfev the evaluations made, *_s are seconds, x_* is the best point;",
+        "    the columns after it are the problems' own figures of that point.",
+        "improvements: one row an improvement of a trial: the evaluation that found it, counted from 1, and its value.",
+        f"    Trials that are not ok have none. Every trial had a budget of {results.study.budget} evaluations.",
+        "study.toml: the study that was run. environment.json: versions, commit and machine of every run.",
+        "",
+        "In CSV, only an empty field is a missing value; a label may read NA. With pandas:",
+        '    pandas.read_csv("trials.csv", keep_default_na=False, na_values=[""])',
+        "Numbers have all their digits; a reader that rounds correctly gets the same floats back.",
+    ]
+
+
+def trials(results: Results) -> pd.DataFrame:
+    """Return the tidy frame with texts as ``string`` and counts as ``Int64``, so that neither hides as a float.
+
+    Line ends within an error's text are written as ``\\n``: in a CSV file a lone carriage return would end the row.
+    """
+    frame = results.frame
+    texts = {name: frame[name].astype("string").str.replace(r"\r\n?", "\n", regex=True) for name in TEXTS}
+    return frame.assign(**texts, **{name: frame[name].astype("Int64") for name in COUNTS})
+
+
+def improvements(results: Results) -> pd.DataFrame:
+    """Return one row an improvement: problem, optimizer, trial, evaluations (from 1) and the best-so-far value."""
+    order = results.frame[["problem", "optimizer", "trial"]].itertuples(index=False, name=None)
+    keys = [key for key in order if key in results.traces]
+    traces = [results.traces[key] for key in keys]
+    lengths = [len(trace.values) for trace in traces]
+    columns = {
+        name: np.repeat(np.array([key[place] for key in keys], dtype=kind), lengths)
+        for place, (name, kind) in enumerate((("problem", object), ("optimizer", object), ("trial", np.int64)))
+    }
+    return pd.DataFrame(columns).assign(
+        problem=lambda frame: frame["problem"].astype("string"),
+        optimizer=lambda frame: frame["optimizer"].astype("string"),
+        evaluations=np.concatenate([np.empty(0, np.int64), *(trace.evaluations for trace in traces)]),
+        value=np.concatenate([np.empty(0), *(trace.values for trace in traces)]),
+    )
+
+
+def _files(
+    results: Results, extension: str, write: Callable[[pd.DataFrame], str | bytes]
+) -> Iterator[tuple[str, str | bytes]]:
+    yield f"trials.{extension}", write(trials(results))
+    yield f"improvements.{extension}", write(improvements(results))
+    yield "environment.json", json.dumps(results.environments, indent=1) + "\n"
+
+
+def _parquet(frame: pd.DataFrame) -> bytes:
+    buffer = io.BytesIO()
+    frame.to_parquet(buffer, engine="pyarrow", index=False)
+    return buffer.getvalue()

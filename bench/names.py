@@ -1,0 +1,28 @@
+"""Names made safe for files. Labels are data and may hold anything."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterable
+
+
+def file_name(name: str) -> str:
+    """Return a file name without extension: letters, digits, ``_`` and ``-`` of ``name``, told apart by a hash.
+
+    Names are data and may hold anything; what had to be changed ends in a hash, so that two names never share a file.
+    """
+    safe = re.sub(r"[^a-z0-9_]+", "-", name.lower()).strip("-")[:60]
+    return safe if safe and safe == name else f"{safe or 'part'}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+
+
+def unique(names: Iterable[str]) -> list[str]:
+    """Return the names in their order, numbered from 2 on where one has stood before."""
+    taken: dict[str, None] = {}
+    for name in names:
+        free, number = name, 1
+        while free in taken:
+            number += 1
+            free = f"{name}-{number}"
+        taken[free] = None
+    return list(taken)
