@@ -1,0 +1,29 @@
+"""Figures for notebooks and papers: each function draws one frame of :mod:`bench.analysis` on one matplotlib Axes.
+
+All take ``ax``, the Axes to draw on, make new ones without, and return it.
+
+Example:
+    >>> frame = bench.load_results("results/runs/thesis")
+    >>> box_plot(frame, "signature-03")
+    >>> with style.context():  # the look of a report: 8 pt text, for one column of a paper
+    ...     timing(bench.analysis.timing(frame)).figure.savefig("timing.pdf")
+"""
+
+from bench.plots import style
+from bench.plots.convergence import convergence
+from bench.plots.distributions import box_plot
+from bench.plots.ranks import a12_forest, cd_diagram
+from bench.plots.targets import data_profile, ecdf, ert
+from bench.plots.timing import timing
+
+__all__ = [
+    "a12_forest",
+    "box_plot",
+    "cd_diagram",
+    "convergence",
+    "data_profile",
+    "ecdf",
+    "ert",
+    "style",
+    "timing",
+]

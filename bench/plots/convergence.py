@@ -1,0 +1,57 @@
+"""Best-so-far values over evaluations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from bench.plots import style
+
+EVALUATIONS = "evaluations"
+
+
+def convergence(
+    curves: pd.DataFrame, problem: str, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Draw the median best-so-far value of each optimizer on a problem over evaluations, its quartiles as a band.
+
+    The evaluations have a log axis, and so have the values where they are positive and wide. A median or quartile
+    that is infinite, because trials failed, is not drawn.
+
+    Args:
+        curves: columns problem, optimizer, evaluations, median, q1 and q3 (:func:`bench.analysis.convergence`).
+        problem: whose curves.
+        looks: the look of each optimizer; by default by its place in ``curves``.
+        legend: whether to name the optimizers beside the axes.
+        ax: where to draw; by default new axes.
+    """
+    ax = style.own_axes(ax)
+    looks = style.looks_of(curves) if looks is None else looks
+    drawn = curves[(curves["problem"] == problem) & style.drawable(curves["median"])]
+    for place, (optimizer, look) in enumerate(looks.items()):
+        own = drawn[drawn["optimizer"] == optimizer]
+        at, median, q1, q3 = own[["evaluations", "median", "q1", "q3"]].to_numpy(dtype=float).T
+        banded = style.drawable(q3)
+        ax.fill_between(at[banded], q1[banded], q3[banded], color=look.color, alpha=0.18, linewidth=0)
+        draw_curve(ax, at, median, look, place)
+    style.log_scale(ax, "x")
+    if style.is_wide(drawn["median"], ratio=3):
+        style.log_scale(ax, "y")
+    else:
+        style.linear_scale(ax, "y")
+    ax.set_title(style.plain(problem), loc="left")
+    ax.set_xlabel(EVALUATIONS)
+    ax.set_ylabel("best value so far")
+    if legend:
+        style.legend_beside(ax, looks)
+    return ax
+
+
+def draw_curve(ax: Axes, x: np.ndarray, y: np.ndarray, look: style.Look, place: int, steps: bool = False) -> None:
+    """Draw one optimizer's curve with few markers, at other places than those of the optimizer before it."""
+    every = max(len(x) // 5, 1)
+    ax.plot(
+        x, y, color=look.color, linestyle=look.line, linewidth=1.1, marker=look.marker, markersize=3.0,
+        markevery=(2 * place % every, every), drawstyle="steps-post" if steps else "default",
+    )  # fmt: skip

@@ -1,0 +1,131 @@
+"""Who ranks where over all problems, and how often one of two does better."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import ScaledTranslation
+
+from bench.plots import style
+
+MOST_NAMES = 60  # names about a critical-difference diagram; more would not fit on a page
+RANK_NAME = 20  # letters of a name there
+LINE, BAR = 0.15, 0.09  # inches between its names, and between its bars
+EFFECTS = (0.29, 0.36, 0.44, 0.56, 0.64, 0.71)  # large, medium, small to either side (Vargha and Delaney 2000)
+
+
+def cd_diagram(
+    average_ranks: pd.Series[float], cliques: Collection[Sequence[str]] = (),
+    critical_difference: float | None = None, *, ax: Axes | None = None,
+) -> Axes:  # fmt: skip
+    """Draw a critical-difference diagram (Demšar 2006): average ranks on an axis, the best at the left.
+
+    Args:
+        average_ranks: the average rank of each optimizer over problems, 1 the best; missing ones are left out.
+        cliques: groups of optimizers whose ranks do not differ significantly; a bar joins those of a group.
+        critical_difference: the difference of ranks that is significant, drawn as a ruler above the axis.
+        ax: where to draw, :func:`cd_height` inches high; by default new axes.
+    """
+    ranks = average_ranks.dropna().sort_values(kind="stable")
+    ax = style.own_axes(ax, height=cd_height(len(ranks), len(cliques)) + 0.5)
+    best, worst = 1.0, max(float(len(ranks)), 1.0 + (critical_difference or 0.0), 2.0)
+    ax.set_xlim(best, worst)
+    ax.set_ylim(cd_height(len(ranks), len(cliques)), 0.0)  # inches below the axis
+    below = LINE + BAR * _bars(ax, ranks, cliques)
+    named = min(len(ranks), MOST_NAMES)
+    names = ranks.rename(index=style.names(ranks.index, RANK_NAME))
+    _names(ax, names.iloc[: (named + 1) // 2], best, below, side=-1)
+    _names(ax, names.iloc[len(ranks) - named // 2 :].iloc[::-1], worst, below, side=1)
+    if named < len(ranks):
+        ax.plot(ranks, np.zeros(len(ranks)), "|", color="black", markersize=6, clip_on=False)
+        ax.annotate(f"{len(ranks) - named} more between these", (0.5, 0.0), xycoords="axes fraction", ha="center")
+    for side in ("left", "right", "bottom"):
+        ax.spines[side].set_visible(False)
+    ax.spines["top"].set_visible(True)
+    ax.grid(visible=False)
+    ax.set_yticks([])
+    ax.xaxis.tick_top()
+    ax.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+    if critical_difference is not None:
+        _ruler(ax, best, critical_difference)
+    return ax
+
+
+def cd_height(optimizers: int, cliques: int) -> float:
+    """Return the inches below its axis that a critical-difference diagram takes."""
+    return LINE * ((min(optimizers, MOST_NAMES) + 1) // 2 + 1) + BAR * cliques
+
+
+def _bars(ax: Axes, ranks: pd.Series[float], cliques: Collection[Sequence[str]]) -> int:
+    """Draw a bar for each clique of two or more, each a step below the one before; return how many."""
+    groups = [ranks.reindex(list(clique)).dropna() for clique in cliques]
+    groups = [group for group in groups if len(group) > 1]
+    reach = 0.008 * np.diff(ax.get_xlim())[0]  # past the ranks, so that equal ones have a bar too
+    for step, group in enumerate(groups, 1):
+        ax.hlines(BAR * step, group.min() - reach, group.max() + reach, color="black", linewidth=2.5, clip_on=False)
+    return len(groups)
+
+
+def _names(ax: Axes, ranks: pd.Series[float], edge: float, below: float, side: int) -> None:
+    """Write names outside one edge of the axis, each joined to its rank by an elbow."""
+    for row, (name, rank) in enumerate(ranks.items()):
+        y = below + LINE * row
+        text = f"{rank:.2f}  {name}" if side > 0 else f"{name}  {rank:.2f}"
+        ax.plot([rank, rank, edge], [0.0, y, y], color="black", linewidth=0.7, clip_on=False)
+        ax.annotate(
+            text, (edge, y), xytext=(3 * side, 0), textcoords="offset points", va="center",
+            ha="left" if side > 0 else "right", annotation_clip=False,
+        )  # fmt: skip
+
+
+def _ruler(ax: Axes, start: float, length: float) -> None:
+    """Draw the critical difference above the axis and its numbers."""
+    above, lifted = (
+        ax.get_xaxis_transform() + ScaledTranslation(0, points / 72, ax.figure.dpi_scale_trans) for points in (18, 21)
+    )
+    ax.plot(
+        [start, start + length], [1, 1], color="black", linewidth=1.0, marker="|", markersize=5, transform=above,
+        clip_on=False,
+    )  # fmt: skip
+    ax.text(start + length / 2, 1, f"CD = {length:.2f}", transform=lifted, ha="center", va="bottom")
+
+
+def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | None = None) -> Axes:
+    """Draw how often the first of two optimizers does better, with its interval, a row a pair.
+
+    At 0.5 neither tends to be better; the faint lines are Vargha and Delaney's (2000) bounds of small, medium and
+    large effects. A filled point is one whose interval leaves out 0.5.
+
+    Args:
+        pairs: columns first, second, probability, low and high (:func:`bench.analysis.probability_of_improvement`),
+            or a12, a12_low and a12_high with the column problem (:func:`bench.analysis.pairwise_tests`).
+        problem: whose pairs, where there are those of several.
+        ax: where to draw; by default new axes.
+    """
+    rows = pairs if problem is None else pairs[pairs["problem"] == problem]
+    ax = style.own_axes(ax, height=style.rows_height(len(rows)) + 0.6)
+    columns = ["probability", "low", "high"] if "probability" in rows else ["a12", "a12_low", "a12_high"]
+    chance, low, high = rows[columns].to_numpy(dtype=float).T
+    at = np.arange(len(rows))
+    ax.vlines(EFFECTS, 0, 1, color="#BBBBBB", linewidth=0.5, linestyle=":", transform=ax.get_xaxis_transform())
+    ax.axvline(0.5, color="black", linewidth=0.7)
+    ax.hlines(at, low, high, color=style.PALETTE[0], linewidth=1.2)
+    clear = (low > 0.5) | (high < 0.5)
+    for which, face in ((clear, style.PALETTE[0]), (~clear, "white")):
+        ax.plot(chance[which], at[which], "o", color=style.PALETTE[0], markerfacecolor=face, markersize=4.0, zorder=3)
+    style.name_rows(ax, forest_names(rows))
+    ax.set_xlim(-0.03, 1.03)
+    ax.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0", "0.25", "0.5", "0.75", "1"])
+    ax.grid(visible=False)
+    ax.set_xlabel("chance that the first ends lower\n← second better | first better →")
+    return ax
+
+
+def forest_names(pairs: pd.DataFrame) -> list[str]:
+    """Return what the rows of a forest are called."""
+    names = style.names(dict.fromkeys([*pairs["first"], *pairs["second"]]), 18)
+    return [f"{names[first]} vs {names[second]}" for first, second in zip(pairs["first"], pairs["second"], strict=True)]

@@ -1,0 +1,284 @@
+"""How figures look: one style, sizes for papers, and colours that never carry meaning alone.
+
+Every function of :mod:`bench.plots` draws with the matplotlib settings of its caller; the look of a report is that of
+``with style.context():``.
+"""
+
+from __future__ import annotations
+
+import unicodedata
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from functools import partial
+from math import ceil
+from os.path import commonprefix
+from typing import Any, Literal
+
+import matplotlib
+import matplotlib.figure
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.font_manager import FontProperties
+from matplotlib.lines import Line2D
+from matplotlib.textpath import text_to_path
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from numpy.typing import ArrayLike, NDArray
+
+from bench.analysis.cells import labels
+
+COLUMN, TEXT = 3.5, 7.16  # inches: one column and the whole width of a two-column page
+TALLEST = 8.0  # inches that the rows of a figure may take together: a page
+ROW = 0.2  # inches, a row of a figure with a label on its left
+POINTS, SMALL = 8.0, 6.67  # the size of text, and of numbers on axes ("small" is 0.833 of the size)
+
+# Okabe and Ito (2008), safe for colour-blind readers; yellow last, as it is faint on white.
+PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000", "#F0E442")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+LINES = ("-", "--", "-.", ":", (0, (5, 1)))
+HATCHES = ("", "///")
+REFERENCE = "#D55E00"  # expected values and limits
+BAND = "#EAAE80"  # what is near enough to them: half as strong, as SVG and PDF differ on transparent hatches
+
+MANY_POINTS = 20_000  # beyond so many markers a figure keeps them as an image, or the page would not load
+HUGE = 1e100
+MANY_NAMES = 30  # a legend of more tells nobody anything
+
+RC: dict[str, Any] = {
+    "font.family": "sans-serif",
+    "font.size": POINTS,
+    "axes.titlesize": "medium",
+    "axes.titlepad": 4.0,
+    "axes.labelsize": "medium",
+    "axes.labelpad": 2.5,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": "#DDDDDD",
+    "grid.linewidth": 0.5,
+    "xtick.labelsize": "small",
+    "ytick.labelsize": "small",
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.pad": 2.0,
+    "ytick.major.pad": 2.0,
+    "hatch.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": "small",
+    "figure.facecolor": "white",
+    "savefig.dpi": 300,
+    "svg.hashsalt": "backlash-bench",  # identical figures must be identical files
+    "svg.fonttype": "none",  # text stays text: small, searchable, read aloud
+    "pdf.fonttype": 42,  # TrueType, which journals ask for
+}
+
+# The user's own settings must not change a report; the backend is theirs, since no window is ever opened.
+DEFAULTS: dict[str, Any] = {key: value for key, value in matplotlib.rcParamsDefault.items() if "backend" not in key}
+
+
+@dataclass(frozen=True)
+class Look:
+    """The colour, marker and line by which one optimizer is told in every figure."""
+
+    color: str
+    marker: str
+    line: Any
+
+
+Looks = Mapping[str, Look]
+
+
+def context() -> AbstractContextManager[None]:
+    """Return the context in which every figure of a report is drawn and saved, the user's own settings aside."""
+    settings: Any = {**DEFAULTS, **RC}  # matplotlib's own type lists every key
+    return matplotlib.rc_context(settings)
+
+
+def looks(labels: Iterable[str]) -> dict[str, Look]:
+    """Return a look for each label; the cycles have coprime lengths, so the first 280 all differ."""
+    return {
+        label: Look(PALETTE[i % len(PALETTE)], MARKERS[i % len(MARKERS)], LINES[i % len(LINES)])
+        for i, label in enumerate(labels)
+    }
+
+
+def looks_of(frame: pd.DataFrame) -> dict[str, Look]:
+    """Return a look for each optimizer of a frame, in the study's order where the frame knows it."""
+    return looks(labels(frame, "optimizer"))
+
+
+def plain(label: str, at_most: int = 28) -> str:
+    """Return a label as a figure may show it: one short line, no control characters, no mathematics.
+
+    A long one keeps its beginning and its end, where labels that look alike mostly differ.
+    """
+    clean = " ".join("".join(c if c.isprintable() else " " for c in label).split())
+    end = at_most // 3
+    short = clean if len(clean) <= at_most else f"{clean[: at_most - 1 - end]}…{clean[-end:]}"
+    return short.replace("$", r"\$")
+
+
+def names(labels: Iterable[str], at_most: int = 24) -> dict[str, str]:
+    """Return how a figure names each label: long ones that would read the same begin where they differ."""
+    short = {label: plain(label, at_most) for label in labels}
+    alike: dict[str, list[str]] = {}
+    for label, name in short.items():
+        alike.setdefault(name, []).append(label)
+    for group in alike.values():
+        if len(group) > 1:
+            start = max(len(commonprefix(group)) - 3, 0)  # noqa: RUF071  (letter by letter is meant)
+            short |= {label: plain("…" + label[start:], at_most) for label in group}
+    return short
+
+
+def text_width(texts: Iterable[str], points: float = POINTS) -> float:
+    """Return the width in inches of the widest of some texts, 0 for none; a letter the font lacks counts as square."""
+    font = FontProperties(family="sans-serif", size=points)
+    widest = 0.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of letters that the font lacks
+        for text in texts:
+            width, _, _ = text_to_path.get_text_width_height_descent(text, font, ismath=False)
+            square = sum(unicodedata.east_asian_width(letter) in "WF" for letter in text)
+            widest = max(widest, width + 0.4 * points * square)  # in a browser they are 1 em wide, not 0.6
+    return widest / 72
+
+
+def own_axes(ax: Axes | None, *, width: float = COLUMN, height: float = 2.2) -> Axes:
+    """Return the Axes given, or those of a new pyplot figure, which a notebook shows by itself."""
+    if ax is not None:
+        return ax
+    from matplotlib import pyplot  # only here: a report opens no window and needs none
+
+    _, ax = pyplot.subplots(figsize=(width, height), layout="constrained")
+    return ax
+
+
+def panels(
+    number: int, *, columns: int = 3, width: float = TEXT, height: float = 1.6, margin: float = 0.4,
+    sharex: bool = False, sharey: bool = False,
+) -> tuple[matplotlib.figure.Figure, list[Axes]]:  # fmt: skip
+    """Return a figure of small multiples and its axes, row by row, each row ``height`` inches high.
+
+    Their layout is worked out from all that is drawn. That takes time: :func:`grid` is faster where margins are known.
+    """
+    rows, columns = _rows_and_columns(number, columns)
+    figure = matplotlib.figure.Figure(figsize=(width, rows * height + margin), layout="constrained")
+    return figure, _subplots(figure, number, rows, columns, sharex=sharex, sharey=sharey)
+
+
+def grid(
+    number: int, *, columns: int = 3, width: float = TEXT, height: float, left: float, right: float = 0.2,
+    bottom: float = 0.36, top: float = 0.2, across: float = 0.0, down: float = 0.0,
+) -> tuple[matplotlib.figure.Figure, list[Axes]]:  # fmt: skip
+    """Return a figure of small multiples and its axes, row by row, laid out by known margins.
+
+    All lengths are in inches: the figure's ``width``, the ``height`` of one panel, the figure's margins, and the
+    space ``across`` and ``down`` between panels.
+    """
+    rows, columns = _rows_and_columns(number, columns)
+    total = rows * height + (rows - 1) * down + top + bottom
+    panel = max((width - left - right - (columns - 1) * across) / columns, 0.1)
+    figure = matplotlib.figure.Figure(figsize=(width, total))
+    figure.subplots_adjust(
+        left / width, bottom / total, left / width + (columns * panel + (columns - 1) * across) / width,
+        1 - top / total, wspace=across / panel, hspace=down / height,
+    )  # fmt: skip
+    return figure, _subplots(figure, number, rows, columns)
+
+
+def _rows_and_columns(number: int, columns: int) -> tuple[int, int]:
+    columns = max(min(columns, number), 1)
+    return max(ceil(number / columns), 1), columns
+
+
+def _subplots(
+    figure: matplotlib.figure.Figure, number: int, rows: int, columns: int, sharex: bool = False, sharey: bool = False
+) -> list[Axes]:
+    axes = figure.subplots(rows, columns, squeeze=False, sharex=sharex, sharey=sharey).ravel()
+    for unused in axes[number:]:
+        unused.remove()
+    return list(axes[:number])
+
+
+def rows_height(count: int) -> float:
+    """Return the inches that so many labelled rows take, a page at most."""
+    return min(ROW * max(count, 1) + 0.1, TALLEST)
+
+
+def name_rows(ax: Axes, names: Sequence[str]) -> range:
+    """Write names at the rows 0, 1, … of an Axes, from the top, and return which: not all where rows are too narrow."""
+    inches = ax.get_window_extent().height / ax.figure.dpi
+    step = max(ceil(len(names) * 0.115 / inches), 1)  # that a line of small text takes
+    named = range(0, len(names), step)
+    ax.set_yticks(named, [names[row] for row in named])
+    ax.set_ylim(max(len(names), 1) - 0.4, -0.6)
+    ax.tick_params(axis="y", length=0)
+    ax.grid(visible=False, axis="y")
+    return named
+
+
+def handles(looks: Looks) -> list[Line2D]:
+    """Return the entries of a legend of optimizers, of the first ones where there are too many to read."""
+    shown = list(zip(names(looks).values(), looks.values(), strict=True))[:MANY_NAMES]
+    entries = [
+        Line2D([], [], color=look.color, linestyle=look.line, linewidth=1.2, marker=look.marker, markersize=3.5,
+               label=name)
+        for name, look in shown
+    ]  # fmt: skip
+    if left_out := len(looks) - len(shown):
+        entries.append(Line2D([], [], linestyle="none", label=f"and {left_out} more"))
+    return entries
+
+
+def legend_beside(ax: Axes, looks: Looks) -> None:
+    """Put a legend of optimizers to the right of an Axes."""
+    ax.legend(handles=handles(looks), loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
+
+
+def spread(count: int, width: float = 0.5) -> np.ndarray:
+    """Return (count,) offsets within +-width/2 that keep neighbouring points apart, the same every time."""
+    golden = 0.6180339887498949
+    return ((np.arange(count) * golden) % 1 - 0.5) * width
+
+
+def drawable(values: ArrayLike) -> NDArray[np.bool_]:
+    """Return which values an axis can show: finite ones, short of those at which matplotlib's margins overflow."""
+    sizes: NDArray[np.float64] = np.abs(np.asarray(values, dtype=np.float64))
+    return sizes < HUGE
+
+
+def is_wide(values: ArrayLike, ratio: float = 30.0) -> bool:
+    """Return whether values, all positive, span so much that a log axis reads better."""
+    shown = np.asarray(values, dtype=float)
+    shown = shown[drawable(shown)]
+    return bool(len(shown) and shown.min() > 0 and shown.max() > ratio * shown.min())
+
+
+def log_scale(ax: Axes, which: Literal["x", "y"]) -> None:
+    """Make an axis that is already drawn on logarithmic, with plain numbers at 1, 2 and 5 where it spans little."""
+    getattr(ax, f"set_{which}scale")("log")
+    low, high = sorted(getattr(ax, f"get_{which}lim")())
+    axis = ax.xaxis if which == "x" else ax.yaxis
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,), numticks=6))
+    axis.set_major_formatter(FuncFormatter(partial(_number, largest=high)))
+    axis.set_minor_locator(NullLocator())
+
+
+def linear_scale(ax: Axes, which: Literal["x", "y"]) -> None:
+    """Give a linear axis few ticks, as small panels need."""
+    (ax.xaxis if which == "x" else ax.yaxis).set_major_locator(MaxNLocator(4))
+
+
+def _number(value: float, _: int | None, largest: float) -> str:
+    """Return 1,000 or 0.01, and powers of ten as 1e7 on an axis that goes so far."""
+    if value >= 1e3 and largest < 1e6:
+        return f"{value:,.0f}"
+    digits, power = f"{value:e}".split("e")
+    return f"{float(digits):g}e{int(power)}" if value >= 1e3 or value < 1e-4 else f"{value:g}"

@@ -1,0 +1,102 @@
+"""Targets reached: empirical distributions of running times, data profiles and expected running times."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.ticker import FixedLocator
+
+from bench.plots import style
+from bench.plots.convergence import EVALUATIONS, draw_curve
+
+
+def ecdf(
+    curves: pd.DataFrame, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Draw the share of all targets that each optimizer reached within so many evaluations (Hansen et al. 2022).
+
+    Args:
+        curves: columns optimizer, evaluations and fraction (:func:`bench.analysis.ecdf`).
+        looks: the look of each optimizer; by default by its place in ``curves``.
+        legend: whether to name the optimizers beside the axes.
+        ax: where to draw; by default new axes.
+    """
+    ax = _fractions(curves, "evaluations", looks=looks, legend=legend, ax=ax)
+    ax.set_xlabel(EVALUATIONS)
+    ax.set_ylabel("share of targets reached")
+    return ax
+
+
+def data_profile(
+    curves: pd.DataFrame, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Draw the share of trials that each optimizer solved within so many evaluations (Moré and Wild 2009).
+
+    Args:
+        curves: columns optimizer, evaluations or groups (of d + 1 evaluations, "simplex gradients") and fraction
+            (:func:`bench.analysis.data_profiles`).
+        looks: the look of each optimizer; by default by its place in ``curves``.
+        legend: whether to name the optimizers beside the axes.
+        ax: where to draw; by default new axes.
+    """
+    grouped = "groups" in curves
+    ax = _fractions(curves, "groups" if grouped else "evaluations", looks=looks, legend=legend, ax=ax)
+    ax.set_xlabel("groups of d + 1 evaluations" if grouped else EVALUATIONS)
+    ax.set_ylabel("share of trials solved")
+    return ax
+
+
+def _fractions(curves: pd.DataFrame, along: str, *, looks: style.Looks | None, legend: bool, ax: Axes | None) -> Axes:
+    ax = style.own_axes(ax)
+    looks = style.looks_of(curves) if looks is None else looks
+    for place, (optimizer, look) in enumerate(looks.items()):
+        own = curves[curves["optimizer"] == optimizer]
+        x, fraction = own[[along, "fraction"]].to_numpy(dtype=float).T
+        draw_curve(ax, x, fraction, look, place, steps=True)
+    if len(curves):
+        ax.set_xlim(curves[along].min(), curves[along].max())
+    style.log_scale(ax, "x")
+    ax.set_ylim(-0.02, 1.02)
+    ax.yaxis.set_major_locator(FixedLocator([0.0, 0.25, 0.5, 0.75, 1.0]))
+    if legend:
+        style.legend_beside(ax, looks)
+    return ax
+
+
+def ert(
+    table: pd.DataFrame, problem: str, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Draw the expected running time of each optimizer on a problem over targets, harder ones to the right.
+
+    Both axes are logarithmic. A curve ends at the hardest target that any trial reached; where harder ones were left
+    unreached, its end is an open marker.
+
+    Args:
+        table: columns problem, optimizer, tau and ert, infinite where no trial reached the target
+            (:func:`bench.analysis.expected_running_time`; Hansen et al. 2022).
+        problem: whose curves.
+        looks: the look of each optimizer; by default by its place in ``table``.
+        legend: whether to name the optimizers beside the axes.
+        ax: where to draw; by default new axes.
+    """
+    ax = style.own_axes(ax)
+    looks = style.looks_of(table) if looks is None else looks
+    own = table[table["problem"] == problem].sort_values("tau", ascending=False, kind="stable")
+    for place, (optimizer, look) in enumerate(looks.items()):
+        tau, times = own.loc[own["optimizer"] == optimizer, ["tau", "ert"]].to_numpy(dtype=float).T
+        reached = style.drawable(times)
+        draw_curve(ax, tau[reached], times[reached], look, place)
+        if reached.any() and not reached.all():
+            last = np.flatnonzero(reached)[-1]
+            ax.plot(tau[last], times[last], look.marker, color=look.color, markersize=5.0, markerfacecolor="white")
+    style.log_scale(ax, "x")
+    style.log_scale(ax, "y")
+    if len(own):
+        ax.set_xlim(own["tau"].max() * 1.2, own["tau"].min() / 1.2)
+    ax.set_title(style.plain(problem), loc="left")
+    ax.set_xlabel("target tau")
+    ax.set_ylabel(f"ERT in {EVALUATIONS}")
+    if legend:
+        style.legend_beside(ax, looks)
+    return ax
