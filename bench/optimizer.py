@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import types
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -26,7 +26,12 @@ class Optimizer(ABC):
     A parameter is declared as a field with a type (``int``, ``float``, ``bool``, ``str``, ``Literal[…]`` or a union
     with None) and a default, with :func:`parameter` where it has a range; its value is checked on construction.
     A field ``agents`` is the population size, and a trial's budget must hold at least one generation of it.
+
+    Attributes:
+        bibtex: BibTeX of the work the method comes from, of several where one does not suffice; reports cite it.
     """
+
+    bibtex: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
         """Check every parameter; raises BenchError naming the first that does not fit."""

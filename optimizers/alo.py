@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,18 @@ class ALO(Population):
         handling: see :class:`~optimizers._population.Population`.
         variant: ``"code"`` follows ALO.m; ``"paper"`` refreshes the antlions' fitness every generation (eq. 2.12) and
             is in all else the same.
+    """
+
+    bibtex: ClassVar[str] = """
+        @article{mirjalili2015,
+          author = {Mirjalili, Seyedali},
+          title = {The Ant Lion Optimizer},
+          journal = {Advances in Engineering Software},
+          volume = {83},
+          pages = {80--98},
+          year = {2015},
+          doi = {10.1016/j.advengsoft.2015.01.010},
+        }
     """
 
     agents: int = parameter(30, minimum=2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import cma
 import numpy as np
@@ -42,6 +42,26 @@ class CMAES(Optimizer):
         start: the initial mean: ``"random"``, a point of ``objective.initial``, or ``"midpoint"`` of the box, as in
             section 7.1.1 of the thesis.
         sigma: the initial standard deviation in units of the box's width; 1/4 in section 7.1.1.
+    """
+
+    bibtex: ClassVar[str] = """
+        @article{hansen2001,
+          author = {Hansen, Nikolaus and Ostermeier, Andreas},
+          title = {Completely Derandomized Self-Adaptation in Evolution Strategies},
+          journal = {Evolutionary Computation},
+          volume = {9},
+          number = {2},
+          pages = {159--195},
+          year = {2001},
+          doi = {10.1162/106365601750190398},
+        }
+        @misc{hansen2019,
+          author = {Hansen, Nikolaus and Akimoto, Youhei and Baudis, Petr},
+          title = {{CMA-ES}/pycma on {Github}},
+          howpublished = {Zenodo},
+          year = {2019},
+          doi = {10.5281/zenodo.2559634},
+        }
     """
 
     agents: int | None = parameter(None, minimum=4)

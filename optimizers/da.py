@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import gamma, pi, sin
+from typing import ClassVar
 
 import numpy as np
 
@@ -33,6 +34,20 @@ class DA(Population):
     Attributes:
         agents: N, the number of dragonflies; at least 3, so that one can have the two neighbours of a swarm.
         handling: see :class:`~optimizers._population.Population`. Each is clipped as it moves, all are repaired after.
+    """
+
+    bibtex: ClassVar[str] = """
+        @article{mirjalili2016,
+          author = {Mirjalili, Seyedali},
+          title = {Dragonfly Algorithm: A New Meta-Heuristic Optimization Technique for Solving Single-Objective,
+            Discrete, and Multi-Objective Problems},
+          journal = {Neural Computing and Applications},
+          volume = {27},
+          number = {4},
+          pages = {1053--1073},
+          year = {2016},
+          doi = {10.1007/s00521-015-1920-1},
+        }
     """
 
     agents: int = parameter(30, minimum=3)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import factorial
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -35,6 +35,18 @@ class GOA(Population):
         handling: see :class:`~optimizers._population.Population`.
         variant: ``"code"`` follows GOA.m; ``"full-distance"`` takes the distance over all coordinates at once and needs
             no dummy, as most re-implementations do: a very different algorithm.
+    """
+
+    bibtex: ClassVar[str] = """
+        @article{saremi2017,
+          author = {Saremi, Shahrzad and Mirjalili, Seyedali and Lewis, Andrew},
+          title = {Grasshopper Optimisation Algorithm: Theory and Application},
+          journal = {Advances in Engineering Software},
+          volume = {105},
+          pages = {30--47},
+          year = {2017},
+          doi = {10.1016/j.advengsoft.2017.01.004},
+        }
     """
 
     agents: int = parameter(30, minimum=2)

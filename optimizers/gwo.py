@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -30,6 +30,18 @@ class GWO(Population):
         handling: see :class:`~optimizers._population.Population`.
         variant: ``"code"`` follows GWO.m; ``"cascade"`` demotes a beaten alpha to beta and a beaten beta to delta, as
             EvoloPy does, so that the leaders are nearly the three best points so far.
+    """
+
+    bibtex: ClassVar[str] = """
+        @article{mirjalili2014,
+          author = {Mirjalili, Seyedali and Mirjalili, Seyed Mohammad and Lewis, Andrew},
+          title = {Grey Wolf Optimizer},
+          journal = {Advances in Engineering Software},
+          volume = {69},
+          pages = {46--61},
+          year = {2014},
+          doi = {10.1016/j.advengsoft.2013.12.007},
+        }
     """
 
     agents: int = parameter(30, minimum=3)
