@@ -1,12 +1,21 @@
-"""The thesis's own views of a study: Table 7.2 and Fig. 7.4 (Fig. 7.5 is every report's timing figure)."""
+"""The thesis's own views of a study: Figs. 7.3, 7.4 and 7.5 and Table 7.2, each beside what the thesis says of it."""
 
 from bench import Results
+from bench.analysis import in_study_order
 from bench.report import Section
-from problems.report import amplitudes, fitting_errors
+from problems.report import amplitudes, fitting_errors, levels, times
+from problems.report.estimates import expected_values
 
 
 def sections(results: Results) -> list[Section]:
     """Return the sections on backlash, none for a study whose problems give no amplitude."""
     if "amplitude_rpm" not in results.frame:
         return []
-    return [*fitting_errors.sections(results), *amplitudes.sections(results)]
+    frame = in_study_order(results.frame, results.study)
+    truths, unknown = expected_values(results)
+    return [
+        *levels.sections(frame, truths, unknown),
+        *fitting_errors.sections(frame, results.study),
+        *amplitudes.sections(frame, truths, results.study),
+        *times.sections(frame),
+    ]

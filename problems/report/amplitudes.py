@@ -2,166 +2,118 @@
 
 from __future__ import annotations
 
-import re
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.cbook import boxplot_stats
 
-from bench import Results
-from bench.analysis import in_study_order, labels
+from bench import Study
+from bench.analysis import labels
 from bench.report import Figure, Section, Table, style
-from bench.report.words import listing
+from problems.report.conclusions import in_words
+from problems.report.drawing import dataset_panels, legend_above
+from problems.report.estimates import errors_by, estimates, expected_by_problem
 from problems.signature.problem import TOLERANCE_RPM
 
-COLUMNS = ("problem", "optimizer", "trial", "status", "amplitude_rpm", "error_rpm", "expected_rpm")
+REFERENCES = ("expected amplitude", "accuracy band")
+LEGEND = {"dots": ("trial", *REFERENCES), "boxes": ("median", "beyond the whiskers", *REFERENCES)}
+BAND = f"±{TOLERANCE_RPM:.4f} rpm"
 
 
-def sections(results: Results) -> list[Section]:
+def sections(frame: pd.DataFrame, truths: pd.DataFrame, study: Study) -> list[Section]:
     """Return the section on amplitudes; figures alone where no expected amplitude is known."""
-    data = amplitudes(in_study_order(results.frame, results.study))
-    figures = (_figure(data, "dots"), _figure(data, "boxes"))
-    if data["expected_rpm"].isna().all():
+    title = "Disturbance amplitude (thesis Fig. 7.4)"
+    data = estimates(frame, truths, "amplitude_rpm")
+    if data.empty:
+        return [Section(title, ("No trial found an amplitude.",))]
+    errors = errors_by(data, ["problem", "optimizer"])
+    figures = [figure(data, errors, form) for form in ("dots", "boxes")]
+    if errors.empty:
         text = ("No expected amplitude is known for these problems, so there is no error to give.",)
-        return [Section("Disturbance amplitude (thesis Fig. 7.4)", text, figures)]
-    errors = errors_by(data, ["optimizer"])
-    return [
-        Section("Disturbance amplitude (thesis Fig. 7.4)", _in_words(data, errors), (*figures, *_tables(data, errors)))
-    ]
+        return [Section(title, text, tuple(figures))]
+    return [Section(title, in_words(data, study), (*figures, *_tables(data, errors)))]
 
 
-def amplitudes(frame: pd.DataFrame) -> pd.DataFrame:
-    """Return one row a trial of the problems that have an amplitude: what was found, expected and missed, in rpm.
-
-    A problem's expected amplitude is read off any of its finished trials, so that a failed one has it too.
-    """
-    error = frame["amplitude_error_rpm"] if "amplitude_error_rpm" in frame else pd.Series(np.nan, index=frame.index)
-    error, found = pd.to_numeric(error), pd.to_numeric(frame["amplitude_rpm"])
-    expected = (found - error).groupby(frame["problem"], observed=False).transform("median")
-    data = frame.assign(amplitude_rpm=found, error_rpm=error, expected_rpm=expected)[list(COLUMNS)]
-    known = data.loc[found.notna(), "problem"].unique()
-    data = data[data["problem"].isin(known)]
-    return data.assign(problem=data["problem"].cat.remove_unused_categories())
-
-
-def errors_by(data: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    """Return trials, mean and median error in rpm and the share of trials within the accuracy band, by ``keys``.
-
-    Only trials with a known expected amplitude count; a failed one has no error and is not within the band.
-    """
-    known = data[data["expected_rpm"].notna()]
-    groups = known.assign(within=known["error_rpm"].abs() <= TOLERANCE_RPM).groupby(keys, observed=True)
-    return groups.agg(
-        trials=("within", "size"),
-        mean_error=("error_rpm", "mean"),
-        median_error=("error_rpm", "median"),
-        within=("within", "mean"),
-    )
-
-
-def _in_words(data: pd.DataFrame, errors: pd.DataFrame) -> tuple[str, ...]:
-    shares = errors["within"].sort_values(ascending=False, kind="stable")
-    within = listing([f"{share:.0%} of the trials of {label}" for label, share in shares.items()])
-    band = f"±{TOLERANCE_RPM:.4f} rpm about the expected amplitude (Delta-A/2 of section 7.2.3)"
-    text = [f"Within the accuracy band of {band} lie {within}."]
-    outside = data.loc[data["error_rpm"].abs() > TOLERANCE_RPM, "error_rpm"]
-    if len(outside):
-        text.append(
-            f"Of the {len(outside):,} finished trials outside it, {(outside < 0).mean():.0%} underestimate the "
-            "amplitude (the thesis finds the same tendency in its swarms: a failed fit keeps the smaller half of the "
-            "oscillation)."
-        )
-    return tuple(text)
-
-
-def _tables(data: pd.DataFrame, errors: pd.DataFrame) -> list[Table]:
-    note = "Errors are over finished trials; the share is over all, and a failed trial is not within the band."
+def _tables(data: pd.DataFrame, cells: pd.DataFrame) -> list[Table]:
     overall = Table(
         "amplitude-errors",
-        f"Amplitude error in rpm (found less expected), and the share of trials within ±{TOLERANCE_RPM:.4f} rpm.",
-        _shown(errors),
+        f"Amplitude error in rpm (found less expected), and the percentage of trials within {BAND}.",
+        errors_by(data, ["optimizer"]),
         decimals={"mean error": 2, "median error": 2, "within band %": 1},
-        note=note,
+        note="Errors are over finished trials; the percentage is over all, and a failed trial is not within the band.",
     )
-    cells = _shown(errors_by(data, ["problem", "optimizer"]))
-    decimals = {"within band %": 0, "median error": 2, "mean error": 2}
+    captions = {
+        "within band %": (f"percentage of trials within {BAND}", 0),
+        "median error": ("median amplitude error in rpm", 2),
+        "mean error": ("mean amplitude error in rpm", 2),
+    }
     by_dataset = [
         Table(
             f"amplitude-{column.removesuffix(' %').replace(' ', '-')}-by-dataset",
             f"By dataset: {caption}.",
             cells[column].unstack("optimizer").rename_axis(columns=None),
-            decimals=decimals[column],
+            decimals=decimals,
         )
-        for column, caption in (
-            ("within band %", "share of trials within the band, in percent"),
-            ("median error", "median amplitude error in rpm"),
-            ("mean error", "mean amplitude error in rpm"),
-        )
+        for column, (caption, decimals) in captions.items()
     ]
     return [overall, *by_dataset]
 
 
-def _shown(errors: pd.DataFrame) -> pd.DataFrame:
-    renamed = errors.rename(columns={"mean_error": "mean error", "median_error": "median error"})
-    return renamed.assign(**{"within band %": 100 * errors["within"]}).drop(columns="within")
-
-
-def _figure(data: pd.DataFrame, form: str) -> Figure:
+def figure(data: pd.DataFrame, errors: pd.DataFrame, form: str) -> Figure:
     """Return Fig. 7.4 as "dots" (its upper part) or "boxes" (its lower one), a panel an optimizer."""
     problems, optimizers = labels(data, "problem"), labels(data, "optimizer")
-    expected = data.groupby("problem", observed=False)["expected_rpm"].first().reindex(problems).to_numpy()
-    figure, axes = style.panels(len(optimizers), columns=2, height=2.6, sharex=True, sharey=True)
+    drawn, axes = dataset_panels(optimizers, problems, list(LEGEND[form]), columns=3, height=1.4)
+    truth = expected_by_problem(data)
+    found = data[data["found"].notna()]
     for ax, optimizer in zip(axes, optimizers, strict=True):
-        own = data[(data["optimizer"] == optimizer) & data["amplitude_rpm"].notna()]
-        values = [own.loc[own["problem"] == problem, "amplitude_rpm"].to_numpy() for problem in problems]
-        (_dots if form == "dots" else _boxes)(ax, values)
-        _expected(ax, expected)
-        ax.set_title(style.plain(optimizer), loc="left")
-        ax.set_xticks(range(len(problems)), [style.plain(_short(problem), 12) for problem in problems])
-        ax.xaxis.set_tick_params(rotation=90 if max(map(len, map(_short, problems)), default=0) > 2 else 0)
-        ax.grid(visible=False, axis="x")
-    for ax in axes[::2]:
-        ax.set_ylabel("amplitude |A| in rpm")
-    for ax in axes[-2:]:
-        ax.set_xlabel("dataset")
-        ax.xaxis.set_tick_params(labelbottom=True)
-    handles, names = axes[0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside upper left", ncols=3)
-    drawn = "every trial a dot, one column of dots a dataset" if form == "dots" else "the same as box plots by dataset"
+        own = found[found["optimizer"] == optimizer]
+        (_dots if form == "dots" else _boxes)(ax, own["problem"].cat.codes.to_numpy(), own["found"].to_numpy())
+        _expected(ax, truth)
+    for ax in axes[::3]:
+        ax.set_ylabel("|A| in rpm")
+    handles = {str(handle.get_label()): handle for ax in axes for handle in ax.get_legend_handles_labels()[0]}
+    legend_above(drawn, list(handles.values()))
+    what = "every trial a dot" if form == "dots" else "box plots (whiskers: 1.5 times the interquartile range)"
     caption = (
-        f"Disturbance amplitude found, {drawn}. Line: the expected amplitude; dotted: the accuracy band of "
-        f"±{TOLERANCE_RPM:.4f} rpm (thesis Fig. 7.4)."
+        f"Disturbance amplitude found, by dataset: {what}. Line: the expected amplitude; dotted: the accuracy band of "
+        f"{BAND} (thesis Fig. 7.4)."
     )
-    return Figure(f"amplitude-{form}", caption, figure, data)
+    return Figure(f"amplitude-{form}", caption, drawn, data, errors.reset_index() if len(errors) else None)
 
 
-def _short(problem: str) -> str:
-    """Return the number of a simulated dataset, any other label as it is."""
-    return re.sub(r"^signature-(?=\d+$)", "", problem)
-
-
-def _dots(ax: Axes, values: list[np.ndarray]) -> None:
-    at = np.repeat(np.arange(len(values)), [len(column) for column in values])
-    many = len(at) > style.MANY_POINTS
+def _dots(ax: Axes, at: np.ndarray, values: np.ndarray) -> None:
     ax.plot(
-        at, np.concatenate(values), "o", color=style.PALETTE[0], markersize=3, markeredgewidth=0, alpha=0.6,
-        rasterized=many, label="trial",
+        at, values, "o", color=style.PALETTE[0], markersize=2, markeredgewidth=0, alpha=0.6,
+        rasterized=len(at) > style.MANY_POINTS, label=LEGEND["dots"][0],
     )  # fmt: skip
 
 
-def _boxes(ax: Axes, values: list[np.ndarray]) -> None:
-    ax.boxplot(
-        values, positions=range(len(values)), widths=0.6, manage_ticks=False,
-        flierprops={"marker": "o", "markersize": 2.5, "markeredgewidth": 0.5},
-        medianprops={"color": style.PALETTE[0], "linewidth": 1.4}, boxprops={"linewidth": 0.8},
-        whiskerprops={"linewidth": 0.8}, capprops={"linewidth": 0.8},
-    )  # fmt: skip
-
-
-def _expected(ax: Axes, expected: np.ndarray) -> None:
-    at = np.arange(len(expected))
-    if np.isnan(expected).all():
+def _boxes(ax: Axes, at: np.ndarray, values: np.ndarray) -> None:
+    """Draw Tukey's box plots, each kind of line at once: eighteen boxes of matplotlib's own are 126 artists."""
+    places = np.unique(at)
+    if not len(places):
         return
-    ax.plot(at, expected, color=style.REFERENCE, linewidth=1.0, marker="_", markersize=7, label="expected amplitude")
-    for sign, label in ((-1, "accuracy band"), (1, None)):
-        ax.plot(at, expected + sign * TOLERANCE_RPM, ":", color=style.REFERENCE, linewidth=1.0, label=label)
+    boxes = pd.DataFrame(boxplot_stats([values[at == place] for place in places]))
+    ax.use_sticky_edges = False  # the end of a bar is no limit of the axis
+    line: dict[str, Any] = {"color": "black", "linewidth": 0.6}
+    ax.bar(places, boxes["q3"] - boxes["q1"], 0.6, boxes["q1"], facecolor="none", edgecolor="black", linewidth=0.6)
+    ax.vlines(np.tile(places, 2), [*boxes["whislo"], *boxes["q3"]], [*boxes["q1"], *boxes["whishi"]], **line)
+    caps = np.tile(places, 2)
+    ax.hlines([*boxes["whislo"], *boxes["whishi"]], caps - 0.15, caps + 0.15, **line)
+    ax.hlines(boxes["med"], places - 0.3, places + 0.3, color=style.PALETTE[0], linewidth=1.2, label=LEGEND["boxes"][0])
+    beyond = boxes["fliers"]
+    ax.plot(
+        np.repeat(places, beyond.map(len)), np.concatenate(list(beyond)), "o", markerfacecolor="none",
+        markeredgecolor="black", markersize=2, markeredgewidth=0.4, label=LEGEND["boxes"][1],
+    )  # fmt: skip
+
+
+def _expected(ax: Axes, truth: pd.DataFrame) -> None:
+    at, expected, tolerance = np.arange(len(truth)), truth["expected"], truth["tolerance"]
+    if expected.isna().all():
+        return
+    ax.plot(at, expected, "-", color=style.REFERENCE, linewidth=0.8, label=REFERENCES[0])
+    for sign, label in ((-1, REFERENCES[1]), (1, None)):
+        ax.plot(at, expected + sign * tolerance, ":", color=style.REFERENCE, linewidth=0.8, label=label)

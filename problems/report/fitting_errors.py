@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from importlib.resources import files
+from typing import Literal
 
 import pandas as pd
 
-from bench import Results, Study
-from bench.analysis import comparison_matrix, in_study_order, pairwise_tests, summarise
+from bench import Study
+from bench.analysis import ALPHA, compare, comparison_matrix, pairwise_tests, summarise
 from bench.report import Section, Table
-from bench.report.words import count, listing
+from bench.report.words import count, listing, shares
 
+TITLE = "Fitting error (thesis Table 7.2)"
 SWARMS = ("alo", "goa", "da", "gwo")  # the columns of Table 7.2
 EXTRA = "cma-es"
 ORDER = ("gwo", "alo", "da", "goa")  # from the best to the worst, as published
@@ -19,22 +22,20 @@ NEAR = 0.35  # an independent implementation lands within about a third of the p
 PUBLISHED_TRIALS, PUBLISHED_BUDGET = 30, 60_000
 
 
-def sections(results: Results) -> list[Section]:
+def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
     """Return the section on Table 7.2, none without one of its algorithms or with errors in another unit than rpm."""
-    columns, rows = algorithms(results.study), datasets(results.study)
-    if not set(SWARMS) & set(columns) or not rows:
+    columns, rows = algorithms(study), datasets(study)
+    swarms = [columns[name] for name in SWARMS if name in columns]
+    if not swarms or not rows:
         return []
-    means, table = table_7_2(results, columns, rows)
-    if "thesis" not in results.study.name.lower():
-        return [Section("Fitting error (thesis Table 7.2)", items=(table,))]
-    beside = compare(means, published())
-    return [
-        Section(
-            "Fitting error (thesis Table 7.2)",
-            (*in_words(means, beside), conditions(results.study)),
-            (table, side_by_side(means, beside)) if len(beside) else (table,),
-        )
-    ]
+    pairs = pairwise_tests(_part(frame, rows, swarms))
+    means, table = table_7_2(frame, pairs, columns, rows)
+    text, items = tests_in_words(pairs), (table,)
+    if "thesis" not in study.name.lower():
+        return [Section(TITLE, text, items)]
+    beside = beside_published(means, published())
+    text = (*in_words(means, beside), conditions(study), *text)
+    return [Section(TITLE, text, (*items, side_by_side(means, beside)) if len(beside) else items)]
 
 
 def algorithms(study: Study) -> dict[str, str]:
@@ -58,20 +59,24 @@ def published() -> pd.DataFrame:
         return pd.read_csv(file, index_col="dataset")
 
 
-def table_7_2(results: Results, columns: dict[str, str], rows: dict[str, int]) -> tuple[pd.DataFrame, Table]:
+def table_7_2(
+    frame: pd.DataFrame, pairs: pd.DataFrame, columns: dict[str, str], rows: dict[str, int]
+) -> tuple[pd.DataFrame, Table]:
     """Return the mean errors by dataset and plug-in name, and the table with the thesis's marks.
 
-    As in the thesis, bold and italics compare the swarms alone.
+    Args:
+        frame: the tidy frame, in the study's order.
+        pairs: the tests of the swarms; as in the thesis, bold and italics compare the swarms alone.
+        columns: from :func:`algorithms`.
+        rows: from :func:`datasets`.
     """
-    frame = in_study_order(results.frame, results.study)
-    frame = frame[frame["problem"].isin(list(rows)) & frame["optimizer"].isin(list(columns.values()))]
-    swarms = frame[frame["optimizer"] != columns.get(EXTRA)]
-    frame, swarms = (part.assign(**_used_categories(part)) for part in (frame, swarms))
-    means = comparison_matrix(summarise(frame), pairwise_tests(frame)).mean
-    marked = comparison_matrix(summarise(swarms), pairwise_tests(swarms))
-    bold, italic = marked.best, marked.alike
+    summary = summarise(_part(frame, rows, columns.values()))
+    matrix = comparison_matrix(summary[summary["optimizer"] != columns.get(EXTRA)], pairs, statistic="mean")
     named = {label: name for name, label in columns.items()}
-    means, bold, italic = (_by_dataset(part, named, rows) for part in (means, bold, italic))
+    means, bold, italic = (
+        _by_dataset(part, named, rows)
+        for part in (compare.table(summary, "mean"), compare.table(matrix, "best"), compare.table(matrix, "alike"))
+    )
     shown = [part.rename(columns=str.upper) for part in (means, bold, italic)]
     table = Table(
         "table-7-2",
@@ -80,14 +85,21 @@ def table_7_2(results: Results, columns: dict[str, str], rows: dict[str, int]) -
         bold=shown[1],
         italic=shown[2],
         decimals=3,
-        note="Bold: the lowest mean of the four swarms. Italics: an exact Kolmogorov-Smirnov test at 0.05 cannot "
-        "tell it from the best swarm’s distribution. CMA-ES, where present, is shown beside them and not marked.",
+        note="Bold: the lowest mean of the four swarms. Italics: an exact Kolmogorov-Smirnov test at "
+        f"{ALPHA:g} (raw p, as in the thesis) cannot tell it from the best swarm’s distribution. CMA-ES, where "
+        "present, is shown beside them and not marked.",
     )
     return means, table
 
 
-def _used_categories(frame: pd.DataFrame) -> dict[str, pd.Series]:
-    return {column: frame[column].cat.remove_unused_categories() for column in ("problem", "optimizer")}
+def _part(frame: pd.DataFrame, problems: Iterable[str], optimizers: Iterable[str]) -> pd.DataFrame:
+    """Return the trials of these problems and optimizers, which stay the categories of the frame even without any."""
+    kept = {"problem": set(problems), "optimizer": set(optimizers)}
+    for column, labels in kept.items():
+        frame = frame[frame[column].isin(labels)]
+        order = [label for label in frame[column].cat.categories if label in labels]
+        frame = frame.assign(**{column: frame[column].cat.set_categories(order)})
+    return frame
 
 
 def _by_dataset(table: pd.DataFrame, named: dict[str, str], rows: dict[str, int]) -> pd.DataFrame:
@@ -96,7 +108,7 @@ def _by_dataset(table: pd.DataFrame, named: dict[str, str], rows: dict[str, int]
     return table[[name for name in (*SWARMS, EXTRA) if name in table]]
 
 
-def compare(means: pd.DataFrame, reference: pd.DataFrame) -> pd.DataFrame:
+def beside_published(means: pd.DataFrame, reference: pd.DataFrame) -> pd.DataFrame:
     """Return dataset, algorithm, mean, published and difference ((mean - published) / published) of shared cells."""
     ours = means.rename_axis(index="dataset").melt(ignore_index=False, var_name="algorithm", value_name="mean")
     theirs = reference.melt(ignore_index=False, var_name="algorithm", value_name="published")
@@ -108,6 +120,12 @@ def ordered(means: pd.DataFrame) -> int:
     """Return in how many rows GWO < ALO < DA < GOA holds."""
     better_to_worse = means[list(ORDER)].diff(axis=1).iloc[:, 1:]
     return int((better_to_worse > 0).all(axis=1).sum())
+
+
+def _holders(means: pd.DataFrame, extreme: Literal["min", "max"]) -> str:
+    """Return in words in how many rows each algorithm has the lowest or the highest mean."""
+    whole = means.dropna().rename(columns=str.upper)
+    return shares(whole.eq(whole.agg(extreme, axis=1), axis=0))
 
 
 def in_words(means: pd.DataFrame, cells: pd.DataFrame) -> list[str]:
@@ -123,10 +141,15 @@ def in_words(means: pd.DataFrame, cells: pd.DataFrame) -> list[str]:
     )
     text = [found]
     if set(ORDER) <= set(means.columns):
-        rows = published().reindex(means.index).dropna()
+        own, theirs = means[list(ORDER)], published().reindex(means.index)[list(ORDER)].dropna()
         text.append(
-            f"The order {' < '.join(name.upper() for name in ORDER)} holds in {ordered(means)} of {len(means)} rows; "
-            f"in the published table it holds in {ordered(rows)} of these."
+            f"The order {' < '.join(name.upper() for name in ORDER)} holds in {ordered(own)} of {len(own)} rows; "
+            f"in the published table it holds in {ordered(theirs)} of these."
+        )
+        text.append(
+            f"The lowest mean of the swarms is {_holders(own, 'min')} (published: {_holders(theirs, 'min')}), the "
+            f"highest {_holders(own, 'max')} (published: {_holders(theirs, 'max')}). The thesis calls GWO the best of "
+            "the four and DA the least effective."
         )
     missing = cells[cells["mean"].isna()]
     lost = [
@@ -135,6 +158,19 @@ def in_words(means: pd.DataFrame, cells: pd.DataFrame) -> list[str]:
     if lost:
         text.append(f"Without a mean, as trials failed or are missing: {listing(lost)}.")
     return text
+
+
+def tests_in_words(pairs: pd.DataFrame) -> tuple[str, ...]:
+    """Return how many pairs of swarms a test tells apart, which the thesis finds to be most."""
+    if pairs.empty:
+        return ()
+    apart, most = int((pairs["p"] <= ALPHA).sum()), (pairs["p"] <= ALPHA).mean() > 0.5
+    text = (
+        f"A Kolmogorov-Smirnov test at {ALPHA:g} (raw p) tells the two swarms of a pair apart in {apart} of "
+        f"{count(len(pairs), 'pair')}. The thesis finds so in the majority of cases: "
+        f"{'this run agrees' if most else 'this run does not agree'}."
+    )
+    return (text,)
 
 
 def conditions(study: Study) -> str:

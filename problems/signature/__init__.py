@@ -23,7 +23,7 @@ class _Simulated:
             raise BenchError(f"unknown problem {name!r}{nearest(name, self.names())}")
         made = dataset(self.names().index(name) + 1)
         recording = Recording(float(made.time[0]), float(made.time[1] - made.time[0]), made.speed)
-        return SignatureFit(name, recording, expected=made.peak, half_gap=made.half_gap, **options)
+        return SignatureFit(name, recording, peak=made.peak, half_gap=made.half_gap, **options)
 
 
 class _Recorded:

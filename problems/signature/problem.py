@@ -18,6 +18,9 @@ Unit = Literal["rps", "rpm"]
 
 FACTOR = {"rps": 1.0, "rpm": 60.0}
 
+TOLERANCE_RAD = 0.0002 / 2
+"""rad; half of Delta delta, the accuracy asked of a backlash estimate (section 7.2.1)."""
+
 TOLERANCE_RPM = 3.8672 / 2
 """rpm; half of Delta A, the accuracy on delta as an accuracy on A (section 7.2.3)."""
 
@@ -35,20 +38,18 @@ class SignatureFit(Problem):
         turns: n, the load turns that the signature spans.
         unit: "rps", as the authors' notebook, or "rpm", as Table 7.2.
         amplitude_factor: A's bound in units of the half range; 1.0 in Table 7.1, 1.3 in the notebook.
-        expected: the expected amplitude in rps, where the truth is known.
+        peak: the expected amplitude in rps, where the truth is known.
         half_gap: the true delta in rad, where it is known.
 
     Attributes:
-        expected_rpm: the expected amplitude in rpm, or None.
-        tolerance_rpm: half the width of the accuracy band about it, rpm.
-        half_gap: the true delta in rad, or None.
+        expected: the expected ``amplitude_rpm`` and ``backlash_rad``, as far as they are known, each with half the
+            width of the accuracy band about it.
 
     Raises:
         BenchError: for options out of range and a recording that cannot hold a load turn.
     """
 
     variables = VARIABLES
-    tolerance_rpm = TOLERANCE_RPM
 
     def __init__(
         self,
@@ -59,7 +60,7 @@ class SignatureFit(Problem):
         turns: int = 12,
         unit: Unit = "rps",
         amplitude_factor: float = 1.3,
-        expected: float | None = None,
+        peak: float | None = None,
         half_gap: float | None = None,
     ) -> None:
         _check_options(name, period, turns, unit, amplitude_factor)
@@ -84,8 +85,7 @@ class SignatureFit(Problem):
         self.time = recording.time
         self.mean_rps = float(recording.speed.mean())
         self.signal: Floats = (recording.speed - self.mean_rps) * FACTOR[unit]  # r(t), (eq. 5.1)
-        self.expected_rpm = None if expected is None else 60.0 * expected
-        self.half_gap = half_gap
+        self.expected = _expected(peak, half_gap)
         self.lower, self.upper = box(self.time, self.signal, period=period, amplitude_factor=amplitude_factor)
         self._folded = kernel.fold(self.signal, start=recording.start, dt=recording.dt, period=period, turns=turns)
 
@@ -107,13 +107,23 @@ class SignatureFit(Problem):
         """
         amplitude = abs(float(x[A])) * 60.0 / FACTOR[self.unit]
         figures = {"amplitude_rpm": amplitude}
-        if self.expected_rpm is not None:
-            figures["amplitude_error_rpm"] = amplitude - self.expected_rpm
+        if "amplitude_rpm" in self.expected:
+            figures["amplitude_error_rpm"] = amplitude - self.expected["amplitude_rpm"][0]
         return figures | {"backlash_rad": default_calibration().backlash(amplitude)}
 
     def fingerprint(self) -> str:
         """Return the SHA-256 of the samples the problem is made of."""
         return hashlib.sha256(self.time.tobytes() + self.signal.tobytes()).hexdigest()
+
+
+def _expected(peak: float | None, half_gap: float | None) -> dict[str, tuple[float, float]]:
+    """Return what is known of the truth (rps and rad), in the units and by the names of the domain figures."""
+    expected = {}
+    if peak is not None:
+        expected["amplitude_rpm"] = (60.0 * peak, TOLERANCE_RPM)
+    if half_gap is not None:
+        expected["backlash_rad"] = (half_gap, TOLERANCE_RAD)
+    return expected
 
 
 def _check_options(name: str, period: float, turns: int, unit: str, amplitude_factor: float) -> None:

@@ -57,12 +57,15 @@ def test_rpm_is_sixty_times_rps():
 
 def test_describe_gives_amplitude_error_and_backlash():
     problem = load_problem("signature-12", unit="rpm")
-    assert problem.half_gap == half_gap(12)
-    found = problem.describe(np.array([-problem.expected_rpm, 0, 15, 134, 0, 0, 0.2]))
-    assert found["amplitude_rpm"] == pytest.approx(problem.expected_rpm)
+    peak = 60 * datasets.dataset(12).peak
+    assert problem.expected == {
+        "amplitude_rpm": (peak, pytest.approx(3.8672 / 2)),
+        "backlash_rad": (half_gap(12), pytest.approx(0.0001)),
+    }
+    found = problem.describe(np.array([-peak, 0, 15, 134, 0, 0, 0.2]))
+    assert found["amplitude_rpm"] == pytest.approx(peak)
     assert found["amplitude_error_rpm"] == pytest.approx(0.0)
     assert found["backlash_rad"] == pytest.approx(half_gap(12), rel=1e-9)
-    assert 2 * problem.tolerance_rpm == pytest.approx(3.8672)
 
 
 def test_the_calibration_is_near_the_thesis_s_cubic_where_that_was_fitted():
@@ -113,7 +116,7 @@ def test_a_csv_recording_is_read_with_or_without_a_header(tmp_path, header):
     problem = load_problem(write(tmp_path / "a.csv", t, v, header.replace(";", ",")))
     np.testing.assert_allclose(problem.time, t, atol=1e-12)
     np.testing.assert_allclose(problem.signal, v - v.mean(), atol=1e-6)
-    assert problem.expected_rpm is None
+    assert problem.expected == {}
     assert "amplitude_error_rpm" not in problem.describe(problem.upper)
 
 

@@ -1,0 +1,69 @@
+"""What the figures by dataset share: panels whose x axis is the datasets, and one legend above all of them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from math import ceil
+from typing import Any
+
+import matplotlib.figure
+from matplotlib.axes import Axes
+
+from bench.report import style
+
+LEFT, ACROSS = 0.45, 0.1  # inches
+LEGEND_ROW = 0.15  # inches
+
+
+def dataset_panels(
+    titles: list[str], problems: list[str], entries: list[str], *, columns: int, height: float
+) -> tuple[matplotlib.figure.Figure, list[Axes]]:
+    """Return a figure as wide as the text and its titled axes, row by row, with the datasets at 0, 1, … of the x axis.
+
+    Args:
+        titles: a title for each panel; panels side by side share their y axis.
+        problems: the labels of the datasets.
+        entries: what the legend above all panels will hold at most, see :func:`legend_above`.
+        columns: panels in a row.
+        height: the height of a panel in inches.
+    """
+    names = [style.plain(short(problem), 12) for problem in problems]
+    longest, digits = style.text_width(names), style.text_width(["00"])
+    upright, columns = longest <= digits, min(columns, len(titles))
+    figure, axes = style.grid(
+        len(titles), columns=columns, height=height, left=LEFT, bottom=0.36 + (0 if upright else longest),
+        top=0.25 + LEGEND_ROW * ceil(len(entries) / _legend_columns(entries)), across=ACROSS, down=0.3,
+    )  # fmt: skip
+    width = (style.TEXT - LEFT) / columns - ACROSS
+    every = ceil(len(names) * (longest + 0.06 if upright else 0.12) / width)
+    for number, (ax, title) in enumerate(zip(axes, titles, strict=True)):
+        if number:
+            ax.sharex(axes[0])
+        if number and columns > 1:
+            ax.sharey(axes[0])
+            ax.tick_params(axis="y", labelleft=number % columns == 0)
+        ax.set_title(style.plain(title), loc="left")
+        ax.grid(visible=False, axis="x")
+        last = number >= len(axes) - columns
+        ax.tick_params(axis="x", rotation=0 if upright else 90, labelbottom=last)
+        if last:
+            ax.set_xlabel("dataset")
+    axes[0].set_xticks(range(0, len(names), every), names[::every])
+    axes[0].set_xlim(-0.7, len(names) - 0.3)
+    return figure, axes
+
+
+def legend_above(figure: matplotlib.figure.Figure, handles: Sequence[Any]) -> None:
+    """Put a legend of labelled artists above all panels, in as many columns as the width allows."""
+    columns = _legend_columns([handle.get_label() for handle in handles])
+    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(0, 1), borderaxespad=0.2, ncols=columns)
+
+
+def _legend_columns(entries: list[str]) -> int:
+    return max(int(style.TEXT / (style.text_width(entries) + 0.4)), 1)
+
+
+def short(problem: str) -> str:
+    """Return the number of a simulated dataset, any other label as it is."""
+    return re.sub(r"^signature-0*(?=\d+$)", "", problem)
