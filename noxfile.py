@@ -38,6 +38,6 @@ def types(session: nox.Session) -> None:
 
 @nox.session
 def benchmark(session: nox.Session) -> None:
-    """Reproduce the thesis's comparison and write its report; arguments after -- go to 'bench run thesis'."""
+    """Reproduce the thesis's comparison with its report; arguments after -- go to 'bench run thesis'."""
     session.install("-e", ".")
-    session.run("bench", "run", "thesis", *session.posargs)
+    session.run("bench", "run", "thesis", "--check", *session.posargs)

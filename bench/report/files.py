@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
-import re
 import warnings
 from pathlib import Path
 
@@ -13,19 +11,11 @@ import pandas as pd
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 
+from bench.names import file_name as file_name
 from bench.report.latex import to_latex
 from bench.report.parts import Figure, Table
 
 TABLES, FIGURES = "tables", "figures"
-
-
-def file_name(name: str) -> str:
-    """Return a file name without extension: letters, digits, ``_`` and ``-`` of ``name``, told apart by a hash.
-
-    Names are data and may hold anything; what had to be changed ends in a hash, so that two names never share a file.
-    """
-    safe = re.sub(r"[^a-z0-9_]+", "-", name.lower()).strip("-")[:60]
-    return safe if safe and safe == name else f"{safe or 'part'}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
 
 
 def save_table(table: Table, folder: Path, name: str) -> list[str]:
@@ -33,9 +23,9 @@ def save_table(table: Table, folder: Path, name: str) -> list[str]:
     (folder / TABLES).mkdir(exist_ok=True)
     paths = [f"{TABLES}/{name}.csv", f"{TABLES}/{name}.tex"]
     if table.data is None:
-        _save_csv(table.frame, folder / paths[0], index=table.has_index)
+        save_csv(table.frame, folder / paths[0], index=table.has_index)
     else:
-        _save_csv(table.data, folder / paths[0], index=False)
+        save_csv(table.data, folder / paths[0], index=False)
     (folder / paths[1]).write_text(to_latex(table, name), encoding="utf-8", newline="\n")
     return paths
 
@@ -47,7 +37,7 @@ def save_figure(figure: Figure, folder: Path, name: str) -> tuple[str, list[str]
     svg, pdf = _draw(figure.figure)
     (folder / paths[0]).write_bytes(svg)
     (folder / paths[1]).write_bytes(pdf)
-    _save_csv(figure.data, folder / paths[2], index=False)
+    save_csv(figure.data, folder / paths[2], index=False)
     return svg.decode(), paths
 
 
@@ -65,5 +55,6 @@ def _draw(figure: matplotlib.figure.Figure) -> tuple[bytes, bytes]:
     return svg.getvalue(), pdf.getvalue()
 
 
-def _save_csv(frame: pd.DataFrame, path: Path, *, index: bool) -> None:
+def save_csv(frame: pd.DataFrame, path: Path, *, index: bool) -> None:
+    """Write a frame with every digit, the same bytes on every system."""
     frame.to_csv(path, index=index, lineterminator="\n", encoding="utf-8")

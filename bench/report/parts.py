@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib.figure
 import pandas as pd
@@ -21,6 +21,7 @@ class Cell:
     bold: bool = False
     italic: bool = False
     heads_row: bool = False
+    mark: str = ""
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class Table:
         frame: the values; the index is shown where it has a name.
         bold: where to set values bold, a frame of booleans like ``frame``; columns it lacks are not.
         italic: likewise for italics.
+        marks: letters to set after a value, raised; a frame of texts like ``frame``.
         decimals: decimals of every float, or by column; floats without any have four
             significant digits, aligned where a column's values are of like size.
         note: what the reader must know of the marks, below the table.
@@ -44,6 +46,7 @@ class Table:
     frame: pd.DataFrame
     bold: pd.DataFrame | None = None
     italic: pd.DataFrame | None = None
+    marks: pd.DataFrame | None = None
     decimals: int | Mapping[str, int] | None = None
     note: str = ""
     data: pd.DataFrame | None = None
@@ -65,11 +68,11 @@ class Table:
         keys = self.frame.index.to_frame().itertuples(index=False) if self.has_index else [()] * len(self.frame)
         columns = [
             [
-                Cell(cell_text(value, decimals), bold=bool(bold), italic=bool(italic))
-                for value, bold, italic in zip(values, *marks, strict=True)
+                Cell(cell_text(value, decimals), bold=bool(bold), italic=bool(italic), mark=mark or "")
+                for value, bold, italic, mark in zip(values, *styles, strict=True)
             ]
             for name, values in self.frame.items()
-            for marks in [(self._marks(self.bold, name), self._marks(self.italic, name))]
+            for styles in [[self._styles(which, name) for which in (self.bold, self.italic, self.marks)]]
             for decimals in [self._decimals(name, values)]
         ]
         heads = [[Cell(cell_text(value), heads_row=True) for value in key] for key in keys]
@@ -79,8 +82,8 @@ class Table:
         given = self.decimals.get(column) if isinstance(self.decimals, Mapping) else self.decimals
         return usual_decimals(values) if given is None and _is_number(values) else given
 
-    def _marks(self, which: pd.DataFrame | None, column: Any) -> list[bool]:
-        return [False] * len(self.frame) if which is None or column not in which else list(which[column])
+    def _styles(self, which: pd.DataFrame | None, column: Any) -> list[Any]:
+        return [None] * len(self.frame) if which is None or column not in which else list(which[column])
 
 
 def _is_number(values: pd.Series[Any]) -> bool:
@@ -95,31 +98,69 @@ class Figure:
         name: what its files are called; any text, made safe for a file name.
         caption: one sentence or two; also what a screen reader says.
         figure: a matplotlib figure, best from :func:`bench.report.style.panels`.
-        data: the tidy data behind it.
+        data: the tidy data behind it, written as CSV.
+        shown: what the page's table behind the figure holds, where ``data`` is too long to read; ``data`` by default.
     """
 
     name: str
     caption: str
     figure: matplotlib.figure.Figure
     data: pd.DataFrame
+    shown: pd.DataFrame | None = None
+
+    @property
+    def table(self) -> Table:
+        """The data as a table, for those who cannot see the figure or want its numbers."""
+        frame = self.data if self.shown is None else self.shown
+        return Table(self.name, "The data of this figure.", frame)
 
 
 Part = Table | Figure
 
 
 @dataclass(frozen=True)
+class Card:
+    """A framed statement at the head of a section.
+
+    Attributes:
+        title: a few words.
+        text: paragraphs of plain text.
+        tone: "claim" for what the results support, "limit" for what they do not.
+    """
+
+    title: str
+    text: tuple[str, ...]
+    tone: Literal["claim", "limit"]
+
+
+@dataclass(frozen=True)
 class Section:
-    """A section of the page: a title, paragraphs of plain text, warnings, and tables and figures."""
+    """A section of the page.
+
+    Attributes:
+        title: its heading.
+        text: paragraphs of plain text.
+        items: tables and figures.
+        warnings: what the reader must be warned of.
+        cards: framed statements, side by side above all else.
+        code: text to be shown and copied as it is, such as BibTeX.
+        sections: sections of its own, one level deep.
+    """
 
     title: str
     text: tuple[str, ...] = ()
     items: tuple[Part, ...] = ()
     warnings: tuple[str, ...] = ()
+    cards: tuple[Card, ...] = ()
+    code: str = ""
+    sections: tuple[Section, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse what no page can show, so that a plug-in's mistake is found at its source."""
-        texts: tuple[Any, ...] = (self.title, *self.text, *self.warnings)
+        texts: tuple[Any, ...] = (self.title, self.code, *self.text, *self.warnings)
         if isinstance(self.text, str) or not all(isinstance(text, str) for text in texts):
             raise TypeError("a section's title, paragraphs and warnings must be texts")
         if not all(isinstance(item, Table | Figure) for item in self.items):
             raise TypeError("a section's items must be Table or Figure")
+        if any(not isinstance(section, Section) or section.sections for section in self.sections):
+            raise TypeError("a section's sections must be Section, without sections of their own")

@@ -1,145 +1,247 @@
-"""The figures of the built-in sections, drawn from frames."""
+"""The figures of the report: :mod:`bench.plots` in panels, sized for papers, with the data behind them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from math import ceil, floor, log10
+
+import matplotlib.figure
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.cbook import boxplot_stats
-from matplotlib.lines import Line2D
 
-from bench.analysis import best_so_far, cells, evaluation_grid, scores
-from bench.report import style
-from bench.report.findings import Findings
+from bench.analysis.cells import labels, scores
+from bench.plots import a12_forest, box_plot, cd_diagram, convergence, data_profile, ecdf, ert, style, timing
+from bench.plots.ranks import RANK_NAME, cd_height, forest_names
 from bench.report.parts import Figure
-from bench.report.words import seconds
+
+SHOWN_ROWS = 300  # of the table behind a figure
+COLUMNS = 3  # panels beside each other
 
 
-def distribution_figure(findings: Findings) -> Figure:
-    """Return box plots of every cell with all of its points, a panel a problem."""
-    optimizers, looks = findings.optimizers, style.looks(findings.optimizers)
-    data = findings.frame[["problem", "optimizer", "trial", "seed", "status", "fun"]]
-    data = data.assign(score=scores(findings.frame))
-    wide = any(style.is_wide(group["score"]) for _, group in data.groupby("problem", observed=True))
-    figure, axes = style.panels(len(findings.problems), height=0.45 + 0.27 * len(optimizers), margin=0.1, sharey=True)
-    for ax, problem in zip(axes, findings.problems, strict=True):
-        for row, optimizer in enumerate(optimizers):
-            values = data.loc[(data["problem"] == problem) & (data["optimizer"] == optimizer), "score"].to_numpy()
-            _box(ax, row, values, looks[optimizer], many=len(data) > style.MANY_POINTS)
-        ax.set_title(style.plain(problem), loc="left")
-        if wide and (data.loc[data["problem"] == problem, "score"] > 0).all():
-            style.log_scale(ax, "x")
-        ax.grid(visible=False, axis="y")
-        ax.use_sticky_edges = False
-    axes[0].set_yticks(range(len(optimizers)), [style.plain(label, 16) for label in optimizers])
-    axes[0].set_ylim(len(optimizers) - 0.4, -0.6)
+def distribution_figure(
+    frame: pd.DataFrame, problem: str, optimum: float | None = None,
+    expected: Mapping[str, tuple[float, float]] | None = None,
+) -> Figure:  # fmt: skip
+    """Return box plots of one problem: the objective value, and each domain figure whose true value is known.
+
+    Args:
+        frame: the tidy frame.
+        problem: whose trials.
+        optimum: the best known objective value, where there is one.
+        expected: the true value of domain figures and how far from it is near enough, by name.
+    """
+    known = {name: value for name, value in (expected or {}).items() if name in frame}
+    optimizers, own = labels(frame, "optimizer"), frame[frame["problem"] == problem]
+    noted = not style.drawable(scores(own)).all() or set(optimizers) > set(own["optimizer"])
+    beside = 0.7 if noted else 0.1  # for the number of failed trials
+    left = _left(style.names(optimizers).values())
+    figure, axes = style.grid(
+        1 + len(known), columns=COLUMNS, width=style.TEXT if known else _width(left),
+        height=style.rows_height(len(optimizers)), left=left,
+        right=beside, across=beside + 0.1, down=0.7, bottom=0.36, top=0.22,
+    )  # fmt: skip
+    looks = style.looks(optimizers)
+    box_plot(frame, problem, optimum=optimum, looks=looks, ax=axes[0])
+    for place, (name, (value, tolerance)) in enumerate(known.items(), 1):
+        box_plot(frame, problem, column=name, expected=value, tolerance=tolerance, looks=looks, ax=axes[place])
+        axes[place].set_title("", loc="left")
+        if place % COLUMNS:
+            axes[place].set_yticks([])
+    truth = "Lines: the true values; hatched: near enough to them. " if known else ""
     caption = (
-        "Best objective value of every trial (points), with quartile boxes and whiskers to the furthest point within "
-        "1.5 box lengths; the line in the box is the median. Failed trials are counted, not drawn."
+        f"{problem}: every trial (points), with quartile boxes and whiskers to the furthest point within 1.5 box "
+        f"lengths; the line in a box is the median. {truth}Failed trials are counted, not drawn."
     )
-    return Figure("distributions", caption, figure, data)
+    data = own[["problem", "optimizer", "trial", "seed", "status", "fun", *known]]
+    return Figure(f"distribution-{problem}", caption, figure, data, data.drop(columns=["problem", "seed"]))
 
 
-def _box(ax: Axes, row: int, values: np.ndarray, look: style.Look, *, many: bool) -> None:
-    """Draw one horizontal box with its points; written out because matplotlib renamed its own option for it."""
-    finite = values[np.isfinite(values)]
-    if failed := len(values) - len(finite):
-        ax.text(0.995, row, f"{failed} failed", transform=ax.get_yaxis_transform(), ha="right", va="center", fontsize=7)
-    if not len(finite):
-        return
-    box = boxplot_stats(finite)[0]
-    ax.hlines(row, box["whislo"], box["whishi"], color="black", linewidth=0.8, zorder=2)
-    ax.barh(
-        row, box["q3"] - box["q1"], left=box["q1"], height=0.62, facecolor="white", edgecolor="black", linewidth=0.8
+def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str] = ()) -> Figure:
+    """Return the median best-so-far value over evaluations with its quartiles, a panel a problem.
+
+    Args:
+        curves: of :func:`bench.analysis.convergence`.
+        optimizers: all of the study's, in its order, so that each looks as in every other figure.
+    """
+    looks = style.looks(optimizers or labels(curves, "optimizer"))
+    figure, axes = _multiples(
+        curves, looks, lambda problem, ax: convergence(curves, problem, looks=looks, legend=False, ax=ax), across=0.46
     )
-    offsets = row + style.spread(len(finite))
-    ax.plot(
-        finite,
-        offsets,
-        look.marker,
-        color=look.color,
-        markersize=3,
-        markeredgewidth=0,
-        alpha=0.7,
-        zorder=3,
-        rasterized=many,
-    )
-    ax.vlines(box["med"], row - 0.31, row + 0.31, color="black", linewidth=1.6, zorder=4)
-
-
-def convergence_figure(findings: Findings) -> Figure:
-    """Return the median best-so-far value over evaluations with its quartiles, a panel a problem."""
-    looks, data = style.looks(findings.optimizers), _convergence(findings)
-    figure, axes = style.panels(len(findings.problems), height=1.9, sharex=True)
-    for ax, problem in zip(axes, findings.problems, strict=True):
-        panel = data[(data["problem"] == problem) & np.isfinite(data["median"])]
-        for i, (optimizer, look) in enumerate(looks.items()):
-            curve = panel[panel["optimizer"] == optimizer]
-            if len(curve):
-                _curve(ax, curve, look, first_marker=2 * i)
-        ax.set_title(style.plain(problem), loc="left")
-        style.log_scale(ax, "x")
-        if style.is_wide(panel["median"], ratio=3):
-            style.log_scale(ax, "y")
-    for ax in axes[-3:]:
-        ax.set_xlabel("evaluations")
-        ax.xaxis.set_tick_params(labelbottom=True)
-    handles = [
-        Line2D(
-            [], [], color=look.color, linestyle=look.line, marker=look.marker, markersize=4, label=style.plain(label)
-        )
-        for label, look in looks.items()
-    ]
-    figure.legend(handles=handles, loc="outside upper left", ncols=min(len(handles), 6))
+    for ax in axes:
+        ax.set_xlim(curves["evaluations"].min(), curves["evaluations"].max())
     caption = (
         "Median best-so-far objective value over evaluations, with the quartiles as a band (log axes where the "
         "values are positive and wide). A trial that ended early keeps its last value; failed trials count as infinite."
     )
-    return Figure("convergence", caption, figure, data)
+    shown = _at_round_numbers(curves, ["problem", "evaluations"], "median", (1, 2, 5))
+    return Figure("convergence", caption, figure, curves, shown)
 
 
-def _convergence(findings: Findings) -> pd.DataFrame:
-    grid = evaluation_grid(findings.results.study.budget)
-    curves = []
-    for (problem, optimizer), values in cells(findings.frame).items():
-        traces = list(findings.results.traces(problem, optimizer).values())
-        curve = best_so_far(traces, grid, failed=len(values) - len(traces))
-        curve.insert(0, "problem", problem)
-        curve.insert(1, "optimizer", optimizer)
-        curves.append(curve)
-    return pd.concat(curves, ignore_index=True)
+def ert_figure(table: pd.DataFrame, optimizers: Sequence[str] = ()) -> Figure:
+    """Return the expected running time over targets, a panel a problem, all on the same axes.
+
+    Args:
+        table: of :func:`bench.analysis.expected_running_time`.
+        optimizers: all of the study's, in its order.
+    """
+    looks = style.looks(optimizers or labels(table, "optimizer"))
+    figure, axes = _multiples(
+        table, looks, lambda problem, ax: ert(table, problem, looks=looks, legend=False, ax=ax), across=0.12
+    )
+    times = table["ert"].to_numpy(dtype=float)
+    shown = times[style.drawable(times)]
+    for place, ax in enumerate(axes):
+        ax.set_xlim(1.2 * table["tau"].max(), table["tau"].min() / 1.2)
+        ax.tick_params(labelleft=place % COLUMNS == 0)
+        if len(shown):
+            ax.set_ylim(shown.min() / 2, 4 * shown.max())
+            style.log_scale(ax, "y")
+    caption = (
+        "Expected running time (ERT) over targets, harder ones to the right. A curve ends at the hardest target that "
+        "any trial reached; at an open marker harder ones were left unreached."
+    )
+    by_target = _at_round_numbers(table, ["problem", "tau"], "ert", (1,))
+    return Figure("expected-running-time", caption, figure, table, by_target)
 
 
-def _curve(ax: Axes, curve: pd.DataFrame, look: style.Look, *, first_marker: int) -> None:
-    banded = curve[np.isfinite(curve["q3"])]
-    ax.fill_between(banded["evaluations"], banded["q1"], banded["q3"], color=look.color, alpha=0.18, linewidth=0)
-    ax.plot(
-        curve["evaluations"], curve["median"], color=look.color, linestyle=look.line, linewidth=1.2, marker=look.marker,
-        markersize=3.5, markevery=(first_marker % 12, 12),
+def ecdf_figure(
+    reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequence[str] = (), *, tau: float | None = None
+) -> Figure:
+    """Return two panels over evaluations: the share of targets reached, and the data profile at one target.
+
+    Args:
+        reached: of :func:`bench.analysis.ecdf`.
+        profile: of :func:`bench.analysis.data_profiles`.
+        optimizers: all of the study's, in its order.
+        tau: the target of the profile.
+    """
+    looks = style.looks(optimizers or labels(reached, "optimizer"))
+    figure, (left, right) = style.grid(
+        2, width=style.TEXT, height=1.8, left=0.5, across=0.55, top=_legend_height(looks, style.TEXT) + 0.1
+    )
+    ecdf(reached, looks=looks, legend=False, ax=left)
+    data_profile(profile, looks=looks, legend=False, ax=right)
+    _legend(figure, looks)
+    at = "" if tau is None else f" at tau = {tau:g}"
+    caption = (
+        "Left: the share of all targets, over problems and trials, reached within so many evaluations. Right: the "
+        f"data profile{at}, the share of trials, over problems, that reached this one target."
+    )
+    along = "groups" if "groups" in profile else "evaluations"
+    panels = {"targets reached": (reached, "evaluations"), "data profile": (profile, along)}
+    data = pd.concat([frame.assign(panel=name) for name, (frame, _) in panels.items()], ignore_index=True)
+    shown = pd.concat(
+        {name: _at_round_numbers(frame, [by], "fraction", (1, 2, 5)) for name, (frame, by) in panels.items()},
+        names=["panel", "evaluations" if along == "evaluations" else "evaluations or groups"],
+    )
+    return Figure("targets-reached", caption, figure, data, shown)
+
+
+def rank_figure(
+    average_ranks: pd.Series[float], cliques: Collection[Sequence[str]], critical_difference: float
+) -> Figure:
+    """Return the critical-difference diagram of average ranks over problems."""
+    side = style.text_width(style.names(average_ranks.index, RANK_NAME).values()) + 0.5
+    figure, (ax,) = style.grid(
+        1, width=_width(2 * side),
+        height=cd_height(average_ranks.count(), len(cliques)), left=side, right=side, bottom=0.05, top=0.5,
     )  # fmt: skip
+    cd_diagram(average_ranks, cliques, critical_difference, ax=ax)
+    caption = (
+        "Average ranks over problems, the best at the left. A bar joins optimizers whose ranks differ by less than "
+        f"the critical difference, {critical_difference:.2f}."
+    )
+    return Figure("ranks", caption, figure, average_ranks.rename_axis("optimizer").reset_index(name="average_rank"))
 
 
-def timing_figure(timing: pd.DataFrame) -> Figure:
+def forest_figure(pairs: pd.DataFrame) -> Figure:
+    """Return the probability of improvement of each pair over all problems, with its interval."""
+    left = _left(forest_names(pairs))
+    figure, (ax,) = style.grid(
+        1, width=_width(left), height=style.rows_height(len(pairs)),
+        left=left, bottom=0.5, top=0.08,
+    )  # fmt: skip
+    a12_forest(pairs, ax=ax)
+    caption = (
+        "The chance that a trial of the first optimizer ends below one of the second, averaged over problems, with "
+        "its 95% bootstrap interval; a filled point is one whose interval leaves out 0.5. Dotted: the bounds of small, "
+        "medium and large effects to either side."
+    )
+    return Figure("probability-of-improvement", caption, figure, pairs)
+
+
+def timing_figure(table: pd.DataFrame) -> Figure:
     """Return the mean time of one trial of each optimizer (thesis Fig. 7.5), split into objective and the rest."""
-    known = timing[timing["trials"] > 0]
-    figure, (ax,) = style.panels(1, width=8.0, height=0.35 * len(known) + 0.6)
-    parts = {
-        "in the objective": known["objective_mean"],
-        "in the optimizer": known["wall_mean"] - known["objective_mean"],
-    }
-    left = np.zeros(len(known))
-    for (name, width), color, hatch in zip(parts.items(), style.PALETTE, style.HATCHES, strict=False):
-        ax.barh(
-            range(len(known)), width, left=left, height=0.6, color=color, hatch=hatch, edgecolor="white", label=name
-        )
-        left = left + width.to_numpy()
-    for row, mean in enumerate(known["wall_mean"]):
-        ax.text(mean, row, f" {seconds(mean)}", va="center")
-    ax.set_yticks(range(len(known)), [style.plain(label) for label in known["optimizer"]])
-    ax.invert_yaxis()
-    ax.margins(x=0.12)
-    ax.grid(visible=False, axis="y")
-    ax.set_xlabel("mean wall time of one trial in seconds")
-    figure.legend(loc="outside upper left", ncols=2)
-    data = known[["optimizer", "trials", "wall_mean", "objective_mean"]]
+    left = _left(style.names(table["optimizer"]).values())
+    figure, (ax,) = style.grid(1, width=_width(left), height=style.rows_height(len(table)), left=left, top=0.25)
+    timing(table, ax=ax)
+    data = table[["optimizer", "trials", "wall_mean", "objective_mean"]]
     return Figure("mean-time", "Mean wall time of one trial of each optimizer over all problems.", figure, data)
+
+
+def _multiples(
+    frame: pd.DataFrame, looks: style.Looks, draw: Callable[[str, Axes], Axes], *, across: float
+) -> tuple[matplotlib.figure.Figure, list[Axes]]:
+    """Draw a panel for each problem that has rows, axis labels at the edges only, and the legend above all."""
+    problems = [problem for problem in labels(frame, "problem") if (frame["problem"] == problem).any()]
+    figure, axes = style.grid(
+        len(problems), columns=COLUMNS, width=style.TEXT, height=1.0, left=0.6, across=across, down=0.3,
+        top=_legend_height(looks, style.TEXT) + 0.25,
+    )  # fmt: skip
+    for place, (problem, ax) in enumerate(zip(problems, axes, strict=True)):
+        draw(problem, ax)
+        if place % COLUMNS:
+            ax.set_ylabel("")
+        if place + COLUMNS < len(problems):
+            ax.set_xlabel("")
+            ax.tick_params(labelbottom=False)
+    _legend(figure, looks)
+    return figure, axes
+
+
+def _left(names: Iterable[str]) -> float:
+    """Return the left margin in inches that the names of rows take."""
+    return style.text_width(names, style.SMALL) + 0.12
+
+
+def _width(margins: float) -> float:
+    """Return a column's width, or the whole page's where margins left less than two fifths of the column."""
+    return style.COLUMN if margins < 0.6 * style.COLUMN else style.TEXT
+
+
+def _legend(figure: matplotlib.figure.Figure, looks: style.Looks) -> None:
+    entries = style.handles(looks)
+    columns = _legend_columns(looks, figure.get_figwidth())
+    figure.legend(handles=entries, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
+
+
+def _legend_columns(looks: style.Looks, width: float) -> int:
+    entries = style.handles(looks)
+    entry = style.text_width((str(each.get_label()) for each in entries), style.SMALL) + 0.45
+    return max(min(floor((width - 0.1) / entry), len(entries)), 1)
+
+
+def _legend_height(looks: style.Looks, width: float) -> float:
+    return 0.14 * ceil(len(style.handles(looks)) / _legend_columns(looks, width)) + 0.08
+
+
+def _at_round_numbers(frame: pd.DataFrame, rows: list[str], value: str, multiples: tuple[int, ...]) -> pd.DataFrame:
+    """Return a column of ``value`` an optimizer, at those of the last of ``rows`` next to round numbers, and the last.
+
+    Round are the ``multiples`` of powers of ten; fewer where the table grew longer than :data:`SHOWN_ROWS`.
+    """
+    *groups, along = rows
+    grid = np.unique(frame[along].to_numpy(dtype=float))
+    parts = len(frame[groups].drop_duplicates()) if groups else 1
+    for factors in (multiples, (1,), ()):
+        decades = range(floor(log10(grid[0])), ceil(log10(grid[-1])) + 1) if len(grid) else ()
+        marks = np.array([factor * 10.0**decade for decade in decades for factor in factors])
+        at = grid[np.searchsorted(grid, marks[marks >= grid[:1]] * (1 + 1e-9), side="right") - 1]
+        at = np.unique([*at, *grid[-1:]])
+        if len(at) * parts <= SHOWN_ROWS:
+            break
+    kept = frame[frame[along].isin(at)].astype(dict.fromkeys((*groups, "optimizer"), object))
+    table = kept.pivot(index=rows, columns="optimizer", values=value)
+    order = pd.MultiIndex.from_frame(kept[rows].drop_duplicates()) if groups else pd.Index(at, name=along)
+    return table.reindex(index=order, columns=labels(frame, "optimizer")).rename_axis(columns=None)

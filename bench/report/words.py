@@ -38,9 +38,21 @@ def usual_decimals(values: Any) -> int | None:
     return max(3 - math.floor(math.log10(sizes.max())), 0)
 
 
-def count(number: int, noun: str) -> str:
-    """Return ``"1 trial"``, ``"2 trials"`` or ``"60,000 trials"``."""
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+def count(number: int, noun: str, plural: str = "") -> str:
+    """Return ``"1 trial"``, ``"2 trials"`` or ``"60,000 trials"``; a plural that is not in -s is given."""
+    return f"{number:,} {noun if number == 1 else plural or noun + 's'}"
+
+
+def p_text(p: float) -> str:
+    """Return a p-value as papers print it: ``"p = 0.013"``, or ``"p < 0.001"``."""
+    return "p < 0.001" if p < 0.001 else f"p = {p:.3f}"
+
+
+def shares(marks: pd.DataFrame) -> str:
+    """Return in words how often each column is marked, of the rows with any mark; ties count for each."""
+    totals = marks.sum().sort_values(ascending=False, kind="stable")
+    parts = [f"{label}’s on {number}" for label, number in totals.items() if number]
+    return f"{listing(parts)} of {count(int(marks.any(axis=1).sum()), 'problem')}" if parts else "not known"
 
 
 def listing(items: Sequence[str], at_most: int = 8) -> str:

@@ -1,68 +1,110 @@
-"""Write the report of a study's folder."""
+"""Write the report of a study's folder, or of several beside each other."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Iterator
 from os import PathLike
 from pathlib import Path
 
 from bench import plugins
 from bench.errors import BenchError
+from bench.names import file_name
 from bench.report import style
-from bench.report.builtin import closing_sections, opening_sections
-from bench.report.files import file_name, save_figure, save_table
+from bench.report.files import FIGURES, TABLES, save_csv, save_figure, save_table
 from bench.report.findings import Findings
 from bench.report.page import Item, View, inline, render
 from bench.report.parts import Part, Section, Table
+from bench.report.sections import CLOSING, OPENING
 from bench.report.words import count
 from bench.results import Results
 
-PAGE = "report.html"
+PAGE, TRIALS, MANIFEST = "report.html", f"{TABLES}/trials.csv", ".report.json"
+COMPARISONS = Path("results") / "comparisons"
+
+Progress = Callable[[str, int, int], None]
+"""Told the title of the part at hand, how many steps are done, and how many there are."""
 
 
-def write_report(path: str | PathLike[str]) -> Path:
-    """Write ``report.html``, ``tables/`` and ``figures/`` into a study's folder and return the page's path.
+def write_report(
+    path: str | PathLike[str],
+    *others: str | PathLike[str],
+    output: str | PathLike[str] | None = None,
+    on_progress: Progress | None = None,
+) -> Path:
+    """Write ``report.html``, ``tables/``, ``figures/`` and the methods' text, and return the page's path.
 
-    The same results give the same bytes. A plug-in's section that fails becomes a warning on the page.
+    Several folders are compared as one study (:class:`bench.Results`). The same results give the same bytes. A
+    plug-in's section that fails becomes a warning on the page. Files of an earlier report that this one no longer
+    has are removed.
+
+    Args:
+        path: a study's folder.
+        others: further ones, to be compared with it.
+        output: the folder to write into; by default the study's own, and ``results/comparisons/NAMES`` for several.
+        on_progress: called before every step.
 
     Raises:
-        BenchError: when the folder holds no study or no store, or cannot be written.
+        BenchError: when a folder holds no study or no store, the folders cannot be compared, or ``output`` cannot be
+            written or holds another study.
     """
-    results = Results(path)
+    results = Results(path, *others)
+    folder = _folder(results, None if output is None else Path(output))
     try:
-        return _Report(results, Path(path)).write()
+        folder.mkdir(parents=True, exist_ok=True)
+        return _Report(results, folder, on_progress or (lambda *_: None)).write()
     except OSError as error:
-        raise BenchError(f"the report cannot be written into {path}: {error.strerror}") from error
+        raise BenchError(f"the report cannot be written into {folder}: {error.strerror}") from error
+
+
+def _folder(results: Results, output: Path | None) -> Path:
+    own = results.paths
+    if output is None:
+        return own[0] if len(own) == 1 else COMPARISONS / "-".join(path.resolve().name for path in own)
+    if (output / "study.toml").exists() and (len(own) > 1 or output.resolve() != own[0].resolve()):
+        raise BenchError(f"{output} is the folder of a study, whose own report would be lost; give another --output")
+    return output
 
 
 class _Report:
-    """A report under way: the views so far and the names taken."""
+    """A report under way: the views so far, the files written and the names taken."""
 
-    def __init__(self, results: Results, folder: Path) -> None:
+    def __init__(self, results: Results, folder: Path, on_progress: Progress) -> None:
         self.results = results
+        self.findings = Findings(results)
         self.folder = folder
         self.views: list[View] = []
+        self.files: dict[str, str] = {}
         self.names: set[str] = set()
+        self._on_progress = on_progress
+        self._done = 0
+        self._steps = 0
 
     def write(self) -> Path:
-        study, findings = self.results.study, Findings(self.results)
+        study = self.results.study
+        plugged = sorted(plugins.entries("report_sections"))
+        self._steps = len(OPENING) + len(plugged) + len(CLOSING) + len(study.problems) + 1
         with style.context():
-            self.add(opening_sections(findings))
-            for name in sorted(plugins.entries("report_sections")):
+            for part in OPENING:
+                self.add([part(self.findings)])
+            for name in plugged:
                 self.add_plugin(name)
-            self.add(closing_sections(findings))
+            for part in CLOSING:
+                self.add([part(self.findings)])
+        self.add_downloads()
         lead = (
             f"Study {study.name}: {count(len(study.optimizers), 'optimizer')} on "
             f"{count(len(study.problems), 'problem')}, {count(study.trials, 'trial')} each, "
             f"{count(study.budget, 'evaluation')} a trial."
         )
-        page = self.folder / PAGE
-        page.write_text(render(study.title or study.name, lead, self.views), encoding="utf-8", newline="\n")
+        page = self.save(PAGE, render(study.title or study.name, lead, self.views), "this page")
+        self.clean()
         return page
 
     def add(self, sections: list[Section]) -> None:
         for section in sections:
-            self.views.append(self.view(section))
+            self.step(section.title)
+            self.views.append(self.view(section, f"section-{len(self.views) + 1}"))
 
     def add_plugin(self, name: str) -> None:
         """Add a plug-in's sections, or a warning: a stranger's code may raise anything, and costs only its own part."""
@@ -75,16 +117,66 @@ class _Report:
             reason = f"The report section {name!r} failed and is left out: {type(error).__name__}: {error}"
             self.add([Section(f"Section {name}", warnings=(reason,))])
 
-    def view(self, section: Section) -> View:
+    def add_downloads(self) -> None:
+        """Add the last part, the list of all files."""
+        (self.folder / TABLES).mkdir(exist_ok=True)
+        save_csv(self.results.frame, self.folder / TRIALS, index=False)
+        self.files[TRIALS] = "every trial, one a row"
+        methods = self.findings.methods
+        self.save("methods.md", methods.markdown, "the methods paragraph as Markdown")
+        self.save("methods.tex", methods.latex, "the methods paragraph as LaTeX")
+        self.save("references.bib", methods.bibtex, "the works it cites")
+        text = "Paths are relative to this page. Tables as CSV hold every digit, also where the page shows fewer."
+        section = Section("Downloads", (text,))
+        self.step(section.title)
+        self.views.append(View(f"section-{len(self.views) + 1}", section, [], [], sorted(self.files.items())))
+
+    def view(self, section: Section, anchor: str) -> View:
         items = [self.item(part) for part in section.items]
-        return View(f"section-{len(self.views) + 1}", section.title, section.text, section.warnings, items)
+        return View(anchor, section, items, list(self.inner(section, anchor)), [])
+
+    def inner(self, section: Section, anchor: str) -> Iterator[View]:
+        for number, each in enumerate(section.sections, 1):
+            self.step(f"{section.title}: {each.title}")
+            yield self.view(each, f"{anchor}-{number}")
 
     def item(self, part: Part) -> Item:
         name = self.unique(part.name)
         if isinstance(part, Table):
-            return Item(name, save_table(part, self.folder, name), table=part)
-        svg, files = save_figure(part, self.folder, name)
-        return Item(name, files, figure=part, svg=inline(svg, name, part.caption))
+            files = save_table(part, self.folder, name)
+            item = Item(name, files, table=part)
+        else:
+            svg, files = save_figure(part, self.folder, name)
+            item = Item(name, files, figure=part, svg=inline(svg, name, part.caption))
+        self.files |= dict.fromkeys(files, part.caption)
+        return item
+
+    def save(self, name: str, text: str, about: str) -> Path:
+        (self.folder / name).write_text(text, encoding="utf-8", newline="\n")
+        self.files[name] = about
+        return self.folder / name
+
+    def step(self, title: str) -> None:
+        self._on_progress(title, self._done, self._steps)
+        self._done += 1
+        self._steps = max(self._steps, self._done)
+
+    def clean(self) -> None:
+        """Remove what an earlier report wrote and this one did not, and note what this one wrote."""
+        manifest = self.folder / MANIFEST
+        try:
+            before = json.loads(manifest.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            before = []
+        for name in before if isinstance(before, list) else []:
+            path = self.folder / str(name)
+            if (
+                str(name).startswith((f"{TABLES}/", f"{FIGURES}/"))
+                and ".." not in path.parts
+                and name not in self.files
+            ):
+                path.unlink(missing_ok=True)
+        manifest.write_text(json.dumps(sorted(self.files), indent=0), encoding="utf-8")
 
     def unique(self, name: str) -> str:
         """Return a safe name that nothing else of this report has."""

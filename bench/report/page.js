@@ -1,0 +1,107 @@
+"use strict";
+(() => {
+  const FILTERED = 8; // a table with more rows has a filter
+
+  const make = (tag, properties, ...children) => {
+    const element = Object.assign(document.createElement(tag), properties);
+    element.append(...children);
+    return element;
+  };
+
+  // Sorting: by value where every cell of a column is a number, else as text; what is missing stays last.
+
+  const NUMBER = /^([<>]?)\s*([-+]?(?:[\d,]*\.?\d+(?:e[-+]?\d+)?|∞))\s*%?(?:–.*)?$/i;
+  const texts = new Intl.Collator("en", { numeric: true });
+
+  const text = (cell) =>
+    [...cell.childNodes].filter((node) => node.nodeName !== "SUP").map((node) => node.textContent).join("").trim();
+
+  const number = (shown) => {
+    const [, sign, digits] = NUMBER.exec(shown.replaceAll("−", "-")) ?? [];
+    if (digits === undefined) return null;
+    const value = Number(digits.replaceAll(",", "").replace("∞", "Infinity"));
+    return sign ? value + (sign === "<" ? -1e-9 : 1e-9) * Math.abs(value) : value;
+  };
+
+  const keys = (rows, column) => {
+    const shown = rows.map((row) => text(row.cells[column])).map((each) => (each === "–" ? "" : each));
+    const numbers = shown.map((each) => (each ? number(each) : null));
+    return shown.every((each, i) => !each || numbers[i] !== null) ? numbers : shown.map((each) => each || null);
+  };
+
+  const order = (rows, column, sign) => {
+    const values = keys(rows, column);
+    const compare = (a, b) => (typeof a === "string" ? texts.compare(a, b) : a < b ? -1 : a > b ? 1 : 0);
+    return rows
+      .map((row, i) => ({ row, value: values[i] }))
+      .sort((a, b) => (a.value === null) - (b.value === null) || (a.value === null ? 0 : sign * compare(a.value, b.value)))
+      .map(({ row }) => row);
+  };
+
+  const sortable = (table) => {
+    const body = table.tBodies[0];
+    const original = [...body.rows];
+    const heads = [...table.tHead.rows[0].cells];
+    if (original.length < 2) return;
+    heads.forEach((head, column) => {
+      const button = make("button", { type: "button" }, ...head.childNodes);
+      head.append(button);
+      button.addEventListener("click", () => {
+        const state = { ascending: "descending", descending: "" }[head.getAttribute("aria-sort")] ?? "ascending";
+        for (const each of heads) each.removeAttribute("aria-sort");
+        if (state) head.setAttribute("aria-sort", state);
+        body.append(...(state ? order(original, column, state === "ascending" ? 1 : -1) : original));
+      });
+    });
+  };
+
+  // Filtering
+
+  const filterable = (table) => {
+    const rows = [...table.tBodies[0].rows];
+    if (rows.length <= FILTERED) return;
+    const frame = table.parentElement;
+    const input = make("input", { type: "search" });
+    input.setAttribute("aria-label", `Filter rows of ${frame.getAttribute("aria-label")}`);
+    const status = make("span", { role: "status" });
+    input.addEventListener("input", () => {
+      const wanted = input.value.trim().toLowerCase();
+      for (const row of rows) row.hidden = !row.textContent.toLowerCase().includes(wanted);
+      status.textContent = wanted && `${rows.filter((row) => !row.hidden).length} of ${rows.length} rows`;
+    });
+    frame.before(make("div", { className: "filter" }, make("label", {}, "Filter rows", input), status));
+  };
+
+  for (const table of document.querySelectorAll("table")) {
+    sortable(table);
+    filterable(table);
+  }
+
+  // Copying
+
+  for (const code of document.querySelectorAll("pre")) {
+    const button = make("button", { type: "button", className: "copy" }, "Copy");
+    button.addEventListener("click", async () => {
+      try {
+        await navigator.clipboard.writeText(code.textContent);
+        button.textContent = "Copied";
+      } catch {
+        getSelection().selectAllChildren(code); // where the clipboard is closed, the reader copies by hand
+        button.textContent = "Selected";
+      }
+    });
+    button.ariaLive = "polite";
+    code.before(button);
+  }
+
+  // Printing: what is folded is opened for the paper and folded again.
+
+  let opened = [];
+  addEventListener("beforeprint", () => {
+    opened = [...document.querySelectorAll("main details:not([open], .long)")];
+    for (const details of opened) details.open = true;
+  });
+  addEventListener("afterprint", () => {
+    for (const details of opened) details.open = false;
+  });
+})();

@@ -1,0 +1,80 @@
+"""Sentences that cite works, and the three ways to write them: plain, for pandoc and for LaTeX."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from bench.report.latex import escape
+from bench.report.references import Reference
+
+
+@dataclass(frozen=True)
+class Cite:
+    """A citation within a sentence, by keys."""
+
+    keys: tuple[str, ...]
+
+
+Sentence = list[str | Cite]
+
+
+def say(template: str, **values: str | Sentence) -> Sentence:
+    """Return a sentence from a template, in which ``{name}`` stands for a value and ``[@key; @key]`` cites works.
+
+    What a value holds is never read as a template: labels are data.
+    """
+    sentence: Sentence = []
+    for part in re.split(r"( \[@[^]]+\]|\{\w+\})", template):
+        value: str | Sentence = part
+        if part.startswith(" [@"):
+            value = [Cite(tuple(part[3:-1].split("; @")))]
+        elif part.startswith("{"):
+            value = values[part[1:-1]]
+        sentence += [value] if isinstance(value, str) else value
+    return sentence
+
+
+def series(items: Sequence[Sentence]) -> Sentence:
+    """Return all items in one, with commas and an "and" between them."""
+    joined: Sentence = []
+    for number, item in enumerate(items):
+        joined += ["" if number == 0 else " and " if number == len(items) - 1 else ", ", *item]
+    return joined
+
+
+def keys(paragraphs: Iterable[Iterable[Sentence]]) -> list[str]:
+    """Return the keys that paragraphs cite, in order of the alphabet."""
+    pieces = (piece for paragraph in paragraphs for sentence in paragraph for piece in sentence)
+    return sorted({key for piece in pieces if isinstance(piece, Cite) for key in piece.keys})
+
+
+@dataclass(frozen=True)
+class Style:
+    """A way to write sentences: how plain text is shown and how works are cited (one or more)."""
+
+    plain: Callable[[str], str]
+    cite: Callable[[list[Reference]], str]
+
+    def write(self, paragraph: Iterable[Sentence], works: Mapping[str, Reference]) -> str:
+        """Return a paragraph; ``works`` are those it may cite, by key."""
+        return " ".join("".join(self._show(piece, works) for piece in sentence) for sentence in paragraph)
+
+    def _show(self, piece: str | Cite, works: Mapping[str, Reference]) -> str:
+        if isinstance(piece, str):
+            return self.plain(piece)
+        return self.cite([works[key] for key in piece.keys]) if piece.keys else ""
+
+
+def _one_line(text: str) -> str:
+    return re.sub(r"\s+", " ", text)
+
+
+def _escape_markdown(text: str) -> str:
+    return re.sub(r"([\\`*_{}\[\]<>#@~^$|&\"'])", r"\\\1", _one_line(text))
+
+
+TEXT = Style(_one_line, lambda works: f" ({'; '.join(work.author_year for work in works)})")
+MARKDOWN = Style(_escape_markdown, lambda works: f" [{'; '.join(f'@{work.key}' for work in works)}]")
+LATEX = Style(escape, lambda works: f"~\\cite{{{','.join(work.key for work in works)}}}")

@@ -1,0 +1,81 @@
+"""Part 5: how good an answer is after how many evaluations."""
+
+from __future__ import annotations
+
+from math import ceil
+
+import numpy as np
+import pandas as pd
+
+from bench.analysis import data_profiles, ecdf, evaluation_grid, expected_running_time, success_rates
+from bench.report.findings import Findings
+from bench.report.parts import Section, Table
+from bench.report.plots import convergence_figure, ecdf_figure, ert_figure
+from bench.report.words import count, shares
+
+TITLE = "Convergence and targets"
+PROFILE = 1e-2  # Moré and Wild (2009) draw data profiles at 1e-1 to 1e-7; here the middle of the ladder
+
+
+def section(findings: Findings) -> Section:
+    """Return the anytime view: convergence, targets reached, expected running time and success rates."""
+    if not findings.results.traces:
+        return Section(TITLE, ("No trial left a trace, so there is nothing to draw.",))
+    budget, hits = findings.results.study.budget, findings.hits
+    grid = evaluation_grid(budget)
+    groups = evaluation_grid(ceil(budget / (1 + min(findings.dimensions.values()))))
+    profiles = data_profiles(hits, PROFILE, groups, findings.dimensions)
+    items = (
+        convergence_figure(findings.curves, findings.optimizers),
+        ecdf_figure(ecdf(hits, grid), profiles, findings.optimizers, tau=PROFILE),
+        ert_figure(expected_running_time(hits), findings.optimizers),
+        _success(success_rates(hits)),
+    )
+    return Section(TITLE, (*_leaders(findings, budget), _ladder(findings.targets)), items)
+
+
+def _leaders(findings: Findings, budget: int) -> list[str]:
+    sentences = []
+    for share in (0.01, 0.1, 1.0) if len(findings.optimizers) > 1 else ():
+        spent = max(round(share * budget), 1)
+        curves = findings.curves[findings.curves["evaluations"] <= spent]
+        reached = curves.groupby(["problem", "optimizer"], sort=False, observed=True).last()
+        median = reached["median"].unstack("optimizer")
+        finite = median.where(np.isfinite(median.to_numpy(dtype=float)))
+        lowest = shares(finite.eq(finite.min(axis=1), axis=0))
+        sentences.append(f"After {count(spent, 'evaluation')} the lowest median is {lowest}.")
+    return [" ".join(dict.fromkeys(sentences))] if sentences else []
+
+
+def _ladder(targets: pd.DataFrame) -> str:
+    known = targets.drop_duplicates("problem")["known"].astype(bool)
+    reference = (
+        "the known optimum"
+        if known.all()
+        else "the lowest value that any trial found (no optimum is known)"
+        if not known.any()
+        else "the known optimum, or the lowest value found where none is known"
+    )
+    return (
+        "A target is a share tau of the way left: the objective value f_L + tau (f_0 − f_L), where f_0 is the median "
+        f"of the trials’ first values and f_L is {reference} (Moré and Wild 2009). The expected running time (ERT) is "
+        "the evaluations of all trials over the number of successes; where no trial succeeds it is infinite."
+    )
+
+
+def _success(rates: pd.DataFrame) -> Table:
+    overall = (
+        rates.groupby(["optimizer", "tau"], sort=False, observed=True)[["successes", "trials"]].sum().reset_index()
+    )
+    shown = overall.assign(share=100 * overall["successes"] / overall["trials"].where(overall["trials"] > 0))
+    table = shown.pivot(index="optimizer", columns="tau", values="share")
+    order = list(dict.fromkeys(shown["optimizer"])), sorted(set(shown["tau"]), reverse=True)
+    table = table.reindex(index=order[0], columns=order[1]).rename_axis(index="optimizer", columns=None)
+    return Table(
+        "success-rates",
+        "Trials that reached a target, in percent, over all problems, by tau.",
+        table.rename(columns=lambda tau: f"tau = {tau:g}"),
+        decimals=1,
+        note="By problem, with 95% Wilson intervals, in the CSV file and in the sections below.",
+        data=rates,
+    )

@@ -1,0 +1,122 @@
+"""Part 6: every problem by itself."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pandas as pd
+
+from bench.analysis import ALPHA, effect_size, success_rates
+from bench.report.findings import Findings
+from bench.report.parts import Part, Section, Table
+from bench.report.plots import distribution_figure
+from bench.report.words import MISSING, cell_text, count, listing, usual_decimals
+
+TITLE = "Problem by problem"
+TAU = 1e-2
+
+
+def section(findings: Findings) -> Section:
+    """Return a section for each problem of the study: all its trials, their statistics and the tests of every pair."""
+    every = [entry.label for entry in findings.results.study.problems]
+    rates = success_rates(findings.hits, taus=(TAU,)) if findings.results.traces else pd.DataFrame()
+    how_to_read = (
+        "Boxes span the quartiles, whiskers reach the furthest point within 1.5 box lengths, and every trial is a "
+        "point. D is the largest distance between the two empirical distributions and p its exact probability (by "
+        "9,999 permutations where more than 10% of the values are ties). A12 is the chance that a trial of the first "
+        "optimizer ends below one of the second, ties counted half, with a 95% bootstrap interval: 0.5 is no tendency; "
+        "beyond 0.56, 0.64 and 0.71 (below 0.44, 0.36 and 0.29) it is called small, medium and large. Cliff’s delta is "
+        "2 A12 − 1."
+    )
+    return Section(TITLE, (how_to_read,), sections=tuple(_problem(findings, problem, rates) for problem in every))
+
+
+def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
+    if problem not in findings.problems:
+        return Section(problem, warnings=("No optimizer has a trial on this problem yet.",))
+    own = findings.coverage[findings.coverage["problem"] == problem]
+    empty = list(own.loc[own["stored"] == 0, "optimizer"])
+    warnings = [f"No trial of {listing(empty)} on this problem."] if empty else []
+    items: list[Part] = [
+        distribution_figure(findings.frame, problem, findings.optima.get(problem), findings.expected.get(problem, {})),
+        _cells(findings, problem, rates),
+    ]
+    pairs = findings.pairs[findings.pairs["problem"] == problem]
+    text = []
+    if len(pairs):
+        items.append(_pairs(problem, pairs))
+        text.append(
+            f"{int(pairs['significant'].astype(bool).sum())} of {count(len(pairs), 'pair')} differ significantly after "
+            f"Holm’s adjustment (alpha = {ALPHA:g}), {int((pairs['p'] <= ALPHA).sum())} before it."
+        )
+    return Section(problem, tuple(text), tuple(items), tuple(warnings))
+
+
+def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
+    summary, matrix = findings.summary, findings.matrix
+    own = summary[summary["problem"] == problem].set_index("optimizer").drop(columns="problem")
+    shown = own[["n", "failed", "median", "mean", "sd", "best", "worst"]].rename(columns={"sd": "SD"})
+    decimals = usual_decimals(own["median"])
+    shown.insert(3, "median 95%", _intervals(own["median_low"], own["median_high"], decimals))
+    shown["letters"] = matrix[matrix["problem"] == problem].set_index("optimizer")["letters"]
+    if len(rates):
+        reached = rates[rates["problem"] == problem].set_index("optimizer").reindex(own.index)
+        shown["success %"] = 100 * reached["rate"]
+        shown["success 95%"] = _intervals(100 * reached["low"], 100 * reached["high"], 0)
+    return Table(
+        f"cells-{problem}",
+        f"{problem}: trials, failures, and the best objective value over trials.",
+        shown,
+        decimals={"success %": 0},
+        note="The interval of the median is free of any distribution; letters as in the comparison; success: trials "
+        f"that reached tau = {TAU:g}, with a Wilson interval. –: too few trials.",
+        data=own.reset_index(),
+    )
+
+
+def _pairs(problem: str, pairs: pd.DataFrame) -> Table:
+    shown = pd.DataFrame(
+        {
+            "D": pairs["distance"],
+            "p": pairs["p"],
+            "p (Holm)": pairs["p_holm"],
+            "p (Mann-Whitney)": pairs["p_mw"],
+            "A12": pairs["a12"],
+            "A12 95%": [_a12_interval(pair) for pair in pairs.itertuples()],
+            "effect": [effect_size(value) if pd.notna(value) else "" for value in pairs["a12"]],
+            "tends lower": pairs["lower"],
+            "note": [_note(pair) for pair in pairs.itertuples()],
+        }
+    )
+    shown.index = pd.Index(pairs["first"].astype(str) + " / " + pairs["second"].astype(str), name="pair")
+    if not shown["note"].any():
+        shown = shown.drop(columns="note")
+    return Table(
+        f"tests-{problem}",
+        f"{problem}: every pair of optimizers.",
+        shown,
+        bold=pd.DataFrame({"p (Holm)": pairs["significant"].to_numpy(dtype=bool)}, index=shown.index),
+        decimals={"D": 3, "A12": 3},
+        note=f"Bold: significant at {ALPHA:g} after Holm’s adjustment.",
+        data=pairs,
+    )
+
+
+def _intervals(low: pd.Series[float], high: pd.Series[float], decimals: int | None) -> list[str]:
+    pairs = zip(low, high, strict=True)
+    return [
+        MISSING if pd.isna(one) else f"{cell_text(one, decimals)} to {cell_text(other, decimals)}"
+        for one, other in pairs
+    ]
+
+
+def _a12_interval(pair: Any) -> str:
+    if pd.isna(pair.a12_low):
+        return MISSING
+    return "complete separation" if pair.separated else f"{pair.a12_low:.2f} to {pair.a12_high:.2f}"
+
+
+def _note(pair: Any) -> str:
+    if pair.method != "exact":
+        return str(pair.method)
+    return "tied: p is too large" if pair.tied else ""

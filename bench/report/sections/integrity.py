@@ -1,0 +1,63 @@
+"""Part 2: whether the results themselves are sound."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from bench.report.findings import Findings
+from bench.report.parts import Section, Table
+from bench.report.words import count, listing
+
+TITLE = "Integrity checks"
+TROUBLE = ("error", "warning")
+
+
+def section(findings: Findings) -> Section:
+    """Return every check with what it found, its troubles as warnings, and incomplete cells and failures in tables."""
+    checks = findings.integrity
+    troubles = checks[checks["verdict"].isin(TROUBLE)]
+    warnings = [f"{str(row.verdict).capitalize()}, {row.check}: {row.finding}" for row in troubles.itertuples()]
+    if findings.unloaded:
+        warnings.append(_unloaded(findings.unloaded))
+    unchecked = int((checks["verdict"] == "not checked").sum())
+    text = (
+        f"{count(len(checks), 'check')}: {int((checks['verdict'] == 'pass').sum())} passed, "
+        f"{count(len(troubles), 'warning or error', 'warnings or errors')}"
+        + (f", {count(notes, 'note')}" if (notes := int((checks["verdict"] == "note").sum())) else "")
+        + (f", {unchecked} not possible here" if unchecked else "")
+        + "."
+    )
+    table = Table(
+        "integrity",
+        "What was checked in the results, and what was found.",
+        checks[["check", "verdict", "finding"]].set_index("check"),
+        data=checks,
+    )
+    return Section(TITLE, (text,), (table, *_incomplete(findings)), tuple(warnings))
+
+
+def _unloaded(reasons: dict[str, str]) -> str:
+    labels, first = list(reasons), next(iter(reasons.values()))
+    return (
+        f"{count(len(labels), 'problem')} cannot be loaded here, so the optimum, the bounds and what is expected are "
+        f"not known: {listing(labels, at_most=5)} ({first})."
+    )
+
+
+def _incomplete(findings: Findings) -> list[Table]:
+    coverage, frame = findings.coverage, findings.frame
+    short = coverage[(coverage["missing"] > 0) | (coverage["failed"] > 0)]
+    tables = [Table("incomplete-cells", "Cells with missing or failed trials.", short)] if len(short) else []
+    failed = frame[frame["status"] != "ok"]
+    return [*tables, _failures(failed)] if len(failed) else tables
+
+
+def _failures(failed: pd.DataFrame) -> Table:
+    first_line = failed["error"].astype(object).where(failed["error"].notna(), "").str.split("\n").str[0]
+    errors = failed.assign(optimizer=failed["optimizer"].astype(str), error=first_line)
+    reasons = (
+        errors.groupby(["optimizer", "status", "error"], sort=False)
+        .agg(trials=("trial", "size"), problems=("problem", "nunique"))
+        .reset_index()[["optimizer", "status", "trials", "problems", "error"]]
+    )
+    return Table("failures", "Failed trials by optimizer and reason.", reasons)

@@ -1,0 +1,59 @@
+"""Part 8: what so few trials could have shown at all."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from bench.analysis import power_table
+from bench.report.findings import Findings
+from bench.report.parts import Section, Table
+from bench.report.words import count
+
+TITLE = "Power"
+
+
+def section(findings: Findings) -> Section:
+    """Return the differences that the Kolmogorov-Smirnov test can and cannot see with this study's trials."""
+    stored = findings.coverage.loc[findings.coverage["stored"] > 0, "stored"]
+    optimizers = len(findings.optimizers)
+    if stored.empty or optimizers < 2:
+        return Section(TITLE, ("There is nothing to compare, so no test has any power to speak of.",))
+    sizes = sorted({int(stored.min()), int(stored.max())})
+    tables = pd.concat([power_table(n, _pairs(optimizers)).assign(n=n) for n in sizes])
+    shown = tables[["n", "level", "alpha", "distance", "shift"]].rename(
+        columns={"distance": "D needed (of n)", "shift": "shift seen (SD)"}
+    )
+    blind = bool(tables.isna().any(axis=None))
+    table = Table(
+        "power",
+        "The smallest distance D that is significant with n trials a cell, in units of 1/n, and the shift between two "
+        "normal samples, in standard deviations, that the test then sees in 80% of cases.",
+        shown,
+        decimals={"alpha": 4, "D needed (of n)": 0, "shift seen (SD)": 2},
+        note="–: even complete separation is not significant with so few trials." if blind else "",
+        data=tables,
+    )
+    sentence = missed(sizes[0], optimizers)
+    return Section(TITLE, (f"{sentence[0].upper()}{sentence[1:]}.",), (table,))
+
+
+def missed(n: int, optimizers: int) -> str:
+    """Return in words, without a full stop, what differences n trials a cell would often not have shown."""
+    seen, shifts = [], []
+    for row in power_table(n, _pairs(optimizers)).dropna().itertuples():
+        seen.append(
+            f"at the {row.level} of {row.alpha:.2g} it needs D of at least {row.distance:.0f}/{n} and sees 80% of "
+            f"shifts of {row.shift:.2f} SD"
+        )
+        shifts.append(f"{row.shift:.1f}")
+    trials = f"with {count(n, 'trial')} a cell"
+    if not seen:
+        return f"{trials} the test can find no difference at all"
+    return (
+        f"{trials} the test would often miss shifts below about {' to '.join(dict.fromkeys(shifts))} SD "
+        f"({'; '.join(seen)})"
+    )
+
+
+def _pairs(optimizers: int) -> int:
+    return optimizers * (optimizers - 1) // 2

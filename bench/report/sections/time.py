@@ -1,0 +1,75 @@
+"""Part 7: what a trial takes."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from bench.analysis import CONTENTION, HIDDEN_THREADS
+from bench.report.findings import Findings
+from bench.report.parts import Section, Table
+from bench.report.plots import timing_figure
+from bench.report.words import listing, seconds
+
+TITLE = "Time"
+
+
+def section(findings: Findings) -> Section:
+    """Return wall and processor time of a trial, objective and overhead apart, with the signs of a disturbed clock."""
+    timing = findings.timing
+    known = timing[timing["trials"] > 0].sort_values("wall_mean", kind="stable")
+    if known.empty:
+        return Section(TITLE, ("No trial finished, so there is no time to give.",))
+    warnings = []
+    if len(waited := known.loc[known["contention"], "optimizer"]):
+        warnings.append(
+            f"Trials of {listing(list(waited))} waited for their core (wall time more than {CONTENTION:g} times CPU "
+            "time): the machine was busy, so trust CPU times rather than wall times."
+        )
+    if len(threaded := known.loc[known["hidden_threads"], "optimizer"]):
+        warnings.append(
+            f"Trials of {listing(list(threaded))} used more than one core (CPU time more than {HIDDEN_THREADS:g} "
+            "times wall time): wall times flatter them."
+        )
+    return Section(TITLE, (_in_words(findings, known),), (timing_figure(timing), _table(timing)), tuple(warnings))
+
+
+def _in_words(findings: Findings, known: pd.DataFrame) -> str:
+    fastest, slowest = known.iloc[0], known.iloc[-1]
+    text = f"A trial takes {seconds(fastest['wall_mean'])} on average with {fastest['optimizer']}"
+    if len(known) > 1:
+        text += f", the fastest, and {seconds(slowest['wall_mean'])} with {slowest['optimizer']}, the slowest"
+    processors = list(dict.fromkeys(str(each.get("processor", "")) for each in findings.results.environments))
+    machine = f" ({listing(processors)})" if any(processors) else ""
+    return f"{text}. One trial ran on a core at a time, on the machine named below{machine}."
+
+
+def _table(timing: pd.DataFrame) -> Table:
+    shown = pd.DataFrame(
+        {
+            "trials": timing["trials"],
+            "wall s": timing["wall_median"],
+            "wall IQR": _interval(timing, "wall"),
+            "CPU s": timing["cpu_median"],
+            "CPU IQR": _interval(timing, "cpu"),
+            "objective": timing["objective_share"].map("{:.0%}".format, na_action="ignore"),
+            "evals/s": timing["speed_median"],
+            "evals/s IQR": _interval(timing, "speed"),
+            "wall/CPU": timing["wall_per_cpu"],
+        }
+    ).set_index(pd.Index(timing["optimizer"], name="optimizer"))
+    return Table(
+        "timing",
+        "Median time of one trial, its quartiles, the share spent in the problem’s evaluate, and evaluations a second.",
+        shown,
+        decimals={"wall/CPU": 2, "evals/s": 0},
+        data=timing,
+    )
+
+
+def _interval(timing: pd.DataFrame, name: str) -> list[str]:
+    quartiles = zip(timing[f"{name}_q1"], timing[f"{name}_q3"], strict=True)
+    return ["–" if pd.isna(q1) else f"{_short(q1)}–{_short(q3)}" for q1, q3 in quartiles]
+
+
+def _short(value: float) -> str:
+    return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}"

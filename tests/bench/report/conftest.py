@@ -1,0 +1,228 @@
+"""A page with one of everything, and a browser to look at it with."""
+
+import itertools
+import json
+import os
+import select
+import shutil
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.report.page import Item, View, inline, render
+from bench.report.parts import Card, Figure, Section, Table
+
+SVG = """<?xml version="1.0" encoding="utf-8"?>
+<svg xmlns:xlink="http://www.w3.org/1999/xlink" width="252pt" height="144pt" viewBox="0 0 252 144"
+  xmlns="http://www.w3.org/2000/svg" version="1.1">
+ <metadata><rdf>Matplotlib</rdf></metadata>
+ <defs><style type="text/css">*{stroke-linejoin: round; stroke-linecap: butt}</style></defs>
+ <g id="figure_1">
+  <g id="axes_1" clip-path="url(#p1)">
+   <defs><path id="m1" d="M 0 3  C 0.795609 3 1.55874 2.683901 2.12132 2.12132  z " style="stroke: #0072b2"/></defs>
+   <g><use xlink:href="#m1" x="10.123456" y="20.987654" style="fill: #0072b2; stroke: #0072b2"/>
+      <use xlink:href="#m1" x="30" y="40.5" style="fill: #0072b2; stroke: #0072b2"/></g>
+  </g>
+  <g id="text_1"><text style="font: 8px sans-serif" x="126.004" y="72">two <tspan>words</tspan> here</text></g>
+ </g>
+ <defs><clipPath id="p1"><rect x="0" y="0" width="252" height="144"/></clipPath></defs>
+</svg>"""
+
+
+@pytest.fixture(scope="session")
+def item():
+    """Return an item of a part, as the report's writer makes it."""
+
+    def make(part):
+        if isinstance(part, Table):
+            return Item(part.name, [f"tables/{part.name}.csv", f"tables/{part.name}.tex"], table=part)
+        files = [f"figures/{part.name}.{kind}" for kind in ("svg", "pdf", "csv")]
+        return Item(part.name, files, figure=part, svg=inline(SVG, part.name, part.caption))
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def view(item):
+    """Return a view of a section, as the report's writer makes it."""
+
+    def make(anchor, section, files=()):
+        inner = [make(f"{anchor}-{number}", each) for number, each in enumerate(section.sections, 1)]
+        return View(anchor, section, [item(part) for part in section.items], inner, list(files))
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def views(view):
+    """A verdict, tables to sort and to filter, figures with short and long data, datasets, a text to copy and files."""
+    cards = (
+        Card("What may be claimed", ("cma-es is ranked first on 18 of 18 problems.",), "claim"),
+        Card("What may not", ("No optimizer is shown to be equal to another.", "Shifts may be missed."), "limit"),
+    )
+    numbers = [1234.5, np.inf, 0.5, np.nan, -2.0, 1e-5, 99.0, 1200.0, 3.0, 7.0, 8.0, 9.0]
+    wide = pd.DataFrame(
+        {
+            "name": [f"problem-{i}" for i in range(1, 13)],
+            "value": numbers,
+            "p": ["0.03", "<1e-4", "0.0002", "–", "1.2e-05", "1", "0.5", "0.6", "0.7", "0.8", "0.9", "0.99"],
+            "mixed": ["1,234.5", "−0.5", "-3e+02", "∞", "−∞", "12 %", "3.1–4.2", "0", "", ">20", "+7", "20"],
+            "remark": ["a long remark on one trial that failed and so scores infinity " * 2, *["short"] * 11],
+        }
+        | {f"column {i}": np.arange(12.0) for i in range(9)}
+    )
+    marks = pd.DataFrame({"b": ["a", "ab"]}, index=pd.Index(["p", "q"], name="problem"))
+    pair = pd.DataFrame({"a": [1, 22], "b": [3.5, 4.5]}, index=marks.index)
+    matrix = Table(
+        "matrix", "Medians.", pair, bold=pair < 2, italic=pair > 4, marks=marks, note="Letters: not told apart."
+    )
+    short = Figure("short", "A figure of few numbers.", None, pd.DataFrame({"x": [1, 2], "y": [3.0, 4.0]}))
+    long = Figure("long", "A figure of many.", None, pd.DataFrame({"x": np.arange(1234), "y": np.arange(1234) / 7}))
+    datasets = tuple(Section(f"dataset {i}", (f"About dataset {i}.",)) for i in range(1, 4))
+    return [
+        view("section-1", Section("Verdict", ("A sentence.",), cards=cards, warnings=("Few trials.", "Odd ones."))),
+        view("section-2", Section("Comparison", items=(matrix, Table("wide", "Everything.", wide)))),
+        view("section-3", Section("Curves", items=(short, long))),
+        view("section-4", Section("Datasets", sections=datasets)),
+        view("section-5", Section("Methods", code="@book{a,\n  title = {<b>}\n}" + " " * 200 + "end")),
+        view(
+            "section-6",
+            Section("Downloads"),
+            [
+                ("figures/a b#.pdf", "A figure."),
+                ("figures/a b#.svg", "A figure."),
+                ("report.html", "this page"),
+                ("tables/trials.csv", "every trial"),
+            ],
+        ),
+    ]
+
+
+@pytest.fixture(scope="session")
+def page(views):
+    """The page of these views."""
+    return render("A <report>", "Five optimizers & more.", views)
+
+
+# A browser: Chromium, spoken to in the DevTools protocol through a pipe, which needs no driver and no library.
+
+PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
+OPTIONS = (
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",
+    "--disable-background-networking", "--disable-component-update", "--remote-debugging-pipe",
+)  # fmt: skip
+LAUNCH = """
+import fcntl, os, sys
+reads, writes = (fcntl.fcntl(int(each), fcntl.F_DUPFD, 10) for each in sys.argv[1:3])
+os.dup2(reads, 3), os.dup2(writes, 4)  # where Chromium looks for them
+os.execv(sys.argv[3], sys.argv[3:])
+"""
+KEYS = {"Tab": (9, ""), "Enter": (13, "\r"), "ArrowRight": (39, "")}
+
+
+class Browser:
+    """One tab of a headless browser."""
+
+    def __init__(self, program, profile):
+        (reads, self.writes), (self.reads, writes) = os.pipe(), os.pipe()
+        command = [
+            sys.executable,
+            "-c",
+            LAUNCH,
+            str(reads),
+            str(writes),
+            program,
+            *OPTIONS,
+            f"--user-data-dir={profile}",
+        ]
+        self.process = subprocess.Popen(command, pass_fds=(reads, writes), stderr=subprocess.DEVNULL)
+        os.close(reads), os.close(writes)
+        self.numbers, self.buffer, self.events, self.session = itertools.count(1), b"", [], {}
+        target = self("Target.createTarget", url="about:blank")["targetId"]
+        self.session = {"sessionId": self("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]}
+        for domain in ("Page", "Network", "Log"):
+            self(f"{domain}.enable")
+
+    def __call__(self, method, **params):
+        """Return a command's result; events that come before it are kept."""
+        number = next(self.numbers)
+        os.write(
+            self.writes, json.dumps({"id": number, "method": method, "params": params, **self.session}).encode() + b"\0"
+        )
+        answer = self.until(lambda message: message.get("id") == number)
+        assert "error" not in answer, (method, answer["error"])
+        return answer["result"]
+
+    def until(self, wanted, patience=30):
+        """Return the first message that is wanted."""
+        end = time.monotonic() + patience
+        while True:
+            while b"\0" in self.buffer:
+                line, self.buffer = self.buffer.split(b"\0", 1)
+                message = json.loads(line)
+                self.events.append(message)
+                if wanted(message):
+                    return message
+            ready = select.select([self.reads], [], [], max(end - time.monotonic(), 0))[0]
+            chunk = os.read(self.reads, 1 << 20) if ready else b""
+            if not chunk:
+                raise TimeoutError("the browser does not answer")
+            self.buffer += chunk
+
+    def open(self, path, *, width=1280, height=900, dark=False, media="screen", scripts=True):
+        """Load a file as a reader with such a screen sees it."""
+        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        self("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        self("Emulation.setEmulatedMedia", media=media, features=[scheme])
+        self("Emulation.setScriptExecutionDisabled", value=not scripts)
+        self.events.clear()
+        self("Emulation.setScrollbarsHidden", hidden=True)
+        self("Page.navigate", url=path.as_uri())
+        self.until(lambda message: message.get("method") == "Page.loadEventFired")
+
+    def run(self, script):
+        """Return the value of a JavaScript expression, awaited."""
+        done = self("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
+        assert "exceptionDetails" not in done, done["exceptionDetails"]
+        return done["result"].get("value")
+
+    def wait(self, script):
+        """Return a JavaScript expression's value as soon as it is true."""
+        return self.run(
+            f"new Promise((done) => {{ const look = () => {{ const it = {script};"
+            " it ? done(it) : setTimeout(look, 20) }; look() })"
+        )
+
+    def press(self, key):
+        code, text = KEYS[key]
+        for kind in ("keyDown", "keyUp"):
+            self("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code, text=text)
+
+    def seen(self, method):
+        """Return the parameters of the events of a kind since the page was opened."""
+        return [message["params"] for message in self.events if message.get("method") == method]
+
+    def close(self):
+        self.session = {}
+        try:
+            self("Browser.close")
+            self.process.wait(10)
+        except (TimeoutError, BrokenPipeError, subprocess.TimeoutExpired):
+            self.process.kill()
+            self.process.wait()
+        os.close(self.reads), os.close(self.writes)
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory):
+    """Return a headless Chromium; a test that needs it is skipped where there is none."""
+    program = next(filter(None, map(shutil.which, PROGRAMS)), None)
+    if program is None:
+        pytest.skip(f"no browser: none of {', '.join(PROGRAMS)} is installed")
+    browser = Browser(program, tmp_path_factory.mktemp("profile"))
+    yield browser
+    browser.close()

@@ -1,0 +1,248 @@
+"""The page in a browser: accessible, sortable, filterable and printable, by keyboard, without scripts and offline."""
+
+import base64
+import importlib.util
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+OPEN_ALL = "for (const each of document.querySelectorAll('details')) each.open = true"
+
+
+@pytest.fixture(scope="module")
+def file(page, tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "report.html"
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def axe():
+    """Return axe-core's source: the file that AXE_CORE names, or the one of the package axe-core-python."""
+    spec = importlib.util.find_spec("axe_core_python")
+    path = os.environ.get("AXE_CORE") or (spec and Path(spec.origin).with_name("axe.min.js"))
+    if not path:
+        pytest.skip("no axe-core: install axe-core-python, or set AXE_CORE to an axe.min.js")
+    return Path(path).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+@pytest.mark.parametrize("width", [1280, 400])
+def test_axe_finds_nothing(browser, file, axe, width, dark):
+    browser.open(file, width=width, dark=dark)
+    browser.run(OPEN_ALL)
+    browser.run(axe)
+    found = json.loads(browser.run("axe.run().then((done) => JSON.stringify(done))"))
+    assert len(found["passes"]) > 15
+    assert [(each["id"], each["impact"], each["nodes"][0]["html"]) for each in found["violations"]] == []
+
+
+def test_dark_is_dark_and_figures_stay_on_white(browser, file):
+    colours = {}
+    for dark in (False, True):
+        browser.open(file, dark=dark)
+        colours[dark] = browser.run("getComputedStyle(document.body).backgroundColor")
+        assert browser.run("getComputedStyle(document.querySelector('.plot')).backgroundColor") == "rgb(255, 255, 255)"
+    assert colours == {False: "rgb(255, 255, 255)", True: "rgb(20, 23, 27)"}
+
+
+@pytest.mark.parametrize("width", [1280, 768, 400, 320])
+def test_the_page_never_scrolls_sideways(browser, file, width):
+    browser.open(file, width=width)
+    browser.run(OPEN_ALL)
+    assert browser.run("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+    sides = "[...document.querySelectorAll('.card')].map((card) => card.getBoundingClientRect().top)"
+    left, right = browser.run(sides)
+    assert (left == right) == (width > 700)
+
+
+class TestSorting:
+    @pytest.fixture
+    def column(self, browser, file):
+        """Return a function that sorts the wide table by a column, and returns the values and the state."""
+        browser.open(file)
+
+        def sort(name, click=True):
+            return browser.run(
+                f"""(() => {{
+                    const table = document.querySelector('#wide table');
+                    const heads = [...table.tHead.rows[0].cells];
+                    const at = heads.findIndex((head) => head.textContent === {json.dumps(name)});
+                    if ({json.dumps(click)}) heads[at].querySelector('button').click();
+                    const states = heads.map((head) => head.ariaSort).filter((state) => state);
+                    return [[...table.tBodies[0].rows].map((row) => row.cells[at].textContent), states];
+                }})()"""
+            )
+
+        return sort
+
+    def test_numbers_sort_by_value_and_missing_ones_last(self, column):
+        original = column("value", click=False)
+        assert original[1] == []
+        rising = ["-2", "1e-05", "0.5", "3", "7", "8", "9", "99", "1200", "1234", "∞", "–"]
+        assert column("value") == [rising, ["ascending"]]
+        assert column("value") == [[*rising[-2::-1], "–"], ["descending"]]
+        assert column("value") == original
+
+    def test_bounds_and_exponents_sort_too(self, column):
+        ps = ["1.2e-05", "<1e-4", "0.0002", "0.03", "0.5", "0.6", "0.7", "0.8", "0.9", "0.99", "1", "–"]
+        assert column("p") == [ps, ["ascending"]]
+
+    def test_signs_thousands_shares_and_intervals_sort_too(self, column):
+        rising = ["−∞", "-3e+02", "−0.5", "0", "3.1–4.2", "+7", "12 %", "20", ">20", "1,234.5", "∞", ""]
+        assert column("mixed") == [rising, ["ascending"]]
+
+    def test_texts_sort_as_people_count(self, column):
+        assert column("name")[0] == [f"problem-{i}" for i in range(1, 13)]
+        assert column("name")[0] == [f"problem-{i}" for i in range(12, 0, -1)]
+
+    def test_one_column_is_sorted_at_a_time(self, column):
+        column("value")
+        assert column("p")[1] == ["ascending"]
+
+    def test_letters_after_a_value_do_not_count(self, browser, file):
+        browser.open(file)
+        head = "document.querySelector('#matrix thead th:last-child button')"
+        browser.run(f"{head}.click(), {head}.click()")
+        assert browser.run("document.querySelector('#matrix tbody').textContent").split()[0].startswith("q")
+
+
+class TestFilter:
+    INPUT = "document.querySelector('#wide input')"
+    SHOWN = "[...document.querySelectorAll('#wide tbody tr')].filter((row) => row.offsetHeight).length"
+    STATUS = "document.querySelector('#wide [role=status]').textContent"
+
+    def test_rows_are_filtered_and_counted(self, browser, file):
+        browser.open(file)
+        assert browser.run(self.STATUS) == ""
+        browser.run(f"{self.INPUT}.focus()")
+        browser("Input.insertText", text="PROBLEM-1")
+        assert (browser.run(self.SHOWN), browser.run(self.STATUS)) == (4, "4 of 12 rows")
+        browser("Input.insertText", text="x")
+        assert (browser.run(self.SHOWN), browser.run(self.STATUS)) == (0, "0 of 12 rows")
+        browser.run(f"{self.INPUT}.select()")
+        browser("Input.insertText", text=" ")
+        assert (browser.run(self.SHOWN), browser.run(self.STATUS)) == (12, "")
+
+    def test_only_long_tables_have_one_and_each_says_whose(self, browser, file):
+        browser.open(file)
+        names = browser.run("[...document.querySelectorAll('input')].map((input) => input.ariaLabel)")
+        assert names == ["Filter rows of Table 2", "Filter rows of Data of Figure 2"]
+
+
+class TestKeyboard:
+    def test_the_first_stop_skips_to_the_report(self, browser, file):
+        browser.open(file)
+        browser.press("Tab")
+        assert browser.run("document.activeElement.textContent") == "Skip to the report"
+        browser.press("Enter")
+        assert browser.run("document.activeElement.tagName") == "MAIN"
+
+    def test_enter_sorts(self, browser, file):
+        browser.open(file)
+        browser.run("document.querySelector('#wide th button').focus()")
+        browser.press("Enter")
+        browser.press("Enter")
+        assert browser.run("document.querySelector('#wide th').ariaSort") == "descending"
+        assert browser.run("document.querySelector('#wide tbody td').textContent") == "problem-12"
+        assert browser.run("document.activeElement.closest('th').cellIndex") == 0
+
+    def test_everything_is_reached_by_tab(self, browser, file):
+        browser.open(file)
+        browser.run(OPEN_ALL)
+        wanted = browser.run("document.querySelectorAll('a, button, input, summary, .scroll, pre').length")
+        browser.run("window.reached = new Set(); addEventListener('focusin', (event) => reached.add(event.target))")
+        for _ in range(wanted + 1):
+            browser.press("Tab")
+        assert browser.run("reached.size") == wanted
+
+    def test_arrows_scroll_a_wide_table(self, browser, file):
+        browser.open(file, width=400)
+        frame = "document.querySelector('#wide .scroll')"
+        browser.run(f"{frame}.focus()")
+        browser.press("ArrowRight")
+        assert browser.wait(f"{frame}.scrollLeft")
+
+
+def test_without_scripts_all_is_shown_and_nothing_is_dead(browser, file):
+    browser.open(file, scripts=False)
+    assert browser.run("document.querySelectorAll('button, input').length") == 0
+    assert browser.run("[...document.querySelectorAll('#wide tbody tr')].every((row) => row.offsetHeight > 0)")
+    assert browser.run("document.querySelectorAll('#wide tbody tr').length") == 12
+
+
+def test_a_text_is_copied_or_selected(browser, file):
+    browser.open(file)
+    browser.run("document.querySelector('.copy').focus()")
+    browser.press("Enter")
+    assert browser.wait("document.querySelector('.copy').textContent.replace('Copy', '')") in {"Copied", "Selected"}
+
+
+class TestOffline:
+    def test_only_the_page_is_asked_for_and_nothing_is_complained_of(self, browser, file):
+        browser.open(file)
+        browser.run(OPEN_ALL)
+        assert [event["request"]["url"] for event in browser.seen("Network.requestWillBeSent")] == [file.as_uri()]
+        assert browser.seen("Log.entryAdded") == []
+
+    def test_the_policy_lets_nothing_out_or_in(self, browser, file):
+        browser.open(file)
+        refused = """new Promise((done) => {
+            const seen = [];
+            addEventListener("securitypolicyviolation", (event) => {
+                seen.push(event.effectiveDirective);
+                if (seen.length === 3) done(seen.sort());
+            });
+            const add = (tag, more) => document.body.append(Object.assign(document.createElement(tag), more));
+            add("img", { src: "http://127.0.0.1:9/x.png" });
+            add("script", { textContent: "window.ran = true" });
+            fetch("http://127.0.0.1:9/").catch(() => {});
+        })"""
+        assert browser.run(refused) == ["connect-src", "img-src", "script-src-elem"]
+        assert browser.run("window.ran") is None
+
+    def test_links_to_files_beside_it_work(self, browser, file):
+        target = file.parent / "figures" / "a b#.pdf"
+        target.parent.mkdir(exist_ok=True)
+        target.with_name("a b#.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
+        browser.open(file)
+        browser.run("document.querySelector('.downloads a[href$=svg]').click()")
+        browser.until(lambda message: message.get("method") == "Page.loadEventFired")
+        assert browser.run("document.documentElement.tagName") == "svg"
+
+
+class TestPrint:
+    A4 = 688  # CSS pixels between the margins
+
+    def test_nothing_is_wider_than_the_paper(self, browser, file):
+        browser.open(file, width=self.A4, media="print")
+        browser.run(OPEN_ALL)
+        edges = (
+            "[...document.querySelectorAll('table, svg, pre, .card')].map((each) => each.getBoundingClientRect().right)"
+        )
+        assert max(browser.run(edges)) <= self.A4
+
+    def test_what_the_script_adds_stays_off_paper(self, browser, file):
+        browser.open(file, media="print")
+        shown = (
+            "[...document.querySelectorAll('.filter, .copy, .files, .skip')].filter((each) => each.offsetHeight).length"
+        )
+        assert browser.run(shown) == 0
+
+    @pytest.mark.parametrize("scripts", [True, False])
+    def test_short_data_tables_are_printed_and_long_ones_not(self, browser, file, scripts):
+        browser.open(file, media="print", scripts=scripts)
+        if scripts:
+            browser.run("dispatchEvent(new Event('beforeprint'))")
+        tall = "document.querySelector('#{} td').checkVisibility({{ contentVisibilityAuto: true }})"
+        assert [browser.run(tall.format(name)) for name in ("short", "long")] == [True, False]
+        if scripts:
+            browser.run("dispatchEvent(new Event('afterprint'))")
+            assert browser.run("document.querySelectorAll('main details[open]').length") == 0
+
+    def test_a_pdf_has_a_page_or_few(self, browser, file):
+        browser.open(file, media="print")
+        pdf = base64.b64decode(browser("Page.printToPDF", preferCSSPageSize=True)["data"])
+        assert 2 <= pdf.count(b"/Type /Page\n") <= 6

@@ -1,0 +1,190 @@
+"""Tables as LaTeX: what they say, and that a real LaTeX takes them whatever they hold."""
+
+import os
+import re
+import shutil
+import subprocess
+import unicodedata
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bench import run
+from bench.report import write_report
+from bench.report.latex import ACCENTS, PAGE, SYMBOLS, escape, to_latex
+from bench.report.parts import Table
+
+HOSTILE = [
+    "&%$#_{}~^\\<>|\"'`", "[1] at a row's start", "*starred", "[", "]", "\\\\[2em]", "\\input{/etc/passwd}", "}{",
+    "line\nbreak\r\n\ttab", "日本語 한국어", "emoji 👩\u200d👩\u200d👧 🦊", "e\u0301 q\u0328 z" + "\u0301" * 300,
+    "עברית \u202eltr\u202c", "zero\u200bwidth\ufeff\u00ad", "bell\x07 null\x00", "a--b---c ?`!` ,, <<", "^^41", "$$",
+    "", " ", "x" * 500, "Łódź Çelik Ægir ŠKODA naïve ő ů ḥ ḇ ﬁ Ω R² 10⁻⁵ x₁ → ≠ ½ “q” ‘s’ … € °", "%\n\\end{table}",
+]  # fmt: skip
+
+needs_pdflatex = pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
+
+
+PACKAGES = "\\usepackage{booktabs,array,longtable,graphicx}"
+
+
+def compiled(folder, body, preamble=PACKAGES, options="", engine="pdflatex"):
+    """Return the log of a document that must compile, its lines unbroken."""
+    source = f"\\documentclass[{options}]{{article}}\n{preamble}\n\\begin{{document}}\n{body}\n\\end{{document}}\n"
+    (folder / "document.tex").write_text(source, encoding="utf-8")
+    command = [engine, "-halt-on-error", "-interaction=nonstopmode", "-no-shell-escape", "document.tex"]
+    done = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, errors="replace", timeout=120, check=False,
+        env=os.environ | {"max_print_line": "1000"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout[-2000:]
+    return done.stdout
+
+
+def overfull(log):
+    return [float(points) for points in re.findall(r"Overfull \\hbox \(([\d.]+)pt too wide\)", log)]
+
+
+def comparison(problems=18, optimizers=5, **options):
+    rng = np.random.default_rng(1)
+    labels = ["cma-es", "alo", "goa", "gwo", "da", *(f"method-{i}" for i in range(optimizers))][:optimizers]
+    index = pd.Index([f"signature-{i + 3:02}" for i in range(problems)], name="problem")
+    frame = pd.DataFrame(rng.uniform(2, 40, (problems, optimizers)), index, labels)
+    best = frame.eq(frame.min(axis=1), axis=0)
+    note = "Bold: the lowest mean of the row. Italics: an exact test cannot tell the result from the best one’s."
+    return Table(
+        "comparison", "Mean of the best value.", frame, bold=best, italic=~best & (frame < 9), note=note, **options
+    )
+
+
+def packages_of(text):
+    return re.match(r"% needs \\usepackage\{([a-z,]+)\}\n", text)[1].split(",")
+
+
+class TestEscape:
+    @pytest.mark.parametrize(
+        ("text", "shown"),
+        [
+            ("a_1 & 50% #2", r"a\_1 \& 50\% \#2"), ("a  b\nc", "a b c"), ("Demšar", r"Dem\v{s}ar"),
+            ("e\u0301", r"\'{e}"), ("ế", r"\'{\^{e}}"), ("−1 ≤ α", r"$-$1 $\leq$ $\alpha$"), ("日", "[U+65E5]"),
+            ("\u200b", "[U+200B]"), ("ą", "a[U+0328]"), ("한", "[U+D55C]"), ("≠", r"$\neq$"), ("1–2", "1--2"),
+            ("1--2", "1-{}-2"), ("---", "-{}-{}-"), ("?`", r"?\`{}"), ('"', "''"), ("\x00", "[U+0000]"),
+            ("\ud800", "[U+D800]"),
+        ],
+    )  # fmt: skip
+    def test_characters(self, text, shown):
+        assert escape(text) == shown
+
+    @given(st.text())
+    def test_any_text_is_one_line_of_ascii_with_balanced_braces(self, text):
+        shown = escape(text)
+        assert shown.isascii()
+        assert shown.isprintable()
+        bare = re.sub(r"\\[{}]", "", shown)
+        assert bare.count("{") == bare.count("}")
+
+    @given(st.text())
+    def test_composed_and_decomposed_letters_are_the_same(self, text):
+        assert escape(unicodedata.normalize("NFD", text)) == escape(unicodedata.normalize("NFC", text))
+
+
+class TestToLatex:
+    def test_a_normal_table(self):
+        text = to_latex(comparison(problems=2, optimizers=2), "means")
+        assert packages_of(text) == ["booktabs"]
+        assert r"\begin{tabular}{lrr}" in text
+        assert r"\caption{Mean of the best value.}\label{tab:means}" in text
+        assert r"problem & cma-es & alo \\" in text
+        assert re.search(r"signature-03 & (\\textbf\{)?\d", text)
+
+    def test_packages_follow_the_shape(self):
+        words = pd.DataFrame({"check": ["seeds"], "finding": ["A sentence of more than forty characters about seeds."]})
+        assert packages_of(to_latex(comparison(), "t")) == ["booktabs", "graphicx"]
+        assert packages_of(to_latex(comparison(PAGE, 2), "t")) == ["booktabs"]
+        assert packages_of(to_latex(comparison(PAGE + 1, 2), "t")) == ["booktabs", "longtable"]
+        assert packages_of(to_latex(Table("t", "c", words), "t")) == ["booktabs", "array", "graphicx"]
+
+    def test_only_a_table_wider_than_the_page_spans_two_columns(self):
+        assert r"\begin{table}[htbp]" in to_latex(comparison(), "t")
+        text = to_latex(comparison(optimizers=12), "t")
+        assert r"\begin{table*}[htbp]" in text
+        assert r"\end{table*}" in text
+
+    def test_a_long_table_repeats_its_header_and_keeps_every_row(self):
+        text = to_latex(comparison(PAGE + 1, 2), "t")
+        assert text.count(r"problem & cma-es & alo \\") == 2
+        assert len(re.findall(r"^signature-\d+ &", text, re.MULTILINE)) == PAGE + 1
+        assert text.count(r"\label{") == 1
+
+    def test_numbers_are_set_as_such_and_words_as_they_are(self):
+        frame = pd.DataFrame({"x": [-1.5e-7, 2e30], "n": [-3, 4], "word": ["-1e-5", "1e5"]})
+        bold = pd.DataFrame({"x": [True, False], "n": [True, False]})
+        text = to_latex(Table("t", "c", frame, bold=bold), "t")
+        assert r"\textbf{\boldmath $-$1.5$\times$10$^{-7}$} & \textbf{\boldmath $-$3} & -1e-5 \\" in text
+        assert r"2$\times$10$^{30}$ & 4 & 1e5 \\" in text
+
+    def test_a_row_that_begins_like_an_argument_is_kept_apart(self):
+        lines = to_latex(Table("t", "c", pd.DataFrame({"[x": ["[1]", "*", "y"]})), "t").splitlines()
+        assert r"{}[x \\" in lines
+        assert [line for line in lines if line.endswith(r" \\")][1:] == [r"{}[1] \\", r"{}* \\", r"y \\"]
+
+    @pytest.mark.parametrize("label", HOSTILE)
+    def test_a_label_is_safe(self, label):
+        assert re.search(r"\\label\{tab:[A-Za-z0-9.:_-]*\}", to_latex(comparison(1, 1), label))
+
+
+@needs_pdflatex
+class TestCompiled:
+    def test_hostile_names_everywhere(self, tmp_path):
+        values = np.linspace(-1e-9, 1e9, len(HOSTILE))
+        names = [*HOSTILE[:-1], "last"]
+        tables = [
+            Table(
+                names[0], " ".join(HOSTILE), pd.DataFrame({"text": HOSTILE, HOSTILE[0]: values}), note=" ".join(HOSTILE)
+            ),
+            Table("index", "c", pd.DataFrame(1.0, pd.Index(HOSTILE, name=HOSTILE[1]), ["a", *HOSTILE[:4]])),
+            *(Table(name, name, pd.DataFrame({name: [name]}), note=name) for name in HOSTILE),
+            Table("short", "c", pd.DataFrame({"x": [name[:30] for name in HOSTILE]})),
+            Table("long", HOSTILE[0], pd.DataFrame({"x": HOSTILE * 5, "y": 1.0}), note=HOSTILE[0]),
+            Table("titles", "日" * 5000, pd.DataFrame({"日" * 500: [1.0], "x" * 5000: [2], "y " * 1000: ["z"]})),
+            Table("empty", "No rows.", pd.DataFrame({"x": []})),
+            Table("nothing", "No columns.", pd.DataFrame()),
+            Table("wide", "Too many columns.", pd.DataFrame(1.0, range(3), [f"column {i}" for i in range(60)])),
+        ]
+        for i, table in enumerate(tables):
+            (tmp_path / f"{i}.tex").write_text(to_latex(table, f"{i}"), encoding="utf-8")
+        compiled(tmp_path, "\n".join(f"\\input{{{i}}}\\clearpage" for i in range(len(tables))))
+
+    @pytest.mark.parametrize("fonts", ["OT1", "T1"])
+    def test_every_character_of_the_tables_of_characters(self, fonts, tmp_path):
+        letters = [letter + mark for letter in "aAiIzZ" for mark in ACCENTS] + list(map(chr, range(0xA0, 0x250)))
+        text = escape(" ".join([*SYMBOLS, *letters]))
+        body = text if fonts == "T1" else f"{text} \\textbf{{\\boldmath {text}}} \\textit{{{text}}}"
+        log = compiled(tmp_path, body, f"\\usepackage[{fonts}]{{fontenc}}")
+        assert "Missing character" not in log
+
+    def test_normal_tables_need_no_more_than_they_say_and_fit(self, tmp_path):
+        sentence = "Every cell has the 30 trials that the study plans; none is missing and none is there twice."
+        checks = pd.DataFrame({"check": ["trials", "seeds"], "finding": [sentence, "a" * 64], "cells": [90, 90]})
+        for table in (comparison(), comparison(optimizers=12), comparison(90), Table("checks", "c", checks)):
+            text = to_latex(table, "t")
+            for options in ("", *(["twocolumn"] if "longtable" not in text else [])):
+                log = compiled(tmp_path, text, text.partition("\n")[0].removeprefix("% needs "), options)
+                assert max(overfull(log), default=0) < 2
+
+    @pytest.mark.skipif(shutil.which("lualatex") is None, reason="lualatex is not installed")
+    def test_lualatex_takes_them_too(self, tmp_path):
+        text = to_latex(Table("t", "Łódź ≤ α", pd.DataFrame({"x": HOSTILE})), "t")
+        assert "Missing character" not in compiled(tmp_path, text, engine="lualatex")
+
+    def test_all_tables_and_the_methods_of_a_report(self, small_study, tmp_path):
+        folder = tmp_path / "small"
+        run(small_study, output=folder, n_jobs=1)
+        write_report(folder)
+        tables = sorted((folder / "tables").glob("*.tex"))
+        assert tables
+        inputs = [f"\\input{{tables/{path.stem}}}\\clearpage" for path in tables]
+        log = compiled(folder, "\n".join([*inputs, "\\input{methods}"]))
+        assert max(overfull(log), default=0) < 20

@@ -1,0 +1,236 @@
+"""The methods section: sentences follow the facts, three ways say the same, and every citation has its work."""
+
+import re
+import shutil
+import subprocess
+from dataclasses import fields, replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bench import BenchError, plugins
+from bench.report.methods import SCALES, MethodsFacts, methods
+from bench.report.prose import LATEX, MARKDOWN, TEXT, Cite, say, series
+from bench.report.references import library, parse, united
+from bench.study import Entry, Study
+
+ENVIRONMENT = {
+    "python": "3.11.7", "packages": {"backlash-bench": "0.1.0", "numpy": "2.4.6", "scipy": "1.17.1", "pandas": "3.1"},
+    "processor": "A & B processor", "git": {"commit": "0123456789abcdef", "dirty": False},
+}  # fmt: skip
+
+
+def study(optimizers=("gwo", "alo", "cma-es"), problems=("p", "q", "r"), **options):
+    entries = [
+        [each if isinstance(each, Entry) else Entry(each, each) for each in some] for some in (problems, optimizers)
+    ]
+    return Study("s", *map(tuple, entries), **options)
+
+
+def full(**changes):
+    """Return facts of which every sentence can be said."""
+    facts = MethodsFacts(
+        study(optimizers=[Entry("gwo", "gwo", {"agents": 7, "handling": "box"}), "alo", "cma-es"]), (28, 30), failed=2,
+        bibtex={name: plugins.load("optimizers", name).bibtex for name in ("gwo", "alo", "cma-es")},
+        environments=[ENVIRONMENT], tests=9, permutation_tests=1, ranked_problems=2, known_optima=1, targets=3,
+        centre_bias=True,
+    )  # fmt: skip
+    return replace(facts, **changes)
+
+
+def said(facts):
+    return "\n".join(methods(facts).text)
+
+
+def cited(found):
+    return {key for keys in re.findall(r"\\cite\{([^}]*)\}", found.latex) for key in keys.split(",")}
+
+
+class TestReferences:
+    def test_every_work_of_the_library_is_complete_and_cited_by_some_report(self):
+        for key, work in library().items():
+            assert re.fullmatch(r"[a-z]+\d{4}", key)
+            assert work.author_year.endswith(key[-4:])
+            assert re.search(r"\btitle = ", work.fields)
+            place = {"article": "journal", "inproceedings": "booktitle", "misc": "howpublished", "phdthesis": "school"}
+            assert f"  {place[work.kind]} = " in work.bibtex
+            assert work.kind != "article" or "pages = " in work.fields
+        assert library().keys() <= cited(methods(full()))
+
+    @pytest.mark.parametrize(
+        ("bibtex", "name"),
+        [
+            ("@misc{a, author={Holm, Sture}, year={1979}}", "Holm, 1979"),
+            ("@misc{a, author = {Dem{\\v{s}}ar, J. and Mor{\\'e}, J.}, year = 2006}", "Demšar and Moré, 2006"),
+            ('@MISC{a, AUTHOR = "Jan van der Berg and B and C", YEAR = "1999"}', "van der Berg et al., 1999"),
+            ("@misc{a, author={Harris, C. and others}, year={2020}}", "Harris et al., 2020"),
+            ("@misc{a, author={Hodges, Jr., J. L.}, year={1958}}", "Hodges, 1958"),
+            ("@misc{a, author={St\\'efan {van der Walt} and {\\O}st, A}, year={1}}", "van der Walt and Øst, 1"),
+            ("@misc{a, author={{The A \\& B Team}}, year={1}}", "The A & B Team, 1"),
+            ("@misc{a, editor={Öst, A}, year={1}}", "Öst, 1"),
+            ("@misc{a, booktitle={year = {5}}}", "a, no year"),
+        ],
+    )
+    def test_names_and_years(self, bibtex, name):
+        (work,) = parse(bibtex)
+        assert work.author_year == name
+
+    def test_entries_are_read_between_comments_and_kept_as_written(self):
+        text = "See\n@comment{x}\n@misc{a,\n  title = {A {B} @ C},\n}\nand @article{b:2, year = 1}"
+        assert [(work.key, work.kind) for work in parse(text)] == [("a", "misc"), ("b:2", "article")]
+        assert parse(text)[0].bibtex == "@misc{a,\n  title = {A {B} @ C},\n}"
+        assert parse(parse(text)[0].bibtex) == parse(text)[:1]
+        assert parse(" \n") == []
+
+    @pytest.mark.parametrize(
+        ("bibtex", "why"),
+        [
+            ("@misc{a, x={}", "braces"),
+            ("@misc{}", "key"),
+            ("@misc{日, x=1}", "key"),
+            ("@misc{a}", "key"),
+            ("b", "no entry"),
+        ],
+    )
+    def test_what_is_no_entry_is_refused(self, bibtex, why):
+        with pytest.raises(BenchError, match=why):
+            parse(bibtex)
+
+    def test_works_under_one_key_are_told_apart(self):
+        ours = parse("@misc{a, year=1} @misc{b, year=2}")
+        works, named = united(ours, parse("@misc{a, year=1} @misc{A, year=3} @misc{c, year=4}"))
+        assert [work.key for work in named] == ["a", "A-2", "c"]
+        assert [work.key for work in works] == ["a", "b", "A-2", "c"]
+
+
+class TestProse:
+    def test_three_ways(self):
+        works = {work.key: work for work in parse("@misc{a, author={A}, year=1} @misc{b, author={B}, year=2}")}
+        paragraph = [
+            say("Of {x} we say [@a; @b].", x="x_1"),
+            say("So {list}.", list=series([["p", Cite(("a",))], ["q"], ["r"]])),
+        ]
+        assert TEXT.write(paragraph, works) == "Of x_1 we say (A, 1; B, 2). So p (A, 1), q and r."
+        assert MARKDOWN.write(paragraph, works) == r"Of x\_1 we say [@a; @b]. So p [@a], q and r."
+        assert LATEX.write(paragraph, works) == r"Of x\_1 we say~\cite{a,b}. So p~\cite{a}, q and r."
+
+    @given(st.text())
+    def test_data_is_never_read_as_a_template(self, label):
+        assert say("{x}", x=label) == ["", label, ""]
+        assert say("{x}", x=" [@a] {y}") == ["", " [@a] {y}", ""]
+
+
+class TestMethods:
+    def test_every_citation_has_its_work_and_every_work_is_cited(self):
+        found = methods(full())
+        keys = [work.key for work in parse(found.bibtex)]
+        assert keys == sorted(cited(found))
+        assert set(re.findall(r"@([a-z0-9]+)[];]", found.markdown)) == set(keys)
+        names = [work.author_year for work in parse(found.bibtex)]
+        assert all(re.search(rf"[(;] ?{re.escape(name)}[);]", "".join(found.text)) for name in names)
+        assert found.bibtex == methods(full()).bibtex
+
+    def test_the_run_is_told(self):
+        text = said(full())
+        for words in (
+            "We compared 3 optimizers on 3 problems (p, q and r): gwo (Mirjalili et al., 2014), alo (Mirjalili, 2015) ",
+            "and cma-es (Hansen and Ostermeier, 2001; Hansen et al., 2019).",
+            "We ran gwo with agents = 7, handling = box; all other parameters have their default values.",
+            "made 28 to 30 independent trials of 30 planned on each problem; a trial could spend 10,000 evaluations",
+            "2 trials failed;", "Python 3.11.7, backlash-bench 0.1.0, numpy 2.4.6 (", "commit 0123456789)",
+            "on A & B processor.", "every pair of optimizers", "in 1 of 9 tests", "Across problems (2 of 3,",
+            "the known optimum on 1 problem and to the lowest value that any trial found on the others",
+        ):  # fmt: skip
+            assert words in text
+        assert "pandas" not in text
+        assert len(methods(full()).text) == 3
+
+    @pytest.mark.parametrize(
+        ("changes", "gone"),
+        [
+            ({"failed": 0}, "failed"), ({"permutation_tests": 0}, "permutation"), ({"targets": 0}, "running time"),
+            ({"centre_bias": False}, "Kudela"), ({"environments": ()}, "used"), ({"bibtex": {}}, "Mirjalili"),
+            ({"ranked_problems": 1}, "Friedman"), ({"ranked_problems": 3}, "of 3,"), ({"trials": (30, 30)}, "planned"),
+            ({"tests": 0, "permutation_tests": 0}, "Kolmogorov"), ({"study": study()}, "handling"),
+            ({"study": study(problems=["p"]), "ranked_problems": 1}, "Benjamini"),
+            ({"study": study(["gwo", "alo"])}, "Holm"), ({"study": study(["gwo", "alo"])}, "Nemenyi"),
+            ({"study": study(["gwo", "alo"])}, "letter"), ({"known_optima": 3}, "lowest value that any"),
+            ({"known_optima": 0}, "the known optimum on"),
+        ],
+    )  # fmt: skip
+    def test_a_sentence_that_is_not_true_is_not_said(self, changes, gone):
+        assert gone in said(full())
+        changed = methods(full(**changes))
+        assert gone not in "".join(changed.text)
+        assert cited(changed) == {work.key for work in parse(changed.bibtex)}
+
+    @pytest.mark.parametrize("scale", SCALES)
+    def test_the_scale_of_the_paired_tests(self, scale):
+        assert SCALES[scale] in said(full(scale=scale))
+        assert sum(words + "," in said(full(scale=scale)) for words in SCALES.values()) == 1
+
+    def test_one_optimizer_one_problem_one_trial(self):
+        facts = MethodsFacts(study([Entry("gwo", "wolf")], ["p"], trials=1), (1, 1))
+        (paragraph,) = methods(facts).text
+        assert paragraph.startswith(
+            "We ran wolf (the optimizer gwo) on 1 problem (p). All parameters have their default"
+        )
+        assert "It made 1 independent trial; a trial" in paragraph
+        assert methods(facts).bibtex == ""
+
+    def test_changed_code_and_several_machines_are_told(self):
+        other = ENVIRONMENT | {"python": "3.12.1", "processor": "C", "git": {"commit": "f" * 40, "dirty": True}}
+        text = said(full(environments=[ENVIRONMENT, other, {"python": None, "packages": {"numpy": None}, "git": None}]))
+        assert "Python 3.11.7 and 3.12.1" in text
+        assert "commit 0123456789 and ffffffffff, with local changes) on A & B processor and C." in text
+
+    def test_unreadable_bibtex_is_told_and_costs_nothing_else(self):
+        found = methods(full(bibtex={"alo": "@misc{a, title={", "gwo": full().bibtex["gwo"]}))
+        assert len(found.warnings) == 1
+        assert found.warnings[0].startswith("alo is not cited: ")
+        assert "gwo (Mirjalili et al., 2014), alo and cma-es." in found.text[0]
+
+    @settings(max_examples=30)
+    @given(st.text())
+    def test_any_label_leaves_the_rest_as_it_is(self, label):
+        hostile = replace(full(), study=study([Entry("x", label, {"o": label}), "b"], [label]), bibtex={}, tests=1)
+        found = methods(hostile)
+        assert cited(found) == {work.key for work in parse(found.bibtex)}
+        assert found.latex.replace("\n", "").isascii()
+        assert found.latex.count("\n\n") == len(found.text)
+        assert found.markdown.count("\n---\n") == 1
+
+    def test_built_in_optimizers_cite_themselves(self):
+        for name in ("alo", "cma-es", "da", "goa", "gwo"):
+            optimizer = plugins.load("optimizers", name)
+            assert all("doi = {10." in work.fields for work in parse(optimizer.bibtex))
+            assert optimizer() == optimizer()
+            assert "bibtex" not in [field.name for field in fields(optimizer)]
+
+
+def run(folder, *command):
+    done = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, errors="replace", timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stdout[-2000:]
+    return done.stdout
+
+
+@pytest.mark.skipif(not (shutil.which("pdflatex") and shutil.which("bibtex")), reason="pdflatex or bibtex is missing")
+def test_latex_and_bibtex_compile_without_a_warning(tmp_path):
+    names = [Entry("gwo", "50% of_$wölves$ & 日本 #1 {~^\\}", {"agents": "[x]"}), "alo", "cma-es", "da", "goa"]
+    bibtex = {name: plugins.load("optimizers", name).bibtex for name in ("alo", "cma-es", "da", "goa")}
+    found = methods(full(study=study(names), bibtex=bibtex))
+    (tmp_path / "methods.tex").write_text(found.latex, encoding="utf-8")
+    (tmp_path / "references.bib").write_text(found.bibtex, encoding="utf-8")
+    body = "\\input{methods}\n\\bibliographystyle{plain}\n\\bibliography{references}"
+    source = f"\\documentclass{{article}}\n\\begin{{document}}\n{body}\n\\end{{document}}\n"
+    (tmp_path / "document.tex").write_text(source, encoding="utf-8")
+    latex = ("pdflatex", "-halt-on-error", "-interaction=nonstopmode", "document.tex")
+    run(tmp_path, *latex)
+    assert "Warning" not in run(tmp_path, "bibtex", "document")
+    run(tmp_path, *latex)
+    log = run(tmp_path, *latex)
+    assert "undefined" not in log
+    assert "Missing character" not in log

@@ -1,0 +1,272 @@
+"""The page: what it says, that it is sound HTML, and that no text of a study can be more than text."""
+
+import base64
+import hashlib
+import re
+from html.parser import HTMLParser
+from xml.etree import ElementTree
+
+import matplotlib.figure
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.report import style
+from bench.report.files import save_figure
+from bench.report.page import MOST_ROWS, by_folder, grid, inline, render
+from bench.report.parts import Card, Figure, Section, Table
+
+VOID = {"meta", "input", "br"}
+HOSTILE = "<script>alert(1)</script>&amp; {{ 7*7 }} {% raw %} \"'><b onclick=x>"
+
+
+class Document(HTMLParser):
+    """A page's elements as (tag, attributes, text within), tags checked to be closed in order."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.elements, self.open = [], []
+        self.feed(html)
+        self.close()
+        assert not self.open
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs), []))
+        if tag not in VOID:
+            self.open.append(self.elements[-1])
+
+    def handle_startendtag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs), []))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop()[0] == tag
+
+    def handle_data(self, data):
+        for _, _, text in self.open:
+            text.append(data)
+
+    def texts(self, tag, **attributes):
+        return [
+            " ".join("".join(text).split())
+            for name, attrs, text in self.elements
+            if name == tag and attributes.items() <= attrs.items()
+        ]
+
+    def values(self, attribute):
+        return [attrs[attribute] for _, attrs, _ in self.elements if attribute in attrs]
+
+
+def table(frame, **options):
+    return Table("t", "A caption.", frame, **options)
+
+
+class TestPage:
+    def test_ids_are_unique_and_every_reference_resolves(self, page):
+        document = Document(page)
+        ids = document.values("id")
+        referred = [href[1:] for href in document.values("href") if href.startswith("#")]
+        referred += document.values("aria-labelledby") + re.findall(r"url\(#([^)]+)\)", page)
+        assert len(ids) == len(set(ids))
+        assert set(referred) <= set(ids)
+        assert len(referred) > 10
+
+    def test_it_has_nothing_to_fetch(self, page):
+        document = Document(page)
+        assert not {"link", "img", "iframe", "object", "base"} & {tag for tag, _, _ in document.elements}
+        assert not document.values("src")
+        assert "@import" not in page
+        assert not re.search(r"url\((?!#)", page)
+        for href in document.values("href"):
+            assert href.startswith(("#", "tables/", "figures/", "report.html"))
+
+    def test_only_its_own_script_may_run(self, page):
+        document = Document(page)
+        (script,) = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
+        digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+        (policy,) = [value for value in document.values("content") if "default-src" in value]
+        assert "default-src 'none'" in policy
+        assert f"script-src 'sha256-{digest}'" in policy
+        assert len(script) < 6000
+        assert not [name for _, attrs, _ in document.elements for name in attrs if name.startswith("on")]
+
+    def test_headings_are_numbered_and_in_the_contents(self, page):
+        document = Document(page)
+        assert document.texts("h2") == [
+            "1 Verdict", "2 Comparison", "3 Curves", "4 Datasets", "5 Methods", "6 Downloads"
+        ]  # fmt: skip
+        assert document.texts("h3") == [
+            "4.1 dataset 1",
+            "4.2 dataset 2",
+            "4.3 dataset 3",
+            "figures",
+            "report",
+            "tables",
+        ]
+        (contents,) = document.texts("nav")
+        assert contents.startswith("1 Verdict 2 Comparison")
+        assert "4 Datasets 3 sections 4.1 dataset 1" in contents
+
+    def test_parts_are_numbered_through_and_files_named(self, page):
+        document = Document(page)
+        assert document.texts("caption") == [
+            "Table 1. Medians.", "Table 2. Everything.", "Data of Figure 1. The data of this figure.",
+            "Data of Figure 2. The data of this figure.",
+        ]  # fmt: skip
+        assert document.texts("figcaption") == ["Figure 1. A figure of few numbers.", "Figure 2. A figure of many."]
+        assert document.texts("summary")[1:] == ["Data table of Figure 1", "Data table of Figure 2"]
+        assert document.texts("a", href="tables/matrix.tex") == ["LaTeX"]
+        assert "Table 1 as LaTeX" in document.values("aria-label")
+
+    def test_cards_warnings_and_code(self, page):
+        document = Document(page)
+        claim, limit = document.texts("div", **{"class": "card claim"}) + document.texts(
+            "div", **{"class": "card limit"}
+        )
+        assert "What may be claimed cma-es is ranked first on 18 of 18 problems." in claim
+        assert "What may not No optimizer" in limit
+        assert "Few trials." in document.texts("li")
+        assert document.texts("pre")[0].startswith("@book{a, title = {<b>} }")
+
+    def test_downloads_stand_together_by_kind(self, page):
+        document = Document(page)
+        assert "figures/a%20b%23.pdf" in document.values("href")
+        assert "a b#.pdf .svg A figure." in document.texts("li")
+        assert "report.html this page" in document.texts("li")
+
+    def test_a_page_of_nothing(self):
+        assert Document(render("Nothing", "", [])).texts("h1") == ["Nothing"]
+
+    def test_the_same_views_give_the_same_page(self, page, views):
+        assert render("A <report>", "Five optimizers & more.", views) == page
+
+    def test_hostile_text_is_only_text(self, view):
+        frame = pd.DataFrame({HOSTILE: [HOSTILE]}, index=pd.Index([HOSTILE], name=HOSTILE))
+        part = Table("t", HOSTILE, frame, marks=pd.DataFrame({HOSTILE: [HOSTILE]}, index=frame.index), note=HOSTILE)
+        figure = Figure("f", HOSTILE, None, frame)
+        section = Section(
+            HOSTILE, (HOSTILE,), (part, figure), (HOSTILE,), (Card(HOSTILE, (HOSTILE,), "limit"),), HOSTILE,
+            (Section(HOSTILE),),
+        )  # fmt: skip
+        document = Document(render(HOSTILE, HOSTILE, [view("v", section, [(f"a/{HOSTILE}.csv", HOSTILE)])]))
+        assert len(document.texts("script")) == 1
+        assert "onclick" not in {name for _, attrs, _ in document.elements for name in attrs}
+        shown = " ".join(HOSTILE.split())
+        assert document.texts("td") == [shown * 2, shown]
+        assert document.texts("title") == document.texts("h1") == [shown]
+
+
+class TestTable:
+    def test_cells_are_set_as_asked(self, page):
+        document = Document(page)
+        assert document.texts("th", scope="row")[:2] == ["p", "q"]
+        assert document.texts("th", scope="col")[:3] == ["problem", "a", "b"]
+        assert "<td><b>1</b></td>" in page
+        assert "<td><i>4.500</i><sup>ab</sup></td>" in page
+
+    def test_columns_are_classed_once(self):
+        frame = pd.DataFrame(
+            {"n": [1.0], "short": ["a"], "long": ["a" * 40], "m": [2]}, index=pd.Index(["p"], name="i")
+        )
+        assert grid(table(frame)).classes == "t1 t3 w4"
+        assert grid(table(frame[["n"]].reset_index(drop=True))).classes == ""
+
+    def test_the_classes_of_the_widest_table_have_rules(self, page):
+        assert ".t14 tr > :nth-child(14)" in page
+        assert ".t15" not in page
+
+    def test_a_long_table_is_cut_and_says_so(self, page):
+        document = Document(page)
+        assert "The first 400 of 1,234 rows are shown; the other 834 are in figures/long.csv." in document.texts(
+            "p", **{"class": "note"}
+        )
+        assert page.count("<tr>") == 1 + 2 + 1 + 12 + 1 + 2 + 1 + MOST_ROWS
+
+    def test_a_cut_table_keeps_its_marks(self):
+        frame = pd.DataFrame({"a": np.arange(MOST_ROWS + 1)})
+        cut = grid(table(frame, bold=frame < 1, italic=frame > 1, marks=frame.astype(str)))
+        assert (len(cut.rows), cut.total) == (MOST_ROWS, MOST_ROWS + 1)
+        assert [(row[0].bold, row[0].italic, row[0].mark) for row in cut.rows[:3]] == [
+            (True, False, "0"), (False, False, "1"), (False, True, "2")
+        ]  # fmt: skip
+
+    def test_a_table_of_just_the_most_rows_is_whole(self):
+        assert len(grid(table(pd.DataFrame({"a": np.arange(MOST_ROWS)}))).rows) == MOST_ROWS
+
+    @pytest.mark.parametrize("frame", [pd.DataFrame(), pd.DataFrame({"a": []}), pd.DataFrame(index=[1, 2])])
+    def test_an_empty_table_is_a_table(self, frame, view):
+        Document(render("", "", [view("v", Section("S", items=(table(frame),)))]))
+
+    def test_a_figure_without_data_has_no_table(self, view):
+        figure = Figure("f", "Empty.", None, pd.DataFrame({"a": []}))
+        assert "<details" not in render("", "", [view("v", Section("S", items=(figure,)))])
+
+    def test_a_long_data_table_stays_off_paper(self, page):
+        assert page.count('<details class="long">') == 1
+
+
+class TestByFolder:
+    def test_kinds_of_one_thing_stand_together(self):
+        files = [("figures/a.pdf", "A"), ("figures/a.svg", "A"), ("figures/b.csv", "B"), ("x.html", "page")]
+        assert by_folder(files) == {
+            "figures": [("A", ["figures/a.pdf", "figures/a.svg"]), ("B", ["figures/b.csv"])],
+            "report": [("page", ["x.html"])],
+        }
+
+    def test_nothing(self):
+        assert by_folder([]) == {}
+
+
+class TestInline:
+    @pytest.fixture
+    def drawn(self, tmp_path):
+        with style.context():
+            figure = matplotlib.figure.Figure(figsize=(3.5, 2))
+            axes = figure.subplots()
+            axes.plot([1, 2, 3], [1.23456, 2, 1], "o-", label="a label")
+            axes.fill_between([1, 3], [0, 1], [2, 3], hatch="///")
+            axes.legend()
+            return save_figure(Figure("drawn", "", figure, pd.DataFrame({"x": [1]})), tmp_path, "drawn")[0]
+
+    def test_it_is_labelled_sized_and_without_what_does_not_show(self, drawn):
+        svg = inline(drawn, "name", 'A "caption" & <more>')
+        root = ElementTree.fromstring(svg)
+        assert root.attrib == {
+            "viewBox": "0 0 252 144", "style": "--width:487px", "role": "img", "aria-label": 'A "caption" & <more>'
+        }  # fmt: skip
+        assert not {"metadata", "style"} & {each.tag for each in root.iter()}
+        assert len(svg) < 0.7 * len(drawn)
+
+    def test_references_resolve_and_are_the_figures_own(self, drawn):
+        svgs = [inline(drawn, name, "") for name in ("one", "two")]
+        ids = [set(re.findall(r' id="([^"]+)"', svg)) for svg in svgs]
+        assert all(ids)
+        assert not ids[0] & ids[1]
+        for svg, own in zip(svgs, ids, strict=True):
+            assert set(re.findall(r'(?:href="|url\()#([^")]+)', svg)) == own
+
+    def test_the_texts_and_shapes_are_all_there(self, drawn):
+        before, after = ElementTree.fromstring(drawn), ElementTree.fromstring(inline(drawn, "name", ""))
+        for tag in ("path", "use", "text", "rect", "clipPath", "pattern"):
+            assert len(list(after.iter(tag))) == len(list(before.iter(f"{{http://www.w3.org/2000/svg}}{tag}"))), tag
+        assert "a label" in [each.text for each in after.iter("text")]
+
+    def test_by_hand(self):
+        svg = (
+            '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 72 72">'
+            '<g id="a"><g id="b"> <defs><path id="m" d="M 0 -3.00049  L 1.238 2e-05 z "/></defs>'
+            '<use xlink:href="#m" x="1.239" style="fill: #fff; stroke: none"/>'
+            '<use xlink:href="#m" x="2.0" style="fill: #fff; stroke: none"/></g></g>'
+            '<g clip-path="url(#c)"><path style="opacity: 0.5"/><path style="opacity: 0.5"/></g>'
+            '<text x="1.23456"> a <tspan>b</tspan> c </text><clipPath id="c"/></svg>'
+        )
+        assert inline(svg, "n", "c") == (
+            '<svg viewBox="0 0 72 72" style="--width:139px" role="img" aria-label="c">'
+            '<g style="fill:#fff;stroke:none"><defs><path id="n.0" d="M0 -3L1.24 0z"/></defs>'
+            '<use href="#n.0" x="1.24"/><use href="#n.0" x="2"/></g>'
+            '<g clip-path="url(#n.1)"><path style="opacity:0.5"/><path style="opacity:0.5"/></g>'
+            '<text x="1.23456"> a <tspan>b</tspan> c </text><clipPath id="n.1"/></svg>'
+        )
+
+    def test_the_figures_of_a_page_have_their_own_ids(self, page):
+        assert 'id="short.0"' in page
+        assert 'id="long.0"' in page
