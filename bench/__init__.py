@@ -2,7 +2,8 @@
 
 The harness knows problems and optimizers only by their two contracts, :class:`Problem` and :class:`Optimizer`, and
 finds them by entry point. ``bench.solve`` runs one optimizer once; ``bench.run`` runs a study; ``bench.load_results``
-reads what it wrote; ``bench.write_report`` makes tables, figures and a page of it.
+reads what it wrote; ``bench.write_report`` makes tables, figures and a page of it. ``bench.analysis`` and
+``bench.plots`` hold the statistics and figures one by one, for notebooks.
 """
 
 from importlib import import_module
@@ -49,4 +50,6 @@ def __getattr__(name: str) -> Any:
     """Import what is needed on demand."""
     if name in _ON_DEMAND:
         return getattr(import_module(_ON_DEMAND[name]), name)
+    if name in ("analysis", "plots"):
+        return import_module(f"bench.{name}")
     raise AttributeError(f"module 'bench' has no attribute {name!r}")

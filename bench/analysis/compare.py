@@ -40,12 +40,12 @@ def comparison_matrix(
         for pair in pairs[pairs["p"] > alpha].itertuples()
         for one, other in ((pair.first, pair.second), (pair.second, pair.first))
         if (pair.problem, other) in winners
-    }
+    } - winners
     cells = list(zip(summary["problem"], summary["optimizer"], strict=True))
     marked = summary[["problem", "optimizer"]].assign(
         value=summary[statistic],
         best=[cell in winners for cell in cells],
-        alike=summary[statistic].notna() & np.array([cell in near - winners for cell in cells], dtype=bool),
+        alike=summary[statistic].notna() & np.array([cell in near for cell in cells], dtype=bool),
     )
     return marked.merge(compact_letters(summary, pairs, alpha))
 

@@ -135,7 +135,7 @@ def effect_size(a12: float) -> str:
     """Return Vargha and Delaney's (2000) word for an A12, in either direction; "" where it is missing."""
     if np.isnan(a12):
         return ""
-    size = max(a12, 1 - a12) + 1e-12  # the cut-offs are decimal fractions, which are rounded
+    size = max(a12, 1 - a12)
     return next((word for word, least in CUTOFFS.items() if size >= least), "negligible")
 
 

@@ -97,7 +97,7 @@ class Figure:
     Attributes:
         name: what its files are called; any text, made safe for a file name.
         caption: one sentence or two; also what a screen reader says.
-        figure: a matplotlib figure, best from :func:`bench.report.style.panels`.
+        figure: a matplotlib figure, best from :func:`bench.plots.style.grid`.
         data: the tidy data behind it, written as CSV.
         shown: what the page's table behind the figure holds, where ``data`` is too long to read; ``data`` by default.
     """
@@ -112,7 +112,7 @@ class Figure:
     def table(self) -> Table:
         """The data as a table, for those who cannot see the figure or want its numbers."""
         frame = self.data if self.shown is None else self.shown
-        return Table(self.name, "The data of this figure.", frame)
+        return Table(self.name, "", frame)
 
 
 Part = Table | Figure

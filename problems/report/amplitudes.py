@@ -11,7 +11,8 @@ from matplotlib.cbook import boxplot_stats
 
 from bench import Study
 from bench.analysis import labels
-from bench.report import Figure, Section, Table, style
+from bench.plots import style
+from bench.report import Figure, Section, Table
 from problems.report.conclusions import in_words
 from problems.report.drawing import dataset_panels, legend_above
 from problems.report.estimates import errors_by, estimates, expected_by_problem

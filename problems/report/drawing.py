@@ -10,7 +10,7 @@ from typing import Any
 import matplotlib.figure
 from matplotlib.axes import Axes
 
-from bench.report import style
+from bench.plots import style
 
 LEFT, ACROSS = 0.45, 0.1  # inches
 LEGEND_ROW = 0.15  # inches

@@ -10,7 +10,7 @@ from typing import Literal
 import pandas as pd
 
 from bench import Study
-from bench.analysis import ALPHA, compare, comparison_matrix, pairwise_tests, summarise
+from bench.analysis import ALPHA, comparison_matrix, pairwise_tests, summarise, table
 from bench.report import Section, Table
 from bench.report.words import count, listing, shares
 
@@ -75,10 +75,10 @@ def table_7_2(
     named = {label: name for name, label in columns.items()}
     means, bold, italic = (
         _by_dataset(part, named, rows)
-        for part in (compare.table(summary, "mean"), compare.table(matrix, "best"), compare.table(matrix, "alike"))
+        for part in (table(summary, "mean"), table(matrix, "best"), table(matrix, "alike"))
     )
     shown = [part.rename(columns=str.upper) for part in (means, bold, italic)]
-    table = Table(
+    marked = Table(
         "table-7-2",
         "Mean fitting error in rpm by dataset (thesis Table 7.2).",
         shown[0],
@@ -89,7 +89,7 @@ def table_7_2(
         f"{ALPHA:g} (raw p, as in the thesis) cannot tell it from the best swarm’s distribution. CMA-ES, where "
         "present, is shown beside them and not marked.",
     )
-    return means, table
+    return means, marked
 
 
 def _part(frame: pd.DataFrame, problems: Iterable[str], optimizers: Iterable[str]) -> pd.DataFrame:

@@ -7,7 +7,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from bench.analysis import labels
-from bench.report import Figure, Section, Table, style
+from bench.plots import style
+from bench.report import Figure, Section, Table
 from bench.report.words import count, listing
 from problems.report.drawing import dataset_panels, legend_above
 from problems.report.estimates import errors_by, estimates, expected_by_problem, with_truth, within_in_words

@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.report import Figure, Section, Table, style
+from bench.plots import style
+from bench.report import Figure, Section, Table
 from bench.report.files import file_name, save_figure, save_table
 from bench.report.latex import escape, to_latex
 from bench.report.page import inline

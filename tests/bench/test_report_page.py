@@ -142,14 +142,15 @@ def test_no_single_winner_is_said(tmp_path):
     folder = make(tmp_path / "s", optimizers=("a", "b"), trials=3)
     page = Page(write_report(folder))
     assert "No single winner: a is ranked first on 2 of 2" in page.text
-    assert "the trials are too few for any test" in page.text
-    assert "2 of 2 pairs cannot be significant" in page.text
+    assert "with 3 trials a cell the test can find no difference at all" in page.text
+    assert page.text.count("1 of 1 pair cannot be significant whatever the values") == 2
 
 
 def test_failed_and_missing_trials_are_said(tmp_path):
     folder = make(tmp_path / "s", fail=[("p", "b"), ("q", "a", 1)], skip=[("q", "c"), ("p", "a", 7)])
     page = Page(write_report(folder))
-    assert "9 of 48 planned trials are missing and 1 of 6 cells are empty. Cells hold 0 to 8 trials." in page.text
+    assert "9 of 48 planned trials are missing and 1 of 6 cells are empty. Cells hold 0 to 8 trials" in page.text
+    assert "fewer than others: a on p, c on q." in page.text
     assert "9 of 39 trials did not finish (failed 9), in b on p, a on q. They count as +inf." in page.text
     assert "No trial of c on this problem." in page.text
     assert "ValueError: <b>boom</b> & more" in page.text
@@ -179,7 +180,8 @@ def test_hostile_labels_are_only_text(tmp_path):
     problems = ("../../x", "<script>alert(1)</script>", "$\\frac{", 'a"b', "p:1/2")
     folder = make(tmp_path / "s", problems=problems, optimizers=("<img src=x onerror=y>", "a&b_%", "{{ 7*7 }}"))
     page = Page(write_report(folder))
-    assert not {"script", "img"} & set(page.tags)
+    assert "img" not in page.tags
+    assert page.tags.count("script") == 1  # the page's own
     assert "<script>alert(1)</script>: every pair of optimizers." in page.text
     assert "{{ 7*7 }}" in page.text
     assert {path.name for path in tmp_path.iterdir()} == {"s"}
@@ -219,8 +221,8 @@ def test_a_busy_machine_is_flagged(tmp_path):
     with Folder(folder).store.writer() as writer:
         for trial in study.plan():
             if trial.optimizer == "a":
-                writer.add(trial, row(1.0, rng) | {"wall_s": 2.0, "cpu_s": 1.0, "stop": "undeclared"})
+                writer.add(trial, row(1.0, rng) | {"wall_s": 2.0, "cpu_s": 1.0, "nfev": 60, "stop": "undeclared"})
     page = Page(write_report(folder))
     assert "Trials of a waited for their core" in page.text
     assert "waited for their core" in page.text
-    assert "undeclared stops: 8 of 16 trials" in page.text
+    assert "Undeclared stops: 8 of 16 trials" in page.text

@@ -8,7 +8,8 @@ import pytest
 
 from bench import Results, Trace, load_problem
 from bench.folder import Folder
-from bench.report import Figure, Table, style
+from bench.plots import style
+from bench.report import Figure, Table
 from bench.report.files import save_figure
 from bench.study import Entry, Study
 from problems.report import estimates, fitting_errors, levels, sections

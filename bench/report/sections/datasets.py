@@ -49,6 +49,11 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
             f"{int(pairs['significant'].astype(bool).sum())} of {count(len(pairs), 'pair')} differ significantly after "
             f"Holm’s adjustment (alpha = {ALPHA:g}), {int((pairs['p'] <= ALPHA).sum())} before it."
         )
+        if few := int((~pairs["testable"].astype(bool)).sum()):
+            text.append(
+                f"{few} of {count(len(pairs), 'pair')} cannot be significant whatever the values, as the trials are "
+                "too few; p is set to 1."
+            )
     return Section(problem, tuple(text), tuple(items), tuple(warnings))
 
 

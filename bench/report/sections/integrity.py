@@ -16,7 +16,10 @@ def section(findings: Findings) -> Section:
     """Return every check with what it found, its troubles as warnings, and incomplete cells and failures in tables."""
     checks = findings.integrity
     troubles = checks[checks["verdict"].isin(TROUBLE)]
-    warnings = [f"{str(row.verdict).capitalize()}, {row.check}: {row.finding}" for row in troubles.itertuples()]
+    warnings = [
+        f"{'Error: ' if row.verdict == 'error' else ''}{str(row.check).capitalize()}: {row.finding}"
+        for row in troubles.itertuples()
+    ]
     if findings.unloaded:
         warnings.append(_unloaded(findings.unloaded))
     unchecked = int((checks["verdict"] == "not checked").sum())

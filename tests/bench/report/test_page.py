@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.report import style
+from bench.plots import style
 from bench.report.files import save_figure
 from bench.report.page import MOST_ROWS, by_folder, grid, inline, render
 from bench.report.parts import Card, Figure, Section, Table
@@ -109,8 +109,8 @@ class TestPage:
     def test_parts_are_numbered_through_and_files_named(self, page):
         document = Document(page)
         assert document.texts("caption") == [
-            "Table 1. Medians.", "Table 2. Everything.", "Data of Figure 1. The data of this figure.",
-            "Data of Figure 2. The data of this figure.",
+            "Table 1. Medians.", "Table 2. Everything.", "Data of Figure 1.",
+            "Data of Figure 2.",
         ]  # fmt: skip
         assert document.texts("figcaption") == ["Figure 1. A figure of few numbers.", "Figure 2. A figure of many."]
         assert document.texts("summary")[1:] == ["Data table of Figure 1", "Data table of Figure 2"]
