@@ -21,7 +21,7 @@ from bench.report.sections import CLOSING, OPENING
 from bench.report.words import count
 from bench.results import Results
 
-PAGE, TRIALS, MANIFEST = "report.html", f"{TABLES}/trials.csv", ".report.json"
+PAGE, MANIFEST = "report.html", ".report.json"
 COMPARISONS = Path("results") / "comparisons"
 
 Progress = Callable[[str, int, int], None]
@@ -111,7 +111,7 @@ class _Report:
             f"{count(len(study.problems), 'problem')}, {count(study.trials, 'trial')} each, "
             f"{count(study.budget, 'evaluation')} a trial."
         )
-        page = self.save(PAGE, render(study.title or study.name, lead, self.views), "this page")
+        page = self.save(PAGE, render(study.title or study.name, lead, self.views), "This page.")
         self.clean()
         return page
 
@@ -134,12 +134,18 @@ class _Report:
     def add_downloads(self) -> None:
         """Add the last part, the list of all files."""
         (self.folder / TABLES).mkdir(exist_ok=True)
-        save_csv(self.results.frame, self.folder / TRIALS, index=False)
-        self.files[TRIALS] = "every trial, one a row"
+        for name, frame, about in (
+            ("trials", self.results.frame, "Every trial, one a row."),
+            ("cells", self.findings.summary, "Every cell: trials, failures and statistics of the objective value."),
+            ("tests", self.findings.pairs, "Every pair of optimizers on every problem."),
+        ):
+            path = f"{TABLES}/{self.unique(name)}.csv"
+            save_csv(frame, self.folder / path, index=False)
+            self.files[path] = about
         methods = self.findings.methods
-        self.save("methods.md", methods.markdown, "the methods paragraph as Markdown")
-        self.save("methods.tex", methods.latex, "the methods paragraph as LaTeX")
-        self.save("references.bib", methods.bibtex, "the works it cites")
+        self.save("methods.md", methods.markdown, "The methods paragraph as Markdown.")
+        self.save("methods.tex", methods.latex, "The methods paragraph as LaTeX.")
+        self.save("references.bib", methods.bibtex, "The works it cites.")
         text = "Paths are relative to this page. Tables as CSV hold every digit, also where the page shows fewer."
         section = Section("Downloads", (text,))
         self.step(section.title)
