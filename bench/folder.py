@@ -89,7 +89,12 @@ class Folder:
     def checks(self) -> dict[str, list[dict[str, Any]]]:
         """Return what ``bench check`` noted of the study's optimizers, by label; empty where it was not asked."""
         noted = self._json(CHECKS)
-        return noted if isinstance(noted, dict) else {}
+        whole: dict[str, Any] = {"check": str, "passed": bool, "figure": (int, float)}
+        return {
+            label: [each for each in those if all(isinstance(each.get(key), kind) for key, kind in whole.items())]
+            for label, those in (noted.items() if isinstance(noted, dict) else ())
+            if isinstance(those, list) and all(isinstance(each, dict) for each in those)
+        }
 
     def note_checks(self, checks: dict[str, list[dict[str, Any]]]) -> None:
         """Note the diagnoses of the study's optimizers, by label."""

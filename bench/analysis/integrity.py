@@ -104,7 +104,7 @@ def integrity(
         planned_trials: trials that each cell should hold.
         traces: by (problem, optimizer, trial).
         boxes: the lower and upper bound of each variable, by problem and by variable.
-        diagnoses: what ``bench check`` found of each optimizer, by label: check, passed and finding.
+        diagnoses: what ``bench check`` found of each optimizer, by label: check, passed and figure.
     """
     evidence = Evidence(frame, study_budget, planned_trials, traces or {}, boxes or {}, diagnoses or {})
     findings = {name: check(evidence) for name, check in OF_ALL.items()}
@@ -384,10 +384,14 @@ def _centre_bias(evidence: Evidence) -> Finding:
     ]
     if not found:
         return Finding("not checked", "Run 'bench check' with this folder to have the optimizers checked for it.")
-    biased = [f"{label}: {each['finding']}" for label, each in found if not each["passed"]]
+    biased = [f"{label} {each['figure']:.2g} times" for label, each in found if not each["passed"]]
     if not biased:
         return Finding("pass", f"None of {len(found):,} optimizers does better where the optimum is at the centre.")
-    return Finding("warning", f"Results flatter these where the optimum is near the centre. {_few(biased)}.")
+    text = (
+        f"Errors are higher when the optimum is moved away from the centre of the box: {_few(biased)}. Results on "
+        "problems with a central optimum flatter these."
+    )
+    return Finding("warning", text)
 
 
 OF_ALL: dict[str, Check] = {"completeness": _completeness, "failures": _failures, "centre bias": _centre_bias}

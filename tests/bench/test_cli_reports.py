@@ -103,8 +103,8 @@ def test_checking_a_folder_warns_in_its_report(folders):
     assert done.returncode == 0, done.stderr
     assert "passed: early, centre bias" in done.stdout
     noted = json.loads((folders / "old" / "checks.json").read_text())
-    noted["scatter"][0] |= {"passed": False, "finding": "errors are 5e+06 times as high"}
+    noted["scatter"][0] |= {"passed": False, "figure": 5e6}
     (folders / "old" / "checks.json").write_text(json.dumps(noted))
     assert bench("report", folders / "old").returncode == 0
     page = (folders / "old" / "report.html").read_text(encoding="utf-8")
-    assert "Centre bias: Results flatter these where the optimum is near the centre. scatter: errors are 5e" in page
+    assert "away from the centre of the box: scatter 5e+06 times. Results on problems" in page

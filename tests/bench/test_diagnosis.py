@@ -73,3 +73,5 @@ def test_a_folder_keeps_the_diagnoses_of_its_optimizers(small_study, tmp_path, m
     assert Results(tmp_path / "out").checks == {
         label: [each.as_dict() for each in those] for label, those in found.items()
     }
+    (tmp_path / "out" / "checks.json").write_text('{"early": [{"check": 3}], "scatter": 5}')
+    assert Results(tmp_path / "out").checks == {"early": []}

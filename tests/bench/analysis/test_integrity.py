@@ -48,9 +48,7 @@ class Sound:
             for key in [tuple(key)]
         }
 
-        self.diagnoses = {
-            name: [{"check": "centre bias", "passed": True, "finding": "errors are alike"}] for name in OPTIMIZERS
-        }
+        self.diagnoses = {name: [{"check": "centre bias", "passed": True, "figure": 1.0}] for name in OPTIMIZERS}
 
     def put(self, where, **values):
         for column, value in values.items():
@@ -136,9 +134,9 @@ def failed_trials(s):
     del s.traces["p", "a", 0], s.traces["q", "b", 0]
 
 
-@trap("centre bias", "warning", "b: errors are 50 times as high", cells="")
+@trap("centre bias", "warning", "b 50 times", cells="")
 def an_optimizer_that_is_drawn_to_the_centre(s):
-    s.diagnoses["b"] = [{"check": "centre bias", "passed": False, "finding": "errors are 50 times as high"}]
+    s.diagnoses["b"] = [{"check": "centre bias", "passed": False, "figure": 50.0}]
 
 
 @trap("finite values", "warning", "1 of 36 trials", "c on q", cells="c on q")
