@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 from itertools import combinations
-from math import inf, sqrt
+from math import factorial, inf, sqrt
 from typing import Any
 
 import numpy as np
@@ -35,8 +35,8 @@ def friedman(medians: pd.DataFrame) -> pd.DataFrame:
     degrees of freedom df1 and df2, and p_iman_davenport; ``note``.
 
     The note is "too few optimizers" below three, "too few problems" below two, or "identical" where no problem ranks
-    any two optimizers differently; the statistics are then missing and p = 1. F is infinite, and its p = 0, where
-    all problems rank the optimizers alike.
+    any two optimizers differently; the statistics are then missing and p = 1. Where all problems rank the optimizers
+    alike F is infinite. Its p is never below k!^(1 - n), the chance of that agreement between n untied rankings.
     """
     n, k = medians.shape
     ranks = medians.rank(axis=1)
@@ -54,7 +54,9 @@ def friedman(medians: pd.DataFrame) -> pd.DataFrame:
         chi2, largest = float(test.statistic), n * (k - 1)
         ratio = inf if np.isclose(chi2, largest, rtol=1e-9) else (n - 1) * chi2 / (largest - chi2)
         row |= {"statistic": chi2, "p": float(test.pvalue)}
-        row |= {"iman_davenport": ratio, "p_iman_davenport": float(f.sf(ratio, row["df1"], row["df2"]))}
+        # F only approximates: no p can be below the chance that all problems rank the optimizers alike
+        p_f = max(float(f.sf(ratio, row["df1"], row["df2"])), 1 / factorial(k) ** (n - 1))
+        row |= {"iman_davenport": ratio, "p_iman_davenport": p_f}
     return pd.DataFrame([row | {"note": note}])
 
 

@@ -39,7 +39,7 @@ def best_so_far(traces: Sequence[Trace], evaluations: NDArray[np.int64], failed:
 
 
 def convergence(
-    frame: pd.DataFrame, traces: Mapping[tuple[str, str, int], Trace], budget: int, points: int = 60
+    frame: pd.DataFrame, traces: Mapping[tuple[str, str, int], Trace], evaluations: NDArray[np.int64]
 ) -> pd.DataFrame:
     """Return the :func:`best_so_far` of every cell: problem, optimizer, evaluations, median, q1 and q3.
 
@@ -48,10 +48,8 @@ def convergence(
     Args:
         frame: the tidy frame.
         traces: by (problem, optimizer, trial).
-        budget: evaluations that each trial was allowed.
-        points: how many evaluation counts at most; see :func:`evaluation_grid`.
+        evaluations: the counts to look at, such as an :func:`evaluation_grid`.
     """
-    grid = evaluation_grid(budget, points)
     found: dict[tuple[str, str], list[Trace | None]] = {}
     for problem, optimizer, trial, status in zip(
         frame["problem"], frame["optimizer"], frame["trial"], frame["status"], strict=True
@@ -62,7 +60,7 @@ def convergence(
     for problem, optimizer in product(labels(frame, "problem"), labels(frame, "optimizer")):
         if trials := found.get((problem, optimizer)):
             known = [trace for trace in trials if trace is not None]
-            curve = best_so_far(known, grid, failed=len(trials) - len(known))
+            curve = best_so_far(known, evaluations, failed=len(trials) - len(known))
             curves.append(curve.assign(problem=problem, optimizer=optimizer))
     columns = ["problem", "optimizer", *CURVE]
     return pd.concat(curves, ignore_index=True)[columns] if curves else pd.DataFrame(columns=columns)

@@ -124,7 +124,7 @@ def _describe(values: Floats) -> dict[str, Any]:
         "n": n,
         "failed": failed,
         "mean": values.mean() if not failed else np.nan,
-        "sd": values.std(ddof=1) if not failed and n > 1 else np.nan,
+        "sd": _deviation(values) if not failed and n > 1 else np.nan,
         "median": median,
         "median_low": interval.low,
         "median_high": interval.high,
@@ -133,3 +133,9 @@ def _describe(values: Floats) -> dict[str, Any]:
         "best": values.min(),
         "worst": values.max(),
     }
+
+
+def _deviation(values: Floats) -> float:
+    """Return the standard deviation, also of values whose squares no float can hold."""
+    size = float(np.abs(values).max())
+    return float((values / size).std(ddof=1) * size) if size else 0.0

@@ -10,19 +10,20 @@ CONTENTION = 1.2  # wall / CPU above this: the trial waited for its core
 HIDDEN_THREADS = 1.1  # CPU / wall above this: it used more than one
 
 COLUMNS = (
-    "optimizer", "trials", "wall_mean", "wall_median", "wall_q1", "wall_q3", "cpu_median", "cpu_q1", "cpu_q3",
-    "objective_mean", "objective_share", "speed_median", "speed_q1", "speed_q3", "wall_per_cpu", "contention",
-    "hidden_threads",
+    "optimizer", "trials", "evaluations_median", "wall_mean", "wall_median", "wall_q1", "wall_q3", "cpu_median",
+    "cpu_q1", "cpu_q3", "objective_mean", "objective_share", "speed_median", "speed_q1", "speed_q3",
+    "wall_per_cpu", "contention", "hidden_threads",
 )  # fmt: skip
 
 
 def timing(frame: pd.DataFrame) -> pd.DataFrame:
     """Return one row an optimizer over its finished trials on all problems.
 
-    Columns: wall_mean (thesis Fig. 7.5), and median and quartiles of wall and CPU seconds a trial and of evaluations
-    a second (speed); objective_mean, the mean wall seconds inside the problem; objective_share, the median share of
-    the wall time spent there; wall_per_cpu, the median ratio; contention and hidden_threads, whether that ratio
-    says that trials waited for a core or used more than one. Assumes one trial a core.
+    Columns: evaluations_median, what a trial spent; wall_mean (thesis Fig. 7.5), and median and quartiles of wall and
+    CPU seconds a trial and of evaluations a second (speed); objective_mean, the mean wall seconds inside the problem;
+    objective_share, the median share of the wall time spent there; wall_per_cpu, the median ratio; contention and
+    hidden_threads, whether that ratio says that trials waited for a core or used more than one. Assumes one trial a
+    core.
     """
     finished = frame[frame["status"] == "ok"]
     rows = []
@@ -36,6 +37,7 @@ def timing(frame: pd.DataFrame) -> pd.DataFrame:
             {
                 "optimizer": optimizer,
                 "trials": len(numbers),
+                "evaluations_median": numbers["nfev"].median(),
                 "wall_mean": wall.mean(),
                 **_spread("wall", wall),
                 **_spread("cpu", cpu),

@@ -139,7 +139,8 @@ class Findings:
     @cached_property
     def curves(self) -> pd.DataFrame:
         """The median best-so-far value and its quartiles."""
-        return analysis.convergence(self.frame, self.results.traces, self.results.study.budget)
+        grid = analysis.evaluation_grid(self.results.study.budget)
+        return analysis.convergence(self.frame, self.results.traces, grid)
 
     @cached_property
     def targets(self) -> pd.DataFrame:
@@ -194,11 +195,21 @@ class Findings:
                 scale="".join(self.wilcoxon["scale"].unique()),
                 known_optima=len(self.optima),
                 targets=self.targets["problem"].nunique(),
-                centre_bias=any(
-                    each["check"] == "centre bias" for those in self.results.checks.values() for each in those
-                ),
+                early=self._early,
+                centre_bias={
+                    label: not each["passed"]
+                    for label, those in self.results.checks.items()
+                    for each in those
+                    if each["check"] == "centre bias"
+                },
             )
         )
+
+    @property
+    def _early(self) -> dict[str, int]:
+        """How many trials of each optimizer stopped by a criterion of their own."""
+        own = self.frame["stop"].notna() & ~self.frame["stop"].isin(("budget", "undeclared"))
+        return {label: int((own & (self.frame["optimizer"] == label)).sum()) for label in self.optimizers}
 
 
 def _bibtex(study: Study, label: str) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 from bench.analysis import ALPHA
 from bench.analysis.cells import NEAR
-from bench.analysis.pairwise import RESAMPLES
+from bench.analysis.pairwise import RESAMPLES, TIED
 from bench.errors import BenchError
 from bench.report.prose import LATEX, MARKDOWN, TEXT, Cite, Sentence, keys, say, series
 from bench.report.references import Reference, library, parse, united
@@ -41,13 +41,14 @@ class MethodsFacts:
         bibtex: each optimizer's BibTeX by label; an optimizer without any is not cited.
         environments: what each run noted of its machine (:func:`bench.environment.describe`).
         tests: pairs of optimizers compared by a test, over all problems.
-        permutation_tests: those of them whose p comes from permutations.
+        permutation_tests: those of them whose p is that of the permutation distribution given the ties.
         alpha: the significance level.
         ranked_problems: problems that entered the comparison across problems.
         scale: what the paired tests across problems compare, one of ``SCALES``.
         known_optima: problems whose optimum is known.
         targets: problems that have targets.
-        centre_bias: whether the optimizers were probed for a bias to the centre of the box.
+        early: trials that stopped by a criterion of their own before their budget was spent, by optimizer.
+        centre_bias: which optimizers were probed for a bias to the centre of the box, and whether they have it.
     """
 
     study: Study
@@ -62,7 +63,8 @@ class MethodsFacts:
     scale: str = "log10 median"
     known_optima: int = 0
     targets: int = 0
-    centre_bias: bool = False
+    early: Mapping[str, int] = field(default_factory=dict)
+    centre_bias: Mapping[str, bool] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -132,6 +134,11 @@ def _experiment(facts: MethodsFacts, own: Mapping[str, tuple[str, ...]]) -> Iter
         where=" on each problem" if len(labels) > 1 else "",
         budget=count(study.budget, "evaluation"),
     )
+    if early := {label: number for label, number in facts.early.items() if number}:
+        yield say(
+            "Not all of it was spent: {stopped} stopped by criteria of their own.",
+            stopped=listing([f"{count(number, 'trial')} of {label}" for label, number in early.items()]),
+        )
     yield say("The score of a trial is the lowest objective value that it found.")
     if facts.failed:
         yield say(
@@ -143,10 +150,15 @@ def _experiment(facts: MethodsFacts, own: Mapping[str, tuple[str, ...]]) -> Iter
         "the optimizer and the trial’s number determine.",
         seed=str(study.seed),
     )
-    if several:
-        yield say("The design follows published recommendations [@bartzbeielstein2020].")
     if facts.centre_bias:
-        yield say("We probed the optimizers for a bias to the centre of the search space [@kudela2022].")
+        biased = [label for label, found in facts.centre_bias.items() if found]
+        yield say(
+            "We probed {which} for a bias to the centre of the search space [@kudela2022]: {found}.",
+            which="the optimizers"
+            if len(facts.centre_bias) == len(study.optimizers)
+            else listing([*facts.centre_bias]),
+            found=f"{listing(biased)} {'has' if len(biased) == 1 else 'have'} it" if biased else "none has it",
+        )
     yield from _software(facts.environments)
 
 
@@ -190,11 +202,11 @@ def _each_problem(facts: MethodsFacts) -> Iterator[Sentence]:
     )
     if facts.permutation_tests:
         yield say(
-            "Ties make that p-value too large in {some} of {tests}; there it comes from {resamples} random "
-            "permutations.",
+            "In {some} of {tests}, where more than {tied} of the values are tied, it is the p-value of the permutation "
+            "distribution given the ties, also exact [@schroer1995].",
             some=f"{facts.permutation_tests:,}",
             tests=tests,
-            resamples=f"{RESAMPLES:,}",
+            tied=f"{TIED:.0%}",
         )
     if pairs:
         yield say(
@@ -212,8 +224,9 @@ def _each_problem(facts: MethodsFacts) -> Iterator[Sentence]:
         )
     yield say(
         "As effect sizes we report A12, the chance that a trial of one optimizer ends lower than a trial of the other, "
-        "ties counted half [@vargha2000], and Cliff’s delta [@cliff1993], with 95 % percentile intervals from a "
-        "bootstrap of {resamples} resamples [@efron1979], beside the Mann–Whitney test [@mann1947].",
+        "ties counted half [@vargha2000], with 95 % percentile intervals from a bootstrap of {resamples} resamples "
+        "[@efron1979], and Cliff’s delta, which is 2 A12 − 1 [@cliff1993], beside the Mann–Whitney test [@mann1947]; "
+        "an optimizer is called the lower one only where that interval leaves out 0.5.",
         resamples=f"{RESAMPLES:,}",
     )
 

@@ -124,9 +124,10 @@ def ecdf_figure(
     data_profile(profile, looks=looks, legend=False, ax=right)
     _legend(figure, looks)
     at = "" if tau is None else f" at tau = {tau:g}"
+    unit = " within so many groups of d + 1 evaluations" if "groups" in profile else ""
     caption = (
         "Left: the share of all targets, over problems and trials, reached within so many evaluations. Right: the "
-        f"data profile{at}, the share of trials, over problems, that reached this one target."
+        f"data profile{at}, the share of trials, over problems, that reached this one target{unit}."
     )
     along = "groups" if "groups" in profile else "evaluations"
     panels = {"targets reached": (reached, "evaluations"), "data profile": (profile, along)}
@@ -165,8 +166,8 @@ def forest_figure(pairs: pd.DataFrame) -> Figure:
     a12_forest(pairs, ax=ax)
     caption = (
         "The chance that a trial of the first optimizer ends below one of the second, averaged over problems, with "
-        "its 95% bootstrap interval; a filled point is one whose interval leaves out 0.5. Dotted: the bounds of small, "
-        "medium and large effects to either side."
+        "its 95% bootstrap interval: how far new trials on the same problems would move it. A filled point is one "
+        "whose interval leaves out 0.5. Dotted: the bounds of small, medium and large effects to either side."
     )
     return Figure("probability-of-improvement", caption, figure, pairs)
 

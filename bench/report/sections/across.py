@@ -18,8 +18,10 @@ TITLE = "Across problems"
 def section(findings: Findings) -> Section:
     """Return ranks, tests and effect sizes over all problems; the unit is the problem, its value the median."""
     medians, optimizers = findings.medians, findings.optimizers
-    if len(optimizers) < 2 or medians.empty:
-        return Section(TITLE, ("There is nothing to compare: no problem has trials of two optimizers.",))
+    if len(optimizers) < 2:
+        return Section(TITLE, ("There is nothing to compare with only one optimizer.",))
+    if medians.empty:
+        return Section(TITLE, ("There is nothing to compare: no problem has trials of every optimizer.",))
     left_out = len(findings.problems) - len(medians)
     text = [_friedman(findings.friedman), _suite(findings)]
     if left_out:
@@ -78,7 +80,8 @@ def _aggregate(means: pd.DataFrame) -> Table:
     shown = means.set_index("optimizer")[["problems", "n", "iqm", "low", "high"]]
     return Table(
         "interquartile-mean",
-        "Interquartile mean of the normalised error over all problems, with a 95% stratified bootstrap interval.",
+        "Interquartile mean of the normalised error over all problems, with a 95% stratified bootstrap interval: how "
+        "far new trials on the same problems would move it.",
         shown.rename(columns={"n": "trials", "iqm": "IQM"}),
         decimals={"IQM": 3, "low": 3, "high": 3},
         note="0 is the optimum of a problem, or the lowest value found where none is known; 1 is the median of all "

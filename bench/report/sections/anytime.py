@@ -7,7 +7,15 @@ from math import ceil
 import numpy as np
 import pandas as pd
 
-from bench.analysis import data_profiles, ecdf, evaluation_grid, expected_running_time, success_rates
+from bench.analysis import (
+    convergence,
+    data_profiles,
+    ecdf,
+    evaluation_grid,
+    expected_running_time,
+    success_rates,
+    table,
+)
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
 from bench.report.plots import convergence_figure, ecdf_figure, ert_figure
@@ -31,23 +39,25 @@ def section(findings: Findings) -> Section:
         ert_figure(expected_running_time(hits), findings.optimizers),
         _success(success_rates(hits)),
     )
-    return Section(TITLE, (*_leaders(findings, budget), _ladder(findings.targets)), items)
+    text = (*_leaders(findings, budget), *_ladder(findings.targets, len(findings.problems)))
+    return Section(TITLE, text, items)
 
 
 def _leaders(findings: Findings, budget: int) -> list[str]:
+    if len(findings.optimizers) < 2:
+        return []
+    stages = np.unique([max(round(share * budget), 1) for share in (0.01, 0.1, 1.0)])
+    curves = convergence(findings.frame, findings.results.traces, stages)
     sentences = []
-    for share in (0.01, 0.1, 1.0) if len(findings.optimizers) > 1 else ():
-        spent = max(round(share * budget), 1)
-        curves = findings.curves[findings.curves["evaluations"] <= spent]
-        reached = curves.groupby(["problem", "optimizer"], sort=False, observed=True).last()
-        median = reached["median"].unstack("optimizer")
+    for spent, reached in curves.groupby("evaluations"):
+        median = table(reached, "median")
         finite = median.where(np.isfinite(median.to_numpy(dtype=float)))
         lowest = shares(finite.eq(finite.min(axis=1), axis=0))
-        sentences.append(f"After {count(spent, 'evaluation')} the lowest median is {lowest}.")
-    return [" ".join(dict.fromkeys(sentences))] if sentences else []
+        sentences.append(f"After {count(int(str(spent)), 'evaluation')} the lowest median is {lowest}.")
+    return [" ".join(sentences)]
 
 
-def _ladder(targets: pd.DataFrame) -> str:
+def _ladder(targets: pd.DataFrame, problems: int) -> list[str]:
     known = targets.drop_duplicates("problem")["known"].astype(bool)
     reference = (
         "the known optimum"
@@ -56,11 +66,15 @@ def _ladder(targets: pd.DataFrame) -> str:
         if not known.any()
         else "the known optimum, or the lowest value found where none is known"
     )
-    return (
+    meaning = (
         "A target is a share tau of the way left: the objective value f_L + tau (f_0 − f_L), where f_0 is the median "
         f"of the trials’ first values and f_L is {reference} (Moré and Wild 2009). The expected running time (ERT) is "
         "the evaluations of all trials over the number of successes; where no trial succeeds it is infinite."
     )
+    if len(known) == problems:
+        return [meaning]
+    without = count(problems - len(known), "problem")
+    return [meaning, f"{without} without any finite value can have no targets, so the figures below leave them out."]
 
 
 def _success(rates: pd.DataFrame) -> Table:
@@ -68,13 +82,13 @@ def _success(rates: pd.DataFrame) -> Table:
         rates.groupby(["optimizer", "tau"], sort=False, observed=True)[["successes", "trials"]].sum().reset_index()
     )
     shown = overall.assign(share=100 * overall["successes"] / overall["trials"].where(overall["trials"] > 0))
-    table = shown.pivot(index="optimizer", columns="tau", values="share")
+    wide = shown.pivot(index="optimizer", columns="tau", values="share")
     order = list(dict.fromkeys(shown["optimizer"])), sorted(set(shown["tau"]), reverse=True)
-    table = table.reindex(index=order[0], columns=order[1]).rename_axis(index="optimizer", columns=None)
+    wide = wide.reindex(index=order[0], columns=order[1]).rename_axis(index="optimizer", columns=None)
     return Table(
         "success-rates",
         "Trials that reached a target, in percent, over all problems, by tau.",
-        table.rename(columns=lambda tau: f"tau = {tau:g}"),
+        wide.rename(columns=lambda tau: f"tau = {tau:g}"),
         decimals=1,
         note="By problem, with 95% Wilson intervals, in the CSV file and in the sections below.",
         data=rates,

@@ -18,11 +18,12 @@ def section(findings: Findings) -> Section:
         text = ["No problem has two cells with a finite median, so none is best."]
     else:
         unclear = int(alike.any(axis=1).sum())
+        of_them = f"On {unclear} of them" if unclear else "On none of them"
         lowest = (
-            f"The lowest median is {shares(best)}. On {unclear or 'none'} of them the result of another optimizer may "
-            "come from the best one’s distribution."
+            f"The lowest median is {shares(best)}. {of_them} the result of an optimizer that is not the best may come "
+            "from the best one’s distribution."
         )
-        text = [lowest, *_means(findings)]
+        text = [lowest, *_means(findings), *_gaps(findings)]
     shown = Table(
         "comparison",
         "Median of the best objective value over the trials of each cell (lower is better).",
@@ -39,11 +40,25 @@ def section(findings: Findings) -> Section:
     return Section(TITLE, tuple(text), (shown,))
 
 
+def _gaps(findings: Findings) -> list[str]:
+    """Return a caveat where optimizers were not run on the same problems."""
+    empty = findings.coverage[findings.coverage["stored"] == 0]
+    gaps = empty.loc[empty["problem"].isin(findings.problems), "problem"].nunique()
+    if not gaps:
+        return []
+    sentence = (
+        f"On {count(gaps, 'problem')} an optimizer has no trial: marks there compare the others only, and what sums up "
+        "over evaluations or times below rests on different problems for different optimizers."
+    )
+    return [sentence]
+
+
 def _means(findings: Findings) -> list[str]:
     """Return a sentence where the mean would crown somebody else: a few bad trials sway it."""
     best = table(findings.matrix, "best").astype(bool)
     by_mean = table(comparison_matrix(findings.summary, findings.pairs, statistic="mean"), "best").astype(bool)
-    differ = int((by_mean.any(axis=1) & best.any(axis=1) & ~(best & by_mean).any(axis=1)).sum())
+    known = findings.summary.pivot(index="problem", columns="optimizer", values="mean").notna().all(axis=1)
+    differ = int((known.loc[best.index] & best.any(axis=1) & ~(best & by_mean).any(axis=1)).sum())
     if not differ:
         return []
     sentence = (

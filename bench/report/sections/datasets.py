@@ -22,8 +22,8 @@ def section(findings: Findings) -> Section:
     rates = success_rates(findings.hits, taus=(TAU,)) if findings.results.traces else pd.DataFrame()
     how_to_read = (
         "Boxes span the quartiles, whiskers reach the furthest point within 1.5 box lengths, and every trial is a "
-        "point. D is the largest distance between the two empirical distributions and p its exact probability (by "
-        "9,999 permutations where more than 10% of the values are ties). A12 is the chance that a trial of the first "
+        "point. D is the largest distance between the two empirical distributions and p its exact probability (given "
+        "the ties, where more than 10% of the values are tied). A12 is the chance that a trial of the first "
         "optimizer ends below one of the second, ties counted half, with a 95% bootstrap interval: 0.5 is no tendency; "
         "beyond 0.56, 0.64 and 0.71 (below 0.44, 0.36 and 0.29) it is called small, medium and large. Cliff’s delta is "
         "2 A12 − 1."
@@ -122,6 +122,6 @@ def _a12_interval(pair: Any) -> str:
 
 
 def _note(pair: Any) -> str:
-    if pair.method != "exact":
-        return str(pair.method)
-    return "tied: p is too large" if pair.tied else ""
+    """Return how p was found where it is not the usual way, and whether optimizers differ without an order."""
+    notes = {"exact": [], "permutation": ["ties"]}.get(pair.method, [str(pair.method)])
+    return ", ".join([*notes, "in shape, not in order"] if pair.significant and not pair.lower else notes)

@@ -15,17 +15,11 @@ TROUBLE = ("error", "warning")
 def section(findings: Findings) -> Section:
     """Return every check with what it found, its troubles as warnings, and incomplete cells and failures in tables."""
     checks = findings.integrity
-    troubles = checks[checks["verdict"].isin(TROUBLE)]
-    warnings = [
-        f"{'Error: ' if row.verdict == 'error' else ''}{str(row.check).capitalize()}: {row.finding}"
-        for row in troubles.itertuples()
-    ]
-    if findings.unloaded:
-        warnings.append(_unloaded(findings.unloaded))
+    troubles = int(checks["verdict"].isin(TROUBLE).sum())
     unchecked = int((checks["verdict"] == "not checked").sum())
     text = (
         f"{count(len(checks), 'check')}: {int((checks['verdict'] == 'pass').sum())} passed, "
-        f"{count(len(troubles), 'warning or error', 'warnings or errors')}"
+        f"{count(troubles, 'warning or error', 'warnings or errors')}"
         + (f", {count(notes, 'note')}" if (notes := int((checks["verdict"] == "note").sum())) else "")
         + (f", {unchecked} not possible here" if unchecked else "")
         + "."
@@ -36,7 +30,21 @@ def section(findings: Findings) -> Section:
         checks[["check", "verdict", "finding"]].set_index("check"),
         data=checks,
     )
-    return Section(TITLE, (text,), (table, *_incomplete(findings)), tuple(warnings))
+    unseen = (
+        "Not to be seen in results, and not checked: structural bias, non-determinism, and first populations that are "
+        "not uniform."
+    )
+    return Section(TITLE, (text, unseen), (table, *_incomplete(findings)), warnings(findings))
+
+
+def warnings(findings: Findings) -> tuple[str, ...]:
+    """Return what a reader must know before any number: every check that found trouble, in words."""
+    checks = findings.integrity
+    found = [
+        f"{'Error: ' if row.verdict == 'error' else ''}{str(row.check).capitalize()}: {row.finding}"
+        for row in checks[checks["verdict"].isin(TROUBLE)].itertuples()
+    ]
+    return (*found, _unloaded(findings.unloaded)) if findings.unloaded else tuple(found)
 
 
 def _unloaded(reasons: dict[str, str]) -> str:

@@ -40,14 +40,15 @@ def section(findings: Findings) -> Section:
 def missed(n: int, optimizers: int) -> str:
     """Return in words, without a full stop, what differences n trials a cell would often not have shown."""
     seen, shifts = [], []
-    for row in power_table(n, _pairs(optimizers)).dropna().itertuples():
-        seen.append(
-            f"at the {row.level} of {row.alpha:.2g} it needs D of at least {row.distance:.0f}/{n} and sees 80% of "
-            f"shifts of {row.shift:.2f} SD"
-        )
-        shifts.append(f"{row.shift:.1f}")
-    trials = f"with {count(n, 'trial')} a cell"
-    if not seen:
+    for level, alpha, distance, shift in power_table(n, _pairs(optimizers)).to_numpy():
+        step = f"at the {level} of {alpha:.2g} it"
+        if pd.isna(shift):
+            seen.append(f"{step} can find no difference at all")
+        else:
+            seen.append(f"{step} needs D of at least {distance:.0f}/{n} and sees 80% of shifts of {shift:.2f} SD")
+            shifts.append(f"{shift:.1f}")
+    trials = f"with {count(n, 'trial')} in the smallest cell"
+    if not shifts:
         return f"{trials} the test can find no difference at all"
     return (
         f"{trials} the test would often miss shifts below about {' to '.join(dict.fromkeys(shifts))} SD "

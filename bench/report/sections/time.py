@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pandas as pd
 
 from bench.analysis import CONTENTION, HIDDEN_THREADS
@@ -40,13 +42,28 @@ def _in_words(findings: Findings, known: pd.DataFrame) -> str:
         text += f", the fastest, and {seconds(slowest['wall_mean'])} with {slowest['optimizer']}, the slowest"
     processors = list(dict.fromkeys(str(each.get("processor", "")) for each in findings.results.environments))
     machine = f" ({listing(processors)})" if any(processors) else ""
-    return f"{text}. One trial ran on a core at a time, on the machine named below{machine}."
+    spent = known["evaluations_median"]
+    unequal = (
+        " The optimizers did not spend the same number of evaluations." if spent.max() > 1.01 * spent.min() else ""
+    )
+    return f"{text}, on the machine named below{machine}.{unequal}{_crowded(findings)}"
+
+
+def _crowded(findings: Findings) -> str:
+    """Return a sentence on how many trials ran on how many cores, as far as it was noted."""
+    noted: list[Any] = [(each.get("jobs"), each.get("cores")) for each in findings.results.environments]
+    if not noted or not all(isinstance(number, int) for each in noted for number in each):
+        return ""
+    if all(jobs <= cores for jobs, cores in noted):
+        return " No more trials ran at a time than there were cores."
+    return " More trials ran at a time than there were cores, so wall times are too long."
 
 
 def _table(timing: pd.DataFrame) -> Table:
     shown = pd.DataFrame(
         {
             "trials": timing["trials"],
+            "evaluations": timing["evaluations_median"],
             "wall s": timing["wall_median"],
             "wall IQR": _interval(timing, "wall"),
             "CPU s": timing["cpu_median"],
@@ -59,9 +76,10 @@ def _table(timing: pd.DataFrame) -> Table:
     ).set_index(pd.Index(timing["optimizer"], name="optimizer"))
     return Table(
         "timing",
-        "Median time of one trial, its quartiles, the share spent in the problem’s evaluate, and evaluations a second.",
+        "Median evaluations and time of one trial, the quartiles, the share of the time spent in the problem’s "
+        "evaluate, and evaluations a second.",
         shown,
-        decimals={"wall/CPU": 2, "evals/s": 0},
+        decimals={"evaluations": 0, "wall/CPU": 2, "evals/s": 0},
         data=timing,
     )
 

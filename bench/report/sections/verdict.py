@@ -7,6 +7,7 @@ import pandas as pd
 from bench.analysis import ALPHA
 from bench.report.findings import Findings
 from bench.report.parts import Card, Section, Table
+from bench.report.sections import integrity
 from bench.report.sections.power import missed
 from bench.report.words import count, listing, p_text
 
@@ -36,9 +37,12 @@ def _claim(findings: Findings) -> str:
         f"n = {_trials(findings)} with a budget of {count(study.budget, 'evaluation')} on each of "
         f"N = {count(_problems(findings), 'problem')}, alpha = {ALPHA:g}"
     )
-    troubles = findings.integrity["verdict"].isin(("warning", "error")).sum()
-    caveat = f"; mind the {count(int(troubles), 'warning')} below" if troubles else ""
-    return f"{_winner(findings.ranking)} ({conditions}{caveat})."
+    failed = findings.coverage.groupby("optimizer", sort=False, observed=False)["failed"].sum()
+    lost = [f"{count(number, 'trial')} of {label}" for label, number in failed.items() if number]
+    failures = f"; failed: {listing(lost)}" if lost else ""
+    troubles = len(integrity.warnings(findings))
+    caveat = f"; mind the {count(troubles, 'warning')} below" if troubles else ""
+    return f"{_winner(findings.ranking)} ({conditions}{failures}{caveat})."
 
 
 def _winner(ranking: pd.DataFrame) -> str:
@@ -79,6 +83,12 @@ def _across(findings: Findings) -> str:
     p = friedman["p_iman_davenport"]
     if not friedman["note"] and p > ALPHA:
         return f"Across the problems no difference is shown (Friedman with Iman-Davenport’s correction, {p_text(p)})."
+    pairs = len(tests)
+    if pairs > 1 and 2 / 2 ** _problems(findings) > ALPHA / pairs:
+        return (
+            f"Across the problems no pair can be told apart: {count(_problems(findings), 'problem')} are too few for "
+            f"Wilcoxon’s test with Holm’s adjustment over {pairs} pairs."
+        )
     open_pairs = [f"{pair.first} and {pair.second}" for pair in tests[~tests["significant"]].itertuples()]
     if not open_pairs:
         return "Across the problems every pair of optimizers differs, but by medians only, not in every trial."
@@ -91,10 +101,10 @@ def _grounds(findings: Findings) -> str:
     adjusted = f", adjusted by Holm over the {pairs} pairs of a problem," if pairs > 1 else ""
     return (
         "First means the lowest median. Separable means that the exact two-sample Kolmogorov-Smirnov test at alpha = "
-        f"{ALPHA:g}{adjusted} tells an optimizer from each rival "
-        f"and that it tends to be the lower one ({count(len(findings.pairs), 'test')} in all). A winner is named only "
-        "if it is separable from every rival on more than half of the problems; the counts are over the problems on "
-        "which every optimizer has a trial."
+        f"{ALPHA:g}{adjusted} tells an optimizer from each rival ({count(len(findings.pairs), 'test')} in all), and "
+        "that the 95% interval of A12 says it tends to be the lower one. A winner is named only if it is separable "
+        "from every rival on more than half of the problems; the counts are over the problems on which every optimizer "
+        "has a trial."
     )
 
 

@@ -61,7 +61,7 @@ TRACES = {
 class TestConvergence:
     def test_every_cell_by_hand(self):
         frame = trials(("p", "a", 0, "ok"), ("p", "a", 1, "ok"), ("p", "b", 0, "ok"))
-        curves = convergence(frame, TRACES, budget=100, points=3)
+        curves = convergence(frame, TRACES, evaluation_grid(100, 3))
         assert list(curves) == ["problem", "optimizer", "evaluations", "median", "q1", "q3"]
         a, b = (curves[curves["optimizer"] == name] for name in "ab")
         assert a["evaluations"].tolist() == [1, 10, 100]
@@ -70,21 +70,21 @@ class TestConvergence:
 
     def test_a_failed_trial_counts_as_infinite_whatever_its_trace(self):
         frame = trials(("p", "a", 0, "ok"), ("p", "a", 1, "ok"), ("p", "a", 2, "timeout"))
-        curves = convergence(frame, {**TRACES, ("p", "a", 2): trace((1, -1.0))}, budget=100, points=3)
+        curves = convergence(frame, {**TRACES, ("p", "a", 2): trace((1, -1.0))}, evaluation_grid(100, 3))
         assert curves["median"].tolist() == [8.0, 4.0, 2.0]
         assert curves["q3"].tolist() == [INF] * 3
 
     def test_a_trial_without_a_trace_counts_as_infinite(self):
         frame = trials(("p", "b", 0, "ok"), ("p", "b", 1, "ok"))
-        assert convergence(frame, TRACES, budget=100, points=3)["q1"].tolist() == [INF] * 3
+        assert convergence(frame, TRACES, evaluation_grid(100, 3))["q1"].tolist() == [INF] * 3
 
     def test_the_studys_order_and_its_empty_cells(self):
         frame = trials(("p", "a", 0, "ok"), ("p", "b", 0, "ok"))
         categories = pd.Categorical(frame["optimizer"], categories=["c", "b", "a"])
-        curves = convergence(frame.assign(optimizer=categories), TRACES, budget=100)
+        curves = convergence(frame.assign(optimizer=categories), TRACES, evaluation_grid(100))
         assert list(dict.fromkeys(curves["optimizer"])) == ["b", "a"]
 
     def test_nothing_at_all(self):
-        assert convergence(trials(), {}, budget=100).empty
-        curves = convergence(trials(("p", "a", 0, "failed")), {}, budget=100, points=3)
+        assert convergence(trials(), {}, evaluation_grid(100)).empty
+        curves = convergence(trials(("p", "a", 0, "failed")), {}, evaluation_grid(100, 3))
         assert curves["median"].tolist() == [INF] * 3

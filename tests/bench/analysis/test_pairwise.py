@@ -1,5 +1,7 @@
 """Pairs on one problem: against scipy and statsmodels on random samples, by hand on small ones, and as properties."""
 
+from math import comb
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -19,6 +21,7 @@ from bench.analysis.pairwise import (
     ks_distance,
     pairwise_tests,
     percentile_interval,
+    permutation_p,
     tied_share,
 )
 
@@ -84,7 +87,7 @@ class TestAgainstLibraries:
     def test_few_tied_values_by_all_arrangements(self, frame_of):
         this, other = np.array([1, 1, 2, 2, 3.0]), np.array([2, 3, 3, 4, 4.0])
         every = permutation_test((this, other), distance_by_counting, axis=-1, alternative="greater")
-        assert pair_of(frame_of, this, other).p == pytest.approx(every.pvalue, abs=0.015)
+        assert pair_of(frame_of, this, other).p == pytest.approx(every.pvalue, rel=1e-9)
 
     @pytest.mark.parametrize("k", [1, 2, 10, 45])
     def test_holm(self, k):
@@ -168,10 +171,22 @@ class TestByHand:
         pair = pair_of(frame_of, this, other)
         assert (pair.method, pair.p, pair.a12, pair.lower) == ("identical", 1.0, 0.5, "")
 
-    def test_the_exact_p_of_tied_values_is_kept_below_what_resamples_resolve(self, frame_of):
+    def test_complete_separation_of_tied_values(self, frame_of):
         pair = pair_of(frame_of, [1, 1, 2] * 10, [4, 4, 5] * 10)
-        assert (pair.tied, pair.method) == (True, "exact")
-        assert pair.p == ks_2samp([1, 1, 2] * 10, [4, 4, 5] * 10, method="exact").pvalue < 1e-4
+        assert (pair.tied, pair.method) == (True, "permutation")
+        assert pair.p == pytest.approx(2 / comb(60, 30), rel=1e-9)
+
+    @pytest.mark.parametrize(("n", "m"), [(30, 30), (7, 30), (1, 9), (12, 5)])
+    def test_the_permutation_p_without_ties_is_the_exact_one(self, n, m):
+        rng = np.random.default_rng(n + m)
+        for shift in (0.0, 0.7, 3.0):
+            this, other = rng.normal(size=n), rng.normal(shift, size=m)
+            assert permutation_p(this, other) == pytest.approx(ks_2samp(this, other, method="exact").pvalue, rel=1e-9)
+
+    def test_a_difference_in_spread_alone_has_no_direction(self, frame_of):
+        pair = pair_of(frame_of, np.linspace(-1, 1, 30), np.linspace(-10, 10.5, 30))
+        assert (pair.significant, pair.lower) == (True, "")
+        assert pair.a12_low < 0.5 < pair.a12_high
 
     def test_one_optimizer_and_an_empty_frame_make_no_pair(self, frame_of):
         for frame in (frame_of({("p", "a"): [1.0, 2.0]}), frame_of({})):
@@ -244,7 +259,7 @@ class TestProperties:
         assert pair.a12_low <= pair.a12_high
         assert pair.a12 + mirrored.a12 == pytest.approx(1)
         assert (pair.p_mw, pair.distance, pair.method) == (mirrored.p_mw, mirrored.distance, mirrored.method)
-        assert pair.p == pytest.approx(mirrored.p, abs=0.04 if pair.method == "permutation" else 1e-12)
+        assert pair.p == pytest.approx(mirrored.p, rel=1e-9)
         assert {pair.lower, mirrored.lower} in ({"a", "b"}, {""})
 
     @settings(max_examples=30, deadline=None)
