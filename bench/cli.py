@@ -113,14 +113,14 @@ def run(
     except WorkerDiedError as error:
         _say(str(error))
         sys.exit(1)
-    if check:
-        _check_folder(outcome.folder, console)
+    unchecked = check and not _check_folder(outcome.folder, console, jobs)
     if report:
         _report([outcome.folder], console)
     else:
         console.print(f"results in {outcome.folder}", markup=False, highlight=False, soft_wrap=True)
     if outcome.failed:
         _say(f"{outcome.failed} trials failed; see the report or 'bench status {outcome.folder}'")
+    if outcome.failed or unchecked:
         sys.exit(1)
 
 
@@ -140,19 +140,23 @@ def check(
 
     console = Console()
     if name not in plugins.entries("optimizers") and (Path(name) / "study.toml").exists():
-        _check_folder(Path(name), console)
-        return
+        sys.exit(0 if _check_folder(Path(name), console) else 1)
     diagnosis = centre_bias(plugins.load_optimizer(name, **_pairs(option)))
     listing.show_checks({name: [diagnosis]}, console)
     if not diagnosis.passed:
         sys.exit(1)
 
 
-def _check_folder(path: Path, console: Console) -> None:
+def _check_folder(path: Path, console: Console, jobs: int = -1) -> bool:
+    """Check the optimizers of a study's folder; return whether all could be checked, biased or not."""
     from bench.diagnosis import diagnose
     from bench.folder import Folder
 
-    listing.show_checks(diagnose(Folder(path)), console)
+    found, failed = diagnose(Folder(path), jobs)
+    listing.show_checks(found, console)
+    for label, reason in failed.items():
+        _say(f"{label} could not be checked: {reason}")
+    return not failed
 
 
 @app.command()

@@ -14,6 +14,7 @@ from bench.folder import Folder
 from bench.optimizer import Optimizer
 from bench.problem import Floats, FunctionProblem
 from bench.seeds import trial_seed
+from bench.study import Study
 from bench.trial import solve
 
 LIMIT = 10.0  # a geometric mean ratio of errors above this is a bias (Kudela 2022)
@@ -122,14 +123,28 @@ FUNCTIONS: dict[str, Callable[[Floats], Floats]] = {
 }  # fmt: skip
 
 
-def diagnose(folder: Folder, n_jobs: int = -1) -> dict[str, list[Diagnosis]]:
+def diagnose(folder: Folder, n_jobs: int = -1) -> tuple[dict[str, list[Diagnosis]], dict[str, str]]:
     """Diagnose every optimizer of a study with its own options, and note the outcome in the folder for reports.
 
     Returns:
-        the diagnoses by optimizer label.
+        the diagnoses by optimizer label, and why an optimizer could not be diagnosed, by label.
     """
     study = folder.study()
-    found = Parallel(n_jobs=n_jobs)(delayed(centre_bias)(study.optimizer(each.label)) for each in study.optimizers)
-    diagnoses = {each.label: [diagnosis] for each, diagnosis in zip(study.optimizers, found, strict=True)}
-    folder.note_checks({label: [each.as_dict() for each in those] for label, those in diagnoses.items()})
-    return diagnoses
+    outcomes = Parallel(n_jobs=n_jobs)(delayed(_diagnosis)(study, each.label) for each in study.optimizers)
+    found: dict[str, list[Diagnosis]] = {}
+    failed: dict[str, str] = {}
+    for entry, outcome in zip(study.optimizers, outcomes, strict=True):
+        if isinstance(outcome, Diagnosis):
+            found[entry.label] = [outcome]
+        else:
+            failed[entry.label] = outcome
+    folder.note_checks({label: [each.as_dict() for each in those] for label, those in found.items()})
+    return found, failed
+
+
+def _diagnosis(study: Study, label: str) -> Diagnosis | str:
+    """Return an optimizer's diagnosis, or why there is none: one that fails must not cost the others theirs."""
+    try:
+        return centre_bias(study.optimizer(label))
+    except BenchError as error:
+        return str(error)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 
 
 def file_name(name: str) -> str:
@@ -16,13 +16,18 @@ def file_name(name: str) -> str:
     return safe if safe and safe == name else f"{safe or 'part'}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
 
 
+def free(name: str, taken: Container[str]) -> str:
+    """Return the name, numbered from 2 on where it is taken."""
+    found, number = name, 1
+    while found in taken:
+        number += 1
+        found = f"{name}-{number}"
+    return found
+
+
 def unique(names: Iterable[str]) -> list[str]:
     """Return the names in their order, numbered from 2 on where one has stood before."""
     taken: dict[str, None] = {}
     for name in names:
-        free, number = name, 1
-        while free in taken:
-            number += 1
-            free = f"{name}-{number}"
-        taken[free] = None
+        taken[free(name, taken)] = None
     return list(taken)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections import Counter
 from collections.abc import Sequence
 from functools import cache, cached_property
@@ -14,12 +15,30 @@ import pandas as pd
 
 from bench.errors import BenchError
 from bench.folder import Folder
+from bench.names import unique
 from bench.objective import Trace
 from bench.problem import Problem
 from bench.study import Entry, Study
 from bench.trial import FRAME_COLUMNS
 
 AnyPath = str | PathLike[str]
+
+
+@dataclasses.dataclass(frozen=True)
+class Known:
+    """What results may be measured against, as far as the problem can be loaded where they are read.
+
+    Attributes:
+        optimum: its best known objective value, or None.
+        expected: the true value of domain figures and how far from it is near enough, by name.
+        box: the bounds of each search variable, by name.
+        reason: why the problem cannot be loaded and nothing is known of it, "" where it can.
+    """
+
+    optimum: float | None = None
+    expected: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)
+    box: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)
+    reason: str = ""
 
 
 class Results:
@@ -29,6 +48,7 @@ class Results:
     than one of them is told apart by its folder's name, as in ``"gwo (old)"``.
 
     Attributes:
+        names: the folders' own names, with as many parents as it takes to tell them apart.
         study: the study as frozen in the folder; for several, all their problems and optimizers.
         environments: what each run that wrote here noted of its machine.
         checks: what ``bench check`` noted of each optimizer, by label; empty where it was not asked.
@@ -40,6 +60,7 @@ class Results:
 
     def __init__(self, path: AnyPath, *others: AnyPath) -> None:
         self._sources = _sources([Folder(each) for each in (path, *others)])
+        self.names = [source.name for source in self._sources]
         self.study = _united([source.study for source in self._sources])
         self.environments = [record for source in self._sources for record in source.environments]
         self.fingerprints = _agreed([source.folder.fingerprints() for source in self._sources], self.paths)
@@ -50,6 +71,7 @@ class Results:
             if label in source.shown
         }
         self._problem = cache(self.study.problem)
+        self._known: dict[str, Known] = {}
 
     @property
     def paths(self) -> list[Path]:
@@ -94,6 +116,26 @@ class Results:
             raise BenchError(f"the data of problem {label!r} is no longer what the trials were made with")
         return problem
 
+    def known(self, label: str) -> Known:
+        """Return what is known of the problem of that label here and now; it never raises."""
+        if label not in self._known:
+            self._known[label] = self._look_up(label)
+        return self._known[label]
+
+    def _look_up(self, label: str) -> Known:
+        try:
+            problem = self.problem(label)
+            optimum = None if problem.optimum is None else float(problem.optimum)
+            if optimum is not None and not math.isfinite(optimum):
+                raise ValueError(f"its optimum is {optimum}")
+            expected = {str(name): (float(true), float(near)) for name, (true, near) in problem.expected.items()}
+            box = zip(map(float, problem.lower), map(float, problem.upper), strict=True)
+            return Known(optimum, expected, dict(zip(problem.variables, box, strict=True)))
+        except BenchError as error:
+            return Known(reason=str(error))
+        except Exception as error:  # a plug-in may raise anything
+            return Known(reason=f"{type(error).__name__}: {error}")
+
 
 def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
     """Return the tidy frame of a study's folder, one row a trial, in the study's order; of several, all their rows.
@@ -113,6 +155,7 @@ class _Source:
     """One folder, its study with the labels as shown, and what its own optimizer labels are shown as."""
 
     folder: Folder
+    name: str
     study: Study
     shown: dict[str, str]
     environments: list[dict[str, Any]]
@@ -134,15 +177,18 @@ def _sources(folders: list[Folder]) -> list[_Source]:
     studies = [folder.study() for folder in folders]
     names = _short_names([folder.path for folder in folders])
     labels = Counter(entry.label for study in studies for entry in study.optimizers)
+    every = [
+        f"{entry.label} ({name})" if labels[entry.label] > 1 else entry.label
+        for study, name in zip(studies, names, strict=True)
+        for entry in study.optimizers
+    ]
+    distinct = iter(unique(every))  # a label may already look like another one with its folder
     sources = []
     for folder, study, name in zip(folders, studies, names, strict=True):
-        shown = {
-            entry.label: f"{entry.label} ({name})" if labels[entry.label] > 1 else entry.label
-            for entry in study.optimizers
-        }
+        shown = {entry.label: next(distinct) for entry in study.optimizers}
         optimizers = tuple(dataclasses.replace(entry, label=shown[entry.label]) for entry in study.optimizers)
         environments = [{"folder": name} | record if len(folders) > 1 else record for record in folder.environments()]
-        sources.append(_Source(folder, dataclasses.replace(study, optimizers=optimizers), shown, environments))
+        sources.append(_Source(folder, name, dataclasses.replace(study, optimizers=optimizers), shown, environments))
     return sources
 
 
@@ -154,8 +200,8 @@ def _short_names(paths: list[Path]) -> list[str]:
     for depth in range(1, max(map(len, parts)) + 1):
         names = ["/".join(each[-depth:]) for each in parts]
         if len(set(names)) == len(names):
-            return names
-    return [str(path) for path in paths]
+            break
+    return ["".join(c if c.isprintable() else "?" for c in name) for name in names]
 
 
 def _united(studies: list[Study]) -> Study:

@@ -106,24 +106,16 @@ def references(results: Results) -> dict[str, Reference]:
     finals: dict[str, list[float]] = {entry.label: [] for entry in results.study.problems}
     for (problem, _, _), trace in results.traces.items():
         finals[problem] += trace.values[-1:].tolist()
-    return {problem: _reference(_optimum(results, problem), values) for problem, values in finals.items()}
+    return {problem: _reference(results.known(problem).optimum, values) for problem, values in finals.items()}
 
 
 def _reference(optimum: float | None, values: list[float]) -> Reference:
     lowest = min(values, default=np.inf)
-    if optimum is not None and np.isfinite(optimum) and optimum <= lowest:
+    if optimum is not None and optimum <= lowest:
         return Reference(optimum, "the problem's best known value")
     if np.isfinite(lowest):
         return Reference(lowest, "the lowest value found by any trial")
     return Reference(0.0, "no trial found a finite value")
-
-
-def _optimum(results: Results, problem: str) -> float | None:
-    try:
-        optimum = results.problem(problem).optimum
-        return None if optimum is None else float(optimum)
-    except Exception:  # the plug-in may be missing, and may raise anything
-        return None
 
 
 def _cell_files(cell: Cell, algorithm: str, reference: float) -> Iterator[tuple[str, str]]:

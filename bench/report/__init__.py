@@ -4,7 +4,7 @@ A plug-in adds sections by the entry-point group ``bench.report_sections``: a ca
 :class:`bench.Results` and returns a list of :class:`Section`, empty when the study is not its own.
 """
 
-from bench.report.parts import Figure, Part, Section, Table
+from bench.report.parts import Card, Figure, Part, Section, Table
 from bench.report.write import write_report
 
-__all__ = ["Figure", "Part", "Section", "Table", "write_report"]
+__all__ = ["Card", "Figure", "Part", "Section", "Table", "write_report"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -10,10 +9,8 @@ from typing import Any
 import pandas as pd
 
 from bench import analysis
-from bench.errors import BenchError
-from bench.problem import Problem
 from bench.report.methods import Methods, MethodsFacts, methods
-from bench.results import Results
+from bench.results import Known, Results
 from bench.study import Study
 
 
@@ -46,44 +43,20 @@ class Findings:
         return analysis.coverage(self.frame, self.results.study.trials)
 
     @cached_property
-    def _loaded(self) -> tuple[dict[str, Problem], dict[str, str]]:
-        problems, reasons = {}, {}
-        for label in self.problems:
-            try:
-                problems[label] = self.results.problem(label)
-            except BenchError as error:
-                reasons[label] = str(error)
-            except Exception as error:  # a plug-in may raise anything
-                reasons[label] = f"{type(error).__name__}: {error}"
-        return problems, reasons
-
-    @property
-    def loaded(self) -> dict[str, Problem]:
-        """The problems that can be loaded here, by label."""
-        return self._loaded[0]
-
-    @property
-    def unloaded(self) -> dict[str, str]:
-        """Why each other problem cannot be: its optimum, box and expected figures are then not known."""
-        return self._loaded[1]
+    def known(self) -> dict[str, Known]:
+        """What is known of each problem here."""
+        return {label: self.results.known(label) for label in self.problems}
 
     @cached_property
     def optima(self) -> dict[str, float]:
         """The best known objective value of the problems that have one."""
-        return {label: each.optimum for label, each in self.loaded.items() if each.optimum is not None}
+        return {label: each.optimum for label, each in self.known.items() if each.optimum is not None}
 
-    @property
-    def expected(self) -> dict[str, Mapping[str, tuple[float, float]]]:
-        """The true value and tolerance of domain figures, by problem."""
-        return {label: each.expected for label, each in self.loaded.items()}
-
-    @property
-    def boxes(self) -> dict[str, dict[str, tuple[float, float]]]:
-        """The bounds of each search variable, by problem."""
-        return {
-            label: dict(zip(each.variables, zip(each.lower.tolist(), each.upper.tolist(), strict=True), strict=True))
-            for label, each in self.loaded.items()
-        }
+    @cached_property
+    def trials(self) -> tuple[int, int]:
+        """The fewest and the most trials of a cell, of those that have any; (0, 0) where none has."""
+        stored = self.coverage.loc[self.coverage["stored"] > 0, "stored"]
+        return (int(stored.min()), int(stored.max())) if len(stored) else (0, 0)
 
     # at the end of the budget, problem by problem
 
@@ -173,7 +146,7 @@ class Findings:
             study_budget=self.results.study.budget,
             planned_trials=self.results.study.trials,
             traces=self.results.traces,
-            boxes=self.boxes,
+            boxes={label: each.box for label, each in self.known.items() if each.box},
             diagnoses=self.results.checks,
         )
 
@@ -181,11 +154,11 @@ class Findings:
     def methods(self) -> Methods:
         """The methods section of a paper about this run."""
         study, pairs = self.results.study, self.pairs
-        stored = self.coverage["stored"]
         return methods(
             MethodsFacts(
                 study=study,
-                trials=(int(stored.min()), int(stored.max())),
+                trials=self.trials,
+                empty=int((self.coverage["stored"] == 0).sum()),
                 failed=int(self.coverage["failed"].sum()),
                 bibtex={entry.label: _bibtex(study, entry.label) for entry in study.optimizers},
                 environments=self.results.environments,
@@ -213,8 +186,9 @@ class Findings:
 
 
 def _bibtex(study: Study, label: str) -> str:
-    """Return what an optimizer asks to be cited by, "" where its plug-in is missing here."""
+    """Return what an optimizer asks to be cited by, "" where its plug-in is missing here or says no text."""
     try:
-        return study.optimizer(label).bibtex
-    except BenchError:
+        entry: Any = study.optimizer(label).bibtex
+    except Exception:  # a plug-in may raise anything
         return ""
+    return entry if isinstance(entry, str) else ""

@@ -13,7 +13,7 @@ from bench.analysis.pairwise import RESAMPLES, TIED
 from bench.errors import BenchError
 from bench.report.prose import LATEX, MARKDOWN, TEXT, Cite, Sentence, keys, say, series
 from bench.report.references import Reference, library, parse, united
-from bench.report.words import count, listing
+from bench.report.words import count, listing, options
 from bench.study import Entry, Study
 
 BIBLIOGRAPHY = "references.bib"
@@ -36,7 +36,8 @@ class MethodsFacts:
 
     Attributes:
         study: what was planned.
-        trials: the fewest and the most trials that a cell (problem and optimizer) has.
+        trials: the fewest and the most trials of a cell (problem and optimizer), of those that have any.
+        empty: cells without any trial.
         failed: trials that failed, of all.
         bibtex: each optimizer's BibTeX by label; an optimizer without any is not cited.
         environments: what each run noted of its machine (:func:`bench.environment.describe`).
@@ -53,6 +54,7 @@ class MethodsFacts:
 
     study: Study
     trials: tuple[int, int]
+    empty: int = 0
     failed: int = 0
     bibtex: Mapping[str, str] = field(default_factory=dict)
     environments: Sequence[Mapping[str, Any]] = ()
@@ -117,11 +119,11 @@ def _experiment(facts: MethodsFacts, own: Mapping[str, tuple[str, ...]]) -> Iter
         problems=f"{count(len(labels), 'problem')} ({listing(labels, at_most=20)})",
         optimizers=series([[_name(entry), Cite(own[entry.label])] for entry in study.optimizers]),
     )
-    options: dict[str, list[str]] = {}
+    alike: dict[str, list[str]] = {}
     for entry in study.optimizers:
-        options.setdefault(_options(entry), []).append(entry.label)
-    if options.keys() != {""}:
-        given = [f"{listing(names, at_most=len(names))} with {text}" for text, names in options.items() if text]
+        alike.setdefault(options(entry.options), []).append(entry.label)
+    if alike.keys() != {""}:
+        given = [f"{listing(names, at_most=len(names))} with {text}" for text, names in alike.items() if text]
         yield say("We ran {given}; all other parameters have their default values.", given="; ".join(given))
     else:
         yield say("All parameters have their default values.")
@@ -134,6 +136,8 @@ def _experiment(facts: MethodsFacts, own: Mapping[str, tuple[str, ...]]) -> Iter
         where=" on each problem" if len(labels) > 1 else "",
         budget=count(study.budget, "evaluation"),
     )
+    if facts.empty:
+        yield say("{cells} of problem and optimizer had no trial.", cells=count(facts.empty, "pair"))
     if early := {label: number for label, number in facts.early.items() if number}:
         yield say(
             "Not all of it was spent: {stopped} stopped by criteria of their own.",
@@ -297,11 +301,6 @@ def _bibliography(facts: MethodsFacts) -> tuple[dict[str, Reference], dict[str, 
 
 def _name(entry: Entry) -> str:
     return entry.label if entry.label == entry.name else f"{entry.label} (the optimizer {entry.name})"
-
-
-def _options(entry: Entry) -> str:
-    pairs = entry.options.items()
-    return ", ".join(f"{key} = {value if isinstance(value, str) else json.dumps(value)}" for key, value in pairs)
 
 
 def _distinct(values: Iterable[Any]) -> list[str]:

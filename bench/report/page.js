@@ -10,7 +10,7 @@
 
   // Sorting: by value where every cell of a column is a number, else as text; what is missing stays last.
 
-  const NUMBER = /^([<>]?)\s*([-+]?(?:[\d,]*\.?\d+(?:e[-+]?\d+)?|∞))\s*%?(?:–.*)?$/i;
+  const NUMBER = /^([<>]?)\s*([-+]?(?:[\d,]*\.?\d+(?:e[-+]?\d+)?|∞))\s*%?(?: to .*)?$/i;
   const texts = new Intl.Collator("en", { numeric: true });
 
   const text = (cell) =>

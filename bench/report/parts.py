@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -132,6 +132,10 @@ class Card:
     text: tuple[str, ...]
     tone: Literal["claim", "limit"]
 
+    def __post_init__(self) -> None:
+        """Refuse what no page can show."""
+        _check_texts("card", self.title, *_sequence(self.text))
+
 
 @dataclass(frozen=True)
 class Section:
@@ -157,10 +161,22 @@ class Section:
 
     def __post_init__(self) -> None:
         """Refuse what no page can show, so that a plug-in's mistake is found at its source."""
-        texts: tuple[Any, ...] = (self.title, self.code, *self.text, *self.warnings)
-        if isinstance(self.text, str) or not all(isinstance(text, str) for text in texts):
-            raise TypeError("a section's title, paragraphs and warnings must be texts")
-        if not all(isinstance(item, Table | Figure) for item in self.items):
+        _check_texts("section", self.title, self.code, *_sequence(self.text), *_sequence(self.warnings))
+        if not all(isinstance(item, Table | Figure) for item in _sequence(self.items)):
             raise TypeError("a section's items must be Table or Figure")
-        if any(not isinstance(section, Section) or section.sections for section in self.sections):
+        if not all(isinstance(card, Card) for card in _sequence(self.cards)):
+            raise TypeError("a section's cards must be Card")
+        if any(not isinstance(section, Section) or section.sections for section in _sequence(self.sections)):
             raise TypeError("a section's sections must be Section, without sections of their own")
+
+
+def _check_texts(of: str, *texts: Any) -> None:
+    if not all(isinstance(text, str) for text in texts):
+        raise TypeError(f"a {of}'s title, paragraphs and warnings must be texts")
+
+
+def _sequence(several: Any) -> Sequence[Any]:
+    """Return what must be a tuple or list: a text would count as its letters, and a generator can be read but once."""
+    if not isinstance(several, tuple | list):
+        raise TypeError(f"a section's parts come in tuples, not in a {type(several).__name__}")
+    return several

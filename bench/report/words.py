@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -61,6 +62,19 @@ def listing(items: Sequence[str], at_most: int = 8) -> str:
     if len(shown) > at_most:
         shown = [*shown[: at_most - 1], f"{len(shown) - at_most + 1} more"]
     return shown[0] if len(shown) == 1 else f"{', '.join(shown[:-1])} and {shown[-1]}"
+
+
+def options(given: Mapping[str, Any]) -> str:
+    """Return options as ``"agents = 300, handling = repair"``."""
+    pairs = given.items()
+    return ", ".join(
+        f"{key} = {value if isinstance(value, str) else json.dumps(value, default=str)}" for key, value in pairs
+    )
+
+
+def interval(low: float, high: float, decimals: int | None) -> str:
+    """Return an interval as ``"2.48 to 2.60"``, – where it is not known."""
+    return MISSING if pd.isna(low) else f"{cell_text(low, decimals)} to {cell_text(high, decimals)}"
 
 
 def seconds(value: float) -> str:

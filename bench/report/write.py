@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import gc
 import json
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
+from types import ModuleType
 
 from bench import plugins
 from bench.errors import BenchError
-from bench.names import file_name
+from bench.names import file_name, free
 from bench.plots import style
 from bench.report.files import FIGURES, TABLES, save_csv, save_figure, save_table
 from bench.report.findings import Findings
-from bench.report.page import Item, View, inline, render
+from bench.report.page import Item, View, grid, inline, render
 from bench.report.parts import Part, Section, Table
 from bench.report.sections import CLOSING, OPENING
 from bench.report.words import count
@@ -23,6 +25,12 @@ from bench.results import Results
 
 PAGE, MANIFEST = "report.html", ".report.json"
 COMPARISONS = Path("results") / "comparisons"
+WHOLE = {
+    "trials": "Every trial, one a row.",
+    "cells": "Every cell: trials, failures and statistics of the objective value.",
+    "tests": "Every pair of optimizers on every problem.",
+}
+"""The tables that hold a whole study, by name, and what they are; no other part has these names."""
 
 Progress = Callable[[str, int, int], None]
 """Told the title of the part at hand, how many steps are done, and how many there are."""
@@ -74,9 +82,13 @@ def _collector_at_rest() -> Iterator[None]:
 def _folder(results: Results, output: Path | None) -> Path:
     own = results.paths
     if output is None:
-        return own[0] if len(own) == 1 else COMPARISONS / "-".join(path.resolve().name for path in own)
-    if (output / "study.toml").exists() and (len(own) > 1 or output.resolve() != own[0].resolve()):
+        return own[0] if len(own) == 1 else COMPARISONS / "-".join(map(file_name, results.names))
+    if len(own) == 1 and output.resolve() == own[0].resolve():
+        return output
+    if (output / "study.toml").exists():
         raise BenchError(f"{output} is the folder of a study, whose own report would be lost; give another --output")
+    if output.is_dir() and any(output.iterdir()) and not (output / MANIFEST).exists():
+        raise BenchError(f"{output} holds other files and no report of ours; give an --output of its own")
     return output
 
 
@@ -89,22 +101,24 @@ class _Report:
         self.folder = folder
         self.views: list[View] = []
         self.files: dict[str, str] = {}
-        self.names: set[str] = set()
+        self.names = set(WHOLE)
         self._on_progress = on_progress
         self._done = 0
         self._steps = 0
 
     def write(self) -> Path:
         study = self.results.study
+        if not (self.folder / MANIFEST).exists():  # from here on the folder is ours, also if this is interrupted
+            (self.folder / MANIFEST).write_text("[]", encoding="utf-8")
         plugged = sorted(plugins.entries("report_sections"))
         self._steps = len(OPENING) + len(plugged) + len(CLOSING) + len(study.problems) + 1
         with style.context(), _collector_at_rest():
             for part in OPENING:
-                self.add([part(self.findings)])
+                self.add(part)
             for name in plugged:
                 self.add_plugin(name)
             for part in CLOSING:
-                self.add([part(self.findings)])
+                self.add(part)
         self.add_downloads()
         lead = (
             f"Study {study.name}: {count(len(study.optimizers), 'optimizer')} on "
@@ -115,31 +129,32 @@ class _Report:
         self.clean()
         return page
 
-    def add(self, sections: list[Section]) -> None:
-        for section in sections:
-            self.step(section.title)
-            self.views.append(self.view(section, f"part.{len(self.views) + 1}"))
+    def add(self, part: ModuleType) -> None:
+        self.step(part.TITLE)
+        self.append(part.section(self.findings))
+
+    def append(self, section: Section) -> None:
+        self.views.append(self.view(section, f"part.{len(self.views) + 1}"))
 
     def add_plugin(self, name: str) -> None:
         """Add a plug-in's sections, or a warning: a stranger's code may raise anything, and costs only its own part."""
-        before = len(self.views)
+        views, files = list(self.views), dict(self.files)
+        self.step(f"Section {name}")
         try:
             sections: Callable[[Results], list[Section]] = plugins.load("report_sections", name)
-            self.add(sections(self.results))
+            for section in sections(self.results):
+                self.append(section)
         except Exception as error:
-            del self.views[before:]
+            self.views, self.files = views, files
             reason = f"The report section {name!r} failed and is left out: {type(error).__name__}: {error}"
-            self.add([Section(f"Section {name}", warnings=(reason,))])
+            self.append(Section(f"Section {name}", warnings=(reason,)))
 
     def add_downloads(self) -> None:
         """Add the last part, the list of all files."""
         (self.folder / TABLES).mkdir(exist_ok=True)
-        for name, frame, about in (
-            ("trials", self.results.frame, "Every trial, one a row."),
-            ("cells", self.findings.summary, "Every cell: trials, failures and statistics of the objective value."),
-            ("tests", self.findings.pairs, "Every pair of optimizers on every problem."),
-        ):
-            path = f"{TABLES}/{self.unique(name)}.csv"
+        frames = (self.results.frame, self.findings.summary, self.findings.pairs)
+        for (name, about), frame in zip(WHOLE.items(), frames, strict=True):
+            path = f"{TABLES}/{name}.csv"
             save_csv(frame, self.folder / path, index=False)
             self.files[path] = about
         methods = self.findings.methods
@@ -162,6 +177,7 @@ class _Report:
 
     def item(self, part: Part) -> Item:
         name = self.unique(part.name)
+        grid(part if isinstance(part, Table) else part.table)  # what cannot be shown fails here, at its own section
         if isinstance(part, Table):
             files = save_table(part, self.folder, name)
             item = Item(name, files, table=part)
@@ -188,22 +204,14 @@ class _Report:
             before = json.loads(manifest.read_text(encoding="utf-8"))
         except (OSError, ValueError):
             before = []
-        for name in before if isinstance(before, list) else []:
-            path = self.folder / str(name)
-            if (
-                str(name).startswith((f"{TABLES}/", f"{FIGURES}/"))
-                and ".." not in path.parts
-                and name not in self.files
-            ):
-                path.unlink(missing_ok=True)
+        for name in map(str, before if isinstance(before, list) else []):
+            path = self.folder / name
+            if re.fullmatch(rf"({TABLES}|{FIGURES})/[\w.-]+", name) and name not in self.files and path.is_file():
+                path.unlink()
         manifest.write_text(json.dumps(sorted(self.files), indent=0), encoding="utf-8")
 
     def unique(self, name: str) -> str:
         """Return a safe name that nothing else of this report has."""
-        safe = stem = file_name(name)
-        number = 1
-        while safe in self.names:
-            number += 1
-            safe = f"{stem}-{number}"
+        safe = free(file_name(name), self.names)
         self.names.add(safe)
         return safe

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from bench import BenchError, Optimizer, Results, diagnosis, load_optimizer, run
+from bench import BenchError, Optimizer, Results, Study, diagnosis, load_optimizer, run
 from bench.diagnosis import FLOOR, FUNCTIONS, LIMIT, SHIFT, _problem, centre_bias, diagnose
 from bench.folder import Folder
 
@@ -68,10 +68,24 @@ def test_a_folder_keeps_the_diagnoses_of_its_optimizers(small_study, tmp_path, m
     monkeypatch.setattr(diagnosis, "FUNCTIONS", {"sphere": FUNCTIONS["sphere"]})
     run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
     assert Results(tmp_path / "out").checks == {}
-    found = diagnose(Folder(tmp_path / "out"), n_jobs=1)
+    found, failed = diagnose(Folder(tmp_path / "out"), n_jobs=1)
+    assert failed == {}
     assert list(found) == ["hill-climber", "scatter", "early"]
     assert Results(tmp_path / "out").checks == {
         label: [each.as_dict() for each in those] for label, those in found.items()
     }
     (tmp_path / "out" / "checks.json").write_text('{"early": [{"check": 3}], "scatter": 5}')
     assert Results(tmp_path / "out").checks == {"early": []}
+
+
+def test_an_optimizer_that_fails_costs_the_others_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(diagnosis, "FUNCTIONS", {"sphere": FUNCTIONS["sphere"]})
+    entries = [{"name": "faulty"}, {"name": "scatter"}]
+    study = {"name": "s", "trials": 1, "budget": 40, "problems": [{"name": "sphere-3"}], "optimizers": entries}
+    run(Study.from_dict(study), tmp_path / "out", n_jobs=1)
+    monkeypatch.setattr(
+        "bench.study.Study.optimizer", lambda self, label: Raising() if label == "faulty" else Shrinking()
+    )
+    found, failed = diagnose(Folder(tmp_path / "out"), n_jobs=1)
+    assert list(found) == list(Results(tmp_path / "out").checks) == ["scatter"]
+    assert failed == {"faulty": "the optimizer failed on sphere: ZeroDivisionError: boom"}

@@ -1,4 +1,4 @@
-"""The parts that every study's report has, one a module; each takes the findings and returns its section."""
+"""The parts that every study's report has, one a module: its TITLE, and the section it makes of the findings."""
 
 from bench.report.sections import (
     across,
@@ -13,11 +13,8 @@ from bench.report.sections import (
     verdict,
 )
 
-OPENING = (verdict.section, integrity.section, comparison.section)
+OPENING = (verdict, integrity, comparison)
 """What comes before the plug-ins' sections."""
 
-CLOSING = (
-    across.section, anytime.section, datasets.section, time.section, power.section, methods.section,
-    environment.section,
-)  # fmt: skip
+CLOSING = (across, anytime, datasets, time, power, methods, environment)
 """What comes after them; the list of downloads ends the page."""

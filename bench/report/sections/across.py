@@ -1,4 +1,4 @@
-"""Part 4: what holds across problems, each problem counting once."""
+"""What holds across problems, each problem counting once."""
 
 from __future__ import annotations
 

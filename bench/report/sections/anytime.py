@@ -1,4 +1,4 @@
-"""Part 5: how good an answer is after how many evaluations."""
+"""How good an answer is after how many evaluations."""
 
 from __future__ import annotations
 

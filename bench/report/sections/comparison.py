@@ -1,4 +1,4 @@
-"""Part 3: the matrix of problems and optimizers."""
+"""The matrix of problems and optimizers."""
 
 from __future__ import annotations
 

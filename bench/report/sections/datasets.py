@@ -1,4 +1,4 @@
-"""Part 6: every problem by itself."""
+"""Every problem by itself."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from bench.analysis import ALPHA, effect_size, success_rates
 from bench.report.findings import Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import distribution_figure
-from bench.report.words import MISSING, cell_text, count, listing, usual_decimals
+from bench.report.words import count, interval, listing, usual_decimals
 
 TITLE = "Problem by problem"
 TAU = 1e-2
@@ -38,7 +38,7 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
     empty = list(own.loc[own["stored"] == 0, "optimizer"])
     warnings = [f"No trial of {listing(empty)} on this problem."] if empty else []
     items: list[Part] = [
-        distribution_figure(findings.frame, problem, findings.optima.get(problem), findings.expected.get(problem, {})),
+        distribution_figure(findings.frame, problem, findings.optima.get(problem), findings.known[problem].expected),
         _cells(findings, problem, rates),
     ]
     pairs = findings.pairs[findings.pairs["problem"] == problem]
@@ -108,17 +108,12 @@ def _pairs(problem: str, pairs: pd.DataFrame) -> Table:
 
 
 def _intervals(low: pd.Series[float], high: pd.Series[float], decimals: int | None) -> list[str]:
-    pairs = zip(low, high, strict=True)
-    return [
-        MISSING if pd.isna(one) else f"{cell_text(one, decimals)} to {cell_text(other, decimals)}"
-        for one, other in pairs
-    ]
+    return [interval(one, other, decimals) for one, other in zip(low, high, strict=True)]
 
 
 def _a12_interval(pair: Any) -> str:
-    if pd.isna(pair.a12_low):
-        return MISSING
-    return "complete separation" if pair.separated else f"{pair.a12_low:.2f} to {pair.a12_high:.2f}"
+    separated = pair.separated and pd.notna(pair.a12_low)
+    return "complete separation" if separated else interval(pair.a12_low, pair.a12_high, 2)
 
 
 def _note(pair: Any) -> str:

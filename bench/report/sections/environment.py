@@ -1,4 +1,4 @@
-"""Part 10: what was compared, on which data, with which seeds and on which machine."""
+"""What was compared, on which data, with which seeds and on which machine."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pandas as pd
 
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
+from bench.report.words import options
 from bench.study import Study
 
 TITLE = "Environment, seeds and data"
@@ -44,16 +45,12 @@ def section(findings: Findings) -> Section:
 def _entries(study: Study) -> Table:
     entries = pd.DataFrame(
         [
-            {"kind": kind, "label": entry.label, "plug-in": entry.name, "options": _options(entry.options)}
+            {"kind": kind, "label": entry.label, "plug-in": entry.name, "options": options(entry.options)}
             for kind, group in (("optimizer", study.optimizers), ("problem", study.problems))
             for entry in group
         ]
     )
     return Table("entries", "What was compared, and with which options (all others are the defaults).", entries)
-
-
-def _options(options: dict[str, Any]) -> str:
-    return ", ".join(f"{key} = {json.dumps(value, default=str, ensure_ascii=False)}" for key, value in options.items())
 
 
 def _flat(run: dict[str, Any]) -> dict[str, str]:

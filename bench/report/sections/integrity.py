@@ -1,4 +1,4 @@
-"""Part 2: whether the results themselves are sound."""
+"""Whether the results themselves are sound."""
 
 from __future__ import annotations
 
@@ -44,7 +44,8 @@ def warnings(findings: Findings) -> tuple[str, ...]:
         f"{'Error: ' if row.verdict == 'error' else ''}{str(row.check).capitalize()}: {row.finding}"
         for row in checks[checks["verdict"].isin(TROUBLE)].itertuples()
     ]
-    return (*found, _unloaded(findings.unloaded)) if findings.unloaded else tuple(found)
+    reasons = {label: each.reason for label, each in findings.known.items() if each.reason}
+    return (*found, _unloaded(reasons)) if reasons else tuple(found)
 
 
 def _unloaded(reasons: dict[str, str]) -> str:

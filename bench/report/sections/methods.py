@@ -1,4 +1,4 @@
-"""Part 9: the methods section of a paper about this run."""
+"""The methods section of a paper about this run."""
 
 from __future__ import annotations
 

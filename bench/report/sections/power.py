@@ -1,6 +1,8 @@
-"""Part 8: what so few trials could have shown at all."""
+"""What so few trials could have shown at all."""
 
 from __future__ import annotations
+
+from math import comb
 
 import pandas as pd
 
@@ -14,12 +16,11 @@ TITLE = "Power"
 
 def section(findings: Findings) -> Section:
     """Return the differences that the Kolmogorov-Smirnov test can and cannot see with this study's trials."""
-    stored = findings.coverage.loc[findings.coverage["stored"] > 0, "stored"]
     optimizers = len(findings.optimizers)
-    if stored.empty or optimizers < 2:
+    if findings.frame.empty or optimizers < 2:
         return Section(TITLE, ("There is nothing to compare, so no test has any power to speak of.",))
-    sizes = sorted({int(stored.min()), int(stored.max())})
-    tables = pd.concat([power_table(n, _pairs(optimizers)).assign(n=n) for n in sizes])
+    sizes = sorted(set(findings.trials))
+    tables = pd.concat([power_table(n, comb(optimizers, 2)).assign(n=n) for n in sizes])
     shown = tables[["n", "level", "alpha", "distance", "shift"]].rename(
         columns={"distance": "D needed (of n)", "shift": "shift seen (SD)"}
     )
@@ -40,7 +41,7 @@ def section(findings: Findings) -> Section:
 def missed(n: int, optimizers: int) -> str:
     """Return in words, without a full stop, what differences n trials a cell would often not have shown."""
     seen, shifts = [], []
-    for level, alpha, distance, shift in power_table(n, _pairs(optimizers)).to_numpy():
+    for level, alpha, distance, shift in power_table(n, comb(optimizers, 2)).to_numpy():
         step = f"at the {level} of {alpha:.2g} it"
         if pd.isna(shift):
             seen.append(f"{step} can find no difference at all")
@@ -54,7 +55,3 @@ def missed(n: int, optimizers: int) -> str:
         f"{trials} the test would often miss shifts below about {' to '.join(dict.fromkeys(shifts))} SD "
         f"({'; '.join(seen)})"
     )
-
-
-def _pairs(optimizers: int) -> int:
-    return optimizers * (optimizers - 1) // 2

@@ -1,4 +1,4 @@
-"""Part 7: what a trial takes."""
+"""What a trial takes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from bench.analysis import CONTENTION, HIDDEN_THREADS
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
 from bench.report.plots import timing_figure
-from bench.report.words import listing, seconds
+from bench.report.words import interval, listing, seconds, usual_decimals
 
 TITLE = "Time"
 
@@ -86,8 +86,4 @@ def _table(timing: pd.DataFrame) -> Table:
 
 def _interval(timing: pd.DataFrame, name: str) -> list[str]:
     quartiles = zip(timing[f"{name}_q1"], timing[f"{name}_q3"], strict=True)
-    return ["–" if pd.isna(q1) else f"{_short(q1)}–{_short(q3)}" for q1, q3 in quartiles]
-
-
-def _short(value: float) -> str:
-    return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}"
+    return [interval(q1, q3, 0 if q3 >= 1000 else usual_decimals([q3])) for q1, q3 in quartiles]

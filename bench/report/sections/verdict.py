@@ -1,6 +1,8 @@
-"""Part 1: what may be claimed, in one sentence generated from the numbers, and beside it what may not."""
+"""What may be claimed, in one sentence generated from the numbers, and beside it what may not."""
 
 from __future__ import annotations
+
+from math import comb
 
 import pandas as pd
 
@@ -60,8 +62,7 @@ def _winner(ranking: pd.DataFrame) -> str:
 
 
 def _limits(findings: Findings) -> tuple[str, ...]:
-    lowest = findings.coverage.loc[findings.coverage["stored"] > 0, "stored"].min()
-    texts = [f"“Not significant” is not “equal”: {missed(int(lowest), len(findings.optimizers))}."]
+    texts = [f"“Not significant” is not “equal”: {missed(findings.trials[0], len(findings.optimizers))}."]
     texts.append(
         f"The counts describe {_these(_problems(findings))} at this budget and with these options; other problems, "
         "budgets or options may rank the optimizers otherwise."
@@ -96,8 +97,7 @@ def _across(findings: Findings) -> str:
 
 
 def _grounds(findings: Findings) -> str:
-    optimizers = len(findings.optimizers)
-    pairs = optimizers * (optimizers - 1) // 2
+    pairs = comb(len(findings.optimizers), 2)
     adjusted = f", adjusted by Holm over the {pairs} pairs of a problem," if pairs > 1 else ""
     return (
         "First means the lowest median. Separable means that the exact two-sample Kolmogorov-Smirnov test at alpha = "
@@ -109,8 +109,7 @@ def _grounds(findings: Findings) -> str:
 
 
 def _trials(findings: Findings) -> str:
-    stored = findings.coverage.loc[findings.coverage["stored"] > 0, "stored"]
-    low, high = int(stored.min()), int(stored.max())
+    low, high = findings.trials
     return count(low, "trial") if low == high else f"{low} to {count(high, 'trial')}"
 
 
