@@ -46,6 +46,11 @@ __all__ = [
 _ON_DEMAND = {"Results": "bench.results", "load_results": "bench.results", "write_report": "bench.report"}
 
 
+def __dir__() -> list[str]:
+    """Name what is imported on demand too, so that it completes in a notebook."""
+    return sorted([*__all__, "analysis", "plots"])
+
+
 def __getattr__(name: str) -> Any:
     """Import what is needed on demand."""
     if name in _ON_DEMAND:

@@ -36,6 +36,7 @@ def main() -> None:
         _say(str(error))
         sys.exit(2)
     except (KeyboardInterrupt, typer.Abort):
+        _say("interrupted")
         sys.exit(130)
     except Exception as error:
         if not hasattr(error, "format_message"):  # a usage error of click, or of typer's own copy of it
@@ -133,13 +134,15 @@ def check(
 ) -> None:
     """Check an optimizer for centre bias: whether it does better when the optimum is at the centre of the box.
 
-    Given a study's folder, every optimizer of the study is checked with its own options, and its report will say
-    what was found.
+    Ends with 1 where it does. Given a study's folder, every optimizer of the study is checked with its own options;
+    what is found is noted there for the study's report.
     """
     from bench.diagnosis import centre_bias
 
     console = Console()
     if name not in plugins.entries("optimizers") and (Path(name) / "study.toml").exists():
+        if option:
+            raise BenchError("--set is for an optimizer given by name; a study's optimizers have their own options")
         sys.exit(0 if _check_folder(Path(name), console) else 1)
     diagnosis = centre_bias(plugins.load_optimizer(name, **_pairs(option)))
     listing.show_checks({name: [diagnosis]}, console)
@@ -195,7 +198,7 @@ def _report(folders: list[Path], console: Console, output: Path | None = None) -
 @app.command()
 def export(
     output: Output,
-    kind: Annotated[str, typer.Option("--format", help="ioh, coco, csv or parquet.")],
+    kind: Annotated[str, typer.Option("--format", help="ioh, coco, csv or parquet (which needs the extra parquet).")],
     folder: Annotated[
         Path | None, typer.Option("--output", help="Folder to write; default: OUTPUT/export/FORMAT.")
     ] = None,

@@ -131,5 +131,8 @@ class Folder:
     def _write(self, name: str, text: str) -> None:
         """Replace a file at once, so that a kill leaves the old or the new one."""
         temporary = self.path / f".{name}.tmp"
-        temporary.write_text(text, encoding="utf-8")
-        temporary.replace(self.path / name)
+        try:
+            temporary.write_text(text, encoding="utf-8")
+            temporary.replace(self.path / name)
+        except OSError as error:
+            raise BenchError(f"{self.path / name} cannot be written: {error.strerror}") from error

@@ -100,7 +100,7 @@ def steps(console: Console, name: str) -> Iterator[Callable[[str, int, int], Non
         transient=True,
     )
     with progress:
-        task = progress.add_task("", name=name)
+        task = progress.add_task("", name=name, total=None)
 
         def show(title: str, done: int, total: int) -> None:
             progress.update(task, description=title, completed=done, total=total)

@@ -73,6 +73,9 @@ class Results:
         self._problem = cache(self.study.problem)
         self._known: dict[str, Known] = {}
 
+    def __repr__(self) -> str:
+        return f"Results({', '.join(repr(str(path)) for path in self.paths)})"
+
     @property
     def paths(self) -> list[Path]:
         """The folders, in the order given."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -42,8 +43,11 @@ class Store:
 
     @contextmanager
     def _open(self) -> Iterator[sqlite3.Connection]:
+        # SQLite writes beside a store even to read it, unless it is told that nothing there can change
+        frozen = self.path.exists() and not os.access(self.path.parent, os.W_OK)
+        place = f"{self.path.resolve().as_uri()}?immutable=1" if frozen else str(self.path)
         try:
-            connection = sqlite3.connect(self.path, timeout=30)
+            connection = sqlite3.connect(place, timeout=30, uri=frozen)
         except sqlite3.Error as error:
             raise BenchError(f"the store {self.path} cannot be opened: {error}") from error
         try:

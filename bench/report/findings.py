@@ -72,8 +72,9 @@ class Findings:
 
     @cached_property
     def matrix(self) -> pd.DataFrame:
-        """The comparison matrix of medians, one row a cell."""
-        return analysis.comparison_matrix(self.summary, self.pairs)
+        """The comparison matrix of medians with its letters, one row a cell."""
+        letters = analysis.compact_letters(self.summary, self.pairs)
+        return analysis.comparison_matrix(self.summary, self.pairs).merge(letters)
 
     @cached_property
     def ranking(self) -> pd.DataFrame:
@@ -162,7 +163,7 @@ class Findings:
                 failed=int(self.coverage["failed"].sum()),
                 bibtex={entry.label: _bibtex(study, entry.label) for entry in study.optimizers},
                 environments=self.results.environments,
-                tests=len(pairs),
+                tests=len(pairs) if pairs["testable"].any() else 0,
                 permutation_tests=int((pairs["method"] == "permutation").sum()),
                 ranked_problems=len(self.medians),
                 scale="".join(self.wilcoxon["scale"].unique()),

@@ -157,9 +157,9 @@ def _row(cells: Iterable[str]) -> str:
 def _set(cell: Cell, number: bool, wrap: bool) -> str:
     text = _number(cell.text) if number else _words(cell.text, wrap)
     text = f"\\textit{{{text}}}" if cell.italic else text
-    if not cell.bold:
-        return text
-    return f"\\textbf{{\\boldmath {text}}}" if "$" in text else f"\\textbf{{{text}}}"
+    if cell.bold:
+        text = f"\\textbf{{\\boldmath {text}}}" if "$" in text else f"\\textbf{{{text}}}"
+    return f"{text}\\textsuperscript{{{escape(cell.mark)}}}" if cell.mark else text
 
 
 def _words(text: str, wrap: bool) -> str:

@@ -146,7 +146,7 @@ def _experiment(facts: MethodsFacts, own: Mapping[str, tuple[str, ...]]) -> Iter
     yield say("The score of a trial is the lowest objective value that it found.")
     if facts.failed:
         yield say(
-            "{failed} failed; a failed trial scores worse than any other, and we leave none out.",
+            "{failed} failed or found no finite value; they score worse than any other, and we leave none out.",
             failed=count(facts.failed, "trial"),
         )
     yield say(

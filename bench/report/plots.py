@@ -20,9 +20,8 @@ COLUMNS = 3  # panels beside each other
 
 
 def distribution_figure(
-    frame: pd.DataFrame, problem: str, optimum: float | None = None,
-    expected: Mapping[str, tuple[float, float]] | None = None,
-) -> Figure:  # fmt: skip
+    frame: pd.DataFrame, problem: str, optimum: float | None, expected: Mapping[str, tuple[float, float]]
+) -> Figure:
     """Return box plots of one problem: the objective value, and each domain figure whose true value is known.
 
     Args:
@@ -31,7 +30,7 @@ def distribution_figure(
         optimum: the best known objective value, where there is one.
         expected: the true value of domain figures and how far from it is near enough, by name.
     """
-    known = {name: value for name, value in (expected or {}).items() if name in frame}
+    known = {name: value for name, value in expected.items() if name in frame}
     optimizers, own = labels(frame, "optimizer"), frame[frame["problem"] == problem]
     noted = not style.drawable(scores(own)).all() or set(optimizers) > set(own["optimizer"])
     beside = 0.7 if noted else 0.1  # for the number of failed trials
@@ -57,14 +56,14 @@ def distribution_figure(
     return Figure(f"distribution-{problem}", caption, figure, data, data.drop(columns=["problem", "seed"]))
 
 
-def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str] = ()) -> Figure:
+def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
     """Return the median best-so-far value over evaluations with its quartiles, a panel a problem.
 
     Args:
         curves: of :func:`bench.analysis.convergence`.
         optimizers: all of the study's, in its order, so that each looks as in every other figure.
     """
-    looks = style.looks(optimizers or labels(curves, "optimizer"))
+    looks = style.looks(optimizers)
     figure, axes = _multiples(
         curves, looks, lambda problem, ax: convergence(curves, problem, looks=looks, legend=False, ax=ax), across=0.46
     )
@@ -78,21 +77,23 @@ def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str] = ()) -> 
     return Figure("convergence", caption, figure, curves, shown)
 
 
-def ert_figure(table: pd.DataFrame, optimizers: Sequence[str] = ()) -> Figure:
+def ert_figure(table: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
     """Return the expected running time over targets, a panel a problem, all on the same axes.
 
     Args:
         table: of :func:`bench.analysis.expected_running_time`.
         optimizers: all of the study's, in its order.
     """
-    looks = style.looks(optimizers or labels(table, "optimizer"))
+    looks = style.looks(optimizers)
     figure, axes = _multiples(
         table, looks, lambda problem, ax: ert(table, problem, looks=looks, legend=False, ax=ax), across=0.12
     )
-    times = table["ert"].to_numpy(dtype=float)
+    drawn = table[table["tau"] > 0]
+    times = drawn["ert"].to_numpy(dtype=float)
     shown = times[style.drawable(times)]
     for place, ax in enumerate(axes):
-        ax.set_xlim(1.2 * table["tau"].max(), table["tau"].min() / 1.2)
+        if len(drawn):
+            ax.set_xlim(1.2 * drawn["tau"].max(), drawn["tau"].min() / 1.2)
         ax.tick_params(labelleft=place % COLUMNS == 0)
         if len(shown):
             ax.set_ylim(shown.min() / 2, 4 * shown.max())
@@ -101,13 +102,13 @@ def ert_figure(table: pd.DataFrame, optimizers: Sequence[str] = ()) -> Figure:
         "Expected running time (ERT) over targets, harder ones to the right. A curve ends at the hardest target that "
         "any trial reached; at an open marker harder ones were left unreached."
     )
+    if set(table["problem"]) > set(drawn["problem"]):
+        caption += " A panel is empty where the trials start at the reference, which is then the only target (tau = 0)."
     by_target = _at_round_numbers(table, ["problem", "tau"], "ert", (1,))
     return Figure("expected-running-time", caption, figure, table, by_target)
 
 
-def ecdf_figure(
-    reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequence[str] = (), *, tau: float | None = None
-) -> Figure:
+def ecdf_figure(reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequence[str], *, tau: float) -> Figure:
     """Return two panels over evaluations: the share of targets reached, and the data profile at one target.
 
     Args:
@@ -116,18 +117,17 @@ def ecdf_figure(
         optimizers: all of the study's, in its order.
         tau: the target of the profile.
     """
-    looks = style.looks(optimizers or labels(reached, "optimizer"))
+    looks = style.looks(optimizers)
     figure, (left, right) = style.grid(
-        2, width=style.TEXT, height=1.8, left=0.5, across=0.55, top=_legend_height(looks, style.TEXT) + 0.1
+        2, height=1.8, left=0.5, across=0.55, top=_legend_height(looks) + 0.1
     )
     ecdf(reached, looks=looks, legend=False, ax=left)
     data_profile(profile, looks=looks, legend=False, ax=right)
-    _legend(figure, looks)
-    at = "" if tau is None else f" at tau = {tau:g}"
+    style.legend_above(figure, style.handles(looks))
     unit = " within so many groups of d + 1 evaluations" if "groups" in profile else ""
     caption = (
         "Left: the share of all targets, over problems and trials, reached within so many evaluations. Right: the "
-        f"data profile{at}, the share of trials, over problems, that reached this one target{unit}."
+        f"data profile at tau = {tau:g}, the share of trials, over problems, that reached this one target{unit}."
     )
     along = "groups" if "groups" in profile else "evaluations"
     panels = {"targets reached": (reached, "evaluations"), "data profile": (profile, along)}
@@ -187,8 +187,8 @@ def _multiples(
     """Draw a panel for each problem that has rows, axis labels at the edges only, and the legend above all."""
     problems = [problem for problem in labels(frame, "problem") if (frame["problem"] == problem).any()]
     figure, axes = style.grid(
-        len(problems), columns=COLUMNS, width=style.TEXT, height=1.0, left=0.6, across=across, down=0.3,
-        top=_legend_height(looks, style.TEXT) + 0.25,
+        len(problems), columns=COLUMNS, height=1.0, left=0.6, across=across, down=0.3,
+        top=_legend_height(looks) + 0.25,
     )  # fmt: skip
     for place, (problem, ax) in enumerate(zip(problems, axes, strict=True)):
         draw(problem, ax)
@@ -197,7 +197,7 @@ def _multiples(
         if place + COLUMNS < len(problems):
             ax.set_xlabel("")
             ax.tick_params(labelbottom=False)
-    _legend(figure, looks)
+    style.legend_above(figure, style.handles(looks))
     return figure, axes
 
 
@@ -211,35 +211,24 @@ def _width(margins: float) -> float:
     return style.COLUMN if margins < 0.6 * style.COLUMN else style.TEXT
 
 
-def _legend(figure: matplotlib.figure.Figure, looks: style.Looks) -> None:
-    entries = style.handles(looks)
-    columns = _legend_columns(looks, figure.get_figwidth())
-    figure.legend(handles=entries, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
-
-
-def _legend_columns(looks: style.Looks, width: float) -> int:
-    entries = style.handles(looks)
-    entry = style.text_width((str(each.get_label()) for each in entries), style.SMALL) + 0.45
-    return max(min(floor((width - 0.1) / entry), len(entries)), 1)
-
-
-def _legend_height(looks: style.Looks, width: float) -> float:
-    return 0.14 * ceil(len(style.handles(looks)) / _legend_columns(looks, width)) + 0.08
+def _legend_height(looks: style.Looks) -> float:
+    return style.legend_height([str(entry.get_label()) for entry in style.handles(looks)])
 
 
 def _at_round_numbers(frame: pd.DataFrame, rows: list[str], value: str, multiples: tuple[int, ...]) -> pd.DataFrame:
     """Return a column of ``value`` an optimizer, at those of the last of ``rows`` next to round numbers, and the last.
 
-    Round are the ``multiples`` of powers of ten; fewer where the table grew longer than :data:`SHOWN_ROWS`.
+    Round are the ``multiples`` of powers of ten, and 0; fewer where the table grew longer than :data:`SHOWN_ROWS`.
     """
     *groups, along = rows
     grid = np.unique(frame[along].to_numpy(dtype=float))
+    positive = grid[grid > 0]
     parts = len(frame[groups].drop_duplicates()) if groups else 1
     for factors in (multiples, (1,), ()):
-        decades = range(floor(log10(grid[0])), ceil(log10(grid[-1])) + 1) if len(grid) else ()
+        decades = range(floor(log10(positive[0])), ceil(log10(positive[-1])) + 1) if len(positive) else ()
         marks = np.array([factor * 10.0**decade for decade in decades for factor in factors])
-        at = grid[np.searchsorted(grid, marks[marks >= grid[:1]] * (1 + 1e-9), side="right") - 1]
-        at = np.unique([*at, *grid[-1:]])
+        at = positive[np.searchsorted(positive, marks[marks >= positive[:1]] * (1 + 1e-9), side="right") - 1]
+        at = np.intersect1d(grid, [0.0, *at, *grid[-1:]])
         if len(at) * parts <= SHOWN_ROWS:
             break
     kept = frame[frame[along].isin(at)].astype(dict.fromkeys((*groups, "optimizer"), object))

@@ -157,11 +157,15 @@ class _Report:
             path = f"{TABLES}/{name}.csv"
             save_csv(frame, self.folder / path, index=False)
             self.files[path] = about
-        methods = self.findings.methods
-        self.save("methods.md", methods.markdown, "The methods paragraph as Markdown.")
-        self.save("methods.tex", methods.latex, "The methods paragraph as LaTeX.")
-        self.save("references.bib", methods.bibtex, "The works it cites.")
-        text = "Paths are relative to this page. Tables as CSV hold every digit, also where the page shows fewer."
+        if len(self.results.frame):
+            methods = self.findings.methods
+            self.save("methods.md", methods.markdown, "The methods paragraph as Markdown.")
+            self.save("methods.tex", methods.latex, "The methods paragraph as LaTeX.")
+            self.save("references.bib", methods.bibtex, "The works it cites.")
+        text = (
+            "Paths are relative to this page. Tables as CSV hold every digit, also where the page shows fewer. Figures "
+            f"are {style.COLUMN} or {style.TEXT} in wide, for one or both columns of a paper."
+        )
         section = Section("Downloads", (text,))
         self.step(section.title)
         self.views.append(View(f"part.{len(self.views) + 1}", section, [], [], sorted(self.files.items())))
@@ -184,7 +188,7 @@ class _Report:
         else:
             svg, files = save_figure(part, self.folder, name)
             item = Item(name, files, figure=part, svg=inline(svg, name, part.caption))
-        self.files |= dict.fromkeys(files, part.caption.partition(". ")[0].rstrip(".") + ".")
+        self.files |= dict.fromkeys(files, re.split(r"(?<!Fig)\. ", part.caption)[0].rstrip(".") + ".")
         return item
 
     def save(self, name: str, text: str, about: str) -> Path:
