@@ -145,6 +145,8 @@ class _Report:
             for section in sections(self.results):
                 self.append(section)
         except Exception as error:
+            for path in self.files.keys() - files:
+                (self.folder / path).unlink()
             self.views, self.files = views, files
             reason = f"The report section {name!r} failed and is left out: {type(error).__name__}: {error}"
             self.append(Section(f"Section {name}", warnings=(reason,)))

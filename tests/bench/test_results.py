@@ -88,3 +88,9 @@ def test_a_problem_whose_data_changed_is_not_loaded(ran):
     (folder / "data.json").write_text(json.dumps({"sphere-2": "f00"}))
     with pytest.raises(BenchError, match="no longer what the trials were made with"):
         Results(folder).problem("sphere-2")
+
+
+def test_labels_that_look_alike_with_their_folder_stay_apart(ran):
+    old = ran("old", optimizers=[{"name": "early"}, {"name": "scatter", "label": "early (old)"}])
+    labels = [entry.label for entry in Results(old, ran("new", optimizers=[{"name": "early"}])).study.optimizers]
+    assert labels == ["early (old)", "early (old)-2", "early (new)"]

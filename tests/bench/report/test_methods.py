@@ -138,9 +138,10 @@ class TestMethods:
             "and cma-es (Hansen and Ostermeier, 2001; Hansen et al., 2019).",
             "We ran gwo with agents = 7, handling = box; all other parameters have their default values.",
             "made 28 to 30 independent trials of 30 planned on each problem; a trial could spend 10,000 evaluations",
-            "2 trials failed or found no finite value;", "Python 3.11.7, backlash-bench 0.1.0, numpy 2.4.6 (", "commit 0123456789)",
+            "2 trials failed or found no finite value;",
+            "Python 3.11.7, backlash-bench 0.1.0, numpy 2.4.6 (", "commit 0123456789)",
             "on A & B processor.",
-            "every pair of optimizers", "In 1 of 9 tests, where more than 10% of the values are tied", 
+            "every pair of optimizers", "In 1 of 9 tests, where more than 10% of the values are tied",
             "Across problems (2 of 3,",
             "the known optimum on 1 problem and to the lowest value that any trial found on the others",
         ):  # fmt: skip
