@@ -26,7 +26,19 @@ from bench.analysis.across import (
 )
 from bench.analysis.aggregate import interquartile_mean, normalised_errors, probability_of_improvement
 from bench.analysis.anytime import best_so_far, convergence, evaluation_grid
-from bench.analysis.cells import NEAR, cells, coverage, in_study_order, labels, scores, summarise
+from bench.analysis.cells import (
+    NEAR,
+    Reference,
+    Traces,
+    cells,
+    coverage,
+    in_study_order,
+    labels,
+    references,
+    scores,
+    stopped_early,
+    summarise,
+)
 from bench.analysis.compare import comparison_matrix, medians, ranking, table
 from bench.analysis.integrity import integrity
 from bench.analysis.letters import compact_letters
@@ -49,6 +61,8 @@ __all__ = [
     "HIDDEN_THREADS",
     "NEAR",
     "RESAMPLES",
+    "Reference",
+    "Traces",
     "a12",
     "average_ranks",
     "best_so_far",
@@ -81,8 +95,10 @@ __all__ = [
     "power_table",
     "probability_of_improvement",
     "ranking",
+    "references",
     "relative_medians",
     "scores",
+    "stopped_early",
     "success_rates",
     "summarise",
     "table",

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import bootstrap, trim_mean
 
-from bench.analysis.cells import cells, labels, merge_near_ties, scores
+from bench.analysis.cells import cells, labels, merge_near_ties, references, scores
 from bench.analysis.pairwise import RESAMPLES, a12, a12_replicates, percentile_interval
 from bench.problem import Floats
 
@@ -51,20 +51,18 @@ def probability_of_improvement(frame: pd.DataFrame, seed: int = 0) -> pd.DataFra
 def normalised_errors(frame: pd.DataFrame, optima: Mapping[str, float] | None = None) -> pd.DataFrame:
     """Return the error of each trial on a scale that all problems share: problem, optimizer, trial and error.
 
-    0 is the best known value of the problem: the lower one of its optimum, where known, and the lowest score of all
-    trials. 1 is the median score of all trials of all optimizers on it; where that is 0 too, or infinite, the
-    largest finite error. A failed trial has +inf; near-ties are ties. The scale depends on the optimizers compared.
+    0 is the reference of the problem: its optimum, or the lowest score of all trials where that is unknown or beaten
+    (:func:`bench.analysis.references`). 1 is the median score of all trials of all optimizers on it; where that is 0
+    too, or infinite, the largest finite error. A failed trial has +inf; near-ties are ties. The scale depends on the
+    optimizers compared.
 
     Args:
         frame: the tidy frame.
         optima: the best known objective value, by problem, where one is known.
     """
-    problem = frame["problem"].astype(object)
-    errors = (
-        scores(frame)
-        .groupby(problem)
-        .transform(lambda own: _normalised(own.to_numpy(), (optima or {}).get(str(own.name), np.inf)))
-    )
+    by_problem = scores(frame).groupby(frame["problem"].astype(object))
+    zero = references({str(problem): least for problem, least in by_problem.min().items()}, optima)
+    errors = by_problem.transform(lambda own: _normalised(own.to_numpy(), zero[str(own.name)].value))
     return frame[["problem", "optimizer", "trial"]].assign(error=errors)
 
 
@@ -93,11 +91,11 @@ def _complete(frame: pd.DataFrame) -> list[str]:
     return [problem for problem in labels(frame, "problem") if all(len(found[problem, each]) for each in optimizers)]
 
 
-def _normalised(values: Floats, optimum: float) -> Floats:
-    """Return the scores of one problem as errors, 0 at the best known value and 1 at their median."""
-    merged = merge_near_ties(np.append(values, optimum))
+def _normalised(values: Floats, reference: float) -> Floats:
+    """Return the scores of one problem as errors, 0 at the reference and 1 at their median."""
+    merged = merge_near_ties(np.append(values, reference))
     errors, finite = merged[:-1], np.isfinite(merged[:-1])
-    errors[finite] -= merged.min()
+    errors[finite] -= merged[-1]
     middle, largest = float(np.median(errors)), float(errors[finite].max(initial=0.0))
     return np.asarray(errors / (middle if 0 < middle < np.inf else largest if largest > 0 else 1.0))
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.analysis.cells import labels
+from bench.analysis.cells import Traces, labels
 from bench.objective import Trace
 
 CURVE = ("evaluations", "median", "q1", "q3")
@@ -38,9 +38,7 @@ def best_so_far(traces: Sequence[Trace], evaluations: NDArray[np.int64], failed:
     return pd.DataFrame({"evaluations": evaluations, "median": median, "q1": q1, "q3": q3})
 
 
-def convergence(
-    frame: pd.DataFrame, traces: Mapping[tuple[str, str, int], Trace], evaluations: NDArray[np.int64]
-) -> pd.DataFrame:
+def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int64]) -> pd.DataFrame:
     """Return the :func:`best_so_far` of every cell: problem, optimizer, evaluations, median, q1 and q3.
 
     A failed trial counts as +inf, and so does one without a trace. No rows for a cell without trials.

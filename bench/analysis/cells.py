@@ -5,17 +5,28 @@ A failed or non-finite trial scores +inf: it is the worst that can happen, and l
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from scipy.stats import quantile_test
 
+from bench.objective import Trace
 from bench.problem import Floats
 from bench.study import Study
 
+Traces = Mapping[tuple[str, str, int], Trace]  # by (problem, optimizer, trial); failed trials have none
+
 NEAR = 1e-10  # relative: well above rounding, well below what anybody would call a difference
 STATISTICS = ("mean", "sd", "median", "median_low", "median_high", "q1", "q3", "best", "worst")
+
+
+class Reference(NamedTuple):
+    """The value from which a problem's errors are counted, and whether it is the problem's ``known`` optimum."""
+
+    value: float
+    known: bool
 
 
 def in_study_order(frame: pd.DataFrame, study: Study) -> pd.DataFrame:
@@ -39,10 +50,23 @@ def labels(frame: pd.DataFrame, column: str) -> list[str]:
     return list(values.unique())
 
 
-def scores(frame: pd.DataFrame) -> pd.Series[float]:
-    """Return each trial's objective value as float64, +inf where the trial failed or its value is not finite."""
+def scores(frame: pd.DataFrame, merge: bool = False) -> pd.Series[float]:
+    """Return each trial's objective value as float64, +inf where the trial failed or its value is not finite.
+
+    With ``merge``, near-ties among all scores of a problem become ties (:func:`merge_near_ties`): what every test
+    and rank is made of.
+    """
     values = pd.to_numeric(frame["fun"], errors="coerce").astype(float)
-    return values.where((frame["status"] == "ok") & np.isfinite(values), np.inf)
+    values = values.where((frame["status"] == "ok") & np.isfinite(values), np.inf)
+    if not merge:
+        return values
+    return values.groupby(frame["problem"].astype(object)).transform(lambda own: merge_near_ties(own.to_numpy()))
+
+
+def stopped_early(frame: pd.DataFrame) -> pd.Series[bool]:
+    """Return which trials finished by a criterion of their own, declared as their reason to stop."""
+    stop = frame["stop"]
+    return (frame["status"] == "ok") & stop.notna() & ~stop.isin(("budget", "undeclared"))
 
 
 def merge_near_ties(values: Floats) -> Floats:
@@ -64,23 +88,30 @@ def merge_near_ties(values: Floats) -> Floats:
 
 
 def cells(frame: pd.DataFrame, merge: bool = False) -> dict[tuple[str, str], Floats]:
-    """Return the scores of each (problem, optimizer), (n,) in order of trials, empty where there is none.
-
-    With ``merge``, near-ties among all scores of a problem become ties (:func:`merge_near_ties`): what every test
-    and rank is made of.
-    """
+    """Return the :func:`scores` of each (problem, optimizer), (n,) in order of trials, empty where there is none."""
     problem, optimizer = frame["problem"].astype(object), frame["optimizer"].astype(object)
-    values = scores(frame)
-    if merge:
-        values = values.groupby(problem).transform(lambda pooled: merge_near_ties(pooled.to_numpy()))
     found: dict[Any, Floats] = {
-        key: np.asarray(own, dtype=np.float64) for key, own in values.groupby([problem, optimizer])
+        key: np.asarray(own, dtype=np.float64) for key, own in scores(frame, merge).groupby([problem, optimizer])
     }
     return {
         (problem, optimizer): found.get((problem, optimizer), np.empty(0))
         for problem in labels(frame, "problem")
         for optimizer in labels(frame, "optimizer")
     }
+
+
+def references(lowest: Mapping[str, float], optima: Mapping[str, float] | None = None) -> dict[str, Reference]:
+    """Return from which value the errors of each problem of ``lowest`` are counted.
+
+    That is the optimum where it is known and no trial found less, else the lowest value that any trial found: an
+    optimum that is beaten was none. One that is beaten by no more than rounding (a near-tie) still holds.
+
+    Args:
+        lowest: the lowest value that any trial of any optimizer found, by problem; +inf where none is finite, which
+            without an optimum is then the reference.
+        optima: the best known objective value, by problem, where one is known.
+    """
+    return {problem: _reference(found, (optima or {}).get(problem, np.inf)) for problem, found in lowest.items()}
 
 
 def coverage(frame: pd.DataFrame, planned: int) -> pd.DataFrame:
@@ -112,6 +143,12 @@ def summarise(frame: pd.DataFrame) -> pd.DataFrame:
     ]
     table = pd.DataFrame(rows, columns=["problem", "optimizer", "n", "failed", *STATISTICS])
     return table.astype(dict.fromkeys(STATISTICS, float))
+
+
+def _reference(lowest: float, optimum: float) -> Reference:
+    least = merge_near_ties(np.array([lowest, optimum]))
+    known = bool(np.isfinite(optimum) and least[1] <= least[0])
+    return Reference(float(optimum if known else lowest), known)
 
 
 def _describe(values: Floats) -> dict[str, Any]:

@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
+from bench.analysis.across import average_ranks
 from bench.analysis.cells import merge_near_ties
-from bench.analysis.letters import compact_letters
 from bench.analysis.pairwise import ALPHA
 
 
@@ -18,13 +18,13 @@ def comparison_matrix(
     statistic: Literal["median", "mean"] = "median",
     alpha: float = ALPHA,
 ) -> pd.DataFrame:
-    """Return the matrix of thesis Table 7.2, one row a cell: problem, optimizer, value, best, alike and letters.
+    """Return the matrix of thesis Table 7.2, one row a cell: problem, optimizer, value, best and alike.
 
     ``value`` is the statistic, missing where it is not known. ``best`` (bold in the thesis) marks the lowest finite
     value of a problem, each of them where several tie, in problems with at least two values. ``alike`` (italics)
     marks a known value that is not best, where the test cannot tell its cell from a best one: as in the thesis, by
-    the raw p > ``alpha``; an untestable pair (p = 1) counts as alike. ``letters`` are those of
-    :func:`bench.analysis.compact_letters`, after Holm's adjustment.
+    the raw p > ``alpha``; an untestable pair (p = 1) counts as alike. What every pair of a problem adds up to after
+    Holm's adjustment are the letters of :func:`bench.analysis.compact_letters`, to be merged with this table.
 
     Args:
         summary: from :func:`bench.analysis.summarise`.
@@ -42,12 +42,11 @@ def comparison_matrix(
         if (pair.problem, other) in winners
     } - winners
     cells = list(zip(summary["problem"], summary["optimizer"], strict=True))
-    marked = summary[["problem", "optimizer"]].assign(
+    return summary[["problem", "optimizer"]].assign(
         value=summary[statistic],
         best=[cell in winners for cell in cells],
         alike=summary[statistic].notna() & np.array([cell in near for cell in cells], dtype=bool),
     )
-    return marked.merge(compact_letters(summary, pairs, alpha))
 
 
 def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
@@ -71,7 +70,7 @@ def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) ->
             "problems": len(median),
             "first": first.sum().to_numpy(),
             "separable": separable,
-            "mean_rank": median.rank(axis=1).mean().to_numpy(),
+            "mean_rank": average_ranks(median).to_numpy(),
         }
     )
 

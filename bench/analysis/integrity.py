@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.analysis.cells import coverage, merge_near_ties
+from bench.analysis.cells import Traces, coverage, scores, stopped_early
 from bench.analysis.timing import CONTENTION, HIDDEN_THREADS, timing
 from bench.objective import Trace
 from bench.problem import Floats
@@ -29,7 +29,6 @@ NAMED = 5  # names in a sentence; the column ``cells`` holds all
 Verdict = Literal["pass", "note", "warning", "error", "not checked"]
 Boxes = Mapping[str, Mapping[str, tuple[float, float]]]
 Diagnoses = Mapping[str, Sequence[Mapping[str, Any]]]
-Traces = Mapping[tuple[str, str, int], Trace]
 CELL = ["problem", "optimizer"]
 
 
@@ -192,7 +191,7 @@ def _undeclared_stops(evidence: Evidence) -> Finding:
     early = _floats(evidence.finished, "nfev") < (1 - UNUSED) * evidence.budget
     return _verdict(
         evidence.finished,
-        early & ~_declared(evidence.finished),
+        early & ~stopped_early(evidence.finished).to_numpy(),
         "warning",
         f"left more than {_percent(UNUSED)} of the budget unused without a declared reason",
         well=f"Every trial used at least {_percent(1 - UNUSED)} of its budget or declared why it stopped.",
@@ -200,7 +199,7 @@ def _undeclared_stops(evidence: Evidence) -> Finding:
 
 
 def _declared_stops(evidence: Evidence) -> Finding:
-    declared = _declared(evidence.finished)
+    declared = stopped_early(evidence.finished).to_numpy()
     stops = evidence.finished.loc[declared, "optimizer"] + ": " + evidence.finished.loc[declared, "stop"]
     return _verdict(
         evidence.finished,
@@ -210,10 +209,6 @@ def _declared_stops(evidence: Evidence) -> Finding:
         f"Reasons: {_few([f'{stop} ({count:,})' for stop, count in stops.value_counts().items()])}.",
         well="No trial ended by a criterion of its own.",
     )
-
-
-def _declared(trials: pd.DataFrame) -> NDArray[np.bool_]:
-    return (trials["stop"].notna() & ~trials["stop"].isin(["budget", "undeclared"])).to_numpy()
 
 
 def _outside_box(evidence: Evidence) -> Finding:
@@ -248,8 +243,7 @@ def _ceiling(evidence: Evidence) -> Finding:
     finals = evidence.finished[np.isfinite(_floats(evidence.finished, "fun"))]
     if finals.empty:
         return Finding("not checked", "No trial ended with a finite value.")
-    merged = finals.groupby("problem")["fun"].transform(lambda values: merge_near_ties(values.to_numpy(dtype=float)))
-    cells = finals.assign(fun=merged).groupby(CELL, sort=False)["fun"]
+    cells = finals.assign(fun=scores(finals, merge=True)).groupby(CELL, sort=False)["fun"]
     share = cells.transform("nunique") / cells.transform("size")
     return _verdict(
         finals,

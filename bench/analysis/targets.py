@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import cache
-from itertools import product
+from math import prod
 from statistics import median
 
 import numpy as np
@@ -17,7 +17,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
-from bench.analysis.cells import labels
+from bench.analysis.cells import Traces, labels, references
 from bench.objective import Trace
 from bench.problem import Floats
 
@@ -34,53 +34,38 @@ def fractions(known: bool) -> Floats:
     return _LADDER[: PER_DECADE * (DECADES_KNOWN if known else DECADES_FOUND) + 1]
 
 
-def targets(
-    traces: Mapping[tuple[str, str, int], Trace],
-    optima: Mapping[str, float] | None = None,
-    problems: Iterable[str] | None = None,
-) -> pd.DataFrame:
+def targets(traces: Traces, optima: Mapping[str, float] | None = None) -> pd.DataFrame:
     """Return the ladder of targets of each problem: problem, tau, target, reference and known.
 
     A target is f_L + tau (f_0 - f_L). f_0 is the median, over all trials of the problem, of the first finite value
-    in a trial's trace. f_L, the ``reference``, is the optimum where ``known``, else the lowest value that any trial
-    found: targets then depend on which optimizers were compared.
+    in a trial's trace. f_L, the ``reference``, is the optimum where that is ``known``, else, or where a trial found
+    less (:func:`bench.analysis.references`), the lowest value that any trial found: targets then depend on which
+    optimizers were compared, and the ladder is the short one.
 
     Where f_0 is no higher than f_L there is nothing to divide: the only target is f_L itself, with tau = 0. A
     problem on which no trial found a finite value has no target.
 
     Args:
-        traces: by (problem, optimizer, trial).
+        traces: by (problem, optimizer, trial); the table is in the order in which problems appear here.
         optima: the best known objective value, by problem, where one is known.
-        problems: which problems, in which order; by default all, as they appear in ``traces``.
     """
-    optima = optima or {}
     ends: dict[str, list[tuple[float, float]]] = {}
     for (problem, _, _), trace in traces.items():
         if len(trace.values):
             ends.setdefault(problem, []).append((float(trace.values[0]), float(trace.values[-1])))
+    lowest = {problem: min(last for _, last in pairs) for problem, pairs in ends.items()}
     tables = []
-    for problem in ends if problems is None else problems:
-        if problem in ends:
-            first, last = zip(*ends[problem], strict=True)
-            known = problem in optima
-            reference = float(optima[problem]) if known else min(last)
-            distance = median(first) - reference
-            tau = fractions(known) if distance > 0 else np.zeros(1)
-            target = reference + tau * max(distance, 0.0)
-            tables.append(
-                pd.DataFrame({"problem": problem, "tau": tau, "target": target, "reference": reference, "known": known})
-            )
-    if not tables:
-        return pd.DataFrame({"problem": [], "tau": [], "target": [], "reference": [], "known": []})
-    return pd.concat(tables, ignore_index=True)
+    for problem, (reference, known) in references(lowest, optima).items():
+        distance = median(first for first, _ in ends[problem]) - reference
+        tau = fractions(known) if distance > 0 else np.zeros(1)
+        target = reference + tau * max(distance, 0.0)
+        tables.append(
+            pd.DataFrame({"problem": problem, "tau": tau, "target": target, "reference": reference, "known": known})
+        )
+    return _stacked(tables, ["problem", "tau", "target", "reference", "known"])
 
 
-def hitting_times(
-    frame: pd.DataFrame,
-    traces: Mapping[tuple[str, str, int], Trace],
-    targets: pd.DataFrame,
-    budget: int,
-) -> pd.DataFrame:
+def hitting_times(frame: pd.DataFrame, traces: Traces, targets: pd.DataFrame, budget: int) -> pd.DataFrame:
     """Return one row a trial and target: problem, optimizer, trial, tau, target, evaluations and spent.
 
     ``evaluations`` is when the trial first reached the target, +inf where it never did. ``spent`` is what the trial
@@ -203,16 +188,35 @@ def _counts(hits: pd.DataFrame) -> pd.DataFrame:
 
     ``paid`` is the sum of the evaluations until the target, or of all that were spent where it was not reached.
     """
-    every = pd.DataFrame(product(labels(hits, "problem"), labels(hits, "optimizer")), columns=["problem", "optimizer"])
-    plain = hits.astype({"problem": object, "optimizer": object})
-    success = np.isfinite(plain["evaluations"])
-    paid = plain["evaluations"].where(success, plain["spent"])
-    keys = ["problem", "optimizer", "tau"]
-    sums = plain.assign(trials=1, successes=success.astype(int), paid=paid).groupby(keys, sort=False)
-    table = every.astype(object).merge(plain[["problem", "tau", "target"]].drop_duplicates(), on="problem")
-    table = table.merge(sums[["trials", "successes", "paid"]].sum().reset_index(), on=keys, how="left")
-    counted = {"trials": int, "successes": int, "paid": float}
-    return table.fillna(dict.fromkeys(counted, 0)).astype(counted)
+    problems, optimizers = labels(hits, "problem"), labels(hits, "optimizer")
+    problem, optimizer = (
+        pd.Categorical(hits[column], categories=known).codes.astype(np.intp)
+        for column, known in (("problem", problems), ("optimizer", optimizers))
+    )
+    rung, taus = pd.factorize(hits["tau"].to_numpy(dtype=float))
+    shape = len(problems), len(optimizers), len(taus)
+    cell = (problem * len(optimizers) + optimizer) * len(taus) + rung
+    evaluations, spent = (hits[column].to_numpy(dtype=float) for column in ("evaluations", "spent"))
+    reached = np.isfinite(evaluations)
+    paid = np.where(reached, evaluations, spent)
+    trials, successes, sums = (
+        np.bincount(cell, weights, minlength=prod(shape)).reshape(shape) for weights in (None, reached, paid)
+    )
+    target = np.full((len(problems), len(taus)), np.nan)
+    target[problem, rung] = hits["target"]
+    on_ladder = trials.any(axis=1, keepdims=True)  # of the problem, whichever optimizer has trials
+    at = np.nonzero(np.broadcast_to(on_ladder, shape))
+    return pd.DataFrame(
+        {
+            "problem": np.array(problems, dtype=object)[at[0]],
+            "optimizer": np.array(optimizers, dtype=object)[at[1]],
+            "tau": taus[at[2]],
+            "target": target[at[0], at[2]],
+            "trials": trials[at],
+            "successes": successes[at].astype(int),
+            "paid": sums[at],
+        }
+    ).astype({"problem": object, "optimizer": object})
 
 
 def _at(table: pd.DataFrame, tau: float) -> pd.DataFrame:

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench import analysis
 from bench.errors import BenchError
 from bench.export.runs import Cell, Run, cells
 from bench.names import file_name, unique
@@ -103,18 +104,18 @@ def references(results: Results) -> dict[str, Reference]:
 
     The lowest value is that of all optimizers' trials, so that all are compared with the same one.
     """
-    finals: dict[str, list[float]] = {entry.label: [] for entry in results.study.problems}
+    lowest = {entry.label: np.inf for entry in results.study.problems}
     for (problem, _, _), trace in results.traces.items():
-        finals[problem] += trace.values[-1:].tolist()
-    return {problem: _reference(results.known(problem).optimum, values) for problem, values in finals.items()}
+        lowest[problem] = min([lowest[problem], *trace.values[-1:].tolist()])
+    optima = {label: known for label in lowest if (known := results.known(label).optimum) is not None}
+    return {label: _reference(*found) for label, found in analysis.references(lowest, optima).items()}
 
 
-def _reference(optimum: float | None, values: list[float]) -> Reference:
-    lowest = min(values, default=np.inf)
-    if optimum is not None and optimum <= lowest:
-        return Reference(optimum, "the problem's best known value")
-    if np.isfinite(lowest):
-        return Reference(lowest, "the lowest value found by any trial")
+def _reference(value: float, known: bool) -> Reference:
+    if known:
+        return Reference(value, "the problem's best known value")
+    if np.isfinite(value):
+        return Reference(value, "the lowest value found by any trial")
     return Reference(0.0, "no trial found a finite value")
 
 

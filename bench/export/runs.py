@@ -10,12 +10,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.analysis.cells import Traces
 from bench.errors import BenchError
 from bench.objective import Trace
 from bench.problem import Floats
 from bench.results import Results
-
-Traces = Mapping[tuple[str, str, int], Trace]
 
 
 @dataclass(frozen=True)

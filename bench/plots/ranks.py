@@ -10,12 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
+from bench.analysis.pairwise import CUTOFFS
 from bench.plots import style
 
 MOST_NAMES = 60  # names about a critical-difference diagram; more would not fit on a page
 RANK_NAME = 20  # letters of a name there
 LINE, BAR = 0.15, 0.09  # inches between its names, and between its bars
-EFFECTS = (0.29, 0.36, 0.44, 0.56, 0.64, 0.71)  # large, medium, small to either side (Vargha and Delaney 2000)
+EFFECTS = [bound for cutoff in CUTOFFS.values() for bound in (1 - cutoff, cutoff)]  # to either side of 0.5
 
 
 def cd_diagram(

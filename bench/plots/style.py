@@ -32,6 +32,7 @@ from bench.analysis.cells import labels
 COLUMN, TEXT = 3.5, 7.16  # inches: one column and the whole width of a two-column page
 TALLEST = 8.0  # inches that the rows of a figure may take together: a page
 ROW = 0.2  # inches, a row of a figure with a label on its left
+LEGEND_ROW = 0.145  # inches, a row of a legend
 POINTS, SMALL = 8.0, 6.67  # the size of text, and of numbers on axes ("small" is 0.833 of the size)
 
 # Okabe and Ito (2008), safe for colour-blind readers; yellow last, as it is faint on white.
@@ -150,27 +151,14 @@ def text_width(texts: Iterable[str], points: float = POINTS) -> float:
     return widest / 72
 
 
-def own_axes(ax: Axes | None, *, width: float = COLUMN, height: float = 2.2) -> Axes:
-    """Return the Axes given, or those of a new pyplot figure, which a notebook shows by itself."""
+def own_axes(ax: Axes | None, *, height: float = 2.2) -> Axes:
+    """Return the Axes given, or those of a new pyplot figure a column wide, which a notebook shows by itself."""
     if ax is not None:
         return ax
     from matplotlib import pyplot  # only here: a report opens no window and needs none
 
-    _, ax = pyplot.subplots(figsize=(width, height), layout="constrained")
+    _, ax = pyplot.subplots(figsize=(COLUMN, height), layout="constrained")
     return ax
-
-
-def panels(
-    number: int, *, columns: int = 3, width: float = TEXT, height: float = 1.6, margin: float = 0.4,
-    sharex: bool = False, sharey: bool = False,
-) -> tuple[matplotlib.figure.Figure, list[Axes]]:  # fmt: skip
-    """Return a figure of small multiples and its axes, row by row, each row ``height`` inches high.
-
-    Their layout is worked out from all that is drawn. That takes time: :func:`grid` is faster where margins are known.
-    """
-    rows, columns = _rows_and_columns(number, columns)
-    figure = matplotlib.figure.Figure(figsize=(width, rows * height + margin), layout="constrained")
-    return figure, _subplots(figure, number, rows, columns, sharex=sharex, sharey=sharey)
 
 
 def grid(
@@ -182,7 +170,8 @@ def grid(
     All lengths are in inches: the figure's ``width``, the ``height`` of one panel, the figure's margins, and the
     space ``across`` and ``down`` between panels.
     """
-    rows, columns = _rows_and_columns(number, columns)
+    columns = max(min(columns, number), 1)
+    rows = max(ceil(number / columns), 1)
     total = rows * height + (rows - 1) * down + top + bottom
     panel = max((width - left - right - (columns - 1) * across) / columns, 0.1)
     figure = matplotlib.figure.Figure(figsize=(width, total))
@@ -190,21 +179,10 @@ def grid(
         left / width, bottom / total, left / width + (columns * panel + (columns - 1) * across) / width,
         1 - top / total, wspace=across / panel, hspace=down / height,
     )  # fmt: skip
-    return figure, _subplots(figure, number, rows, columns)
-
-
-def _rows_and_columns(number: int, columns: int) -> tuple[int, int]:
-    columns = max(min(columns, number), 1)
-    return max(ceil(number / columns), 1), columns
-
-
-def _subplots(
-    figure: matplotlib.figure.Figure, number: int, rows: int, columns: int, sharex: bool = False, sharey: bool = False
-) -> list[Axes]:
-    axes = figure.subplots(rows, columns, squeeze=False, sharex=sharex, sharey=sharey).ravel()
+    axes = figure.subplots(rows, columns, squeeze=False).ravel()
     for unused in axes[number:]:
         unused.remove()
-    return list(axes[:number])
+    return figure, list(axes[:number])
 
 
 def rows_height(count: int) -> float:
@@ -242,10 +220,25 @@ def legend_beside(ax: Axes, looks: Looks) -> None:
     ax.legend(handles=handles(looks), loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
 
 
-def spread(count: int, width: float = 0.5) -> np.ndarray:
-    """Return (count,) offsets within +-width/2 that keep neighbouring points apart, the same every time."""
+def legend_above(figure: matplotlib.figure.Figure, entries: Sequence[Any]) -> None:
+    """Put a legend of labelled artists above all panels of a figure that is as wide as the text."""
+    columns = _legend_columns([str(entry.get_label()) for entry in entries])
+    figure.legend(handles=entries, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
+
+
+def legend_height(texts: Sequence[str]) -> float:
+    """Return the inches that a :func:`legend_above` with these texts takes."""
+    return LEGEND_ROW * ceil(len(texts) / _legend_columns(texts)) + 0.08
+
+
+def _legend_columns(texts: Sequence[str]) -> int:
+    return max(min(int((TEXT - 0.1) / (text_width(texts, SMALL) + 0.45)), len(texts)), 1)
+
+
+def spread(count: int) -> np.ndarray:
+    """Return (count,) offsets within +-0.25 that keep neighbouring points apart, the same every time."""
     golden = 0.6180339887498949
-    return ((np.arange(count) * golden) % 1 - 0.5) * width
+    return ((np.arange(count) * golden) % 1 - 0.5) / 2
 
 
 def drawable(values: ArrayLike) -> NDArray[np.bool_]:
@@ -265,10 +258,18 @@ def log_scale(ax: Axes, which: Literal["x", "y"]) -> None:
     """Make an axis that is already drawn on logarithmic, with plain numbers at 1, 2 and 5 where it spans little."""
     getattr(ax, f"set_{which}scale")("log")
     low, high = sorted(getattr(ax, f"get_{which}lim")())
+    if low <= 0:  # matplotlib's limits about curves without any point, which it then cannot draw
+        low, high = getattr(ax, f"set_{which}lim")(1.0, 10.0)
     axis = ax.xaxis if which == "x" else ax.yaxis
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,), numticks=6))
     axis.set_major_formatter(FuncFormatter(partial(_number, largest=high)))
     axis.set_minor_locator(NullLocator())
+
+
+def span(ax: Axes, values: pd.Series[float]) -> None:
+    """Let an x axis end where the values on it do; matplotlib finds its own ends for a single one."""
+    if values.nunique() > 1:
+        ax.set_xlim(values.min(), values.max())
 
 
 def linear_scale(ax: Axes, which: Literal["x", "y"]) -> None:

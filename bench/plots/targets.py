@@ -54,8 +54,7 @@ def _fractions(curves: pd.DataFrame, along: str, *, looks: style.Looks | None, l
         own = curves[curves["optimizer"] == optimizer]
         x, fraction = own[[along, "fraction"]].to_numpy(dtype=float).T
         draw_curve(ax, x, fraction, look, place, steps=True)
-    if len(curves):
-        ax.set_xlim(curves[along].min(), curves[along].max())
+    style.span(ax, curves[along])
     style.log_scale(ax, "x")
     ax.set_ylim(-0.02, 1.02)
     ax.yaxis.set_major_locator(FixedLocator([0.0, 0.25, 0.5, 0.75, 1.0]))
@@ -70,7 +69,8 @@ def ert(
     """Draw the expected running time of each optimizer on a problem over targets, harder ones to the right.
 
     Both axes are logarithmic. A curve ends at the hardest target that any trial reached; where harder ones were left
-    unreached, its end is an open marker.
+    unreached, its end is an open marker. tau = 0, the only target of a problem whose trials start at its reference,
+    has no place on a log axis: such a problem leaves the axes empty.
 
     Args:
         table: columns problem, optimizer, tau and ert, infinite where no trial reached the target
@@ -82,7 +82,7 @@ def ert(
     """
     ax = style.own_axes(ax)
     looks = style.looks_of(table) if looks is None else looks
-    own = table[table["problem"] == problem].sort_values("tau", ascending=False, kind="stable")
+    own = table[(table["problem"] == problem) & (table["tau"] > 0)].sort_values("tau", ascending=False, kind="stable")
     for place, (optimizer, look) in enumerate(looks.items()):
         tau, times = own.loc[own["optimizer"] == optimizer, ["tau", "ert"]].to_numpy(dtype=float).T
         reached = style.drawable(times)

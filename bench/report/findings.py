@@ -167,7 +167,7 @@ class Findings:
                 permutation_tests=int((pairs["method"] == "permutation").sum()),
                 ranked_problems=len(self.medians),
                 scale="".join(self.wilcoxon["scale"].unique()),
-                known_optima=len(self.optima),
+                known_optima=int(self.targets.drop_duplicates("problem")["known"].sum()),
                 targets=self.targets["problem"].nunique(),
                 early=self._early,
                 centre_bias={
@@ -182,7 +182,7 @@ class Findings:
     @property
     def _early(self) -> dict[str, int]:
         """How many trials of each optimizer stopped by a criterion of their own."""
-        own = self.frame["stop"].notna() & ~self.frame["stop"].isin(("budget", "undeclared"))
+        own = analysis.stopped_early(self.frame)
         return {label: int((own & (self.frame["optimizer"] == label)).sum()) for label in self.optimizers}
 
 

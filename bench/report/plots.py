@@ -68,7 +68,7 @@ def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figur
         curves, looks, lambda problem, ax: convergence(curves, problem, looks=looks, legend=False, ax=ax), across=0.46
     )
     for ax in axes:
-        ax.set_xlim(curves["evaluations"].min(), curves["evaluations"].max())
+        style.span(ax, curves["evaluations"])
     caption = (
         "Median best-so-far objective value over evaluations, with the quartiles as a band (log axes where the "
         "values are positive and wide). A trial that ended early keeps its last value; failed trials count as infinite."
@@ -94,6 +94,7 @@ def ert_figure(table: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
     for place, ax in enumerate(axes):
         if len(drawn):
             ax.set_xlim(1.2 * drawn["tau"].max(), drawn["tau"].min() / 1.2)
+            style.log_scale(ax, "x")
         ax.tick_params(labelleft=place % COLUMNS == 0)
         if len(shown):
             ax.set_ylim(shown.min() / 2, 4 * shown.max())
@@ -118,9 +119,7 @@ def ecdf_figure(reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequen
         tau: the target of the profile.
     """
     looks = style.looks(optimizers)
-    figure, (left, right) = style.grid(
-        2, height=1.8, left=0.5, across=0.55, top=_legend_height(looks) + 0.1
-    )
+    figure, (left, right) = style.grid(2, height=1.8, left=0.5, across=0.55, top=_legend_height(looks) + 0.1)
     ecdf(reached, looks=looks, legend=False, ax=left)
     data_profile(profile, looks=looks, legend=False, ax=right)
     style.legend_above(figure, style.handles(looks))

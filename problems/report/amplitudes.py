@@ -14,7 +14,7 @@ from bench.analysis import labels
 from bench.plots import style
 from bench.report import Figure, Section, Table
 from problems.report.conclusions import in_words
-from problems.report.drawing import dataset_panels, legend_above
+from problems.report.drawing import dataset_panels
 from problems.report.estimates import errors_by, estimates, expected_by_problem
 from problems.signature.problem import TOLERANCE_RPM
 
@@ -75,7 +75,7 @@ def figure(data: pd.DataFrame, errors: pd.DataFrame, form: str) -> Figure:
     for ax in axes[::3]:
         ax.set_ylabel("|A| in rpm")
     handles = {str(handle.get_label()): handle for ax in axes for handle in ax.get_legend_handles_labels()[0]}
-    legend_above(drawn, list(handles.values()))
+    style.legend_above(drawn, list(handles.values()))
     what = "every trial a dot" if form == "dots" else "box plots (whiskers: 1.5 times the interquartile range)"
     caption = (
         f"Disturbance amplitude found, by dataset: {what}. Line: the expected amplitude; dotted: the accuracy band of "

@@ -1,11 +1,9 @@
-"""What the figures by dataset share: panels whose x axis is the datasets, and one legend above all of them."""
+"""What the figures by dataset share: panels whose x axis is the datasets, with room for a legend above all of them."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from math import ceil
-from typing import Any
 
 import matplotlib.figure
 from matplotlib.axes import Axes
@@ -13,7 +11,6 @@ from matplotlib.axes import Axes
 from bench.plots import style
 
 LEFT, ACROSS = 0.45, 0.1  # inches
-LEGEND_ROW = 0.15  # inches
 
 
 def dataset_panels(
@@ -24,7 +21,7 @@ def dataset_panels(
     Args:
         titles: a title for each panel; panels side by side share their y axis.
         problems: the labels of the datasets.
-        entries: what the legend above all panels will hold at most, see :func:`legend_above`.
+        entries: what the legend above all panels will hold at most, see :func:`bench.plots.style.legend_above`.
         columns: panels in a row.
         height: the height of a panel in inches.
     """
@@ -33,7 +30,7 @@ def dataset_panels(
     upright, columns = longest <= digits, min(columns, len(titles))
     figure, axes = style.grid(
         len(titles), columns=columns, height=height, left=LEFT, bottom=0.36 + (0 if upright else longest),
-        top=0.25 + LEGEND_ROW * ceil(len(entries) / _legend_columns(entries)), across=ACROSS, down=0.3,
+        top=0.25 + style.legend_height(entries), across=ACROSS, down=0.3,
     )  # fmt: skip
     width = (style.TEXT - LEFT) / columns - ACROSS
     every = ceil(len(names) * (longest + 0.06 if upright else 0.12) / width)
@@ -52,16 +49,6 @@ def dataset_panels(
     axes[0].set_xticks(range(0, len(names), every), names[::every])
     axes[0].set_xlim(-0.7, len(names) - 0.3)
     return figure, axes
-
-
-def legend_above(figure: matplotlib.figure.Figure, handles: Sequence[Any]) -> None:
-    """Put a legend of labelled artists above all panels, in as many columns as the width allows."""
-    columns = _legend_columns([handle.get_label() for handle in handles])
-    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(0, 1), borderaxespad=0.2, ncols=columns)
-
-
-def _legend_columns(entries: list[str]) -> int:
-    return max(int(style.TEXT / (style.text_width(entries) + 0.4)), 1)
 
 
 def short(problem: str) -> str:

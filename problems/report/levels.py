@@ -10,7 +10,7 @@ from bench.analysis import labels
 from bench.plots import style
 from bench.report import Figure, Section, Table
 from bench.report.words import count, listing
-from problems.report.drawing import dataset_panels, legend_above
+from problems.report.drawing import dataset_panels
 from problems.report.estimates import errors_by, estimates, expected_by_problem, with_truth, within_in_words
 from problems.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM
 
@@ -112,7 +112,7 @@ def _figure(known: dict[str, pd.DataFrame]) -> Figure:
             table = scale * own[own["optimizer"] == optimizer].set_index("problem")[["q1", "median", "q3"]]
             at = np.arange(len(problems)) + 0.9 * WIDTH * ((number + 0.5) / len(optimizers) - 0.5)
             _quartiles(ax, at, table.reindex(problems), label, look)
-    legend_above(figure, axes[0].get_legend_handles_labels()[0])
+    style.legend_above(figure, axes[0].get_legend_handles_labels()[0])
     caption = (
         "The true backlash of each dataset and the amplitude expected of it (lines; shaded: the accuracy bands), as in "
         "thesis Fig. 7.3, with the median (marker) and the quartiles (bar) of what the trials of each optimizer found."

@@ -15,7 +15,8 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from bench import plots
+from bench import analysis, plots
+from bench.objective import Trace
 from bench.plots import style
 from bench.report import plots as report
 
@@ -77,6 +78,11 @@ def times(problems, optimizers, unreached=()):
     return pd.DataFrame(rows, columns=["problem", "optimizer", "tau", "target", "trials", "successes", "ert"])
 
 
+def plateau(problems, optimizers):
+    rows = [(p, o, 0.0, 3.0, 3, 3, 1.0) for p in problems for o in optimizers]
+    return pd.DataFrame(rows, columns=["problem", "optimizer", "tau", "target", "trials", "successes", "ert"])
+
+
 def fractions(optimizers, along="evaluations"):
     parts = [pd.DataFrame({"optimizer": o, along: GRID, "fraction": np.linspace(0, 1, len(GRID))}) for o in optimizers]
     return pd.concat(parts, ignore_index=True)
@@ -115,8 +121,8 @@ def every_figure(optimizers, problems=("p", "q")):
     return [
         report.distribution_figure(frame, problems[0], 0.5, {"speed_rpm": (101.0, 0.5)}),
         report.convergence_figure(curves(problems, optimizers), optimizers),
-        report.ert_figure(times(problems, optimizers)),
-        report.ecdf_figure(fractions(optimizers), fractions(optimizers, "groups"), tau=0.01),
+        report.ert_figure(times(problems, optimizers), optimizers),
+        report.ecdf_figure(fractions(optimizers), fractions(optimizers, "groups"), optimizers, tau=0.01),
         report.rank_figure(ranks, [list(ranks.index)], 1.5),
         report.forest_figure(improvements(optimizers)),
         report.timing_figure(clock(optimizers)),
@@ -166,8 +172,8 @@ class TestEveryFigure:
     def test_frames_without_rows(self):
         empty = [
             report.convergence_figure(curves(["p"], ["a"]).iloc[:0], ["a"]),
-            report.ert_figure(times(["p"], ["a"]).iloc[:0]),
-            report.ecdf_figure(fractions(["a"]).iloc[:0], fractions(["a"]).iloc[:0]),
+            report.ert_figure(times(["p"], ["a"]).iloc[:0], ["a"]),
+            report.ecdf_figure(fractions(["a"]).iloc[:0], fractions(["a"]).iloc[:0], ["a"], tau=0.01),
             report.forest_figure(improvements(["a"])),
             report.timing_figure(clock([])),
             report.rank_figure(pd.Series(dtype=float), [], 1.0),
@@ -248,7 +254,7 @@ class TestBoxPlot:
         wide = report.distribution_figure(frame, "p", None, {"speed_rpm": (1.0, 2.0), "unknown": (1.0, 1.0)})
         assert [ax.get_xlabel() for ax in wide.figure.axes] == ["objective value", "speed_rpm"]
         assert wide.figure.get_figwidth() == style.TEXT
-        assert report.distribution_figure(frame, "p").figure.get_figwidth() == style.COLUMN
+        assert report.distribution_figure(frame, "p", None, {}).figure.get_figwidth() == style.COLUMN
         assert wide.data["speed_rpm"].tolist() == [101.0, 102.0]
 
 
@@ -270,7 +276,7 @@ class TestCurves:
         assert [text.get_text() for text in every.legends[0].texts] == ["a", "b"]
 
     def test_the_table_behind_them_holds_round_numbers(self):
-        shown = report.convergence_figure(curves(["p", "q"], ["b", "a"])).shown
+        shown = report.convergence_figure(curves(["p", "q"], ["b", "a"]), ["b", "a"]).shown
         assert list(shown.columns) == ["b", "a"]
         assert shown.index.names == ["problem", "evaluations"]
         assert shown.loc["q"].index.tolist() == GRID.tolist()
@@ -287,11 +293,57 @@ class TestCurves:
         left, right = ax.get_xlim()
         assert left > 1.0 > 0.001 > right
 
+    def test_a_problem_on_which_no_target_was_reached_has_axes_all_the_same(self):
+        ax = plots.ert(times(["p"], ["a"]).assign(ert=np.inf), "p", ax=axes())
+        svg(ax.figure)
+        assert [len(line.get_xdata()) for line in ax.lines] == [0]
+
+    @pytest.mark.parametrize(("plateaus", "others"), [("p", "q"), ("pr", "q"), ("p", ""), ("pr", "")])
+    def test_a_plateau_has_an_empty_panel_and_a_row_in_the_table(self, plateaus, others):
+        table = pd.concat([plateau(plateaus, ["a", "b"]), times(others, ["a", "b"]) if others else None])
+        each = report.ert_figure(table, ["a", "b"])
+        svg(each.figure)
+        panels = {ax.get_title(loc="left"): ax for ax in each.figure.axes}
+        assert list(panels) == [*plateaus, *others]
+        for problem, ax in panels.items():
+            assert [len(line.get_xdata()) for line in ax.lines] == ([0, 0] if problem in plateaus else [5, 5])
+        assert len({ax.get_xlim() for ax in panels.values()}) == 1
+        assert len({tuple(ax.get_xticks()) for ax in panels.values()}) == 1
+        assert len(each.data) == len(table)
+        assert all(each.shown.loc[(problem, 0.0), "a"] == 1.0 for problem in plateaus)
+        assert all(each.shown.loc[problem].index.tolist() == [1.0, 0.1, 0.01, 0.001] for problem in others)
+        assert "tau = 0" in each.caption
+
+    def test_without_a_plateau_no_caption_speaks_of_one(self):
+        assert "tau = 0" not in report.ert_figure(times("pq", ["a"]), ["a"]).caption
+
+    @pytest.mark.parametrize(("plateaus", "others"), [("p", "q"), ("pr", "")])
+    @pytest.mark.parametrize("budget", [1, 30])
+    def test_every_curve_of_trials_on_a_plateau_and_of_any_budget(self, plateaus, others, budget):
+        falling = Trace(np.array([1, 5, 20])[: min(budget, 3)], np.array([9.0, 4.0, 1.0])[: min(budget, 3)])
+        level = Trace(np.array([1]), np.array([3.0]))
+        traces = {
+            (problem, optimizer, trial): level if problem in plateaus else falling
+            for problem in plateaus + others for optimizer in "ab" for trial in range(2)
+        }  # fmt: skip
+        frame = pd.DataFrame([*traces], columns=["problem", "optimizer", "trial"]).assign(status="ok", nfev=budget)
+        hits = analysis.hitting_times(frame, traces, analysis.targets(traces), budget)
+        grid = analysis.evaluation_grid(budget)
+        profile = analysis.data_profiles(hits, 0.01, analysis.evaluation_grid(1), dict.fromkeys("pqr", 2))
+        for each in (
+            report.convergence_figure(analysis.convergence(frame, traces, grid), ["a", "b"]),
+            report.ecdf_figure(analysis.ecdf(hits, grid), profile, ["a", "b"], tau=0.01),
+            report.ert_figure(analysis.expected_running_time(hits), ["a", "b"]),
+        ):
+            svg(each.figure)
+            drawn = [len(line.get_xdata()) for ax in each.figure.axes for line in ax.lines]
+            assert any(drawn) != (each.name == "expected-running-time" and (budget == 1 or not others))
+
     def test_shares_go_from_none_to_all(self):
         ax = plots.data_profile(fractions(["a"], "groups"), ax=axes())
         assert ax.get_xlabel() == "groups of d + 1 evaluations"
         assert ax.get_ylim() == (-0.02, 1.02)
-        shown = report.ecdf_figure(fractions(["a"]), fractions(["a"]), tau=0.01)
+        shown = report.ecdf_figure(fractions(["a"]), fractions(["a"]), ["a"], tau=0.01)
         assert shown.data["panel"].value_counts().to_dict() == {"targets reached": 7, "data profile": 7}
         assert "tau = 0.01" in shown.caption
 
@@ -351,6 +403,19 @@ class TestTiming:
 
 
 class TestStyle:
+    @pytest.mark.parametrize(("count", "length"), [(1, 3), (7, 3), (30, 20)])
+    def test_a_legend_above_takes_the_height_it_says(self, count, length):
+        texts = [f"{'x' * length}{i}" for i in range(count)]
+        figure, (ax,) = style.grid(1, height=1.0, left=0.5, top=style.legend_height(texts))
+        for text in texts:
+            ax.plot([0, 1], [0, 1], label=text)
+        style.legend_above(figure, ax.get_legend_handles_labels()[0])
+        figure.draw_without_rendering()
+        box = figure.legends[0].get_window_extent().transformed(figure.dpi_scale_trans.inverted())
+        assert box.x1 <= style.TEXT
+        assert box.y0 >= figure.get_figheight() - style.legend_height(texts)
+        assert [text.get_text() for text in figure.legends[0].texts] == texts
+
     def test_long_labels_stay_apart(self):
         labels = [f"mealpy:Original{i:02d}Optimizer" for i in range(12)] + ["gwo", "x" * 500]
         names = style.names(labels, 20)

@@ -62,9 +62,9 @@ def _ladder(targets: pd.DataFrame, problems: int) -> list[str]:
     reference = (
         "the known optimum"
         if known.all()
-        else "the lowest value that any trial found (no optimum is known)"
+        else "the lowest value that any trial found (no optimum is known, or it was beaten)"
         if not known.any()
-        else "the known optimum, or the lowest value found where none is known"
+        else "the known optimum, or the lowest value found where none is known or a trial found less"
     )
     meaning = (
         "A target is a share tau of the way left: the objective value f_L + tau (f_0 − f_L), where f_0 is the median "

@@ -224,6 +224,19 @@ class TestWilcoxon:
         assert (test.p == 1.0) == bool(note)
         assert test.lower == "a"
 
+    @pytest.mark.parametrize("n", [63, 64, 65, 100])
+    def test_many_problems(self, n):
+        table = random_table(2, problems=n, optimizers=2)
+        test = wilcoxon_tests(table).iloc[0]
+        expected = wilcoxon(np.log10(table["a"] / table["b"]), method="exact")
+        assert test.note == ""
+        assert (test.statistic, test.p) == pytest.approx((expected.statistic, expected.pvalue))
+
+    def test_on_a_hundred_problems_the_smallest_p_is_that_of_all_signs_alike(self):
+        test = wilcoxon_tests(table_of([[i, 2 * i + i**2] for i in range(1, 101)])).iloc[0]
+        assert (test.statistic, test.note, test.lower, test.significant) == (0, "", "a", True)
+        assert test.p == pytest.approx(2.0**-99, rel=1e-12)
+
     def test_nothing_to_compare(self):
         assert wilcoxon_tests(table_of([[1], [2]])).empty
         tests = wilcoxon_tests(table_of(np.empty((0, 3))))

@@ -6,7 +6,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import binom
 
-from bench.analysis.cells import cells, coverage, in_study_order, merge_near_ties, scores, summarise
+from bench.analysis.cells import (
+    Reference,
+    cells,
+    coverage,
+    in_study_order,
+    merge_near_ties,
+    references,
+    scores,
+    stopped_early,
+    summarise,
+)
 from bench.study import Entry, Study
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -35,6 +45,15 @@ class TestScoresAndCells:
         assert merged["p", "b"].tolist() == [1.0, INF]
         assert merged["q", "a"].tolist() == [near, 3.0]
         assert cells(frame)["p", "a"].tolist() == [near, 2.0]
+        assert scores(frame, merge=True).tolist() == [1.0, 2.0, 1.0, INF, near, 3.0]
+        assert scores(frame).tolist() == [near, 2.0, 1.0, INF, near, 3.0]
+
+    def test_only_a_finished_trial_that_declared_its_reason_stopped_early(self, frame_of):
+        stops = ["budget", "undeclared", None, float("nan"), "tolx", "tolx"]
+        frame = frame_of({("p", "a"): [1.0] * 5 + [None]}, stop=stops)
+        assert stopped_early(frame).tolist() == [False] * 4 + [True, False]
+        assert stopped_early(frame).dtype == bool
+        assert not stopped_early(frame.iloc[:0]).any()
 
     def test_an_empty_frame_has_no_cells(self, frame_of):
         assert cells(frame_of({}), merge=True) == {}
@@ -85,6 +104,31 @@ class TestSummary:
     def test_failures_open_the_interval_upwards(self, frame_of, one):
         row = one(summarise(frame_of({("p", "a"): [*range(1, 21), *[None] * 10]})))
         assert (row.median_low, row.median_high) == (10.0, INF)
+
+
+class TestReferences:
+    @pytest.mark.parametrize(
+        ("lowest", "optimum", "expected"),
+        [
+            (3.0, None, (3.0, False)),
+            (3.0, 2.0, (2.0, True)),
+            (3.0, 3.0, (3.0, True)),
+            (3.0, 4.0, (3.0, False)),  # beaten, so it was none
+            (3.0 - 1e-13, 3.0, (3.0, True)),  # by rounding
+            (3.0 - 1e-9, 3.0, (3.0 - 1e-9, False)),
+            (-1e-300, 0.0, (-1e-300, False)),
+            (INF, 2.0, (2.0, True)),
+            (INF, None, (INF, False)),
+            (3.0, float("nan"), (3.0, False)),
+        ],
+    )
+    def test_the_optimum_unless_unknown_or_beaten(self, lowest, optimum, expected):
+        optima = {"q": 0.0} if optimum is None else {"p": optimum, "q": 0.0}
+        assert references({"p": lowest}, optima) == {"p": Reference(*expected)}
+
+    def test_without_optima(self):
+        assert references({"q": 2.0, "p": 1.0}) == {"q": (2.0, False), "p": (1.0, False)}
+        assert references({}, {"p": 1.0}) == {}
 
 
 class TestNearTies:

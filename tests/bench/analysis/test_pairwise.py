@@ -250,7 +250,7 @@ class TestProperties:
         assert ((p <= adjusted) & (adjusted <= 1)).all()
         assert (np.diff(adjusted[np.argsort(p, kind="stable")]) >= 0).all()
 
-    @settings(max_examples=40, deadline=None)
+    @settings(max_examples=40)
     @given(whole_numbers, whole_numbers)
     def test_one_pair(self, frame_of, this, other):
         pair, mirrored = pair_of(frame_of, this, other), pair_of(frame_of, other, this)
@@ -262,13 +262,13 @@ class TestProperties:
         assert pair.p == pytest.approx(mirrored.p, rel=1e-9)
         assert {pair.lower, mirrored.lower} in ({"a", "b"}, {""})
 
-    @settings(max_examples=30, deadline=None)
+    @settings(max_examples=30)
     @given(whole_numbers, whole_numbers, st.sampled_from([lambda v: 3 * v - 7, lambda v: v**3, lambda v: 1.5**v]))
     def test_only_the_order_of_values_counts(self, frame_of, this, other, increasing):
         moved = [[None if v is None else increasing(v) for v in values] for values in (this, other)]
         pd.testing.assert_series_equal(pair_of(frame_of, this, other), pair_of(frame_of, *moved))
 
-    @settings(max_examples=30, deadline=None)
+    @settings(max_examples=30)
     @given(whole_numbers, whole_numbers, st.integers(0, 8))
     def test_failing_is_never_better_than_any_value(self, frame_of, this, other, place):
         failed = [*this]

@@ -90,7 +90,8 @@ class TestTargets:
     @pytest.mark.parametrize("optima", [None, {"p": 3.0}, {"p": 4.0}])
     def test_where_trials_start_at_the_reference_it_is_the_only_target(self, optima):
         ladder = targets({("p", "a", 0): trace((1, 3.0)), ("p", "a", 1): trace((1, 3.0))}, optima)
-        assert ladder[["tau", "target"]].to_numpy().tolist() == [[0.0, (optima or {"p": 3.0})["p"]]]
+        assert ladder[["tau", "target"]].to_numpy().tolist() == [[0.0, 3.0]]
+        assert ladder["known"].tolist() == [optima == {"p": 3.0}]
 
     def test_no_finite_value_no_target(self):
         traces = {("q", "a", 0): trace(), **TRACES}
@@ -99,9 +100,15 @@ class TestTargets:
         assert nothing.empty
         assert list(nothing) == list(targets(TRACES))
 
-    def test_the_problems_in_the_order_asked_for(self):
-        traces = {(name, "a", 0): trace((1, 2.0), (2, 1.0)) for name in "pqr"}
-        assert list(dict.fromkeys(targets(traces, problems=["r", "s", "p"])["problem"])) == ["r", "p"]
+    def test_an_optimum_that_a_trial_beat_gives_way_to_what_was_found(self):
+        ladder = targets(TRACES, {"p": 0.5})
+        assert (len(ladder), ladder["known"].any(), set(ladder["reference"])) == (31, False, {0.0})
+        near = targets({("p", "a", 0): trace((1, 5.0), (2, 1 - 1e-13))}, {"p": 1.0})
+        assert (len(near), near["known"].all(), set(near["reference"])) == (81, True, {1.0})
+
+    def test_problems_in_the_order_of_the_traces(self):
+        traces = {(name, "a", 0): trace((1, 2.0), (2, 1.0)) for name in "rps"}
+        assert list(dict.fromkeys(targets(traces)["problem"])) == ["r", "p", "s"]
 
     def test_values_of_any_size(self):
         ladder = targets({("p", "a", i): trace((1, 1.7e308), (2, -1.7e308)) for i in range(2)})
@@ -164,6 +171,35 @@ class TestExpectedRunningTime:
         pd.testing.assert_frame_equal(
             ert[ert["optimizer"] != "c"].reset_index(drop=True), expected_running_time(HITS), check_dtype=False
         )
+
+    def test_problems_of_different_ladders_and_a_plateau(self):
+        traces = {("r", "b", 0): trace((1, 3.0)), ("p", "a", 0): trace((1, 2.0), (3, 1.0)),
+                  ("q", "b", 0): trace((1, 2.0), (4, 0.5)), ("q", "a", 1): trace((2, 2.0))}  # fmt: skip
+        frame = trials(*((*key, "ok", 9) for key in traces))
+        ladders = targets(traces, {"q": 0.0})
+        ert = expected_running_time(hitting_times(frame, traces, ladders, BUDGET))
+        cells = ert[["problem", "optimizer"]].drop_duplicates().to_numpy().tolist()
+        assert cells == [[problem, optimizer] for problem in "rpq" for optimizer in "ba"]
+        for (problem, _), own in ert.groupby(["problem", "optimizer"]):
+            ladder = ladders[ladders["problem"] == problem]
+            assert own[["tau", "target"]].to_numpy().tolist() == ladder[["tau", "target"]].to_numpy().tolist()
+        assert one(ert, problem="r", optimizer="b").ert == 1
+        assert np.isnan(one(ert, problem="r", optimizer="a").ert)
+        q = one(ert, problem="q", optimizer="b", tau=fractions(known=True)[6])
+        assert (q.trials, q.successes, q.ert) == (1, 1, 4)
+
+    @pytest.mark.parametrize("categorical", [False, True])
+    def test_in_any_order_of_the_rows_against_a_plain_sum(self, categorical):
+        rng = np.random.default_rng(8)
+        hits = HITS.assign(evaluations=rng.choice([3.0, 7.0, INF], len(HITS))).sample(frac=1, random_state=1)
+        if categorical:
+            hits["optimizer"] = pd.Categorical(hits["optimizer"], ["b", "a"])
+        for row in expected_running_time(hits).itertuples():
+            own = hits[(hits["optimizer"] == row.optimizer) & (hits["tau"] == row.tau)]
+            reached = np.isfinite(own["evaluations"])
+            paid = own["evaluations"].where(reached, own["spent"]).sum()
+            assert (row.trials, row.successes) == (len(own), reached.sum())
+            assert row.ert == pytest.approx(paid / reached.sum() if reached.any() else INF)
 
 
 class TestSuccessRates:
