@@ -1,10 +1,11 @@
 import os
+import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from bench import plugins
+from bench import cli, plugins
 
 INSTALLED = Path(__file__).parent / "installed"
 
@@ -22,6 +23,38 @@ def testing_plugins():
     if before is not None:
         os.environ["PYTHONPATH"] = before
     plugins.entries.cache_clear()
+
+
+@pytest.fixture(scope="session")
+def bench(testing_plugins):
+    """Return a function that runs the command line in a process of its own."""
+
+    def run(*arguments, cwd=None, **environment):
+        done = subprocess.run(
+            [sys.executable, "-m", "bench", *map(str, arguments)],
+            capture_output=True, text=True, cwd=cwd, env=os.environ | environment, timeout=300, check=False,
+        )  # fmt: skip
+        assert "Traceback" not in done.stderr + done.stdout, done.stderr
+        return done
+
+    return run
+
+
+@pytest.fixture
+def bench_here(monkeypatch, capsys):
+    """Return a function that runs the command line in this process, which spares its start and the imports."""
+
+    def run(*arguments, cwd="."):
+        monkeypatch.chdir(cwd)
+        monkeypatch.setattr(sys, "argv", ["bench", *map(str, arguments)])
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        done = subprocess.CompletedProcess(sys.argv, ended.value.code or 0, *capsys.readouterr())
+        assert "Traceback" not in done.stderr + done.stdout, done.stderr
+        return done
+
+    return run
 
 
 @pytest.fixture

@@ -8,8 +8,6 @@ import time
 
 import pytest
 
-from bench import cli
-
 STUDY = """
 name = "tiny"
 trials = 2
@@ -26,15 +24,6 @@ name = "{second}"
 """
 
 
-def bench(*arguments, cwd=None, **environment):
-    done = subprocess.run(
-        [sys.executable, "-m", "bench", *map(str, arguments)],
-        capture_output=True, text=True, cwd=cwd, env=os.environ | environment, timeout=300,
-    )  # fmt: skip
-    assert "Traceback" not in done.stderr + done.stdout, done.stderr
-    return done
-
-
 @pytest.fixture
 def tiny(tmp_path):
     path = tmp_path / "tiny.toml"
@@ -42,7 +31,7 @@ def tiny(tmp_path):
     return path
 
 
-def test_run_writes_a_report_and_status_knows_it(tiny, tmp_path):
+def test_run_writes_a_report_and_status_knows_it(bench, tiny, tmp_path):
     done = bench("run", tiny, "--output", tmp_path / "out", "--jobs", 1)
     assert done.returncode == 0, done.stderr
     assert "2 problems x 2 optimizers x 2 trials = 8 runs of 40 evaluations" in done.stdout
@@ -56,7 +45,7 @@ def test_run_writes_a_report_and_status_knows_it(tiny, tmp_path):
     assert "scatter       4     0       4" in status.stdout
 
 
-def test_failed_trials_are_said_and_end_with_one(tmp_path):
+def test_failed_trials_are_said_and_end_with_one(bench, tmp_path):
     path = tmp_path / "faults.toml"
     path.write_text(STUDY.format(second="faulty"))
     done = bench("run", path, "--output", tmp_path / "out", "--jobs", 1)
@@ -66,12 +55,12 @@ def test_failed_trials_are_said_and_end_with_one(tmp_path):
     assert (tmp_path / "out" / "report.html").exists()
 
 
-def test_the_default_output_is_named_after_the_study(tiny, tmp_path):
+def test_the_default_output_is_named_after_the_study(bench, tiny, tmp_path):
     assert bench("run", tiny, "--jobs", 1, "--no-report", cwd=tmp_path).returncode == 0
     assert (tmp_path / "results" / "runs" / "tiny" / "trials.sqlite").exists()
 
 
-def test_list_names_everything_and_a_broken_plugin_s_error():
+def test_list_names_everything_and_a_broken_plugin_s_error(bench):
     done = bench("list", COLUMNS="200")
     assert done.returncode == 0
     for name in (
@@ -88,14 +77,14 @@ def test_list_names_everything_and_a_broken_plugin_s_error():
     assert "agents=30" in done.stdout
 
 
-def test_solve_prints_the_point_and_the_figures():
+def test_solve_prints_the_point_and_the_figures(bench):
     done = bench("solve", "sphere-3", "hill-climber", "--budget", 300, "--seed", 4, "--set", "sigma=0.1")
     assert done.returncode == 0
     for word in ("best value", "x3", "radius", "300 (stopped by: budget)"):
         assert word in done.stdout
 
 
-def test_simulate_writes_a_recording_that_can_be_fitted(tmp_path):
+def test_simulate_writes_a_recording_that_can_be_fitted(bench, tmp_path):
     assert bench("simulate", tmp_path / "a.csv", "--level", 12).returncode == 0
     done = bench("solve", f"recording:{tmp_path / 'a.csv'}", "gwo", "--set", "agents=100", "--budget", 20000)
     assert done.returncode == 0
@@ -132,19 +121,15 @@ def test_simulate_writes_a_recording_that_can_be_fitted(tmp_path):
         (["simulate", "/proc/a.csv", "--level", "3"], "cannot be written"),
     ],
 )
-def test_wrong_input_is_one_sentence_and_exit_code_two(arguments, said, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", ["bench", *arguments])
-    with pytest.raises(SystemExit) as caught:
-        cli.main()
-    stderr = capsys.readouterr().err
-    assert caught.value.code == 2
-    assert said in stderr
-    assert stderr.startswith("bench: ")
-    assert stderr.count("\n") == 1
+def test_wrong_input_is_one_sentence_and_exit_code_two(bench_here, arguments, said, tmp_path):
+    done = bench_here(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert done.stderr.startswith("bench: ")
+    assert done.stderr.count("\n") == 1
 
 
-def test_files_that_are_no_study(tmp_path):
+def test_files_that_are_no_study(bench, tmp_path):
     (tmp_path / "bad.toml").write_text("name = ")
     assert "is not valid TOML" in bench("run", tmp_path / "bad.toml").stderr
     (tmp_path / "odd.toml").write_text(STUDY.format(second="hillclimber"))
@@ -153,7 +138,7 @@ def test_files_that_are_no_study(tmp_path):
     assert "unknown optimizer 'hillclimber'; did you mean 'hill-climber'?" in done.stderr
 
 
-def test_another_study_s_folder_is_left_alone(tiny, tmp_path):
+def test_another_study_s_folder_is_left_alone(bench, tiny, tmp_path):
     bench("run", tiny, "--output", tmp_path / "out", "--jobs", 1, "--no-report")
     before = (tmp_path / "out" / "study.toml").read_text()
     done = bench("run", tiny, "--output", tmp_path / "out", "--budget", 50)
@@ -162,7 +147,7 @@ def test_another_study_s_folder_is_left_alone(tiny, tmp_path):
     assert (tmp_path / "out" / "study.toml").read_text() == before
 
 
-def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path):
+def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(bench, tmp_path):
     path = tmp_path / "slow.toml"
     path.write_text(
         STUDY.format(second="hill-climber").replace("sphere-2", "slow-2").replace("trials = 2", "trials = 40")

@@ -2,22 +2,14 @@
 
 import csv
 import json
-import subprocess
-import sys
+import shutil
 
+import joblib
 import pytest
 
-from bench import BenchError, Study, run, write_report
+from bench import BenchError, Study, diagnosis, run, write_report
 
 ENTRIES = [{"name": "scatter", "agents": 7}, {"name": "early"}]
-
-
-def bench(*arguments, cwd=None):
-    done = subprocess.run(
-        [sys.executable, "-m", "bench", *map(str, arguments)], capture_output=True, text=True, cwd=cwd, timeout=300
-    )
-    assert "Traceback" not in done.stderr + done.stdout, done.stderr
-    return done
 
 
 @pytest.fixture(scope="module")
@@ -35,8 +27,8 @@ def folders(tmp_path_factory, testing_plugins):
     return place
 
 
-def test_two_folders_make_one_report(folders, tmp_path):
-    done = bench("report", folders / "old", folders / "new", cwd=tmp_path)
+def test_two_folders_make_one_report(bench_here, folders, tmp_path):
+    done = bench_here("report", folders / "old", folders / "new", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     page = tmp_path / "results" / "comparisons" / "old-new" / "report.html"
     assert f"report: {page.relative_to(tmp_path)}" in done.stdout
@@ -48,8 +40,8 @@ def test_two_folders_make_one_report(folders, tmp_path):
     assert not (folders / "old" / "report.html").exists()
 
 
-def test_what_cannot_be_compared_ends_in_one_sentence(folders, tmp_path):
-    done = bench("report", folders / "old", folders / "short", "--output", tmp_path / "out")
+def test_what_cannot_be_compared_ends_in_one_sentence(bench_here, folders, tmp_path):
+    done = bench_here("report", folders / "old", folders / "short", "--output", tmp_path / "out")
     assert done.returncode == 2
     assert "only runs of one budget can be compared" in done.stderr
     assert not (tmp_path / "out").exists()
@@ -71,8 +63,8 @@ def test_a_report_that_is_written_again_leaves_no_stale_file_and_touches_no_fore
 
 
 @pytest.mark.parametrize("kind", ["csv", "ioh"])
-def test_export_says_where_it_wrote(folders, tmp_path, kind):
-    done = bench("export", folders / "old", "--format", kind, "--output", tmp_path / "out")
+def test_export_says_where_it_wrote(bench_here, folders, tmp_path, kind):
+    done = bench_here("export", folders / "old", "--format", kind, "--output", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     assert f"export: {tmp_path / 'out'}" in done.stdout
     assert (tmp_path / "out" / "README.txt").exists()
@@ -89,20 +81,37 @@ def test_export_says_where_it_wrote(folders, tmp_path, kind):
         (["check", "scatter", "--set", "agents=none"], "agents"),
     ],
 )
-def test_bad_input_is_one_sentence_and_exit_code_2(folders, arguments, sentence):
-    done = bench(*arguments, cwd=folders)
+def test_bad_input_is_one_sentence_and_exit_code_2(bench_here, folders, arguments, sentence):
+    done = bench_here(*arguments, cwd=folders)
     assert done.returncode == 2
     assert sentence in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
 
 
-def test_checking_a_folder_warns_in_its_report(folders):
-    done = bench("check", folders / "old")
+@pytest.mark.parametrize(
+    ("arguments", "code"), [(["export", "old", "--format", "csv"], 0), (["export", "nowhere", "--format", "csv"], 2)]
+)
+def test_a_process_of_its_own_says_and_ends_the_same(bench, bench_here, folders, arguments, code):
+    alone, here = bench(*arguments, cwd=folders), bench_here(*arguments, cwd=folders)
+    assert alone.returncode == here.returncode == code
+    assert (alone.stdout, alone.stderr) == (here.stdout, here.stderr)
+    assert here.stdout or here.stderr
+
+
+def test_checking_a_folder_says_and_notes_what_was_found(bench_here, folders, tmp_path, monkeypatch):
+    folder = shutil.copytree(folders / "old", tmp_path / "old")
+    monkeypatch.setattr(diagnosis, "FUNCTIONS", {"sphere": diagnosis.FUNCTIONS["sphere"]})
+    with joblib.parallel_config("threading"):  # another process would not see the one function
+        done = bench_here("check", folder)
     assert done.returncode == 0, done.stderr
     assert "passed: early, centre bias" in done.stdout
-    noted = json.loads((folders / "old" / "checks.json").read_text())
-    noted["scatter"][0] |= {"passed": False, "figure": 5e6}
-    (folders / "old" / "checks.json").write_text(json.dumps(noted))
-    assert bench("report", folders / "old").returncode == 0
-    page = (folders / "old" / "report.html").read_text(encoding="utf-8")
+    assert json.loads((folder / "checks.json").read_text()).keys() == {"scatter", "early"}
+
+
+def test_what_was_found_is_a_warning_in_the_report(bench_here, folders, tmp_path):
+    folder = shutil.copytree(folders / "old", tmp_path / "old")
+    noted = {"check": "centre bias", "passed": False, "figure": 5e6, "finding": "Errors are higher off the centre."}
+    (folder / "checks.json").write_text(json.dumps({"scatter": [noted]}))
+    assert bench_here("report", folder).returncode == 0
+    page = (folder / "report.html").read_text(encoding="utf-8")
     assert "away from the centre of the box: scatter 5e+06 times. Results on problems" in page

@@ -129,7 +129,7 @@ class TestFriedman:
         assert (row.note, row.p, row.p_iman_davenport) == (note, 1.0, 1.0)
         assert np.isnan([row.statistic, row.iman_davenport]).all()
 
-    @settings(max_examples=40, deadline=None)
+    @settings(max_examples=40)
     @given(st.lists(st.lists(st.integers(-9, 9), min_size=4, max_size=4), min_size=2, max_size=9))
     def test_only_the_order_within_a_problem_counts(self, rows):
         table = table_of(rows)
@@ -243,7 +243,7 @@ class TestWilcoxon:
         assert tests["note"].tolist() == ["untestable"] * 3
         assert not tests["significant"].any()
 
-    @settings(max_examples=30, deadline=None)
+    @settings(max_examples=30)
     @given(st.lists(st.lists(st.integers(1, 30) | st.just(INF), min_size=2, max_size=2), min_size=1, max_size=9))
     def test_swapping_the_optimizers_swaps_only_the_favour(self, rows):
         table = table_of(rows)

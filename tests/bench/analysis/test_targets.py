@@ -300,7 +300,7 @@ def studies(draw):
 
 
 class TestProperties:
-    @settings(max_examples=25, deadline=None)
+    @settings(max_examples=25)
     @given(studies())
     def test_of_every_study(self, study):
         frame, traces, optima = study

@@ -80,8 +80,8 @@ def test_a_section_that_fails_half_way_leaves_no_download(folder, monkeypatch, t
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"cards": ("x",)}, {"text": (text for text in ("a", "b"))}, {"items": "ab"}, {"sections": (3,)},
-        {"warnings": "careful"},
+        {"cards": ("x",)}, {"text": "a text"}, {"text": (1,)}, {"text": (text for text in ("a", "b"))},
+        {"items": "ab"}, {"items": ("x",)}, {"sections": (3,)}, {"warnings": "careful"}, {"warnings": (None,)},
     ],
 )  # fmt: skip
 def test_a_section_is_refused_at_its_source(wrong):

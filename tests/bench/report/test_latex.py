@@ -9,7 +9,7 @@ import unicodedata
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from bench import run
@@ -85,6 +85,13 @@ class TestEscape:
         bare = re.sub(r"\\[{}]", "", shown)
         assert bare.count("{") == bare.count("}")
 
+    @given(st.text(st.characters(max_codepoint=127)))
+    @example("x & y_1 100% $z$ {q} ~ ^ \\")
+    @example("<script>alert(1)</script>\n")
+    def test_no_active_character_of_ascii_is_left(self, text):
+        bare = re.sub(r"\\(text\w+\{\}|`\{\}|[&%$#_{}])|-\{\}", "", escape(text))
+        assert not re.search(r"[&%$#_{}~^\\<>\n]", bare)
+
     @given(st.text())
     def test_composed_and_decomposed_letters_are_the_same(self, text):
         assert escape(unicodedata.normalize("NFD", text)) == escape(unicodedata.normalize("NFC", text))
@@ -98,6 +105,20 @@ class TestToLatex:
         assert r"\caption{Mean of the best value.}\label{tab:means}" in text
         assert r"problem & cma-es & alo \\" in text
         assert re.search(r"signature-03 & (\\textbf\{)?\d", text)
+
+    def test_rules_marks_and_escapes(self):
+        index = pd.Index(["p&q", "r"], name="problem")
+        frame = pd.DataFrame({"a_1": [1.25, np.inf], "b": [2.0, np.nan]}, index)
+        bold = pd.DataFrame({"a_1": [True, False]}, index)
+        text = to_latex(
+            Table("t", "100% of it", frame, bold=bold, italic=~bold, decimals={"a_1": 2, "b": 1}, note="x_y"), "t"
+        )
+        assert all(rule in text for rule in (r"\toprule", r"\midrule", r"\bottomrule", r"\label{tab:t}"))
+        assert r"\caption{100\% of it}" in text
+        assert r"p\&q & \textbf{1.25} & 2.0 \\" in text
+        assert r"r & \textit{$\infty$} & -- \\" in text
+        assert r"a\_1" in text
+        assert r"x\_y" in text
 
     def test_packages_follow_the_shape(self):
         words = pd.DataFrame({"check": ["seeds"], "finding": ["A sentence of more than forty characters about seeds."]})

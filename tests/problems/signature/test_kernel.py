@@ -99,7 +99,7 @@ def test_far_outside_the_box_values_are_finite_or_infinitely_bad():
 
 
 @given(st.lists(st.floats(-1e3, 1e3), min_size=7, max_size=7), st.sampled_from(sorted(CASES)))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_repair_keeps_every_constraint_and_moves_nothing_twice(x, name):
     t, _, lower, upper, _, train = case(name)
     once = repaired(np.array([x]), t, lower, upper, train)[0]

@@ -1,0 +1,158 @@
+"""The whole report, from a study's folder to the page."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from bench import BenchError
+from bench.report import Section, write, write_report
+
+PARTS = [
+    "Verdict", "Integrity checks", "Comparison", "Across problems", "Convergence and targets", "Problem by problem",
+    "Time", "Power", "Methods", "Environment, seeds and data", "Downloads",
+]  # fmt: skip
+
+
+def numbered(titles):
+    return [f"{number} {title}" for number, title in enumerate(titles, 1)]
+
+
+def patch_plugins(monkeypatch, **sections):
+    plugins = SimpleNamespace(entries=lambda group: sections, load=lambda group, name: sections[name])
+    monkeypatch.setattr(write, "plugins", plugins)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _no_plugin_sections():
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        patch_plugins(monkeypatch)
+        yield
+
+
+@pytest.fixture(scope="module")
+def folder(make, tmp_path_factory):
+    """Return the folder of a study that has its report, to be read only."""
+    folder = make(tmp_path_factory.mktemp("usual") / "s")
+    write_report(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def usual(read, folder):
+    """The page of this report."""
+    return read(folder / "report.html")
+
+
+def test_a_clear_winner_is_named_with_its_grounds(usual):
+    assert "a is ranked first on 2 of 2 problems and separable from every rival on 2 of 2 (n = 8 trials" in usual.text
+    assert "No single winner" not in usual.text
+
+
+def test_the_eleven_parts_stand_in_their_order(usual):
+    assert usual.texts("h2") == numbered(PARTS)
+
+
+def test_the_page_stands_alone(usual):
+    usual.check_that_it_stands_alone(("tables/", "figures/", "methods.", "references."))
+    assert usual.tags.count("svg") == usual.tags.count("figure") == 8
+    assert usual.tags.count("caption") == usual.tags.count("table")
+    assert set(usual.values("scope")) == {"col", "row"}
+
+
+def test_every_file_named_on_the_page_exists_and_no_other(usual, folder):
+    linked = {href for href in usual.values("href") if not href.startswith("#")}
+    assert {"methods.md", "methods.tex", "references.bib"} <= linked
+    assert all((folder / href).is_file() for href in linked)
+    linked = {href for href in linked if "/" in href}
+    written = {str(path.relative_to(folder)) for kind in ("tables", "figures") for path in (folder / kind).iterdir()}
+    assert linked == written
+    assert {"tables/comparison.csv", "tables/comparison.tex", "figures/convergence.pdf", "tables/trials.csv"} <= written
+
+
+def test_the_same_results_give_the_same_bytes(make, tmp_path):
+    folder = make(tmp_path / "s", fail=[("p", "a", 0)])
+    contents = []
+    for _ in range(2):
+        write_report(folder)
+        files = [path for path in sorted(folder.rglob("*")) if path.is_file() and "sqlite" not in path.name]
+        contents.append({path: path.read_bytes() for path in files})
+    assert contents[0] == contents[1]
+
+
+def test_no_single_winner_is_said(make, read, tmp_path):
+    folder = make(tmp_path / "s", optimizers=("a", "b"), trials=3)
+    page = read(write_report(folder))
+    assert "No single winner: a is ranked first on 2 of 2" in page.text
+    assert "with 3 trials in the smallest cell the test can find no difference at all" in page.text
+    assert page.text.count("1 of 1 pair cannot be significant whatever the values") == 2
+
+
+def test_failed_and_missing_trials_are_said(make, read, tmp_path):
+    folder = make(tmp_path / "s", fail=[("p", "b"), ("q", "a", 1)], skip=[("q", "c"), ("p", "a", 7)])
+    page = read(write_report(folder))
+    assert "9 of 48 planned trials are missing and 1 of 6 cells are empty. Cells hold 0 to 8 trials" in page.text
+    assert "fewer than others: a on p, c on q." in page.text
+    assert "9 of 39 trials did not finish (failed 9), in b on p, a on q. They count as +inf." in page.text
+    assert "No trial of c on this problem." in page.text
+    assert "ValueError: <b>boom</b> & more" in page.text
+    assert "Traceback" not in page.text
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        {"optimizers": ("a",)},
+        {"optimizers": ("a",), "problems": ("p",), "trials": 1},
+        {"trials": 1},
+        {"problems": ("p",), "fail": [("p", "a"), ("p", "b"), ("p", "c")]},
+        {"problems": ("p",), "skip": [("p", "a"), ("p", "b"), ("p", "c")]},
+        {"skip": [("p", "a"), ("q", "b")]},
+        {"skip": [("p", "a"), ("p", "b"), ("p", "c")]},
+        {"optimizers": tuple(f"o{i}" for i in range(12)), "problems": ("p",)},
+    ],
+)
+def test_every_partial_study_has_all_parts_too(make, read, tmp_path, shape):
+    page = read(write_report(make(tmp_path / "s", **shape)))
+    assert page.texts("h2") == numbered(PARTS)
+
+
+def test_hostile_labels_are_only_text(make, read, tmp_path):
+    problems = ("../../x", "<script>alert(1)</script>", "$\\frac{", 'a"b', "p:1/2")
+    folder = make(tmp_path / "s", problems=problems, optimizers=("<img src=x onerror=y>", "a&b_%", "{{ 7*7 }}"))
+    page = read(write_report(folder))
+    assert "img" not in page.tags
+    assert page.tags.count("script") == 1  # the page's own
+    assert "<script>alert(1)</script>: every pair of optimizers." in page.text
+    assert "{{ 7*7 }}" in page.text
+    assert {path.name for path in tmp_path.iterdir()} == {"s"}
+    assert len(list((folder / "tables").glob("tests-*.csv"))) == len(problems)
+
+
+def test_a_plugins_sections_come_after_the_comparison(make, read, tmp_path, monkeypatch):
+    patch_plugins(monkeypatch, mine=lambda results: [Section("Mine", (results.study.name,))])
+    page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
+    assert page.texts("h2") == numbered([*PARTS[:3], "Mine", *PARTS[3:]])
+    assert "Mine made" in page.text
+
+
+def test_a_plugin_that_fails_costs_only_its_own_section(make, read, tmp_path, monkeypatch):
+    bad = {"boom": lambda results: 1 / 0, "none": lambda results: None, "texts": lambda results: ["no section"]}
+    patch_plugins(monkeypatch, mine=lambda results: [Section("Mine")], **bad)
+    page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
+    added = ["Section boom", "Mine", "Section none", "Section texts"]
+    assert page.texts("h2") == numbered([*PARTS[:3], *added, *PARTS[3:]])
+    for name in bad:
+        assert f"The report section '{name}' failed and is left out" in page.text
+    assert "'mine'" not in page.text
+
+
+def test_a_folder_without_results_is_refused(tmp_path):
+    with pytest.raises(BenchError):
+        write_report(tmp_path)
+
+
+def test_a_busy_machine_is_flagged(make, read, tmp_path):
+    waited = {"wall_s": 2.0, "cpu_s": 1.0, "nfev": 60, "stop": "undeclared"}
+    page = read(write_report(make(tmp_path / "s", optimizers=("a", "b"), trials=4, changes={"a": waited})))
+    assert "Trials of a waited for their core" in page.text
+    assert "Undeclared stops: 8 of 16 trials" in page.text
