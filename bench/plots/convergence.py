@@ -28,7 +28,8 @@ def convergence(
     """
     ax = style.own_axes(ax)
     looks = style.looks_of(curves) if looks is None else looks
-    drawn = curves[(curves["problem"] == problem) & style.drawable(curves["median"])]
+    drawn = style.rows_of(curves, problem)
+    drawn = drawn[style.drawable(drawn["median"])]
     for place, (optimizer, look) in enumerate(looks.items()):
         own = drawn[drawn["optimizer"] == optimizer]
         at, median, q1, q3 = own[["evaluations", "median", "q1", "q3"]].to_numpy(dtype=float).T

@@ -40,7 +40,7 @@ def box_plot(
     optimizers = labels(frame, "optimizer")
     ax = style.own_axes(ax, height=style.rows_height(len(optimizers)) + 0.6)
     looks = style.looks(optimizers) if looks is None else looks
-    own = frame[frame["problem"] == problem]
+    own = style.rows_of(frame, problem)
     values = _values(own, column)
     by_row = [values[(own["optimizer"] == optimizer).to_numpy()] for optimizer in optimizers]
     drawn = [row[style.drawable(row)] for row in by_row]

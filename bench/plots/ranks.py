@@ -107,7 +107,7 @@ def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | No
         problem: whose pairs, where there are those of several.
         ax: where to draw; by default new axes.
     """
-    rows = pairs if problem is None else pairs[pairs["problem"] == problem]
+    rows = pairs if problem is None else style.rows_of(pairs, problem)
     ax = style.own_axes(ax, height=style.rows_height(len(rows)) + 0.6)
     columns = ["probability", "low", "high"] if "probability" in rows else ["a12", "a12_low", "a12_high"]
     chance, low, high = rows[columns].to_numpy(dtype=float).T

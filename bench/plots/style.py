@@ -28,6 +28,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 from numpy.typing import ArrayLike, NDArray
 
 from bench.analysis.cells import labels
+from bench.errors import BenchError, nearest
 
 COLUMN, TEXT = 3.5, 7.16  # inches: one column and the whole width of a two-column page
 TALLEST = 8.0  # inches that the rows of a figure may take together: a page
@@ -283,3 +284,11 @@ def _number(value: float, _: int | None, largest: float) -> str:
         return f"{value:,.0f}"
     digits, power = f"{value:e}".split("e")
     return f"{float(digits):g}e{int(power)}" if value >= 1e3 or value < 1e-4 else f"{value:g}"
+
+
+def rows_of(frame: pd.DataFrame, problem: str) -> pd.DataFrame:
+    """Return a problem's rows; raises BenchError for one that the frame does not know, or a slip would draw nothing."""
+    known = labels(frame, "problem")
+    if problem not in known:
+        raise BenchError(f"there is no problem {problem!r} to draw{nearest(problem, known)}")
+    return frame[frame["problem"] == problem]

@@ -82,7 +82,8 @@ def ert(
     """
     ax = style.own_axes(ax)
     looks = style.looks_of(table) if looks is None else looks
-    own = table[(table["problem"] == problem) & (table["tau"] > 0)].sort_values("tau", ascending=False, kind="stable")
+    own = style.rows_of(table, problem)
+    own = own[own["tau"] > 0].sort_values("tau", ascending=False, kind="stable")
     for place, (optimizer, look) in enumerate(looks.items()):
         tau, times = own.loc[own["optimizer"] == optimizer, ["tau", "ert"]].to_numpy(dtype=float).T
         reached = style.drawable(times)

@@ -15,7 +15,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from bench import analysis, plots
+from bench import BenchError, analysis, plots
 from bench.objective import Trace
 from bench.plots import style
 from bench.report import plots as report
@@ -247,6 +247,7 @@ class TestBoxPlot:
     )
     def test_values_of_any_size(self, values):
         frame = trials({("p", "a"): values, ("q", "a"): [1.0]})
+        frame["problem"] = pd.Categorical(frame["problem"], ["p", "q"])  # known, also without a trial
         svg(report.distribution_figure(frame, "p", 0.0, {"speed_rpm": (1.0, 1e-9)}).figure)
 
     def test_a_panel_for_each_figure_whose_truth_is_known(self):
@@ -451,3 +452,10 @@ class TestStyle:
         style.log_scale(ax, "x")
         ax.figure.draw_without_rendering()
         assert wanted in [tick.get_text() for tick in ax.get_xticklabels()]
+
+
+@pytest.mark.parametrize("draw", [plots.box_plot, plots.convergence, plots.ert, plots.a12_forest])
+def test_a_problem_that_is_not_there_is_refused_by_name(draw):
+    frame = pd.DataFrame({"problem": ["sphere-2"], "optimizer": ["a"]})
+    with pytest.raises(BenchError, match="no problem 'sphere-3' to draw; did you mean 'sphere-2'"):
+        draw(frame, "sphere-3")

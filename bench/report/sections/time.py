@@ -70,7 +70,6 @@ def _table(timing: pd.DataFrame) -> Table:
             "CPU IQR": _interval(timing, "cpu"),
             "objective": timing["objective_share"].map("{:.0%}".format, na_action="ignore"),
             "evals/s": timing["speed_median"],
-            "evals/s IQR": _interval(timing, "speed"),
             "wall/CPU": timing["wall_per_cpu"],
         }
     ).set_index(pd.Index(timing["optimizer"], name="optimizer"))
