@@ -115,3 +115,5 @@ def test_what_was_found_is_a_warning_in_the_report(bench_here, folders, tmp_path
     assert bench_here("report", folder).returncode == 0
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "away from the centre of the box: scatter 5e+06 times. Results on problems" in page
+    methods = (folder / "methods.md").read_text(encoding="utf-8")
+    assert "We probed scatter for a bias to the centre of the search space [@kudela2022]: scatter has it." in methods
