@@ -320,7 +320,7 @@ def _seeds(evidence: Evidence) -> Finding:
         own if own.any() else known.duplicated("seed", keep=False).to_numpy(),
         "error" if own.any() else "warning",
         f"share their seed with one of {'the same' if own.any() else 'another'} optimizer",
-        "Such trials are not independent.",
+        "Such trials are not independent; run one of the optimizers or versions with another study seed.",
         well=f"All {len(known):,} seeds differ.",
     )
 
