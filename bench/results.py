@@ -71,7 +71,7 @@ class Results:
             if label in source.shown
         }
         self._problem = cache(self.study.problem)
-        self._known: dict[str, Known] = {}
+        self._known = cache(self._look_up)
 
     def __repr__(self) -> str:
         return f"Results({', '.join(repr(str(path)) for path in self.paths)})"
@@ -121,9 +121,7 @@ class Results:
 
     def known(self, label: str) -> Known:
         """Return what is known of the problem of that label here and now; it never raises."""
-        if label not in self._known:
-            self._known[label] = self._look_up(label)
-        return self._known[label]
+        return self._known(label)
 
     def _look_up(self, label: str) -> Known:
         try:

@@ -38,11 +38,22 @@ from bench.analysis.cells import (
     scores,
     stopped_early,
     summarise,
+    variables,
 )
 from bench.analysis.compare import comparison_matrix, medians, ranking, table
 from bench.analysis.integrity import integrity
 from bench.analysis.letters import compact_letters
-from bench.analysis.pairwise import ALPHA, RESAMPLES, a12, effect_size, holm, pairwise_tests, tied_share
+from bench.analysis.pairwise import (
+    ALPHA,
+    CUTOFFS,
+    RESAMPLES,
+    TIED,
+    a12,
+    effect_size,
+    holm,
+    pairwise_tests,
+    tied_share,
+)
 from bench.analysis.power import critical_distance, detectable_shift, power_table
 from bench.analysis.targets import (
     data_profiles,
@@ -58,9 +69,11 @@ from bench.analysis.timing import CONTENTION, HIDDEN_THREADS, timing
 __all__ = [
     "ALPHA",
     "CONTENTION",
+    "CUTOFFS",
     "HIDDEN_THREADS",
     "NEAR",
     "RESAMPLES",
+    "TIED",
     "Reference",
     "Traces",
     "a12",
@@ -105,5 +118,6 @@ __all__ = [
     "targets",
     "tied_share",
     "timing",
+    "variables",
     "wilcoxon_tests",
 ]

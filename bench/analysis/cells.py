@@ -63,6 +63,11 @@ def scores(frame: pd.DataFrame, merge: bool = False) -> pd.Series[float]:
     return values.groupby(frame["problem"].astype(object)).transform(lambda own: merge_near_ties(own.to_numpy()))
 
 
+def variables(trials: pd.DataFrame) -> list[str]:
+    """Return the columns ``x_<variable>`` that hold a value for any of the trials, in the frame's order."""
+    return [str(name) for name in trials if str(name).startswith("x_") and trials[name].notna().any()]
+
+
 def stopped_early(frame: pd.DataFrame) -> pd.Series[bool]:
     """Return which trials finished by a criterion of their own, declared as their reason to stop."""
     stop = frame["stop"]

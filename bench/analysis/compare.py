@@ -54,7 +54,7 @@ def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) ->
 
     The unit is the problem, its value the median score, as in :func:`medians`. ``first`` counts the problems with
     the lowest median (a tie counts for each), ``separable`` those of them where the optimizer differs from every
-    rival (KS, Holm) and tends to be lower than each (A12 > 0.5).
+    rival (KS, Holm) and tends to be lower than each (``lower`` of :func:`bench.analysis.pairwise_tests`).
     """
     median = medians(summary)
     first = _lowest(median)

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.analysis.cells import Traces, coverage, scores, stopped_early
+from bench.analysis.cells import Traces, coverage, scores, stopped_early, variables
 from bench.analysis.timing import CONTENTION, HIDDEN_THREADS, timing
 from bench.objective import Trace
 from bench.problem import Floats
@@ -65,7 +65,7 @@ class Evidence:
     @property
     def variables(self) -> list[str]:
         """The columns of the final points."""
-        return [str(column) for column in self.frame if str(column).startswith("x_")]
+        return variables(self.frame)
 
     @cached_property
     def times(self) -> pd.DataFrame:

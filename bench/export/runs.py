@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.analysis.cells import Traces
+from bench.analysis.cells import Traces, variables
 from bench.errors import BenchError
 from bench.objective import Trace
 from bench.problem import Floats
@@ -79,16 +79,16 @@ def cells(results: Results) -> list[Cell]:
     for optimizer in results.study.optimizers:
         for number, problem in enumerate(results.study.problems, start=1):
             here = finished[finished["problem"] == problem.label]
-            variables = [str(name) for name in here if str(name).startswith("x_") and here[name].notna().any()]
+            names = variables(here)
             rows = here[here["optimizer"] == optimizer.label].to_dict("records")
-            runs = tuple(_run(row, variables, results.traces) for row in rows)
+            runs = tuple(_run(row, names, results.traces) for row in rows)
             if runs:
-                found.append(Cell(number, problem.label, optimizer.label, len(variables), runs))
+                found.append(Cell(number, problem.label, optimizer.label, len(names), runs))
     return found
 
 
-def _run(row: Mapping[Hashable, Any], variables: list[str], traces: Traces) -> Run:
-    point = np.array([row[name] for name in variables], dtype=np.float64)
+def _run(row: Mapping[Hashable, Any], names: list[str], traces: Traces) -> Run:
+    point = np.array([row[name] for name in names], dtype=np.float64)
     trace = traces[row["problem"], row["optimizer"], row["trial"]]
     return Run(row["trial"], row["seed"], int(row["nfev"]), point, trace)
 

@@ -124,13 +124,19 @@ class Findings:
     @cached_property
     def dimensions(self) -> dict[str, int]:
         """The number of search variables of each problem, as its trials hold them."""
-        known = self.frame.filter(regex="^x_").notna().groupby(self.frame["problem"], observed=True).any()
-        return {str(problem): int(number) for problem, number in known.sum(axis=1).items()}
+        return {
+            str(problem): len(analysis.variables(own)) for problem, own in self.frame.groupby("problem", observed=True)
+        }
 
     @cached_property
     def hits(self) -> pd.DataFrame:
         """The evaluations each trial took to reach each target."""
         return analysis.hitting_times(self.frame, self.results.traces, self.targets, self.results.study.budget)
+
+    @cached_property
+    def success(self) -> pd.DataFrame:
+        """The share of trials of each cell that reached a target, with its interval."""
+        return analysis.success_rates(self.hits)
 
     # time and soundness
 

@@ -6,6 +6,7 @@ import base64
 import hashlib
 import re
 from dataclasses import dataclass, replace
+from functools import cached_property
 from importlib import resources
 from itertools import groupby
 from xml.etree import ElementTree
@@ -35,6 +36,14 @@ class Item:
     table: Table | None = None
     figure: Figure | None = None
     svg: Markup | None = None
+
+    @cached_property
+    def grid(self) -> Grid:
+        """The cells of the table, or of the data behind the figure; fails for a frame that no page can show."""
+        part = self.figure.table if self.figure is not None else self.table
+        if part is None:
+            raise TypeError("an item is a table or a figure")
+        return grid(part)
 
 
 @dataclass(frozen=True)
@@ -78,7 +87,7 @@ def render(title: str, lead: str, views: list[View]) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"grid": grid, "by_folder": by_folder}
+    environment.filters["by_folder"] = by_folder
     style, script = _asset("page.css"), _asset("page.js")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     return environment.get_template("page.html.j2").render(
@@ -192,9 +201,8 @@ def _hoist(group: ElementTree.Element) -> None:
 
 def _widest(views: list[View]) -> int:
     """Return the number of columns of the page's widest table."""
-    parts = [item.table or item.figure for view in views for each in (view, *view.views) for item in each.items]
-    tables = [part.table if isinstance(part, Figure) else part for part in parts if part is not None]
-    return max((len(table.header) for table in tables), default=0)
+    items = [item for view in views for each in (view, *view.views) for item in each.items]
+    return max((len(item.grid.header) for item in items), default=0)
 
 
 def _asset(name: str) -> Markup:

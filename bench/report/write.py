@@ -17,7 +17,7 @@ from bench.names import file_name, free
 from bench.plots import style
 from bench.report.files import FIGURES, TABLES, save_csv, save_figure, save_table
 from bench.report.findings import Findings
-from bench.report.page import Item, View, grid, inline, render
+from bench.report.page import Item, View, inline, render
 from bench.report.parts import Part, Section, Table
 from bench.report.sections import CLOSING, OPENING
 from bench.report.words import count
@@ -183,7 +183,6 @@ class _Report:
 
     def item(self, part: Part) -> Item:
         name = self.unique(part.name)
-        grid(part if isinstance(part, Table) else part.table)  # what cannot be shown fails here, at its own section
         if isinstance(part, Table):
             files = save_table(part, self.folder, name)
             item = Item(name, files, table=part)
@@ -191,6 +190,7 @@ class _Report:
             svg, files = save_figure(part, self.folder, name)
             item = Item(name, files, figure=part, svg=inline(svg, name, part.caption))
         self.files |= dict.fromkeys(files, re.split(r"(?<!Fig)\. ", part.caption)[0].rstrip(".") + ".")
+        _ = item.grid  # what cannot be shown fails here, at its own section
         return item
 
     def save(self, name: str, text: str, about: str) -> Path:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from bench import BenchError, Results
+from bench import Results
 from bench.analysis import labels
 from bench.report.words import listing
 
@@ -22,12 +22,10 @@ def expected_values(results: Results) -> tuple[pd.DataFrame, dict[str, str]]:
     """
     rows, unknown = [], {}
     for entry in results.study.problems:
-        try:
-            expected = results.problem(entry.label).expected
-        except BenchError as error:
-            unknown[entry.label] = str(error)
-        else:
-            rows += [(entry.label, figure, value, tolerance) for figure, (value, tolerance) in expected.items()]
+        known = results.known(entry.label)
+        rows += [(entry.label, figure, value, tolerance) for figure, (value, tolerance) in known.expected.items()]
+        if known.reason:
+            unknown[entry.label] = known.reason
     truths = pd.DataFrame(rows, columns=["problem", "figure", "expected", "tolerance"])
     return truths.astype({"expected": float, "tolerance": float}), unknown
 

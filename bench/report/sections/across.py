@@ -84,8 +84,7 @@ def _aggregate(means: pd.DataFrame) -> Table:
         "far new trials on the same problems would move it.",
         shown.rename(columns={"n": "trials", "iqm": "IQM"}),
         decimals={"IQM": 3, "low": 3, "high": 3},
-        note="0 is the optimum of a problem, or the lowest value found where none is known or a trial found "
-        "less; 1 is the median of all "
-        "trials of all optimizers on it. The scale depends on the optimizers compared.",
+        note="0 is the optimum of a problem, or the lowest value found where none is known or a trial found less; 1 "
+        "is the median of all trials of all optimizers on it. The scale depends on the optimizers compared.",
         data=means,
     )

@@ -13,7 +13,6 @@ from bench.analysis import (
     ecdf,
     evaluation_grid,
     expected_running_time,
-    success_rates,
     table,
 )
 from bench.report.findings import Findings
@@ -37,7 +36,7 @@ def section(findings: Findings) -> Section:
         convergence_figure(findings.curves, findings.optimizers),
         ecdf_figure(ecdf(hits, grid), profiles, findings.optimizers, tau=PROFILE),
         ert_figure(expected_running_time(hits), findings.optimizers),
-        _success(success_rates(hits)),
+        _success(findings.success),
     )
     text = (*_leaders(findings, budget), *_ladder(findings.targets, len(findings.problems)))
     return Section(TITLE, text, items)

@@ -6,27 +6,28 @@ from typing import Any
 
 import pandas as pd
 
-from bench.analysis import ALPHA, effect_size, success_rates
+from bench.analysis import ALPHA, CUTOFFS, TIED, effect_size
 from bench.report.findings import Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import distribution_figure
 from bench.report.words import count, interval, listing, usual_decimals
 
 TITLE = "Problem by problem"
-TAU = 1e-2
+TAU = 1e-2  # one of those of the success rates
 
 
 def section(findings: Findings) -> Section:
     """Return a section for each problem of the study: all its trials, their statistics and the tests of every pair."""
     every = [entry.label for entry in findings.results.study.problems]
-    rates = success_rates(findings.hits, taus=(TAU,)) if findings.results.traces else pd.DataFrame()
+    rates = findings.success if findings.results.traces else pd.DataFrame()
+    words, bounds = zip(*reversed(CUTOFFS.items()), strict=True)  # from small to large
+    above, below = (listing([f"{bound:.2f}" for bound in side]) for side in (bounds, [1 - each for each in bounds]))
     how_to_read = (
         "Boxes span the quartiles, whiskers reach the furthest point within 1.5 box lengths, and every trial is a "
         "point. D is the largest distance between the two empirical distributions and p its exact probability (given "
-        "the ties, where more than 10% of the values are tied). A12 is the chance that a trial of the first "
+        f"the ties, where more than {TIED:.0%} of the values are tied). A12 is the chance that a trial of the first "
         "optimizer ends below one of the second, ties counted half, with a 95% bootstrap interval: 0.5 is no tendency; "
-        "beyond 0.56, 0.64 and 0.71 (below 0.44, 0.36 and 0.29) it is called small, medium and large. Cliff’s delta is "
-        "2 A12 − 1."
+        f"beyond {above} (below {below}) it is called {listing(words)}. Cliff’s delta is 2 A12 − 1."
     )
     return Section(TITLE, (how_to_read,), sections=tuple(_problem(findings, problem, rates) for problem in every))
 
@@ -65,7 +66,7 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
     shown.insert(3, "median 95%", _intervals(own["median_low"], own["median_high"], decimals))
     shown["letters"] = matrix[matrix["problem"] == problem].set_index("optimizer")["letters"]
     if len(rates):
-        reached = rates[rates["problem"] == problem].set_index("optimizer").reindex(own.index)
+        reached = rates[(rates["problem"] == problem) & (rates["tau"] == TAU)].set_index("optimizer").reindex(own.index)
         shown["success %"] = 100 * reached["rate"]
         shown["success 95%"] = _intervals(100 * reached["low"], 100 * reached["high"], 0)
     return Table(
