@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import sys
 import tomllib
@@ -69,10 +70,18 @@ def _add_command(name: str) -> None:
 
 @app.command("list")
 def list_plugins(
-    kind: Annotated[str, typer.Argument(help="optimizers, problems, studies, commands, or all")] = "all",
+    kind: Annotated[
+        str, typer.Argument(help="optimizers, problems, studies, commands, all, or a family such as mealpy.")
+    ] = "all",
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print every optimizer, those of families too, as a JSON list.")
+    ] = False,
 ) -> None:
-    """List the optimizers, problems and studies that are installed, with their parameters."""
-    listing.show(kind, Console())
+    """List what is installed: optimizers with lineage and parameters, problems, studies, commands."""
+    if as_json:
+        print(json.dumps(listing.records(kind), indent=1, default=str))
+    else:
+        listing.show(kind, Console())
 
 
 @app.command()
@@ -86,6 +95,10 @@ def run(
     ] = None,
     budget: Annotated[int | None, typer.Option(help="Evaluations a trial, instead of the study's.")] = None,
     seed: Annotated[int | None, typer.Option(help="The root of all seeds, instead of the study's.")] = None,
+    optimizer: Annotated[
+        list[str] | None,
+        typer.Option(help="Another optimizer beside the study's: a name, or path/to/file.py:ClassName; repeatable."),
+    ] = None,
     check: Annotated[
         bool, typer.Option("--check", help="Also check the optimizers (see 'bench check') before the report.")
     ] = False,
@@ -102,7 +115,7 @@ def run(
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # a polite kill ends like Ctrl-C, and stops the workers
 
     console = Console()
-    chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed)
+    chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed).beside(optimizer or [])
     try:
         with Display(console) as display:
             outcome = run_study(

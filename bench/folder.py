@@ -20,6 +20,7 @@ from bench.study import Study
 STUDY = "study.toml"
 ENVIRONMENT = "environment.json"
 DATA = "data.json"
+CODE = "code.json"
 CHECKS = "checks.json"
 
 
@@ -77,14 +78,27 @@ class Folder:
         Raises:
             BenchError: when a problem's data is not what the folder's trials were made with.
         """
-        before = self.fingerprints()
+        self._check(DATA, fingerprints, "data of problem", "data sets")
+
+    def check_code(self, fingerprints: dict[str, str]) -> None:
+        """Note the fingerprints of optimizers that come from a file, by label, and refuse an edited one.
+
+        Raises:
+            BenchError: when an optimizer's code is not what the folder's trials were made with.
+        """
+        if known := {label: fingerprint for label, fingerprint in fingerprints.items() if fingerprint}:
+            self._check(CODE, known, "code of optimizer", "versions")
+
+    def _check(self, file: str, fingerprints: dict[str, str], what: str, kinds: str) -> None:
+        noted = self._json(file)
+        before = noted if isinstance(noted, dict) else {}
         for label, fingerprint in fingerprints.items():
             if before.get(label, fingerprint) != fingerprint:
                 raise BenchError(
-                    f"the data of problem {label!r} changed since {self.path} was begun, and its trials would mix two "
-                    "data sets; put the data back or give another --output"
+                    f"the {what} {label!r} changed since {self.path} was begun, and its trials would mix two {kinds}; "
+                    "put it back or give another --output"
                 )
-        self._write(DATA, json.dumps(before | fingerprints, indent=1))
+        self._write(file, json.dumps(before | fingerprints, indent=1))
 
     def checks(self) -> dict[str, list[dict[str, Any]]]:
         """Return what ``bench check`` noted of the study's optimizers, by label; empty where it was not asked."""

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-import inspect
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from bench import plugins
+from bench import catalogue, plugins
 from bench.errors import BenchError, nearest
-from bench.optimizer import Optimizer
 from bench.problem import Problem
 
 if TYPE_CHECKING:
@@ -24,43 +23,96 @@ KINDS = ("optimizers", "problems", "studies", "commands")
 
 
 def show(kind: str, console: Console) -> None:
-    """Print the plug-ins of a kind, or of all; one that fails to load is shown with its error."""
-    if kind not in (*KINDS, "all"):
-        raise BenchError(f"unknown kind {kind!r}{nearest(kind, (*KINDS, 'all'))}")
+    """Print the plug-ins of a kind or of all, or the optimizers of a family; what fails to load shows its error."""
+    families = [name for name in plugins.entries("optimizers") if plugins.is_family(_loaded(name))]
+    if kind not in (*KINDS, *families, "all"):
+        raise BenchError(f"unknown kind {kind!r}{nearest(kind, (*KINDS, *families, 'all'))}")
     for each in KINDS if kind == "all" else (kind,):
-        table = Table("name", "what it is", "package", title=each, title_justify="left", box=None, pad_edge=False)
-        for name, entry in sorted(plugins.entries(each).items()):
-            package = f"{entry.dist.name} {entry.dist.version}" if entry.dist is not None else ""
-            try:
-                about, style = _about(name, plugins.load(each, name)), ""
-            except BenchError as error:
-                about, style = str(error), "red"
-            except Exception as error:  # a stranger's plug-in may raise anything
-                about, style = f"failed to load: {error}", "red"
-            table.add_row(Text(name), Text(about, style=style), Text(package))
+        table = Table("name", "what it is", title=each, title_justify="left", box=None, pad_edge=False)
+        if each in families:
+            rows = [(name, _attempt(_optimizer, name)) for name in plugins.load("optimizers", each).names()]
+        else:
+            names = sorted(plugins.entries(each))
+            rows = [(name, _attempt(_about, each, name, kind == "optimizers")) for name in names]
+        for name, (about, style) in rows:
+            table.add_row(Text(name, no_wrap=True), Text(about, style=style))
         console.print(table, "")
 
 
-def _about(name: str, plugin: Any) -> str:
-    """Return a line on what a plug-in is, and an optimizer's parameters."""
-    if isinstance(plugin, plugins.Family) and not isinstance(plugin, type):
+def records(kind: str) -> list[dict[str, Any]]:
+    """Return what is known of every optimizer, of families' members too, or of one family's, as JSON can hold it."""
+    known: list[dict[str, Any]] = []
+    for name in plugins.entries("optimizers") if kind in ("optimizers", "all") else [kind]:
+        try:
+            plugin = plugins.load("optimizers", name)
+            names = plugin.names() if plugins.is_family(plugin) else [name]
+        except Exception as error:  # a stranger's plug-in may raise anything
+            known.append({"name": name, "error": str(error)})
+            continue
+        for member in names:
+            try:
+                known.append(dataclasses.asdict(catalogue.record(member)))
+            except Exception as error:
+                known.append({"name": member, "error": str(error)})
+    return known
+
+
+def _loaded(name: str) -> Any:
+    """Return an optimizer plug-in, None where it fails to load."""
+    try:
+        return plugins.load("optimizers", name)
+    except BenchError:
+        return None
+
+
+def _attempt(describe: Callable[..., str], *arguments: Any) -> tuple[str, str]:
+    """Return a description, or what went wrong, and its style."""
+    try:
+        return describe(*arguments), ""
+    except BenchError as error:
+        return str(error), "red"
+    except Exception as error:  # a stranger's plug-in may raise anything
+        return f"failed to load: {error}", "red"
+
+
+def _about(kind: str, name: str, members: bool) -> str:
+    """Return what a plug-in is: of an optimizer its lineage and parameters, of a family whom it stands for."""
+    plugin = plugins.load(kind, name)
+    if kind == "optimizers":
+        return _family(name, plugin, members) if plugins.is_family(plugin) else _optimizer(name)
+    if plugins.is_family(plugin):
         names = plugin.names()
         return f"{names[0]} … {names[-1]}" if names else f"{name}:<name>"
-    if isinstance(plugin, type) and issubclass(plugin, Optimizer):
-        if not dataclasses.is_dataclass(plugin):
-            raise TypeError("it is no dataclass")
-        fields = dataclasses.fields(plugin)
-        parameters = ", ".join(f"{field.name}={field.default!r}" for field in fields)
-        return f"{_first_line(plugin)}\n{parameters}" if parameters else _first_line(plugin)
-    if hasattr(plugin, "read_text"):
+    if kind == "studies":
         from bench.study import Study
 
         return Study.load(name).title
-    return _first_line(plugin)
+    return catalogue.first_line(plugin)
 
 
-def _first_line(thing: Any) -> str:
-    return (inspect.getdoc(thing) or "").partition("\n")[0]
+def _family(name: str, plugin: Any, members: bool) -> str:
+    """Return what a family is; naming its members takes the import of its library."""
+    extra = f"\nextra: {plugin.extra}" if getattr(plugin, "extra", "") else ""
+    about = f"{catalogue.first_line(plugin)}\nloaded as {name}:<name>; 'bench list {name}' shows each{extra}"
+    if not members:
+        return about
+    try:
+        names = plugin.names()
+    except BenchError as error:
+        return f"{about}\n{error}"
+    return f"{about}\n{len(names)}: {', '.join(names)}"
+
+
+def _optimizer(name: str) -> str:
+    """Return an optimizer's lineage and parameters, a line each."""
+    known = catalogue.record(name)
+    lines = [known.about, *(f"paper: {paper}" for paper in known.paper)]
+    for title, text in (
+        ("code", known.code), ("parameters", ", ".join(map(str, known.parameters))), ("family", known.family),
+        ("extra", known.extra), ("package", known.package),
+    ):  # fmt: skip
+        lines += [f"{title}: {text}"] if text else []
+    return "\n".join([*lines, *(f"not mapped: {sentence}" for sentence in known.unmapped)])
 
 
 def show_status(results: Results, console: Console) -> None:

@@ -29,9 +29,15 @@ class Optimizer(ABC):
 
     Attributes:
         bibtex: BibTeX of the work the method comes from, of several where one does not suffice; reports cite it.
+        code: whose implementation runs, such as ``"the cma package"``.
+        unmapped: one sentence for everything of another library's algorithm that its adapter could not carry over.
+        fingerprint: a hash of the code where no package's version stands for it, as with a file of one's own.
     """
 
     bibtex: ClassVar[str] = ""
+    code: ClassVar[str] = ""
+    unmapped: ClassVar[tuple[str, ...]] = ()
+    fingerprint: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
         """Check every parameter; raises BenchError naming the first that does not fit."""
@@ -61,11 +67,16 @@ class Optimizer(ABC):
             )
 
 
+def is_frozen(cls: type) -> bool:
+    """Return whether the class is a frozen dataclass."""
+    return bool(getattr(getattr(cls, "__dataclass_params__", None), "frozen", False))
+
+
 def build(cls: type[Optimizer], name: str, options: dict[str, Any]) -> Optimizer:
     """Return ``cls(**options)``; raises BenchError for an option that is no parameter, naming the nearest one."""
-    if not dataclasses.is_dataclass(cls) or getattr(cls, "__abstractmethods__", None):
+    if not is_frozen(cls) or getattr(cls, "__abstractmethods__", None):
         raise BenchError(f"optimizer {name!r} ({cls.__name__}) must be a frozen dataclass that implements minimize")
-    known = {field.name for field in dataclasses.fields(cls) if field.init}
+    known = {field.name for field in dataclasses.fields(cls) if field.init}  # type: ignore[arg-type]
     for option in options:
         if option not in known:
             raise BenchError(f"optimizer {name!r} has no parameter {option!r}{nearest(option, known)}")

@@ -13,6 +13,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
+from bench import files
 from bench.errors import BenchError, nearest
 from bench.optimizer import Optimizer, build
 from bench.problem import Problem
@@ -22,7 +23,10 @@ DISTRIBUTION = "backlash-bench"
 
 @runtime_checkable
 class Family(Protocol):
-    """Many optimizers or problems behind one entry point, such as ``signature-01`` … ``signature-20``."""
+    """Many optimizers or problems behind one entry point, such as ``signature-01`` … ``signature-20``.
+
+    A family of another library's optimizers may have an attribute ``extra``, the optional extra it needs.
+    """
 
     def names(self) -> list[str]:
         """Return the full names that can be listed; a family may load others too (``recording:<path>``)."""
@@ -65,12 +69,19 @@ def load(group: str, name: str) -> Any:
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
     """Return the optimizer of that name, such as ``load_optimizer("gwo", agents=300)``.
 
+    Args:
+        name: an installed optimizer, a member of a family (``"mealpy:OriginalGWO"``), or a class or function of a file
+            (``"path/to/file.py:ClassName"``).
+        options: its parameters.
+
     Raises:
         BenchError: for an unknown name or parameter (with the nearest one) or a value out of its range.
     """
+    if files.split(name):
+        return build(files.load(name), name, options)
     family, colon, _ = name.partition(":")
     if name not in entries("optimizers") and not (colon and family in entries("optimizers")):
-        raise BenchError(f"unknown optimizer {name!r}{nearest(name, optimizer_names())}")
+        raise BenchError(f"unknown optimizer {name!r}{nearest(name, entries('optimizers'))}")
     plugin = load("optimizers", family if name not in entries("optimizers") else name)
     if isinstance(plugin, type) and issubclass(plugin, Optimizer) and not colon:
         return build(plugin, name, options)
@@ -78,6 +89,10 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
         loaded = _ask(plugin.load, name, options)
         if isinstance(loaded, Optimizer):
             return loaded
+    if is_family(plugin):
+        raise BenchError(
+            f"{name!r} is a family; name one of its optimizers, as in '{family}:<name>' (see 'bench list')"
+        )
     raise BenchError(f"the plug-in behind {name!r} is no Optimizer subclass, nor a family named as '{family}:<name>'")
 
 
@@ -124,23 +139,18 @@ def _problem(loaded: Any, name: str) -> Problem:
     raise BenchError(f"the plug-in behind {name!r} did not return a Problem but a {type(loaded).__name__}")
 
 
-def optimizer_names() -> list[str]:
-    """Return every optimizer name that can be listed, members of families included."""
-    return _listed("optimizers")
-
-
 def problem_names() -> list[str]:
     """Return every problem name that can be listed."""
-    return _listed("problems")
-
-
-def _listed(group: str) -> list[str]:
     names: list[str] = []
-    for name in entries(group):
+    for family in entries("problems"):
         with suppress(Exception):  # `bench list` shows it with its error
-            plugin = load(group, name)
-            names += plugin.names() if isinstance(plugin, Family) and not isinstance(plugin, type) else [name]
+            names += load("problems", family).names()
     return sorted(names)
+
+
+def is_family(plugin: Any) -> bool:
+    """Return whether the object behind an entry point stands for many plug-ins."""
+    return isinstance(plugin, Family) and not isinstance(plugin, type)
 
 
 def refuse_foreign_modules() -> None:

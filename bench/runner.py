@@ -71,11 +71,12 @@ def run(
     if backend not in BACKENDS:
         raise BenchError(f"unknown backend {backend!r}{nearest(backend, BACKENDS)}")
     study = study if isinstance(study, Study) else Study.load(study)
-    fingerprints = study.check()
+    data, code = study.check()
     folder = Folder(output if output is not None else Path("results") / "runs" / study.name)
     study = folder.claim(study)
     with folder.lock():
-        folder.check_data(fingerprints)
+        folder.check_data(data)
+        folder.check_code(code)
         done = folder.store.keys(finished_only=True)
         if on_plan is not None:
             on_plan(study, done)

@@ -15,7 +15,7 @@ from typing import Any
 
 import tomli_w
 
-from bench import plugins
+from bench import files, plugins
 from bench.errors import BenchError, nearest
 from bench.optimizer import Optimizer
 from bench.problem import Problem
@@ -127,6 +127,17 @@ class Study:
             raise BenchError("trials and budget must be at least 1")
         return dataclasses.replace(self, **given)
 
+    def beside(self, names: Iterable[str]) -> Study:
+        """Return a copy with more optimizers, by name and with their defaults.
+
+        Raises:
+            BenchError: for an optimizer whose label the study has already.
+        """
+        added = _entries([{"name": name} for name in names], "optimizers", repr(self.name)) if names else ()
+        optimizers = self.optimizers + added
+        _refuse_twins(optimizers, "optimizers", repr(self.name))
+        return dataclasses.replace(self, optimizers=optimizers)
+
     def problem(self, label: str) -> Problem:
         """Load the problem of that label."""
         entry = _named(self.problems, label, "problem", self.name)
@@ -137,18 +148,21 @@ class Study:
         entry = _named(self.optimizers, label, "optimizer", self.name)
         return plugins.load_optimizer(entry.name, **entry.options)
 
-    def check(self) -> dict[str, str]:
+    def check(self) -> tuple[dict[str, str], dict[str, str]]:
         """Load every problem and optimizer once and check the budget against the largest generation.
 
         Returns:
-            the fingerprint of every problem's data, by label.
+            the fingerprints of every problem's data and of every optimizer's code, by label.
 
         Raises:
             BenchError: for the first name, parameter, recording or budget that cannot work.
         """
+        code = {}
         for entry in self.optimizers:
-            self.optimizer(entry.label).check_budget(self.budget, entry.label)
-        return {entry.label: self.problem(entry.label).fingerprint() for entry in self.problems}
+            optimizer = self.optimizer(entry.label)
+            optimizer.check_budget(self.budget, entry.label)
+            code[entry.label] = optimizer.fingerprint
+        return {entry.label: self.problem(entry.label).fingerprint() for entry in self.problems}, code
 
     def plan(self) -> Iterator[Trial]:
         """Yield every trial of the study: trial number by trial number, problem by problem, optimizer by optimizer."""
@@ -205,14 +219,24 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         texts = isinstance(names, list) and names and all(isinstance(name, str) and name.strip() for name in names)
         if not texts or not (label is None or (isinstance(label, str) and label.strip())):
             raise BenchError(f"study {where}: a [[{key}]] table needs a name (or a list of names), all of them texts")
-        entries += [Entry(name, label or name, options) for name in names]
+        entries += [Entry(name, label or _label(name), options) for name in names]
         if not all(entry.label.isprintable() for entry in entries):
             raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
+    _refuse_twins(entries, key, where)
+    return tuple(entries)
+
+
+def _label(name: str) -> str:
+    """Return what results are labelled by without a word from the study: of a file's optimizer, its class's name."""
+    parts = files.split(name)
+    return parts[1] if parts and parts[1] else name
+
+
+def _refuse_twins(entries: Iterable[Entry], key: str, where: str) -> None:
     labels = [entry.label for entry in entries]
     twice = sorted({label for label in labels if labels.count(label) > 1})
     if twice:
         raise BenchError(f"study {where}: {twice[0]!r} stands twice among the {key}; give one of them another label")
-    return tuple(entries)
 
 
 def _named(entries: Iterable[Entry], label: str, kind: str, study: str) -> Entry:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -25,6 +26,20 @@ class RandomSearch(Population):
         agents: the points evaluated at once; it changes the speed and not the law.
         handling: see :class:`~optimizers._population.Population`.
     """
+
+    bibtex: ClassVar[str] = """
+        @article{brooks1958,
+          author = {Brooks, Samuel H.},
+          title = {A Discussion of Random Methods for Seeking Maxima},
+          journal = {Operations Research},
+          volume = {6},
+          number = {2},
+          pages = {244--251},
+          year = {1958},
+          doi = {10.1287/opre.6.2.244},
+        }
+    """
+    code: ClassVar[str] = "written here"
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent."""

@@ -45,6 +45,16 @@ class Reference:
         joined = f"{names[0]} et al." if len(names) > 2 or names[1:] == ["others"] else " and ".join(names)
         return f"{joined}, {_plain(self._field('year')) or 'no year'}"
 
+    @property
+    def title(self) -> str:
+        """The work's title as a text, "" where the entry has none."""
+        return _plain(self._field("title"))
+
+    @property
+    def doi(self) -> str:
+        """The work's DOI, "" where the entry has none."""
+        return self._field("doi").strip()
+
     def _field(self, name: str) -> str:
         """Return a field's value without its delimiters, "" where the entry has none."""
         found = re.search(rf"(?:^|[\s,]){name}\s*=\s*([{{\"]?)", self.fields, re.IGNORECASE)

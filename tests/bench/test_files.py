@@ -1,0 +1,158 @@
+"""Optimizers from a file that nobody installed: loaded by name, run beside others, and refused in one sentence."""
+
+import pickle
+import subprocess
+import sys
+
+import pytest
+
+from bench import BenchError, Results, Study, load_optimizer, run, solve
+
+CODE = '''
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bench import Optimizer, parameter
+from beside import SPREAD
+
+
+@dataclass(frozen=True)
+class Mine(Optimizer):
+    """A class of one's own."""
+
+    agents: int = parameter(4, minimum=2)
+
+    def minimize(self, objective, rng):
+        while True:
+            objective(objective.initial(self.agents))
+
+
+class Loose(Optimizer):
+    def minimize(self, objective, rng):
+        pass
+
+
+def walk(objective, rng, step: float = SPREAD, greedy=True):
+    """A plain function."""
+    x = objective.initial(1)
+    best = objective(x)
+    while True:
+        y = objective.repair(x + step * (objective.upper - objective.lower) * rng.standard_normal(x.shape))
+        value = objective(y)
+        if value < best or not greedy:
+            x, best = y, value
+
+
+def lacking(objective):
+    pass
+
+
+def demanding(objective, rng, must):
+    pass
+
+
+number = 3
+'''
+
+STUDY = """
+name = "tiny"
+trials = 2
+budget = 40
+
+[[problems]]
+name = "sphere-2"
+
+[[optimizers]]
+name = "scatter"
+"""
+
+
+@pytest.fixture
+def mine(tmp_path):
+    (tmp_path / "mine.py").write_text(CODE)
+    (tmp_path / "beside.py").write_text("SPREAD = 0.1")
+    (tmp_path / "tiny.toml").write_text(STUDY)
+    yield tmp_path / "mine.py"
+    sys.path[:] = [entry for entry in sys.path if entry != str(tmp_path)]
+    sys.modules.pop("beside", None)
+
+
+def test_a_class_and_a_function_of_a_file_are_optimizers(mine):
+    assert load_optimizer(f"{mine}:Mine", agents=7).agents == 7
+    assert solve("sphere-2", f"{mine}:walk", budget=300, seed=1).fun < 1e-2
+    fast, slow = (
+        solve("sphere-2", load_optimizer(f"{mine}:walk", step=step), budget=300, seed=1).fun for step in (0.05, 1e-6)
+    )
+    assert fast < slow
+
+
+def test_they_pickle_by_their_name(mine):
+    for name in ("Mine", "walk"):
+        optimizer = load_optimizer(f"{mine}:{name}")
+        assert pickle.loads(pickle.dumps(optimizer)) == optimizer
+        assert str(mine).encode() in pickle.dumps(optimizer)
+
+
+def test_an_edited_file_is_loaded_anew(mine):
+    assert load_optimizer(f"{mine}:Mine").agents == 4
+    mine.write_text(CODE.replace("parameter(4", "parameter(5"))
+    assert load_optimizer(f"{mine}:Mine").agents == 5
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "said"),
+    [
+        ("mine.py:Mne", {}, "holds no optimizer called 'Mne'; did you mean 'Mine'?"),
+        ("mine.py:", {}, "holds no optimizer called ''"),
+        ("mine.py:number", {}, "'number' of {} is neither an Optimizer subclass nor a function"),
+        ("mine.py:Loose", {}, "must be a frozen dataclass"),
+        ("mine.py:lacking", {}, "must take (objective, rng) first"),
+        ("mine.py:demanding", {}, "parameter 'must' of '{}:demanding' must be a keyword with a default"),
+        ("mine.py:Mine", {"agents": 1}, "parameter 'agents' of Mine must be at least 2, not 1"),
+        ("mine.py:walk", {"stepp": 1}, "has no parameter 'stepp'; did you mean 'step'?"),
+        ("mine.py:walk", {"step": "far"}, "parameter 'step' of walk must be a number, not 'far'"),
+        ("nobody.py:Mine", {}, "nobody.py cannot be read: No such file or directory"),
+        ("faulty.py:Mine", {}, "faulty.py failed to load: ZeroDivisionError: division by zero"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_one_sentence(mine, name, options, said):
+    (mine.parent / "faulty.py").write_text("1 / 0")
+    with pytest.raises(BenchError) as caught:
+        load_optimizer(str(mine.parent / name), **options)
+    assert said.format(mine) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_run_takes_them_beside_the_study_s_own(bench, mine):
+    done = bench("run", "tiny.toml", "--optimizer", "mine.py:Mine", "--optimizer", "mine.py:walk", "--jobs", 2,
+                 "--no-report", "--output", "out", cwd=mine.parent)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    frame = Results(mine.parent / "out").frame
+    assert frame.groupby("optimizer").size().to_dict() == {"Mine": 2, "scatter": 2, "walk": 2}
+    assert (frame["status"] == "ok").all()
+    again = bench("run", "tiny.toml", "--optimizer", "mine.py:Mine", "--optimizer", "mine.py:Mine", cwd=mine.parent)
+    assert again.returncode == 2
+    assert "'Mine' stands twice among the optimizers" in again.stderr
+    unknown = bench("run", "tiny.toml", "--optimizer", "hillclimber", cwd=mine.parent)
+    assert unknown.returncode == 2
+    assert "did you mean 'hill-climber'?" in unknown.stderr
+
+
+def test_a_folder_does_not_mix_two_versions_of_a_file(mine, monkeypatch):
+    monkeypatch.chdir(mine.parent)
+    study = Study.load("tiny.toml").beside(["mine.py:Mine"])
+    run(study, "out", n_jobs=1)
+    run(study.override(trials=3), "out", n_jobs=1)
+    mine.write_text(CODE + "\n# edited")
+    with pytest.raises(BenchError, match="the code of optimizer 'Mine' changed since out was begun"):
+        run(study.override(trials=4), "out", n_jobs=1)
+
+
+def test_the_command_line_checks_and_solves_with_a_file(mine):
+    done = subprocess.run(
+        [sys.executable, "-m", "bench", "solve", "signature-12", "mine.py:walk", "--budget", "50", "--set", "step=0.3"],
+        cwd=mine.parent, capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "50 (stopped by: budget)" in done.stdout
