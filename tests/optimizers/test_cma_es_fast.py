@@ -1,0 +1,188 @@
+"""cma-es-fast is pycma's algorithm: the same points from the same draws, and the same distribution of what it finds."""
+
+import math
+from importlib.metadata import version
+
+import numpy as np
+import pytest
+from cma.utilities.math import Mh
+from scipy.stats import ks_2samp
+
+from bench import BenchError, FunctionProblem, solve
+from optimizers import cma_es_fast
+from optimizers.cma_es import CMAES
+from optimizers.cma_es_fast import CMAESFast, rates
+from tests.optimizers import sample_cma
+from tests.optimizers.sample_cma import CELLS, DEFAULT, SEEDS, mirror
+
+ALPHA = 0.01
+as_pycma_4_5 = pytest.mark.skipif(
+    tuple(int(part) for part in version("cma").split(".")[:2]) < (4, 5),
+    reason="pycma before 4.5 damps the step size of large populations less",
+)
+
+
+class Recorded(FunctionProblem):
+    """A function that keeps the points it is asked for."""
+
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        self.batches = []
+
+    def evaluate(self, x):
+        self.batches.append(x.copy())
+        return super().evaluate(x)
+
+
+def ellipsoid(exponent, rotation):
+    scales = 10 ** np.linspace(0, exponent, 5)
+    return lambda x: (scales * ((x - 1) @ rotation) ** 2).sum(axis=1)
+
+
+def rough(x):
+    return (x**2).sum(axis=1) + 1e-3 * np.abs(np.sin(1e7 * x)).sum(axis=1)
+
+
+FUNCTIONS = {
+    "sphere": ellipsoid(0, np.eye(5)),
+    "along the axes, condition 1e10": ellipsoid(10, np.eye(5)),
+    "rotated, condition 1e6": ellipsoid(6, mirror(5)),
+    "rosenbrock": sample_cma.rosenbrock,
+    "steps": lambda x: np.floor(np.abs(x)).sum(axis=1),
+    "half of it infinite": lambda x: np.where(x[:, 0] < 0, np.inf, (x**2).sum(axis=1)),
+    "slope into a corner": lambda x: x.sum(axis=1),
+}
+
+
+@pytest.fixture
+def exact_norm(monkeypatch):
+    """Let pycma compare path lengths with the exact expectation; its approximation is 5e-5 off."""
+
+    def expected(d):
+        return math.sqrt(2) * math.exp(math.lgamma((d + 1) / 2) - math.lgamma(d / 2))
+
+    monkeypatch.setattr(Mh, "chiN", staticmethod(expected))
+
+
+@as_pycma_4_5
+@pytest.mark.parametrize("agents", [None, 7, 60, 300])
+@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.usefixtures("exact_norm")
+def test_the_same_draws_give_pycma_s_points(name, agents):
+    batches = []
+    for optimizer in (CMAES, CMAESFast):
+        problem = Recorded(FUNCTIONS[name], [-5, -5, -5, 0, -100], [5, 5, 5, 0.1, 1000])
+        run = optimizer(agents=agents)
+        solve(problem, run, budget=15 * run.population(5), seed=3)
+        batches.append(problem.batches)
+    assert len(batches[0]) == len(batches[1])
+    for theirs, ours in zip(*batches, strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=1e-6, atol=1e-9)
+
+
+STOPS = [
+    ("tolfun", FUNCTIONS["sphere"], [-5, 5], {}),
+    ("tolfun", FUNCTIONS["along the axes, condition 1e10"], [-5, 5], {}),  # C's coordinates are scaled
+    ("tolfunhist", lambda x: 1e9 + (x**2).sum(axis=1), [-5, 5], {}),
+    ("tolflatfitness", FUNCTIONS["steps"], [-5, 5], {}),
+    ("tolx", lambda x: 1e6 * np.abs(x - 1).sum(axis=1), [-5, 5], {}),
+    ("tolfacupx", FUNCTIONS["sphere"], [-5, 5], {"sigma": 1e-7}),
+    ("tolstagnation", rough, [-5, 5], {}),
+    ("tolxstagnation", lambda x: np.sin(1e9 * x).sum(axis=1), [0, 1e-8], {}),
+    ("noeffectaxis", lambda x: 1e6 * np.abs(x - 1e9 - 0.5).sum(axis=1), [1e9, 1e9 + 1], {}),
+    ("tolupsigma", ellipsoid(12, mirror(5)), [-5, 5], {"agents": 40}),  # and C's axes are changed
+]
+
+
+@as_pycma_4_5
+@pytest.mark.parametrize(("reason", "function", "bounds", "options"), STOPS)
+@pytest.mark.usefixtures("exact_norm")
+def test_a_run_ends_when_pycma_s_ends_and_for_its_reason(reason, function, bounds, options):
+    problem = FunctionProblem(function, [bounds[0]] * 5, [bounds[1]] * 5)
+    theirs, ours = (solve(problem, run(**options), budget=20_000, seed=4) for run in (CMAES, CMAESFast))
+    assert ours.stop == theirs.stop == reason
+    assert ours.nfev == pytest.approx(theirs.nfev, rel=0.05)  # rounding grows along a run
+
+
+@pytest.fixture(scope="module")
+def pycma():
+    """The stored runs of pycma by function and population."""
+    _, rows = sample_cma.load()
+    return dict(iter(rows.groupby(["function", "agents"])))
+
+
+def runs(cell, agents=None, seeds=SEEDS):
+    """Return the best values and the evaluations of runs of cma-es-fast, of other seeds than the stored ones."""
+    cell = cell if agents is None else cell._replace(agents=agents)
+    rows = [sample_cma.run(cell, CMAESFast(agents=cell.agents), 1000 + seed) for seed in seeds]
+    return {key: [row[key] for row in rows] for key in ("best", "evaluations")}
+
+
+def p_values(theirs, ours):
+    return [
+        ks_2samp(theirs[key], ours[key]).pvalue
+        for key in ("best", "evaluations")
+        if len({*theirs[key], *ours[key]}) > 1  # runs that all spend the budget say nothing by their lengths
+    ]
+
+
+def test_what_runs_find_and_when_they_stop_is_distributed_as_pycma_s(pycma):
+    p = [value for cell in CELLS for value in p_values(pycma[cell.function, cell.agents], runs(cell))]
+    assert len(p) == len(CELLS) + 2  # runs stop before their budget on two functions
+    assert min(p) * len(p) > ALPHA  # Holm's method rejects none
+
+
+def test_without_negative_weights_the_distribution_is_another(pycma, monkeypatch):
+    def without(d, agents):
+        weights, others = rates(d, agents)
+        return np.maximum(weights, 0), others
+
+    monkeypatch.setattr(cma_es_fast, "rates", without)
+    cell = CELLS[1]
+    assert min(p_values(pycma[cell.function, cell.agents], runs(cell, seeds=range(80)))) * (len(CELLS) + 2) < ALPHA
+
+
+def test_with_two_more_agents_the_distribution_is_another(pycma):
+    cell = CELLS[0]
+    ours = runs(cell, agents=DEFAULT + 2, seeds=range(80))
+    assert min(p_values(pycma[cell.function, cell.agents], ours)) * (len(CELLS) + 2) < ALPHA
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_the_stored_runs_are_still_pycma_s(cell):
+    made_with, rows = sample_cma.load()
+    if made_with != version("cma"):
+        pytest.skip(f"the stored runs are of pycma {made_with}, this is {version('cma')}")
+    row = rows[(rows.function == cell.function) & (rows.agents == cell.agents)].iloc[7]
+    again = sample_cma.run(cell._replace(patience=cell.generations), CMAES(agents=cell.agents), int(row.seed))
+    assert again["early"] == pytest.approx(row.early, rel=1e-5)  # later values depend on the machine's LAPACK
+
+
+def test_a_seed_repeats_a_run():
+    first, again, other = (solve("signature-03", CMAESFast(), budget=900, seed=seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first.trace.values, again.trace.values)
+    assert first.fun != other.fun
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3, 50])
+@pytest.mark.parametrize("agents", [None, 300])
+def test_any_dimension_is_solved_or_ends_with_the_budget(dimension, agents):
+    problem = FunctionProblem(lambda x: ((x - 1) ** 2).sum(axis=1), [-5] * dimension, [5] * dimension)
+    result = solve(problem, CMAESFast(agents=agents), budget=30_000, seed=0)
+    assert result.fun < 1e-10 if result.nfev < 30_000 else result.stop == "budget"
+
+
+def test_repaired_points_alone_are_evaluated():
+    class Ordered(Recorded):
+        def repair(self, x):
+            return np.sort(super().repair(x), axis=1)
+
+    for handling, ordered in (("repair", True), ("box", False)):
+        problem = Ordered(lambda x: ((x - [2, 1]) ** 2).sum(axis=1), [-5, -5], [5, 5])
+        solve(problem, CMAESFast(handling=handling), budget=300, seed=1)
+        assert (np.diff(np.vstack(problem.batches)) >= 0).all() == ordered
+
+
+def test_fewer_than_six_agents_are_refused():
+    with pytest.raises(BenchError, match="at least 6"):
+        CMAESFast(agents=5)
