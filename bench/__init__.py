@@ -19,6 +19,7 @@ from bench.study import Study
 from bench.trial import Result, solve
 
 if TYPE_CHECKING:
+    from bench.check import check_optimizer
     from bench.report import write_report
     from bench.results import Results, load_results
 
@@ -33,6 +34,7 @@ __all__ = [
     "Results",
     "Study",
     "Trace",
+    "check_optimizer",
     "load_optimizer",
     "load_problem",
     "load_results",
@@ -42,8 +44,11 @@ __all__ = [
     "write_report",
 ]
 
-# Only reading results and reporting need pandas and matplotlib, whose import takes longer than many a trial.
-_ON_DEMAND = {"Results": "bench.results", "load_results": "bench.results", "write_report": "bench.report"}
+# Only checks, reading results and reporting need pandas and matplotlib, whose import takes longer than many a trial.
+_ON_DEMAND = {
+    "Results": "bench.results", "check_optimizer": "bench.check", "load_results": "bench.results",
+    "write_report": "bench.report",
+}  # fmt: skip
 
 
 def __dir__() -> list[str]:

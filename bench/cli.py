@@ -140,36 +140,48 @@ def run(
 
 @app.command()
 def check(
-    name: Annotated[str, typer.Argument(help="An optimizer's name, such as gwo, or a folder that 'bench run' wrote.")],
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="An optimizer (gwo, mealpy:OriginalGWO, path/to/file.py:Class), or a folder that 'bench run' wrote."
+        ),
+    ],
     option: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter of the optimizer, as agents=300.")
     ] = None,
+    bias: Annotated[bool, typer.Option(help="Also look for biases, which takes longer.")] = True,
+    jobs: Annotated[int, typer.Option(help="Worker processes; -1 takes every core.")] = -1,
 ) -> None:
-    """Check an optimizer for centre bias: whether it does better when the optimum is at the centre of the box.
+    """Check that an optimizer keeps the contract, and whether it favours places of the box by itself.
 
-    Ends with 1 where it does. Given a study's folder, every optimizer of the study is checked with its own options;
-    what is found is noted there for the study's report.
+    Every check says what it saw and, where it failed, how to mend it. A breach of the contract ends the command with 1;
+    a bias is a trait of the method, and is told. Given a study's folder, all its optimizers are checked for biases with
+    their own options; what is found is noted there for the study's report.
     """
-    from bench.diagnosis import centre_bias
+    from bench.check import check_optimizer
 
     console = Console()
     if name not in plugins.entries("optimizers") and (Path(name) / "study.toml").exists():
         if option:
             raise BenchError("--set is for an optimizer given by name; a study's optimizers have their own options")
-        sys.exit(0 if _check_folder(Path(name), console) else 1)
-    diagnosis = centre_bias(plugins.load_optimizer(name, **_pairs(option)))
-    listing.show_checks({name: [diagnosis]}, console)
-    if not diagnosis.passed:
+        sys.exit(0 if _check_folder(Path(name), console, jobs) else 1)
+    checkup = check_optimizer(
+        name, bias=bias, n_jobs=jobs, on_check=lambda each: listing.show_verdict(name, each, console), **_pairs(option)
+    )
+    console.print(checkup.summary, markup=False, highlight=False, soft_wrap=True)
+    if not checkup.conforms:
         sys.exit(1)
 
 
-def _check_folder(path: Path, console: Console, jobs: int = -1) -> bool:
+def _check_folder(path: Path, console: Console, jobs: int) -> bool:
     """Check the optimizers of a study's folder; return whether all could be checked, biased or not."""
-    from bench.diagnosis import diagnose
+    from bench.check.folder import diagnose_folder
     from bench.folder import Folder
 
-    found, failed = diagnose(Folder(path), jobs)
-    listing.show_checks(found, console)
+    found, failed = diagnose_folder(Folder(path), jobs)
+    for label, verdicts in found.items():
+        for each in verdicts:
+            listing.show_verdict(label, each, console)
     for label, reason in failed.items():
         _say(f"{label} could not be checked: {reason}")
     return not failed

@@ -101,17 +101,19 @@ class Folder:
         self._write(file, json.dumps(before | fingerprints, indent=1))
 
     def checks(self) -> dict[str, list[dict[str, Any]]]:
-        """Return what ``bench check`` noted of the study's optimizers, by label; empty where it was not asked."""
+        """Return the verdicts that ``bench check`` noted of the study's optimizers, by label; empty where none did.
+
+        Each has all keys of :class:`bench.check.verdict.Verdict`; what an older file lacks is filled in.
+        """
         noted = self._json(CHECKS)
-        whole: dict[str, Any] = {"check": str, "passed": bool, "figure": (int, float)}
         return {
-            label: [each for each in those if all(isinstance(each.get(key), kind) for key, kind in whole.items())]
+            label: [whole for each in those if (whole := _verdict(each))]
             for label, those in (noted.items() if isinstance(noted, dict) else ())
             if isinstance(those, list) and all(isinstance(each, dict) for each in those)
         }
 
     def note_checks(self, checks: dict[str, list[dict[str, Any]]]) -> None:
-        """Note the diagnoses of the study's optimizers, by label."""
+        """Note the verdicts on the study's optimizers, by label."""
         self._write(CHECKS, json.dumps(checks, indent=1))
 
     @contextmanager
@@ -150,3 +152,14 @@ class Folder:
             temporary.replace(self.path / name)
         except OSError as error:
             raise BenchError(f"{self.path / name} cannot be written: {error.strerror}") from error
+
+
+def _verdict(noted: dict[str, Any]) -> dict[str, Any]:
+    """Return a verdict as noted with all its keys, or nothing for what is none."""
+    whole = {"check": None, "kind": "bias", "passed": None, "finding": "", "mend": "", "figure": None} | noted
+    sound = (
+        all(isinstance(whole[key], str) for key in ("check", "kind", "finding", "mend"))
+        and isinstance(whole["passed"], bool)
+        and isinstance(whole["figure"], (int, float, type(None)))
+    )
+    return whole if sound else {}

@@ -15,7 +15,7 @@ from bench.errors import BenchError, nearest
 from bench.problem import Problem
 
 if TYPE_CHECKING:
-    from bench.diagnosis import Diagnosis
+    from bench.check.verdict import Verdict
     from bench.results import Results
     from bench.trial import Result
 
@@ -139,15 +139,13 @@ def show_status(results: Results, console: Console) -> None:
         )  # fmt: skip
 
 
-def show_checks(checks: dict[str, list[Diagnosis]], console: Console) -> None:
-    """Print every check of every optimizer, failed ones in red."""
-    for label, diagnoses in checks.items():
-        for each in diagnoses:
-            outcome = "passed" if each.passed else "FAILED"
-            console.print(
-                f"{outcome}: {label}, {each.check}: {each.finding}",
-                style=None if each.passed else "red", markup=False, highlight=False, soft_wrap=True,
-            )  # fmt: skip
+def show_verdict(label: str, verdict: Verdict, console: Console) -> None:
+    """Print a check's outcome: a breach of the contract in red, a bias in yellow, both with how to mend it."""
+    lines = [f"{verdict.outcome}: {label}, {verdict.check}: {verdict.finding}"]
+    lines += [f"    to mend it: {verdict.mend}"] if verdict.mend else []
+    style = {"passed": None, "BIASED": "yellow", "FAILED": "red"}[verdict.outcome]
+    for line in lines:
+        console.print(line, style=style, markup=False, highlight=False, soft_wrap=True)
 
 
 def show_result(result: Result, problem: Problem, console: Console) -> None:

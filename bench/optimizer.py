@@ -100,6 +100,8 @@ def _check(owner: str, field: dataclasses.Field[Any], hint: Any, value: Any) -> 
 
 
 def _fits(hint: Any, value: Any) -> bool:
+    if hint is Any:  # a class since Python 3.11
+        return True
     if get_origin(hint) is Literal:
         return value in get_args(hint)
     if get_origin(hint) in (Union, types.UnionType):

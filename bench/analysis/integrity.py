@@ -1,14 +1,14 @@
 """Whether the results can be trusted: checks of a study's own records for the known traps of benchmarking.
 
-Structural bias and non-determinism leave no sign in the results of a study; they need runs of their own. So does centre
-bias, which ``bench check`` diagnoses and notes in the study's folder.
+What an optimizer favours by itself leaves no sign in the results of a study: it needs runs of its own, which
+``bench check`` makes and notes in the study's folder.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -103,7 +103,8 @@ def integrity(
         planned_trials: trials that each cell should hold.
         traces: by (problem, optimizer, trial).
         boxes: the lower and upper bound of each variable, by problem and by variable.
-        diagnoses: what ``bench check`` found of each optimizer, by label: check, passed and figure.
+        diagnoses: what ``bench check`` found of each optimizer, by label: check, passed and, where there is one,
+            figure.
     """
     evidence = Evidence(frame, study_budget, planned_trials, traces or {}, boxes or {}, diagnoses or {})
     findings = {name: check(evidence) for name, check in OF_ALL.items()}
@@ -371,24 +372,64 @@ def _disturbed(evidence: Evidence, flag: str, trouble: str, *, well: str) -> Fin
     return Finding("warning", f"{trouble}; wall/CPU: {_few(ratios)}.") if ratios else Finding("pass", well)
 
 
-def _centre_bias(evidence: Evidence) -> Finding:
-    """Say which optimizers do better where the optimum is at the centre of the box (Kudela 2022)."""
-    found = [
-        (label, each) for label, those in evidence.diagnoses.items() for each in those if each["check"] == "centre bias"
-    ]
+class Trait(NamedTuple):
+    """How a trait that ``bench check`` looks for is told: of those who have it, of its figures, and where none has it.
+
+    ``figure`` spells the figure that an optimizer was judged by.
+    """
+
+    trouble: str
+    meaning: str
+    figure: Callable[[float], str]
+    well: str
+
+
+TRAITS = {
+    "centre bias": Trait(  # Kudela 2022
+        "Errors are higher when the optimum is moved away from the centre of the box",
+        "Results on problems with a central optimum flatter these.",
+        lambda ratio: f"{ratio:.2g} times",
+        "does better where the optimum is at the centre",
+    ),
+    "structural bias": Trait(  # Kononova et al. 2015
+        "On pure noise, where no point is better than another, the best points are not uniform in the box",
+        "Results depend on where in the box the optimum lies.",
+        lambda p: f"p = {p:.1g}",
+        "favours a part of the box on pure noise",
+    ),
+    "boundary clamping": Trait(
+        "Best points have coordinates on a bound of the box where no optimum lies there",
+        "Results on problems with an optimum on a bound flatter these.",
+        lambda share: f"{_percent(share)} of them",
+        "is drawn to the bounds of the box",
+    ),
+    "starts and seeds": Trait(
+        "Runs start elsewhere than uniformly and independently in the box, or are the same with another seed",
+        "Trials may not be independent.",
+        lambda p: f"p = {p:.1g}",
+        "repeats a run with another seed or favours a part of the box at the start",
+    ),
+}
+
+
+def _trait(name: str, evidence: Evidence) -> Finding:
+    """Say which optimizers have a trait that ``bench check`` looks for."""
+    trait = TRAITS[name]
+    found = [(label, each) for label, those in evidence.diagnoses.items() for each in those if each["check"] == name]
     if not found:
         return Finding("not checked", "Run 'bench check' with this folder to have the optimizers checked for it.")
-    biased = [f"{label} {each['figure']:.2g} times" for label, each in found if not each["passed"]]
-    if not biased:
-        return Finding("pass", f"None of {len(found):,} optimizers does better where the optimum is at the centre.")
-    text = (
-        f"Errors are higher when the optimum is moved away from the centre of the box: {_few(biased)}. Results on "
-        "problems with a central optimum flatter these."
-    )
-    return Finding("warning", text)
+    figures = [(label, each.get("figure")) for label, each in found if not each["passed"]]
+    if not figures:
+        return Finding("pass", f"None of {len(found):,} optimizers {trait.well}.")
+    named = [label if figure is None else f"{label} {trait.figure(figure)}" for label, figure in figures]
+    return Finding("warning", f"{trait.trouble}: {_few(named)}. {trait.meaning}")
 
 
-OF_ALL: dict[str, Check] = {"completeness": _completeness, "failures": _failures, "centre bias": _centre_bias}
+OF_ALL: dict[str, Check] = {
+    "completeness": _completeness,
+    "failures": _failures,
+    **{name: partial(_trait, name) for name in TRAITS},
+}
 OF_FINISHED: dict[str, Check] = {
     "finite values": _finite,
     "budget": _budget,

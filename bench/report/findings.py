@@ -176,14 +176,19 @@ class Findings:
                 known_optima=int(self.targets.drop_duplicates("problem")["known"].sum()),
                 targets=self.targets["problem"].nunique(),
                 early=self._early,
-                centre_bias={
-                    label: not each["passed"]
-                    for label, those in self.results.checks.items()
-                    for each in those
-                    if each["check"] == "centre bias"
-                },
+                centre_bias=self._biased("centre bias"),
+                structural_bias=self._biased("structural bias"),
             )
         )
+
+    def _biased(self, check: str) -> dict[str, bool]:
+        """Return whether ``bench check`` found a bias in the optimizers that it looked at, by label."""
+        return {
+            label: not each["passed"]
+            for label, those in self.results.checks.items()
+            for each in those
+            if each["check"] == check
+        }
 
     @property
     def _early(self) -> dict[str, int]:

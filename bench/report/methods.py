@@ -29,6 +29,13 @@ SCALES = {
 }
 """What the paired tests across problems compare, by the names of :func:`bench.analysis.across.relative_medians`."""
 
+CENTRE_BIAS = "a bias to the centre of the search space [@kudela2022]"
+STRUCTURAL_BIAS = (
+    "structural bias, a preference for parts of the search space that shows on pure noise [@kononova2015; "
+    "@vermetten2022]"
+)
+"""What optimizers are probed for."""
+
 
 @dataclass(frozen=True)
 class MethodsFacts:
@@ -50,6 +57,7 @@ class MethodsFacts:
         targets: problems that have targets.
         early: trials that stopped by a criterion of their own before their budget was spent, by optimizer.
         centre_bias: which optimizers were probed for a bias to the centre of the box, and whether they have it.
+        structural_bias: the same of a preference for parts of the box on pure noise.
     """
 
     study: Study
@@ -67,6 +75,7 @@ class MethodsFacts:
     targets: int = 0
     early: Mapping[str, int] = field(default_factory=dict)
     centre_bias: Mapping[str, bool] = field(default_factory=dict)
+    structural_bias: Mapping[str, bool] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -154,15 +163,14 @@ def _experiment(facts: MethodsFacts, own: Mapping[str, tuple[str, ...]]) -> Iter
         "the optimizer and the trial’s number determine.",
         seed=str(study.seed),
     )
-    if facts.centre_bias:
-        biased = [label for label, found in facts.centre_bias.items() if found]
-        yield say(
-            "We probed {which} for a bias to the centre of the search space [@kudela2022]: {found}.",
-            which="the optimizers"
-            if len(facts.centre_bias) == len(study.optimizers)
-            else listing([*facts.centre_bias]),
-            found=f"{listing(biased)} {'has' if len(biased) == 1 else 'have'} it" if biased else "none has it",
-        )
+    for probed, what in ((facts.centre_bias, CENTRE_BIAS), (facts.structural_bias, STRUCTURAL_BIAS)):
+        if probed:
+            biased = [label for label, found in probed.items() if found]
+            yield say(
+                f"We probed {{which}} for {what}: {{found}}.",
+                which="the optimizers" if len(probed) == len(study.optimizers) else listing([*probed]),
+                found=f"{listing(biased)} {'has' if len(biased) == 1 else 'have'} it" if biased else "none has it",
+            )
     yield from _software(facts.environments)
 
 

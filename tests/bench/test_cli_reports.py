@@ -3,11 +3,14 @@
 import csv
 import json
 import shutil
+from functools import partial
 
 import joblib
 import pytest
 
-from bench import BenchError, Study, diagnosis, run, write_report
+from bench import BenchError, Study, run, write_report
+from bench.check.bias import diagnose
+from bench.check.functions import FUNCTIONS
 
 ENTRIES = [{"name": "scatter", "agents": 7}, {"name": "early"}]
 
@@ -100,7 +103,8 @@ def test_a_process_of_its_own_says_and_ends_the_same(bench, bench_here, folders,
 
 def test_checking_a_folder_says_and_notes_what_was_found(bench_here, folders, tmp_path, monkeypatch):
     folder = shutil.copytree(folders / "old", tmp_path / "old")
-    monkeypatch.setattr(diagnosis, "FUNCTIONS", {"sphere": diagnosis.FUNCTIONS["sphere"]})
+    monkeypatch.setattr("bench.check.watch.FUNCTIONS", {"sphere": FUNCTIONS["sphere"]})
+    monkeypatch.setattr("bench.check.folder.diagnose", partial(diagnose, dimension=2, runs=2, noise_runs=3))
     with joblib.parallel_config("threading"):  # another process would not see the one function
         done = bench_here("check", folder)
     assert done.returncode == 0, done.stderr

@@ -33,7 +33,7 @@ class Loose(Optimizer):
         pass
 
 
-def walk(objective, rng, step: float = SPREAD, greedy=True):
+def walk(objective, rng, step: float = SPREAD, greedy=True, target=None):
     """A plain function."""
     x = objective.initial(1)
     best = objective(x)
@@ -85,6 +85,7 @@ def test_a_class_and_a_function_of_a_file_are_optimizers(mine):
         solve("sphere-2", load_optimizer(f"{mine}:walk", step=step), budget=300, seed=1).fun for step in (0.05, 1e-6)
     )
     assert fast < slow
+    assert load_optimizer(f"{mine}:walk", target=0.1).target == 0.1
 
 
 def test_they_pickle_by_their_name(mine):
@@ -111,6 +112,7 @@ def test_an_edited_file_is_loaded_anew(mine):
         ("mine.py:demanding", {}, "parameter 'must' of '{}:demanding' must be a keyword with a default"),
         ("mine.py:Mine", {"agents": 1}, "parameter 'agents' of Mine must be at least 2, not 1"),
         ("mine.py:walk", {"stepp": 1}, "has no parameter 'stepp'; did you mean 'step'?"),
+        ("mine.py:walk", {"greedy": "very"}, "parameter 'greedy' of walk must be true or false, not 'very'"),
         ("mine.py:walk", {"step": "far"}, "parameter 'step' of walk must be a number, not 'far'"),
         ("nobody.py:Mine", {}, "nobody.py cannot be read: No such file or directory"),
         ("faulty.py:Mine", {}, "faulty.py failed to load: ZeroDivisionError: division by zero"),

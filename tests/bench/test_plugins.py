@@ -74,7 +74,7 @@ def test_one_sentence_names_what_is_wrong_and_what_is_near(call, said):
 
 def test_a_broken_plugin_breaks_no_other():
     assert load_optimizer("hill-climber") is not None
-    with pytest.raises(BenchError, match="'broken' of bench.optimizers"):
+    with pytest.raises(BenchError, match=r"'broken' of bench\.optimizers"):
         load_optimizer("broken")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
+from bench.analysis.integrity import TRAITS
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
 from bench.report.words import count, listing
@@ -31,8 +32,8 @@ def section(findings: Findings) -> Section:
         data=checks,
     )
     unseen = (
-        "Not to be seen in results, and not checked: structural bias, non-determinism, and first populations that are "
-        "not uniform."
+        f"Not to be seen in results: {listing([*TRAITS])}. 'bench check' makes runs of their own to look for these, "
+        "and for non-determinism."
     )
     return Section(TITLE, (text, unseen), (table, *_incomplete(findings)), warnings(findings))
 

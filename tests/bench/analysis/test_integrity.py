@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from bench.analysis.cells import in_study_order
-from bench.analysis.integrity import integrity
+from bench.analysis.integrity import TRAITS, integrity
 from bench.objective import Trace
 from bench.study import Entry, Study
 
@@ -15,9 +15,9 @@ BUDGET, TRIALS = 1_000, 6
 PROBLEMS, OPTIMIZERS = ("p", "q"), ("a", "b", "c")
 BOXES = {"p": {"u": (-1.0, 1.0), "v": (0.0, 10.0)}, "q": {"v": (0.0, 5.0), "u": (-2.0, 0.0)}}
 CHECKS = [
-    "completeness", "failures", "centre bias", "finite values", "budget", "records", "undeclared stops",
-    "declared stops", "outside the box", "repeated points", "ceiling", "same algorithm", "clamping", "seeds",
-    "random streams", "contention", "hidden threads",
+    "completeness", "failures", "centre bias", "structural bias", "boundary clamping", "starts and seeds",
+    "finite values", "budget", "records", "undeclared stops", "declared stops", "outside the box", "repeated points",
+    "ceiling", "same algorithm", "clamping", "seeds", "random streams", "contention", "hidden threads",
 ]  # fmt: skip
 
 
@@ -48,7 +48,14 @@ class Sound:
             for key in [tuple(key)]
         }
 
-        self.diagnoses = {name: [{"check": "centre bias", "passed": True, "figure": 1.0}] for name in OPTIMIZERS}
+        self.diagnoses = {
+            name: [{"check": check, "passed": True, "figure": 1.0} for check in TRAITS] for name in OPTIMIZERS
+        }
+
+    def diagnose(self, optimizer, check, figure):
+        """Have an optimizer found to have a trait."""
+        others = [each for each in self.diagnoses[optimizer] if each["check"] != check]
+        self.diagnoses[optimizer] = [*others, {"check": check, "passed": False, "figure": figure}]
 
     def put(self, where, **values):
         for column, value in values.items():
@@ -99,7 +106,7 @@ def test_sound_results_pass_every_check(sound):
 
 def test_what_cannot_be_checked_says_so(sound):
     verdicts = sound.check(traces=None, boxes=None, diagnoses=None)["verdict"]
-    unchecked = ["centre bias", "records", "same algorithm", "clamping", "random streams"]
+    unchecked = [*TRAITS, "records", "same algorithm", "clamping", "random streams"]
     assert list(verdicts.index[verdicts == "not checked"]) == unchecked
     assert set(verdicts.drop(unchecked)) == {"pass"}
 
@@ -136,7 +143,24 @@ def failed_trials(s):
 
 @trap("centre bias", "warning", "b 50 times", cells="")
 def an_optimizer_that_is_drawn_to_the_centre(s):
-    s.diagnoses["b"] = [{"check": "centre bias", "passed": False, "figure": 50.0}]
+    s.diagnose("b", "centre bias", 50.0)
+
+
+@trap("structural bias", "warning", "not uniform in the box: a p = 2e-09, b p = 0.001. Results", cells="")
+def optimizers_that_favour_places(s):
+    s.diagnose("a", "structural bias", 2.3e-9)
+    s.diagnose("b", "structural bias", 1e-3)
+
+
+@trap("boundary clamping", "warning", "on a bound of the box", "c 12.5% of them", cells="")
+def an_optimizer_that_clips(s):
+    s.diagnose("c", "boundary clamping", 0.125)
+
+
+@trap("starts and seeds", "warning", "another seed: a, c p = 1e-05. Trials may not be independent.", cells="")
+def an_optimizer_that_repeats_itself_and_one_that_starts_in_a_corner(s):
+    s.diagnose("a", "starts and seeds", None)
+    s.diagnose("c", "starts and seeds", 1e-5)
 
 
 @trap("finite values", "warning", "1 of 36 trials", "c on q", cells="c on q")

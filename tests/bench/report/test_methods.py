@@ -35,6 +35,7 @@ def full(**changes):
         bibtex={name: plugins.load("optimizers", name).bibtex for name in ("gwo", "alo", "cma-es")},
         environments=[ENVIRONMENT], tests=9, permutation_tests=1, ranked_problems=2, known_optima=1, targets=3,
         early={"cma-es": 3, "gwo": 0}, centre_bias={"gwo": True, "alo": False, "cma-es": False},
+        structural_bias={"gwo": True, "alo": True},
     )  # fmt: skip
     return replace(facts, **changes)
 
@@ -139,6 +140,8 @@ class TestMethods:
             "We ran gwo with agents = 7, handling = box; all other parameters have their default values.",
             "made 28 to 30 independent trials of 30 planned on each problem; a trial could spend 10,000 evaluations",
             "2 trials failed or found no finite value;",
+            "for a bias to the centre of the search space (Kudela, 2022): gwo has it.",
+            "We probed gwo and alo for structural bias,", "Vermetten et al., 2022): gwo and alo have it.",
             "Python 3.11.7, backlash-bench 0.1.0, numpy 2.4.6 (", "commit 0123456789)",
             "on A & B processor.",
             "every pair of optimizers", "In 1 of 9 tests, where more than 10% of the values are tied",
@@ -153,8 +156,8 @@ class TestMethods:
         ("changes", "gone"),
         [
             ({"failed": 0}, "failed"), ({"permutation_tests": 0}, "permutation"), ({"targets": 0}, "running time"),
-            ({"centre_bias": {}}, "Kudela"), ({"early": {"gwo": 0}}, "of their own"),
-            ({"environments": ()}, "used"), ({"bibtex": {}}, "Mirjalili"),
+            ({"centre_bias": {}}, "Kudela"), ({"structural_bias": {}}, "pure noise"),
+            ({"early": {"gwo": 0}}, "of their own"), ({"environments": ()}, "used"), ({"bibtex": {}}, "Mirjalili"),
             ({"ranked_problems": 1}, "Friedman"), ({"ranked_problems": 3}, "of 3,"), ({"trials": (30, 30)}, "planned"),
             ({"tests": 0, "permutation_tests": 0}, "Kolmogorov"), ({"study": study()}, "handling"),
             ({"study": study(problems=["p"]), "ranked_problems": 1}, "Benjamini"),

@@ -4,8 +4,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from bench import BenchError
+from bench import BenchError, Results
+from bench.folder import Folder
 from bench.report import Section, write, write_report
+from bench.report.findings import Findings
+from bench.report.sections import integrity
 
 PARTS = [
     "Verdict", "Integrity checks", "Comparison", "Across problems", "Convergence and targets", "Problem by problem",
@@ -156,3 +159,30 @@ def test_a_busy_machine_is_flagged(make, read, tmp_path):
     page = read(write_report(make(tmp_path / "s", optimizers=("a", "b"), trials=4, changes={"a": waited})))
     assert "Trials of a waited for their core" in page.text
     assert "Undeclared stops: 8 of 16 trials" in page.text
+
+
+def test_the_biases_that_a_check_noted_are_warned_of(make, tmp_path):
+    def noted(check, passed, figure):
+        return {"check": check, "passed": passed, "figure": figure}
+
+    folder = make(tmp_path / "s")
+    biased = [
+        noted("centre bias", False, 4e5),
+        noted("structural bias", False, 5e-10),
+        noted("starts and seeds", True, None),
+    ]
+    sound = [
+        noted("centre bias", True, 0.9),
+        noted("structural bias", True, 0.4),
+        noted("boundary clamping", True, 0.0),
+    ]
+    Folder(folder).note_checks({"a": biased, "b": sound})
+    findings = Findings(Results(folder))
+    told = integrity.section(findings)
+    assert [warning.partition(":")[0] for warning in told.warnings[:2]] == ["Centre bias", "Structural bias"]
+    assert "not uniform in the box: a p = 5e-10." in told.warnings[1]
+    verdicts = findings.integrity.set_index("check")["verdict"]
+    assert set(verdicts[["boundary clamping", "starts and seeds"]]) == {"pass"}
+    paragraph = findings.methods.text[0]
+    assert "We probed a and b for a bias to the centre of the search space (Kudela, 2022): a has it." in paragraph
+    assert "We probed a and b for structural bias" in paragraph

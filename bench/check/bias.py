@@ -1,0 +1,189 @@
+"""What an optimizer is by itself, whatever the study: what it favours, and whether its trials are independent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import chain
+
+import numpy as np
+from scipy import stats
+
+from bench.analysis import holm
+from bench.analysis.integrity import CLAMPED
+from bench.check.functions import SHIFT
+from bench.check.verdict import Verdict
+from bench.check.watch import Run, Runs, on_bound, watch
+from bench.optimizer import Optimizer
+from bench.problem import Floats
+
+LIMIT = 10.0  # a geometric mean ratio of errors above this is a bias (Kudela 2022)
+FLOOR = 1e-8  # errors below this are no longer told apart
+ALPHA = 0.01  # of the tests for structural bias
+ALPHA_STARTS = 0.001  # of the tests of starts: an unbiased optimizer then passes all checks with 99 % of seeds
+HALFWAY = 0.25  # mean distance of a uniform coordinate from the centre, as a share of the box's width
+
+PUBLISHED = "for a published algorithm report it, and offer a mended version under a name of its own, never silently"
+
+
+def diagnose(
+    optimizer: Optimizer, *, dimension: int = 7, runs: int = 10, noise_runs: int = 100, n_jobs: int = -1, seed: int = 0
+) -> list[Verdict]:
+    """Return what an optimizer favours: the centre of the box, other places, its bounds; and how its runs start.
+
+    Example:
+        >>> [verdict.check for verdict in diagnose(bench.load_optimizer("gwo")) if not verdict.passed]
+
+    Args:
+        optimizer: the optimizer with its parameters.
+        dimension: the number of variables of every function.
+        runs: of each of five functions at each of two places, 10,000 evaluations or 50 generations long.
+        noise_runs: on noise in each of two boxes, at least 2, 1,000 evaluations or 50 generations long.
+        n_jobs: worker processes; -1 takes every core. It changes no figure.
+        seed: repeats every figure.
+
+    Raises:
+        BenchError: when the optimizer fails on one of the functions.
+    """
+    made = watch(optimizer, dimension=dimension, runs=runs, noise_runs=noise_runs, n_jobs=n_jobs, seed=seed)
+    return [check(made) for check in CHECKS]
+
+
+def centre_bias(runs: Runs) -> Verdict:
+    """Say how much lower the errors are when the optimum lies at the centre of the box.
+
+    The figure is the geometric mean of the ratios of errors, moved over centred, over five functions; errors are
+    taken as at least 1e-8. An unbiased method has a ratio near 1, one that draws its points to the centre a large one
+    (Kudela, Nature Machine Intelligence 4, 2022, doi:10.1038/s42256-022-00579-0).
+    """
+    logarithms = [_mean_log_error(runs.moved[name]) - _mean_log_error(runs.centred[name]) for name in runs.centred]
+    ratio = float(np.exp(np.mean(logarithms)))
+    passed = ratio <= LIMIT
+    finding = (
+        f"errors are {ratio:.2g} times as high when the optimum is moved from the centre of the box by "
+        f"{SHIFT:.0%} of it ({'below' if passed else 'above'} the limit of {LIMIT:g})"
+    )
+    if ratio < 1 / LIMIT:
+        finding += ": the method does better away from the centre"
+    mend = (
+        f"look for moves that shrink coordinates or scale them about the origin or the middle of the box; {PUBLISHED}"
+    )
+    return _verdict("centre bias", passed, finding, mend, ratio)
+
+
+def _mean_log_error(runs: Sequence[Run]) -> float:
+    """Return the mean logarithm of the errors; a run without a finite value has the largest error there is."""
+    errors = np.nan_to_num([run.best for run in runs], nan=np.inf, posinf=np.finfo(float).max)
+    return float(np.log(np.maximum(errors, FLOOR)).mean())
+
+
+def structural_bias(runs: Runs) -> Verdict:
+    """Say whether the best points found on pure noise are uniform in the box, as those of an unbiased method are.
+
+    In each of two boxes every coordinate is compared with the uniform law by a Kolmogorov-Smirnov test, and the runs'
+    mean distances from the centre with that of uniform points by Wilcoxon's signed-rank test. The figure is the
+    smallest p-value after Holm's adjustment over all of these tests. (Kononova et al., Information Sciences 298, 2015,
+    doi:10.1016/j.ins.2014.11.035; Vermetten et al., IEEE Transactions on Evolutionary Computation 26(6), 2022,
+    doi:10.1109/TEVC.2022.3189848.)
+    """
+    finals = {box: np.array([run.x for run in those]) for box, those in runs.noise.items()}
+    spreads = {box: np.abs(x - 0.5).mean(axis=1) for box, x in finals.items()}
+    p = np.concatenate([[_p_of_spread(spreads[box]), *_p_of_uniform(x)] for box, x in finals.items()])
+    figure = float(holm(p).min())
+    passed = figure > ALPHA
+    distances = " and ".join(f"{spread.mean():.2g} in {box}^d" for box, spread in spreads.items())
+    finding = (
+        f"on pure noise the best points of {sum(map(len, finals.values()))} runs in {len(finals)} boxes "
+        f"{'look' if passed else 'are not'} uniform (smallest p = {figure:.2g} of {len(p)} tests, Holm; level "
+        f"{ALPHA:g}); their mean distance from the centre, 0.25 of the width for uniform points, is {distances}"
+    )
+    mend = (
+        "look for moves that are drawn to the centre, the origin or the bounds, such as means of leaders, products "
+        f"with coordinates and clips; {PUBLISHED}"
+    )
+    return _verdict("structural bias", passed, finding, mend, figure)
+
+
+def boundary_clamping(runs: Runs) -> Verdict:
+    """Say how many coordinates of the best points lie exactly on a bound where no optimum lies there.
+
+    The figure is the share of the coordinates of the best points, on the functions or on noise, whichever is larger.
+    """
+    groups = {
+        "on functions with their optimum inside the box": [*runs.centred.values(), *runs.moved.values()],
+        "on pure noise": runs.noise.values(),
+    }
+    shares, sentences = [], []
+    for where, problems in groups.items():
+        own = list(chain.from_iterable(problems))
+        shares.append(float(on_bound(np.array([run.x for run in own])).mean()))
+        evaluated = np.mean([run.clamped for run in own])
+        sentences.append(f"{where} {shares[-1]:.2%} of the best points' coordinates and {evaluated:.2%} of all")
+    passed = max(shares) <= CLAMPED
+    finding = (
+        f"exactly on a bound of the box lie, {'; '.join(sentences)} "
+        f"({'within' if passed else 'above'} the limit of {CLAMPED:.0%} of the best points')"
+    )
+    mend = f"reflect or draw again what leaves the box rather than clip it to the bound; {PUBLISHED}"
+    return _verdict("boundary clamping", passed, finding, mend, max(shares))
+
+
+def starts_and_seeds(runs: Runs) -> Verdict:
+    """Say whether trials of different seeds are trials of their own that start anywhere in the box.
+
+    Two runs on one function with different seeds must differ, and so must the first generations of two runs on noise,
+    unless every run begins at one and the same point. One point of each first generation is compared with the uniform
+    law, coordinate by coordinate, and with that of the run with the next seed (Kolmogorov-Smirnov and Pearson's r). The
+    figure is the smallest p-value after Holm's adjustment, None where there is nothing to test.
+    """
+    check, independent = "starts and seeds", "draw every random number from the rng that minimize is given"
+    problems = [*runs.centred.values(), *runs.moved.values()]
+    total = sum(map(len, problems))
+    repeats = total - sum(len({run.course for run in those}) for those in problems)
+    if repeats:
+        finding = f"{repeats} of {total} runs on functions repeat another to the last point, in spite of another seed"
+        mend = f"{independent}; of a deterministic method make one trial, for its trials are one"
+        return _verdict(check, False, finding, mend)
+    starts = [run.first for run in chain.from_iterable(runs.noise.values())]
+    different = len({start.tobytes() for start in starts})
+    if different == 1 and len(starts[0]) == 1:
+        return _verdict(check, True, "every run starts at the same point and goes on by its seed")
+    if different < len(starts):
+        finding = f"{len(starts)} runs with different seeds have only {different} different first generations"
+        return _verdict(check, False, finding, f"{independent}, and the start from objective.initial")
+    points = np.array([start[i % len(start)] for i, start in enumerate(starts)])  # of one run points may be dependent
+    uniform, adjacent = _p_of_uniform(points), _p_of_neighbours(points)
+    adjusted = holm(np.concatenate([uniform, adjacent]))
+    figure, trouble = float(adjusted.min()), int(adjusted.argmin())
+    passed = figure > ALPHA_STARTS
+    said = (
+        "look uniform in the box and independent"
+        if passed
+        else ("are not uniform in the box" if trouble < len(uniform) else "depend on those of the seeds next to them")
+    )
+    finding = (
+        f"the starts of {len(starts)} seeds {said} (smallest p = {figure:.2g} of {len(adjusted)} tests, Holm; level "
+        f"{ALPHA_STARTS:g})"
+    )
+    return _verdict(check, passed, finding, f"start from objective.initial; {PUBLISHED}", figure)
+
+
+CHECKS: tuple[Callable[[Runs], Verdict], ...] = (centre_bias, structural_bias, boundary_clamping, starts_and_seeds)
+
+
+def _verdict(check: str, passed: bool, finding: str, mend: str = "", figure: float | None = None) -> Verdict:
+    return Verdict(check, "bias", passed, finding, "" if passed else mend, figure)
+
+
+def _p_of_uniform(x: Floats) -> list[float]:
+    """Return the p-value of each coordinate of (n, d) points against the uniform law on [0, 1]."""
+    return [float(stats.ks_1samp(values, stats.uniform.cdf).pvalue) for values in x.T]
+
+
+def _p_of_spread(spread: Floats) -> float:
+    """Return the p-value of the runs' mean distances from the centre, (n,), against that of uniform points."""
+    return float(stats.wilcoxon(spread - HALFWAY).pvalue) if (spread != HALFWAY).any() else 1.0
+
+
+def _p_of_neighbours(x: Floats) -> list[float]:
+    """Return the p-value of each coordinate's correlation from one of the (n, d) points to the next."""
+    return [float(stats.pearsonr(values[:-1], values[1:]).pvalue) if np.ptp(values) else 1.0 for values in x.T]

@@ -1,0 +1,51 @@
+"""What breaks a rule of the contract, in words that tell an author how to mend it."""
+
+from __future__ import annotations
+
+from bench.check.isolation import DiedError, Process, SilentError
+from bench.check.probe import STILL_ASKING, Run
+
+LET_IT_PASS = "let BudgetExhausted pass: catch Exception, never BaseException or everything (a bare except)"
+
+
+class UnmadeError(Exception):
+    """The optimizer cannot be made at all, so that there is nothing to examine."""
+
+
+class FaultError(Exception):
+    """The optimizer breaks the rule: what was seen, and how to mend it."""
+
+    def __init__(self, finding: str, mend: str) -> None:
+        super().__init__(finding)
+        self.finding, self.mend = finding, mend
+
+
+def expect_same(run: Run, other: Run, finding: str, mend: str) -> None:
+    """Raise FaultError, naming the first evaluation that differs, unless both runs evaluated the same points."""
+    expect_same_course(run.course(), other.course(), finding, mend)
+
+
+def expect_same_course(one: list[int], other: list[int], finding: str, mend: str) -> None:
+    """Do the same with courses of runs, see :meth:`Run.course`."""
+    if one != other:
+        length = min(len(one), len(other))
+        first = next((i for i in range(length) if one[i] != other[i]), length) + 1
+        raise FaultError(f"{finding} (from evaluation {first} on)", mend)
+
+
+def describe(error: SilentError | DiedError, process: Process) -> tuple[str, str]:
+    """Return what an optimizer did that hung or ended its process, and how to mend it."""
+    made, budget = process.pulse or (0, 0)
+    if isinstance(error, DiedError) and error.code == STILL_ASKING:
+        return f"it goes on asking for values for ever after its budget of {budget} is spent", LET_IT_PASS
+    if isinstance(error, DiedError):
+        return f"it ended the process that it ran in ({error})", (
+            "raise an exception where it cannot go on; a signal means a crash in compiled code"
+        )
+    if budget and made == budget:
+        return f"it did not end within {error} after its budget of {budget} was spent", (
+            f"{LET_IT_PASS}; or look for a loop that does not call the objective"
+        )
+    return f"it asked for no value for {error}, after {made} evaluations", (
+        "look for a loop that never calls the objective, or for a lock that is never released"
+    )

@@ -1,0 +1,26 @@
+"""The biases of all optimizers of a study, noted in its folder for reports."""
+
+from __future__ import annotations
+
+from bench.check.bias import diagnose
+from bench.check.verdict import Verdict
+from bench.errors import BenchError
+from bench.folder import Folder
+
+
+def diagnose_folder(folder: Folder, n_jobs: int = -1) -> tuple[dict[str, list[Verdict]], dict[str, str]]:
+    """Diagnose every optimizer of a study with its own options, and note the outcome in the folder.
+
+    Returns:
+        the verdicts by optimizer label, and why an optimizer could not be diagnosed, by label.
+    """
+    study = folder.study()
+    found: dict[str, list[Verdict]] = {}
+    failed: dict[str, str] = {}
+    for entry in study.optimizers:
+        try:
+            found[entry.label] = diagnose(study.optimizer(entry.label), n_jobs=n_jobs)
+        except BenchError as error:  # one that fails must not cost the others their verdicts
+            failed[entry.label] = str(error)
+    folder.note_checks({label: [each.as_dict() for each in verdicts] for label, verdicts in found.items()})
+    return found, failed

@@ -1,0 +1,128 @@
+"""Whether a run uses nothing but its objective and leaves nothing behind."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import sys
+import tempfile
+import threading
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from pathlib import Path
+from time import monotonic, sleep
+
+import numpy as np
+
+from bench.check import landscapes
+from bench.check.fault import FaultError, expect_same
+from bench.check.isolation import spell
+from bench.check.subject import Subject
+
+
+def check_contract(subject: Subject) -> str:
+    """Nothing is used of the problem but what the objective offers."""
+    run = subject.run(landscapes.bowl())
+    if run.reached:
+        raise FaultError(
+            f"it reads or sets {', '.join(sorted(run.reached))} of the objective",
+            "use what the contract offers: objective(x), .lower, .upper, .dimension, .budget, .remaining, .repair(x), "
+            ".initial(n) and .stop(reason)",
+        )
+    return "it uses nothing of the objective but what the contract offers"
+
+
+def check_anonymity(subject: Subject) -> str:
+    """A problem's name, variables and known optimum change nothing."""
+    other = landscapes.bowl(name="other", variables=("a", "b", "c"), optimum=-1.0)
+    expect_same(subject.run(landscapes.bowl()), subject.run(other),
+          "its run depends on the problem's name, variables or known optimum",
+          "use nothing of the problem but the objective's values and bounds")  # fmt: skip
+    return "the problem's name, variables and known optimum change nothing"
+
+
+def check_silence(subject: Subject) -> str:
+    """A run prints nothing: progress is the harness's business, and a study makes thousands of runs."""
+    with warnings.catch_warnings(record=True) as warned, _captured() as printed:
+        warnings.simplefilter("default")
+        subject.run(landscapes.bowl())
+    text = "".join(printed)
+    if text.strip():
+        first = next(line for line in text.splitlines() if line.strip()).strip()
+        raise FaultError(
+            f"a run printed {len(text)} characters, such as {first[:60]!r}",
+            "print and log nothing; switch off the messages of the libraries that you call",
+        )
+    if warned:
+        return f"nothing printed; warned: {spell(warned[0].message)}"  # type: ignore[arg-type]
+    return "nothing printed"
+
+
+def check_leftovers(subject: Subject) -> str:
+    """A run leaves no files, threads or processes behind; what a library starts once is not counted."""
+    optimizers = [subject.fresh() for _ in range(2)]  # before the folder changes: a name may be a relative path
+    running = [_running()]
+    with tempfile.TemporaryDirectory() as folder, _inside(folder):
+        for optimizer in optimizers:
+            subject.run(landscapes.bowl(), optimizer=optimizer)
+            running.append(_settled(running[-1]))
+        files = sorted(path.name for path in Path(folder).iterdir())
+    if files:
+        raise FaultError(
+            f"a run leaves {len(files)} file{'s' * (len(files) > 1)} in the working folder, such as {files[0]!r}",
+            "write no files; switch off the logs of the libraries that you call",
+        )
+    for kind, before, after in zip(("thread", "process"), *running[1:], strict=True):
+        if after > before:
+            raise FaultError(
+                f"every run leaves a {kind} running", f"end every {kind} before minimize ends, in a finally"
+            )
+    return "no files, threads or processes are left"
+
+
+def _running() -> tuple[int, int]:
+    """Return the number of threads and of processes that were started."""
+    return threading.active_count(), len(multiprocessing.active_children())
+
+
+def _settled(before: tuple[int, int]) -> tuple[int, int]:
+    """Return the numbers of threads and processes once what is about to end has had time to."""
+    until = monotonic() + 0.5
+    now = _running()
+    while any(np.greater(now, before)) and monotonic() < until:
+        sleep(0.02)
+        now = _running()
+    return now
+
+
+@contextmanager
+def _inside(folder: str) -> Iterator[None]:
+    before = Path.cwd()
+    os.chdir(folder)
+    try:
+        yield
+    finally:
+        os.chdir(before)
+
+
+@contextmanager
+def _captured() -> Iterator[list[str]]:
+    """Collect what is written to the standard streams, by Python or below it; it is there when the context ends."""
+    written: list[str] = []
+    sys.stdout.flush()
+    sys.stderr.flush()
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as file:
+        saved = [(descriptor, os.dup(descriptor)) for descriptor in (1, 2)]
+        for descriptor, _ in saved:
+            os.dup2(file.fileno(), descriptor)
+        try:
+            with redirect_stdout(file), redirect_stderr(file):
+                yield written
+        finally:
+            for descriptor, before in saved:
+                os.dup2(before, descriptor)
+                os.close(before)
+            file.flush()
+            file.seek(0)
+            written.append(file.read())

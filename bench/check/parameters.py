@@ -1,0 +1,72 @@
+"""Whether an optimizer declares its parameters as the contract asks."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import types
+from collections.abc import Iterator
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+
+from bench.check.fault import FaultError
+from bench.check.isolation import spell
+from bench.check.subject import Subject
+from bench.errors import BenchError
+from bench.optimizer import Optimizer, is_frozen
+
+
+def check_parameters(subject: Subject) -> str:
+    """Fields of a frozen dataclass, with types and defaults, all of them checked on construction."""
+    source = subject.source
+    cls: type[Optimizer] = source if isinstance(source, type) else type(subject.fresh())
+    if not is_frozen(cls):
+        raise FaultError(f"{cls.__name__} is no frozen dataclass", "put @dataclass(frozen=True) above the class")
+    if cls.__abstractmethods__:
+        raise FaultError("it has no method minimize", "write minimize(self, objective, rng)")
+    fields = {field.name: field for field in dataclasses.fields(cls)}  # type: ignore[arg-type]
+    for base in (base for base in cls.__mro__ if base is not Optimizer):
+        for name, kind in inspect.get_annotations(base).items():
+            if name not in fields and not name.startswith("_") and "ClassVar" not in str(kind):
+                raise FaultError(
+                    f"{name!r} of {base.__name__} looks like a parameter and is none",
+                    f"put @dataclass(frozen=True) above {base.__name__} too, or annotate {name!r} as a ClassVar",
+                )
+    for field in fields.values():
+        if field.init and field.default is field.default_factory is dataclasses.MISSING:
+            raise FaultError(f"its parameter {field.name!r} has no default", "give every parameter a default")
+    cls()
+    for name, wrong in _wrong_values(cls, fields):
+        try:
+            cls(**{name: wrong})
+        except BenchError:
+            continue
+        except Exception as error:
+            raise FaultError(
+                f"a wrong {name!r} raises {spell(error)} instead of a BenchError",
+                "call super().__post_init__() before anything else in __post_init__",
+            ) from error
+        if name == "agents" and isinstance(wrong, int):
+            raise FaultError(f"it takes agents={wrong}", "declare it as agents: int = bench.parameter(30, minimum=1)")
+        raise FaultError(
+            f"it takes anything as {name!r}, whatever its declared type",
+            "call super().__post_init__() in __post_init__: it checks every parameter",
+        )
+    subject.fresh()
+    count = len(fields)
+    return f"{count} parameter{'' if count == 1 else 's'} with defaults, and wrong values are refused"
+
+
+def _wrong_values(cls: type[Optimizer], fields: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield values that no parameter of a declared type may take, and populations that are none."""
+    hints = get_type_hints(cls)
+    for name in (name for name, field in fields.items() if field.init):
+        if _is_plain(hints[name]):
+            yield name, object()
+        if name == "agents":
+            yield from ((name, 0), (name, -1))
+
+
+def _is_plain(hint: Any) -> bool:
+    if get_origin(hint) in (Union, types.UnionType):
+        return all(_is_plain(each) for each in get_args(hint))
+    return get_origin(hint) is Literal or hint in (int, float, bool, str, type(None))

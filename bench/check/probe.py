@@ -1,0 +1,200 @@
+"""A run under observation: what an optimizer evaluated, what it reached for, and what it left changed."""
+
+from __future__ import annotations
+
+import os
+import random
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+from zlib import crc32
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bench.check.isolation import Pulse
+from bench.objective import BudgetExhausted, Objective
+from bench.optimizer import Optimizer
+from bench.problem import Floats, FunctionProblem, Problem
+from bench.trial import solve
+
+OFFERED = frozenset(
+    {"lower", "upper", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
+)  # fmt: skip
+"""What an objective offers beside its call; ``evaluations`` is but ``budget`` less ``remaining``."""
+
+STILL_ASKING = 87
+"""The exit code of a process that an optimizer held up, asking on and on after its budget was spent."""
+
+_PATIENCE = 10_000  # asks after the end of the budget before its process is ended
+
+
+@dataclass
+class Run:
+    """What was seen of one run.
+
+    Attributes:
+        points: (n, d) all evaluated points, in order.
+        stop: ``"budget"``, the declared reason, or ``"undeclared"``.
+        asked_after: how many times it asked for more after it was told that the budget is spent.
+        outside: points outside the box or not finite.
+        reached: attributes of the objective that it read or set beyond what is offered.
+        drew: whether it drew from its generator.
+        touched: the global random states that it left changed.
+    """
+
+    points: Floats = field(default_factory=lambda: np.empty((0, 0)))
+    stop: str = "undeclared"
+    asked_after: int = 0
+    outside: int = 0
+    reached: set[str] = field(default_factory=set)
+    drew: bool = False
+    touched: tuple[str, ...] = ()
+
+    def course(self) -> list[int]:
+        """Return a hash of every point, in the order of evaluation."""
+        return [crc32(point.tobytes()) for point in self.points]
+
+
+def run(
+    optimizer: Optimizer,
+    problem: Problem,
+    budget: int,
+    *,
+    seed: int,
+    pulse: Pulse | None = None,
+    expendable: bool = False,
+    global_seed: int = 0,
+) -> Run:
+    """Run the optimizer as a trial does and return what was seen.
+
+    Args:
+        optimizer: what is run.
+        problem: what is minimised.
+        budget: evaluations it may spend.
+        seed: the trial's.
+        pulse: called with the evaluations made and the budget, whenever the optimizer has asked for values.
+        expendable: whether this process may be ended to stop an optimizer that goes on asking for ever.
+        global_seed: of Python's and numpy's global random states during the run.
+    """
+    seen = Run()
+    watched = _Watched(optimizer, seen, pulse, expendable)
+    points: list[Floats] = []
+    with _global_states(global_seed) as changed:
+        try:
+            result = solve(_Recorded(problem, points), watched, budget=budget, seed=seed)
+        except RuntimeError:
+            if points or not watched.returned:
+                raise
+        else:
+            seen.stop, seen.outside = result.stop, result.outside_box
+        seen.touched = changed()
+    seen.points = np.concatenate(points) if points else np.empty((0, problem.dimension))
+    return seen
+
+
+class _Recorded(FunctionProblem):
+    """A problem that keeps the points it is asked for."""
+
+    def __init__(self, problem: Problem, points: list[Floats]) -> None:
+        super().__init__(problem.evaluate, problem.lower, problem.upper, name=problem.name, optimum=problem.optimum,
+                         variables=problem.variables)  # fmt: skip
+        self.repair = problem.repair  # type: ignore[method-assign]
+        self._points = points
+
+    def evaluate(self, x: Floats) -> Floats:
+        self._points.append(x.copy())
+        return super().evaluate(x)
+
+
+class _Watched(Optimizer):
+    """The optimizer, which is handed an objective that takes notes."""
+
+    def __init__(self, optimizer: Optimizer, seen: Run, pulse: Pulse | None, expendable: bool) -> None:
+        self.optimizer, self.seen, self.pulse, self.expendable = optimizer, seen, pulse, expendable
+        self.returned = False
+
+    def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
+        lower, upper, before = objective.lower.copy(), objective.upper.copy(), _state(rng)
+        try:
+            self.optimizer.minimize(_Noting(objective, self), rng)  # type: ignore[arg-type]
+            self.returned = True
+        finally:
+            self.seen.drew = _state(rng) != before
+            if not (np.array_equal(lower, objective.lower) and np.array_equal(upper, objective.upper)):
+                self.seen.reached.add("the values of lower and upper")
+
+
+class _Noting:
+    """Stands in for an objective, passes everything on and notes what an optimizer should not touch.
+
+    Only what a real objective has is noted: tools that look an object over ask for many a name that is not there.
+    """
+
+    __slots__ = ("_ends", "_objective", "_watched")
+
+    def __init__(self, objective: Objective, watched: _Watched) -> None:
+        for name, value in (("_objective", objective), ("_watched", watched), ("_ends", [])):
+            object.__setattr__(self, name, value)
+
+    @property  # type: ignore[misc]
+    def __class__(self) -> type:  # isinstance takes it for what it stands for
+        return Objective
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(self._objective, name)
+        if name not in OFFERED and not name.startswith("__"):
+            self._watched.seen.reached.add(name)
+        return value
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self._watched.seen.reached.add(name)
+        setattr(self._objective, name, value)
+
+    def __call__(self, x: ArrayLike) -> Any:
+        objective, watched = self._objective, self._watched
+        try:
+            values = objective(x)
+        except BudgetExhausted:
+            watched.seen.asked_after = len(self._ends)
+            self._ends.append(True)
+            if len(self._ends) == 1:
+                self._pulse()
+            if watched.expendable and len(self._ends) > _PATIENCE:
+                os._exit(STILL_ASKING)
+            raise
+        self._pulse()
+        return values
+
+    def _pulse(self) -> None:
+        if self._watched.pulse is not None:
+            self._watched.pulse(self._objective.evaluations, self._objective.budget)
+
+
+def _state(rng: np.random.Generator) -> str:
+    return f"{rng.bit_generator.state} {getattr(rng.bit_generator.seed_seq, 'n_children_spawned', 0)}"
+
+
+@contextmanager
+def _global_states(seed: int) -> Iterator[Callable[[], tuple[str, ...]]]:
+    """Seed the global random states, offer to say which have changed, and put back what was there."""
+    before = random.getstate(), np.random.get_state()  # noqa: NPY002
+    random.seed(seed)
+    np.random.seed(seed)  # noqa: NPY002
+    python, legacy = random.getstate(), _legacy()
+
+    def changed() -> tuple[str, ...]:
+        states = {"Python's random": random.getstate() == python, "numpy.random": _legacy() == legacy}
+        return tuple(name for name, same in states.items() if not same)
+
+    try:
+        yield changed
+    finally:
+        random.setstate(before[0])
+        np.random.set_state(before[1])  # noqa: NPY002
+
+
+def _legacy() -> tuple[Any, ...]:
+    state: Any = np.random.get_state()  # noqa: NPY002
+    return state[0], state[1].tobytes(), *state[2:]
