@@ -18,6 +18,9 @@ from bench.objective import Objective
 from bench.optimizer import Optimizer, build
 from bench.problem import Floats
 
+CEILING = 1e100
+"""Given for a greater value, such as +inf, to a library that computes with values: its sums and weights stay finite."""
+
 
 @dataclass(frozen=True)
 class Adapter(Optimizer):
@@ -35,6 +38,10 @@ class Adapter(Optimizer):
         inside = np.minimum(np.maximum(x, objective.lower), objective.upper)
         values: Floats = objective(objective.repair(inside) if self.handling == "repair" else inside)
         return values
+
+    def finite_values(self, objective: Objective, x: Floats) -> Floats:
+        """Return :meth:`values`, those above CEILING as CEILING."""
+        return np.minimum(self.values(objective, x), CEILING)
 
 
 class Library(ABC):

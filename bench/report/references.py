@@ -45,6 +45,10 @@ class Reference:
         joined = f"{names[0]} et al." if len(names) > 2 or names[1:] == ["others"] else " and ".join(names)
         return f"{joined}, {_plain(self._field('year')) or 'no year'}"
 
+    def is_same(self, other: Reference) -> bool:
+        """Return whether both say the same, however their lines are broken and indented."""
+        return [self.key, self.kind, *self.fields.split()] == [other.key, other.kind, *other.fields.split()]
+
     @property
     def title(self) -> str:
         """The work's title as a text, "" where the entry has none."""
@@ -104,7 +108,7 @@ def united(references: list[Reference], others: list[Reference]) -> tuple[list[R
     named = []
     for other in others:
         number, each = 1, other
-        while taken.get(each.key.lower(), each) != each:
+        while not taken.get(each.key.lower(), each).is_same(each):
             number += 1
             each = replace(other, key=f"{other.key}-{number}")
         taken[each.key.lower()] = each

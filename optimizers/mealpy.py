@@ -1,0 +1,268 @@
+"""The optimizers of mealpy, as ``mealpy:OriginalGWO`` and so on."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import version
+from itertools import count
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from bench.derived import derive
+from bench.errors import BenchError
+from bench.objective import Objective
+from bench.optimizer import Optimizer, parameter
+from bench.problem import Floats
+from optimizers._library import Adapter, Library, global_random_state
+from optimizers.alo import ALO
+from optimizers.da import DA
+from optimizers.goa import GOA
+from optimizers.gwo import GWO
+
+LEAST_EPOCHS = 2
+"""The shortest schedule: some formulas divide by the number of epochs less 1."""
+
+IDLE_EPOCHS = 1000
+"""After so many epochs without an evaluation a search has come to its end."""
+
+OS_ENTROPY = {"OriginalPSS"}
+"""Left out, as no seed repeats their runs: they sample by a generator that the operating system seeds."""
+
+NEGATIVE_BOUNDS = {"DevFOA", "DevHS", "OriginalFOA"}
+"""Left out, as they take the upper bounds for standard deviations, and fail where one is negative."""
+
+SEVERAL_VARIABLES = {
+    "CleverBookBeesA", "EliteMultiGA", "EliteSingleGA", "ImprovedNMRA", "OCRO", "OriginalCRO", "SingleGA",
+}  # fmt: skip
+"""Those that fail in one dimension."""
+
+FEW_AGENTS = {"DevGSKA", "OriginalGSKA", "OriginalICA", "OriginalSHO", "OriginalWCA"}
+"""Those that mealpy lets have fewer agents than they can do with: 10, or 30 for OriginalICA."""
+
+NO_SWARM = {"ABFO", "GaussianSA", "OriginalEFO", "OriginalSA", "OriginalSSpiderA"}
+"""Those that evaluate one by one in mode "swarm" too, and OriginalSSpiderA, which fails in it."""
+
+PLANNED_AT_START: dict[str, Callable[[Any], float]] = {
+    "DevBRO": lambda model: 1.8 * model.pop_size,
+    "DevDMOA": lambda model: 3.1 * model.pop_size,
+    "OriginalCRO": lambda model: 0.48 * model.pop_size,
+    "OriginalEFO": lambda _: 1,
+    "SwarmSA": lambda model: model.max_sub_iter * model.move_count * model.pop_size,
+}
+"""What an epoch costs, for those that fix their schedule before the first one; numbers with a point are measured."""
+
+REMARKS: tuple[tuple[set[str], str], ...] = (
+    (SEVERAL_VARIABLES, "It needs at least two variables."),
+    (FEW_AGENTS, "It can fail in the middle of a run with few agents (10, or 30 for OriginalICA)."),
+    ({"DevVCS"}, "Some of its points are no numbers (NaN); they count, and are worth +inf."),
+    (
+        {"OriginalSSpiderO"},
+        "Its schedule is planned for one evaluation an agent and epoch; it spends more, and is cut.",
+    ),
+)
+"""What is not as in mealpy, or as elsewhere, and of whom."""
+
+LIBRARY = """
+    @article{vanthieu2023,
+      author = {Van Thieu, Nguyen and Mirjalili, Seyedali},
+      title = {{MEALPY}: An open-source library for latest meta-heuristic algorithms in {Python}},
+      journal = {Journal of Systems Architecture},
+      volume = {139},
+      pages = {102871},
+      year = {2023},
+      doi = {10.1016/j.sysarc.2023.102871},
+    }
+"""
+
+WORKS = {"OriginalALO": ALO.bibtex, "OriginalDO": DA.bibtex, "OriginalGOA": GOA.bibtex, "OriginalGWO": GWO.bibtex}
+"""The works of the algorithms that this package has from their authors' codes; all members cite mealpy's own."""
+
+
+@dataclass(frozen=True)
+class MealpyOptimizer(Adapter):
+    """An algorithm of mealpy.
+
+    mealpy plans in epochs. Most algorithms evaluate ``agents`` points at the start and as many in an epoch, and a
+    budget of N (T + 1) evaluations makes T epochs. Where they cost more or less, T is planned anew after each epoch
+    from what the epochs have cost so far, so that the schedule ends with the budget.
+
+    Every point that mealpy draws uniformly in the box, the start population first, comes from ``objective.initial``.
+    mealpy sees values above 1e100, +inf among them, as 1e100.
+    """
+
+    agents: int = parameter(100, minimum=2)
+
+    solver: ClassVar[Any]  # mealpy's class
+    own: ClassVar[tuple[str, ...]]  # the parameters of its constructor
+
+    def __post_init__(self) -> None:
+        """Check every parameter, by mealpy's own rules too; raises BenchError for what does not fit."""
+        super().__post_init__()
+        self._model()
+
+    def _model(self) -> Any:
+        """Return mealpy's object; raises BenchError for parameters that mealpy refuses."""
+        options = {name: getattr(self, name) for name in self.own}
+        try:
+            return self.solver(pop_size=self.agents, **options)
+        except ValueError as error:
+            raise BenchError(f"mealpy refuses these parameters of {type(self).__name__}: {error}") from error
+
+    def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Minimise until the budget is spent, or nothing more is evaluated.
+
+        Raises:
+            BenchError: on a problem of one variable, for the algorithms that need two.
+        """
+        if objective.dimension == 1 and type(self).__name__ in SEVERAL_VARIABLES:
+            raise BenchError(f"mealpy:{type(self).__name__} needs at least two variables, and the problem has one")
+        with global_random_state(rng), warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # overflows and divisions by zero in mealpy's formulas
+            self._search(objective, int(rng.integers(2**31)))
+
+    def _search(self, objective: Objective, seed: int) -> None:
+        """Run mealpy's ``solve`` step by step, without its progress history and its stopping criteria."""
+        model = self._model()
+        planned = PLANNED_AT_START.get(type(self).__name__)
+        cost = planned(model) if planned else model.pop_size
+        model.epoch = max(LEAST_EPOCHS, -int(-(objective.budget - model.pop_size) // cost))
+        self._connect(model, objective, seed)
+        model.initialize_variables()
+        model.initialization()
+        model.after_initialization()
+        model.before_main_loop()
+        start, idle = objective.evaluations, 0
+        for epoch in count(1):
+            if not objective.remaining:
+                return
+            before = objective.evaluations
+            model.epoch = max(LEAST_EPOCHS, epoch - 1 - int(-objective.remaining // cost))
+            model.evolve(epoch)
+            ordered, model.g_best = model.update_global_best_agent(model.pop)
+            if model.sort_flag:
+                model.pop = ordered
+            cost = max((objective.evaluations - start) / epoch, 1 / IDLE_EPOCHS)
+            idle = 0 if objective.evaluations > before else idle + 1
+            if idle == IDLE_EPOCHS:
+                objective.stop(f"no evaluation in {IDLE_EPOCHS} epochs")
+                return
+
+    def _connect(self, model: Any, objective: Objective, seed: int) -> None:
+        """Give the model its problem, its seed and its mode, as the first lines of mealpy's ``solve`` do."""
+        from mealpy import FloatVar, Problem
+        from mealpy.utils.target import Target
+
+        class Box(FloatVar):  # type: ignore[misc]
+            def generate(self) -> Floats:
+                point: Floats = objective.initial(1)[0]
+                return point
+
+        def update_target_for_population(pop: list[Any]) -> list[Any]:
+            if model.mode == "swarm" and pop:
+                values = self.finite_values(objective, np.array([agent.solution for agent in pop]))
+                for agent, value in zip(pop, values, strict=True):
+                    agent.target = Target(float(value), problem.obj_weights)
+            return pop
+
+        def value(x: Floats) -> float:
+            return float(self.finite_values(objective, x[np.newaxis])[0])
+
+        problem = Problem(Box(objective.lower, objective.upper), "min", log_to=None, obj_func=value)
+        model.check_problem(problem, seed)
+        model.check_mode_and_workers(getattr(self, "mode", "single"), None)
+        model.check_termination("start", None, None)
+        model.update_target_for_population = update_target_for_population
+
+
+class Mealpy(Library):
+    """The family ``mealpy:<class>``: the classes that ``mealpy.get_all_optimizers`` lists."""
+
+    name = "mealpy"
+    module = "mealpy"
+    extra = "mealpy"
+
+    def members(self) -> list[str]:
+        """Return the names of mealpy's classes that work here."""
+        left_out = OS_ENTROPY | NEGATIVE_BOUNDS
+        return [name for name in self.require().get_all_optimizers(verbose=False) if name not in left_out]
+
+    def derive(self, member: str) -> type[Optimizer]:
+        """Return the optimizer class of a mealpy class, its parameters those of the constructor."""
+        solver = self.require().get_all_optimizers(verbose=False)[member]
+        parameters = constructor_parameters(solver)
+        own = tuple(name for name in parameters if name != "agents")
+        if solver().is_parallelizable and member not in NO_SWARM:
+            parameters["mode"] = (Literal["single", "swarm"], "single")
+        unmapped = tuple(sentence for names, sentence in REMARKS if member in names)
+        return derive(
+            MealpyOptimizer, f"mealpy:{member}", parameters, __doc__=describe(solver), unmapped=unmapped,
+            code=f"mealpy {version('mealpy')}", bibtex=WORKS.get(member, "") + LIBRARY, solver=solver, own=own,
+        )  # fmt: skip
+
+
+mealpy = Mealpy()
+
+
+class _Checks(dict[str, tuple[str, Any]]):
+    """Stands in for a model's validator, and notes the kind and the bounds of every check."""
+
+    def __getattr__(self, check: str) -> Callable[..., Any]:
+        def note(name: str, value: Any, bound: Any = None, *_: Any) -> Any:
+            self[name] = (check, bound)
+            return value
+
+        return note
+
+
+def constructor_checks(solver: type, agents: int) -> dict[str, tuple[str, Any]]:
+    """Return what mealpy checks each parameter for when it makes a ``solver`` of so many agents."""
+    checks = _Checks()
+    watched = property(lambda _: checks, lambda _, __: None)
+    type(solver.__name__, (solver,), {"validator": watched})(pop_size=agents)
+    return checks
+
+
+def constructor_parameters(solver: type) -> dict[str, tuple[Any, Any]]:
+    """Return type and default of each parameter of a mealpy class; ``pop_size`` is called agents.
+
+    The ends of mealpy's open intervals pass here and are refused by mealpy, like what depends on the number of agents.
+    """
+    defaults = {
+        name: each.default
+        for name, each in inspect.signature(solver).parameters.items()
+        if name != "epoch" and each.kind is not each.VAR_KEYWORD
+    }
+    checks = constructor_checks(solver, defaults["pop_size"])
+    others = constructor_checks(solver, 2 * defaults["pop_size"])
+    made: dict[str, tuple[Any, Any]] = {}
+    for name, default in defaults.items():
+        check, bounds = checks.get(name, ("", None))
+        if checks.get(name) != others.get(name):
+            bounds = None
+        made["agents" if name == "pop_size" else name] = declared(default, check, bounds)
+    return made
+
+
+def declared(default: Any, check: str, bounds: Any) -> tuple[Any, Any]:
+    """Return type and default, with its range, of a parameter that mealpy checks so."""
+    if isinstance(default, bool):
+        return bool, default
+    if isinstance(default, str):
+        return (Literal[tuple(bounds)] if bounds else str), default
+    low, high = bounds if bounds and check in ("check_int", "check_float") else (None, None)
+    kind = int if isinstance(default, int) and check != "check_float" else float
+    return kind, parameter(default, minimum=low, maximum=high)
+
+
+def describe(solver: type) -> str:
+    """Return the docstring of a mealpy class: what it is called, and the works that mealpy names for it."""
+    text = inspect.getdoc(solver) or solver.__name__
+    title = " ".join(text.splitlines()[0].split()).rstrip(".")
+    works = re.split(r"\[\d+\]", text.partition("References\n")[2])[1:]
+    cited = [" ".join(work.split()).rstrip(".") for work in works]
+    return f"{title}." + (f"\n\nmealpy names as its source: {'; '.join(cited)}." if cited else "")

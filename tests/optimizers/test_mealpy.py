@@ -1,0 +1,246 @@
+"""mealpy's algorithms spend the budget to the evaluation, follow the seed alone, and are mealpy's own."""
+
+import random
+import subprocess
+import sys
+import warnings
+from dataclasses import dataclass
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+from bench import BenchError, FunctionProblem, Objective, solve
+from bench.report.references import parse
+from bench.seeds import streams
+from optimizers import _library
+from optimizers._library import global_random_state
+from optimizers.mealpy import NEGATIVE_BOUNDS, OS_ENTROPY, SEVERAL_VARIABLES, MealpyOptimizer, mealpy
+
+library = pytest.importorskip("mealpy", reason="the extra 'mealpy' is not installed")
+
+OPTIMUM = np.array([2.3, 6.1, -3.3])
+LOWER, UPPER = [1.0, 2.0, -7.0], [5.0, 9.0, -1.0]
+
+
+class Watched(FunctionProblem):
+    """A sphere in a box that is not symmetric and does not hold 0, which keeps what it evaluates."""
+
+    def __init__(self, fun=lambda x: ((x - OPTIMUM) ** 2).sum(axis=1)):
+        super().__init__(fun, LOWER, UPPER, name="watched")
+        self.batches = []
+
+    def evaluate(self, x):
+        self.batches.append(x.copy())
+        return super().evaluate(x)
+
+
+def run(name, problem=None, *, budget=400, seed=1, **options):
+    return solve(problem or Watched(), mealpy.load(f"mealpy:{name}", **options), budget=budget, seed=seed)
+
+
+def trace(result):
+    return result.trace.evaluations.tolist(), result.trace.values.tolist()
+
+
+def test_the_library_is_not_imported_before_it_is_needed():
+    code = "import sys, optimizers.mealpy; sys.exit('mealpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_missing_library_names_its_extra(monkeypatch):
+    def missing(name):
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+    monkeypatch.setattr(_library, "import_module", missing)
+    with pytest.raises(BenchError, match=r"need the extra 'mealpy': pip install 'backlash-bench\[mealpy\]'"):
+        mealpy.load("mealpy:OriginalGWO")
+
+
+def test_the_members_are_mealpy_s_classes_but_those_left_out():
+    listed = set(library.get_all_optimizers(verbose=False))
+    assert {name.partition(":")[2] for name in mealpy.names()} == listed - OS_ENTROPY - NEGATIVE_BOUNDS
+    assert listed >= OS_ENTROPY | NEGATIVE_BOUNDS | SEVERAL_VARIABLES
+
+
+def test_every_member_loads_runs_and_is_silent(capfd):
+    problem = Watched()
+    for name in mealpy.names():
+        optimizer = mealpy.load(name)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            assert solve(problem, optimizer, budget=130, seed=2).nfev == 130, name
+        assert optimizer.__doc__.strip()
+        assert [each.key for each in parse(optimizer.bibtex)][-1] == "vanthieu2023"
+        assert optimizer.code == f"mealpy {library.__version__}"
+    assert capfd.readouterr() == ("", "")
+
+
+# Beside the usual N at the start and an epoch: 2 N, 1 evaluation an epoch, 6 N at the start, 30 N an epoch.
+@pytest.mark.parametrize("name", ["OriginalGWO", "OriginalDO", "OriginalEFO", "DevTPO", "OriginalFFA"])
+@pytest.mark.parametrize("budget", [1, 97, 500])
+def test_the_budget_is_spent_to_the_evaluation(name, budget):
+    problem = Watched()
+    result = run(name, problem, budget=budget)
+    assert (result.nfev, result.stop) == (budget, "budget")
+    assert sum(map(len, problem.batches)) == budget
+
+
+@pytest.mark.parametrize("name", ["OriginalGWO", "OriginalABC", "SAP_DE", "OriginalPSO"])
+def test_a_seed_repeats_a_run_and_another_does_not(name):
+    first = trace(run(name))
+    random.seed(99)
+    np.random.seed(99)  # noqa: NPY002 - the global state must not matter
+    assert trace(run(name)) == first
+    assert trace(run(name, seed=2)) != first
+
+
+def test_the_global_random_states_are_left_alone():
+    before = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
+    run("OriginalWOA")
+    assert (random.getstate(), np.random.get_state()[1].tolist()) == before  # noqa: NPY002
+
+
+@pytest.mark.parametrize(
+    ("name", "mode", "options"),
+    [
+        ("OriginalGWO", "single", {}),
+        ("OriginalGWO", "swarm", {}),
+        ("OriginalPSO", None, {"c1": 1.5, "w": 0.6}),
+        ("OriginalSCA", "swarm", {}),
+        ("OriginalMVO", "single", {"wep_min": 0.3}),  # one whose population is kept sorted
+        ("JADE", "single", {"miu_f": 0.7}),
+    ],
+)
+def test_a_run_is_mealpy_s_own(name, mode, options):
+    agents, epochs, seed = 20, 15, 4
+    problem = Watched()
+    ours = run(name, problem, budget=agents * (epochs + 1), seed=seed, agents=agents, **options,
+               **({"mode": mode} if mode else {}))  # fmt: skip
+    start, search = streams(seed)
+    points = Objective(problem, 1, start).initial(agents)
+    model = library.get_all_optimizers(verbose=False)[name](epoch=epochs, pop_size=agents, **options)
+    asked = {"obj_func": lambda x: float(((x - OPTIMUM) ** 2).sum()), "minmax": "min", "log_to": None}
+    asked["bounds"] = library.FloatVar(LOWER, UPPER)
+    with global_random_state(search):
+        theirs = int(search.integers(2**31))
+        found = model.solve(asked, mode=mode or "single", starting_solutions=points, seed=theirs)
+    assert ours.fun == pytest.approx(found.target.fitness, rel=1e-12)
+    np.testing.assert_array_equal(ours.x, found.solution)
+
+
+@pytest.mark.parametrize("name", ["OriginalGWO", "DevTPO", "OriginalSFO", "OriginalPSO"])
+def test_the_start_is_that_of_the_harness(name):
+    problem = Watched()
+    run(name, problem, budget=60, seed=3)
+    start, _ = streams(3)
+    np.testing.assert_array_equal(np.vstack(problem.batches), Objective(problem, 60, start).initial(60))
+
+
+def test_swarm_mode_evaluates_a_generation_as_one_batch():
+    problem = Watched()
+    run("OriginalGWO", problem, budget=120, agents=30, mode="swarm")
+    assert [len(batch) for batch in problem.batches] == [1] * 30 + [30, 30, 30]
+
+
+@pytest.mark.parametrize("name", ["OriginalPSO", "OriginalSA"])
+def test_only_algorithms_that_evaluate_batches_have_the_mode(name):
+    with pytest.raises(BenchError, match="no parameter 'mode'"):
+        mealpy.load(f"mealpy:{name}", mode="swarm")
+
+
+@pytest.mark.parametrize(("name", "planned"), [("OriginalGWO", {19}), ("OriginalFFA", None), ("L_SHADE", None)])
+def test_the_schedule_ends_with_the_budget(name, planned, monkeypatch):
+    solver = type(mealpy.load(f"mealpy:{name}")).solver
+    seen, evolve = [], solver.evolve
+
+    def watched(model, epoch):
+        seen.append((epoch, model.epoch))
+        evolve(model, epoch)
+
+    monkeypatch.setattr(solver, "evolve", watched)
+    budget = {"OriginalGWO": 2000, "OriginalFFA": 20 * 30 * 8, "L_SHADE": 2000}[name]
+    run(name, budget=budget, agents=100 if name == "OriginalGWO" else 20)
+    assert seen[-1][0] == seen[-1][1]
+    if planned:
+        assert {last for _, last in seen} == planned
+
+
+@pytest.mark.parametrize("name", ["OriginalABC", "BaseGA", "OriginalPFA", "OriginalWCA", "OriginalDE"])
+@pytest.mark.parametrize("value", [np.inf, 3.0])
+def test_infinite_values_and_plateaus_do_no_harm(name, value):
+    assert run(name, Watched(lambda x: np.full(len(x), value)), budget=250).nfev == 250
+
+
+def test_points_are_repaired_or_only_clipped_as_asked():
+    class Ordered(Watched):
+        def repair(self, x):
+            x = super().repair(x)
+            x[:, 0] = np.minimum(x[:, 0], 3.0)
+            return x
+
+    highest = {}
+    for handling in ("repair", "box"):
+        problem = Ordered(lambda x: -x[:, 0])
+        assert run("OriginalPSO", problem, budget=300, agents=20, handling=handling).outside_box == 0
+        highest[handling] = np.vstack(problem.batches)[20:, 0].max()
+    assert highest["repair"] == 3.0
+    assert highest["box"] > 4.0
+
+
+def test_a_parameter_changes_the_run():
+    assert run("OriginalABC", n_limits=1, budget=2000).fun != run("OriginalABC", n_limits=50, budget=2000).fun
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "sentence"),
+    [
+        ("OriginalABC", {"n_limit": 5}, "no parameter 'n_limit'; did you mean 'n_limits'"),
+        ("OriginalABC", {"n_limits": 5000}, "'n_limits' of OriginalABC must be from 1 to 1000, not 5000"),
+        ("OriginalABC", {"n_limits": 2.5}, "'n_limits' of OriginalABC must be a whole number, not 2.5"),
+        ("OriginalGWO", {"agents": 4}, "'agents' of OriginalGWO must be from 5 to 10000, not 4"),
+        (
+            "SingleGA",
+            {"selection": "best"},
+            "'selection' of SingleGA must be one of 'tournament', 'random', 'roulette'",
+        ),
+        ("BaseGA", {"pc": 0.0}, "mealpy refuses these parameters of BaseGA: 'pc' is a float"),
+        ("OriginalCEM", {"agents": 30}, "mealpy refuses these parameters of OriginalCEM: 'n_best' is an integer"),
+        ("OriginalGWOO", {}, "mealpy has no optimizer 'OriginalGWOO'; did you mean 'OriginalGWO'"),
+    ],
+)
+def test_what_does_not_fit_is_refused_in_one_sentence(name, options, sentence):
+    with pytest.raises(BenchError) as refused:
+        mealpy.load(f"mealpy:{name}", **options)
+    assert sentence in str(refused.value)
+
+
+def test_a_range_that_depends_on_the_agents_is_left_to_mealpy():
+    assert mealpy.load("mealpy:OriginalMSA", agents=400, n_best=150).n_best == 150
+
+
+@pytest.mark.parametrize("name", sorted(SEVERAL_VARIABLES))
+def test_one_variable_too_few_is_said(name):
+    line = FunctionProblem(lambda x: (x[:, 0] - 2) ** 2, [1.0], [5.0])
+    with pytest.raises(BenchError, match="needs at least two variables, and the problem has one"):
+        run(name, line)
+    assert any("two variables" in sentence for sentence in mealpy.load(f"mealpy:{name}").unmapped)
+
+
+def test_a_search_that_evaluates_nothing_more_is_declared():
+    class Idle(library.Optimizer):
+        def __init__(self, pop_size):
+            super().__init__()
+            self.pop_size = pop_size
+
+    @dataclass(frozen=True)
+    class IdleOptimizer(MealpyOptimizer):
+        solver = Idle
+        own = ()
+
+    result = solve(Watched(), IdleOptimizer(), budget=400, seed=1)
+    assert (result.nfev, result.stop) == (100, "no evaluation in 1000 epochs")
+
+
+def test_the_family_is_found_where_its_entry_point_says():
+    assert import_module("optimizers.mealpy").mealpy is mealpy

@@ -1,0 +1,265 @@
+"""pymoo's algorithms spend the budget to the evaluation, follow the seed alone, and are pymoo's own."""
+
+import inspect
+import random
+import subprocess
+import sys
+import warnings
+from importlib import import_module
+from pkgutil import iter_modules
+
+import numpy as np
+import pytest
+
+from bench import BenchError, FunctionProblem, Objective, solve
+from bench.report.references import parse
+from bench.seeds import streams
+from optimizers import _library
+from optimizers._library import global_random_state
+from optimizers.pymoo import CHOICES, FOLDER, KEYWORDS, LEFT_OUT, MEMBERS, UNMAPPED, WORKS, prepare, pymoo
+
+library = pytest.importorskip("pymoo", reason="the extra 'pymoo' is not installed")
+
+OPTIMUM = np.array([2.3, 6.1, -3.3])
+LOWER, UPPER = [1.0, 2.0, -7.0], [5.0, 9.0, -1.0]
+TOLERANCES = {"BIPOPCMAES", "CMAES", "NelderMead", "SimpleCMAES"}
+
+
+class Watched(FunctionProblem):
+    """A sphere in a box that is not symmetric and does not hold 0, which keeps what it evaluates."""
+
+    def __init__(self, fun=lambda x: ((x - OPTIMUM) ** 2).sum(axis=1)):
+        super().__init__(fun, LOWER, UPPER, name="watched")
+        self.batches = []
+
+    def evaluate(self, x):
+        self.batches.append(x.copy())
+        return super().evaluate(x)
+
+
+def run(name, problem=None, *, budget=400, seed=1, **options):
+    return solve(problem or Watched(), pymoo.load(f"pymoo:{name}", **options), budget=budget, seed=seed)
+
+
+def trace(result):
+    return result.trace.evaluations.tolist(), result.trace.values.tolist()
+
+
+def test_the_library_is_not_imported_before_it_is_needed():
+    code = "import sys, optimizers.pymoo; sys.exit('pymoo' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_missing_library_names_its_extra(monkeypatch):
+    def missing(name):
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+    monkeypatch.setattr(_library, "import_module", missing)
+    with pytest.raises(BenchError, match=r"need the extra 'pymoo': pip install 'backlash-bench\[pymoo\]'"):
+        pymoo.load("pymoo:DE")
+
+
+def test_every_algorithm_of_pymoo_is_a_member_or_left_out():
+    from pymoo.core.algorithm import Algorithm
+
+    found = {"Optuna"}  # its module fails without the package that it wraps
+    for module in iter_modules(import_module(FOLDER).__path__):
+        if module.name != "optuna":
+            classes = vars(import_module(f"{FOLDER}.{module.name}")).values()
+            found |= {
+                each.__name__
+                for each in classes
+                if isinstance(each, type) and issubclass(each, Algorithm) and each.__module__.endswith(module.name)
+            }
+    assert found == MEMBERS.keys() | LEFT_OUT.keys()
+    assert set(MEMBERS) >= set(WORKS) | set(UNMAPPED)
+    assert pymoo.names() == sorted(f"pymoo:{name}" for name in MEMBERS)
+
+
+def test_what_de_takes_by_keywords_has_pymoo_s_defaults():
+    from pymoo.algorithms.soo.nonconvex.de import Variant
+
+    known = inspect.signature(Variant.__init__).parameters
+    assert {name: known[name].default for name in KEYWORDS} == KEYWORDS
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_a_member_is_silent_and_spends_the_budget_or_declares_its_tolerance(name, capfd, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    optimizer = pymoo.load(f"pymoo:{name}")
+    for budget in (1, 150):
+        problem = Watched()
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            result = solve(problem, optimizer, budget=budget, seed=2)
+        assert sum(map(len, problem.batches)) == result.nfev
+        assert (result.nfev, result.stop) == (budget, "budget") or (name in TOLERANCES and "tol" in result.stop)
+    assert capfd.readouterr() == ("", "")
+    assert list(tmp_path.iterdir()) == []
+    assert [each.key for each in parse(optimizer.bibtex)][-1] == "blank2020"
+    assert optimizer.code.startswith("pymoo 0.")
+
+
+def variants():
+    """Every member, and with each choice of each parameter that has choices."""
+    for name, (_, parameters, _) in MEMBERS.items():
+        yield name, {}
+        for each in CHOICES.keys() & set(parameters.split()):
+            for choice in CHOICES[each]:
+                yield name, {each: choice}
+    yield "DE", {"jitter": True}
+    yield "CMAES", {"bipop": True, "restarts": 2}
+
+
+@pytest.mark.parametrize(("name", "options"), list(variants()), ids=str)
+def test_a_seed_repeats_a_run_and_another_does_not(name, options):
+    """Also where pymoo makes generators without a seed, as it does in many places: none of them may be drawn from."""
+    first = trace(run(name, budget=230, **options))
+    random.seed(99)
+    np.random.seed(99)  # noqa: NPY002 - the global state must not matter
+    assert trace(run(name, budget=230, **options)) == first
+    assert (trace(run(name, budget=230, seed=2, **options)) == first) == (name == "DIRECT")
+
+
+@pytest.mark.parametrize("name", ["CMAES", "DE"])
+def test_the_global_random_states_are_left_alone(name):
+    before = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
+    run(name)
+    assert (random.getstate(), np.random.get_state()[1].tolist()) == before  # noqa: NPY002
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "sizes"),
+    [
+        ("DE", {"agents": 40}, [40] * 5),
+        ("GA", {"agents": 40, "n_offsprings": 20}, [40, *[20] * 8]),
+        ("ES", {"n_offsprings": 70}, [10, 70, 70, 50]),
+        ("NRBO", {}, [50] * 4),
+        ("CMAES", {"agents": 30}, [20, *[30] * 6]),
+        ("BRKGA", {"n_elites": 10, "n_offsprings": 60, "n_mutants": 10}, [80, 70, 50]),
+    ],
+)
+def test_a_generation_is_one_batch(name, options, sizes):
+    problem = Watched()
+    run(name, problem, budget=200, **options)
+    assert [len(batch) for batch in problem.batches] == sizes
+
+
+@pytest.mark.parametrize("name", ["DE", "PSO", "ISRES", "CMAES", "NelderMead"])
+def test_the_start_is_that_of_the_harness(name):
+    problem = Watched()
+    run(name, problem, budget=20, seed=3)
+    start, _ = streams(3)
+    np.testing.assert_array_equal(np.vstack(problem.batches), Objective(problem, 20, start).initial(20))
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "generations"), [("DE", {"F": 0.8, "CR": 0.9}, 30), ("PSO", {"c1": 1.5}, 30), ("GA", {}, 20)]
+)
+def test_a_run_is_pymoo_s_own(name, options, generations):
+    from pymoo.core.problem import Problem
+    from pymoo.optimize import minimize
+
+    class Sphere(Problem):
+        def _evaluate(self, x, out, *args, **kwargs):
+            out["F"] = ((x - OPTIMUM) ** 2).sum(axis=1)
+
+    agents, seed, problem = 20, 5, Watched()
+    ours = run(name, problem, budget=agents * generations, seed=seed, agents=agents, **options)
+    start, search = streams(seed)
+    with global_random_state(search):
+        theirs = int(search.integers(1, 2**31))
+    solver = getattr(import_module(f"{FOLDER}.{MEMBERS[name][0]}"), name)
+    algorithm = solver(pop_size=agents, sampling=Objective(problem, 1, start).initial(agents), **options)
+    box = Sphere(n_var=3, n_obj=1, xl=np.array(LOWER), xu=np.array(UPPER))
+    found = minimize(box, algorithm, ("n_gen", generations), seed=theirs)
+    assert (ours.fun, ours.nfev) == (found.F[0], found.algorithm.evaluator.n_eval)
+
+
+def test_stops_by_tolerances_are_declared():
+    assert run("CMAES", budget=5000).stop == run("SimpleCMAES", budget=5000).stop == "a tolerance of cma"
+    assert run("NelderMead", budget=5000).stop == "x_tol, f_tol or a flat simplex"
+
+
+def test_a_mating_that_finds_nothing_new_is_declared(monkeypatch):
+    from pymoo.core.mating import Mating
+    from pymoo.core.population import Population
+
+    monkeypatch.setattr(Mating, "do", lambda *_, **__: Population.create())
+    result = run("GA", agents=20)
+    assert (result.nfev, result.stop) == (20, "no new offspring")
+
+
+@pytest.mark.parametrize(("name", "options"), [("CMAES", "options"), ("SimpleCMAES", "opts")])
+def test_cma_s_own_limits_end_no_run(name, options):
+    algorithm = pymoo.load(f"pymoo:{name}")._algorithm()
+    prepare(algorithm, Objective(Watched(), 400, np.random.default_rng(0)))
+    assert {getattr(algorithm, options)[limit] for limit in ("maxiter", "maxfevals")} == {np.inf}
+
+
+def test_pymoo_s_default_termination_ends_no_run():
+    assert run("PSO", budget=4000, agents=3).nfev == 4000  # its limit is 1000 generations
+
+
+def test_nrbo_plans_as_many_generations_as_the_budget_allows(monkeypatch):
+    solver = type(pymoo.load("pymoo:NRBO")).solver
+    seen, infill = [], solver._infill
+
+    def watched(algorithm):
+        seen.append((algorithm.n_iter, algorithm.max_iteration))
+        return infill(algorithm)
+
+    monkeypatch.setattr(solver, "_infill", watched)
+    run("NRBO", budget=390, agents=20)
+    assert seen[-1] == (20, 20)
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+@pytest.mark.parametrize("value", [np.inf, 3.0])
+def test_infinite_values_and_plateaus_do_no_harm(name, value):
+    result = run(name, Watched(lambda x: np.full(len(x), value)), budget=250)
+    assert result.nfev == 250 or name in TOLERANCES
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_one_variable_suffices(name):
+    line = FunctionProblem(lambda x: (x[:, 0] - 2.3) ** 2, [1.0], [5.0])
+    assert run(name, line, budget=250).fun < 0.01
+
+
+def test_points_are_repaired_or_only_clipped_as_asked():
+    class Ordered(Watched):
+        def repair(self, x):
+            x = super().repair(x)
+            x[:, 0] = np.minimum(x[:, 0], 3.0)
+            return x
+
+    highest = {}
+    for handling in ("repair", "box"):
+        problem = Ordered(lambda x: -x[:, 0])
+        assert run("PSO", problem, budget=300, agents=20, handling=handling).outside_box == 0
+        highest[handling] = np.vstack(problem.batches)[20:, 0].max()
+    assert highest["repair"] == 3.0
+    assert highest["box"] > 4.0
+
+
+@pytest.mark.parametrize("options", [{"F": 0.9}, {"CR": 0.9}, {"variant": "DE/rand/2/exp"}, {"prob_mut": 0.0}])
+def test_a_parameter_changes_the_run(options):
+    assert run("DE", budget=2000, **options).fun != run("DE", budget=2000).fun
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "sentence"),
+    [
+        ("DE", {"CRR": 0.5}, "no parameter 'CRR'; did you mean 'CR'"),
+        ("DE", {"CR": 1.5}, "'CR' of DE must be from 0 to 1, not 1.5"),
+        ("DE", {"agents": 2.5}, "'agents' of DE must be a whole number, not 2.5"),
+        ("DE", {"variant": "DE/worst/1/bin"}, "'variant' of DE must be one of 'DE/best/1/bin'"),
+        ("ES", {"n_offsprings": 20, "agents": 15}, "pymoo refuses these parameters of ES: The number of offsprings"),
+        ("BGA", {}, "pymoo has no optimizer 'BGA'"),
+    ],
+)
+def test_what_does_not_fit_is_refused_in_one_sentence(name, options, sentence):
+    with pytest.raises(BenchError) as refused:
+        pymoo.load(f"pymoo:{name}", **options)
+    assert sentence in str(refused.value)
