@@ -39,7 +39,10 @@ class ALO(Population):
         agents: N, the number of ants and of antlions.
         handling: see :class:`~optimizers._population.Population`.
         variant: ``"code"`` follows ALO.m; ``"paper"`` refreshes the antlions' fitness every generation (eq. 2.12) and
-            is in all else the same.
+            is in all else the same. On five functions (d = 7, 30 agents, 200 generations, 200 seeds; ``python
+            benchmarks/variants.py``) the median of the final bests is then 1.8e-4 against 4.2e-4 on Ackley's function
+            (exact KS, p = 7e-9), 11 against 13 on Rastrigin's (p = .001), 3.1e3 against 2.5e3 on a rotated ellipsoid
+            (p = .004), and the same on the sphere (5e-10) and, as far as these runs tell, on Rosenbrock's.
     """
 
     bibtex: ClassVar[str] = """
@@ -53,6 +56,7 @@ class ALO(Population):
           doi = {10.1016/j.advengsoft.2015.01.010},
         }
     """
+    code: ClassVar[str] = "written here after the author's ALO.m"
 
     agents: int = parameter(30, minimum=2)
     variant: Literal["code", "paper"] = "code"

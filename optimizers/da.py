@@ -49,6 +49,7 @@ class DA(Population):
           doi = {10.1007/s00521-015-1920-1},
         }
     """
+    code: ClassVar[str] = "written here after the author's DA.m"
 
     agents: int = parameter(30, minimum=3)
 

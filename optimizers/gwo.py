@@ -29,7 +29,10 @@ class GWO(Population):
         agents: N, the number of wolves; at least 3, one for each leader.
         handling: see :class:`~optimizers._population.Population`.
         variant: ``"code"`` follows GWO.m; ``"cascade"`` demotes a beaten alpha to beta and a beaten beta to delta, as
-            EvoloPy does, so that the leaders are nearly the three best points so far.
+            EvoloPy does, so that the leaders are nearly the three best points so far. On five functions (d = 7, 30
+            agents, 200 generations, 200 seeds; ``python benchmarks/variants.py``) that changes little: the median of
+            the final bests is 2.1e-3 against 2.8e-3 on the sphere, 3.8 against 4.0 on Rosenbrock's function, where the
+            two samples differ most (exact KS, p = .02; the other four p > .1).
     """
 
     bibtex: ClassVar[str] = """
@@ -43,6 +46,7 @@ class GWO(Population):
           doi = {10.1016/j.advengsoft.2013.12.007},
         }
     """
+    code: ClassVar[str] = "written here after the author's GWO.m"
 
     agents: int = parameter(30, minimum=3)
     variant: Literal["code", "cascade"] = "code"

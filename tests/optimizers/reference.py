@@ -1,14 +1,18 @@
 """The swarms once more, written as plainly as they can be: one number at a time, in the words of the facts.
 
-Each function makes ``T`` generations from the start ``x`` and returns the batches it evaluated, (N, d) each. ``f`` maps
-one point to its value, ``confine`` brings a whole batch back (clip, then repair), ``rng`` is drawn from in the order
-in which the optimizers draw. Nothing here is shared with the code under test.
+Each algorithm makes ``T`` generations from the (N, d) start ``x`` and returns the (N, d) batches it evaluated. ``f``
+maps one point to its value, ``confine`` brings a whole batch back (clip, then repair), ``rng`` is drawn from in the
+order in which the optimizers draw. Nothing here is shared with the code under test.
+
+The longest loops are functions of their own, which sample.py compiles as they stand to draw thousands of runs.
 """
 
 from collections import Counter
 from math import exp, gamma, pi, sin, sqrt
 
 import numpy as np
+
+EPS = 2.0**-52
 
 
 def gwo(f, confine, lower, upper, x, T, rng, variant="code"):
@@ -35,12 +39,12 @@ def gwo(f, confine, lower, upper, x, T, rng, variant="code"):
         moved = np.zeros((N, d))
         for i in range(N):
             for j in range(d):
-                candidates = []
+                total = 0.0
                 for name in ("alpha", "beta", "delta"):
                     r1, r2 = rng.random(), rng.random()
                     A, C = 2 * a * r1 - a, 2 * r2
-                    candidates.append(leader[name][j] - A * abs(C * leader[name][j] - x[i, j]))
-                moved[i, j] = sum(candidates) / 3
+                    total += leader[name][j] - A * abs(C * leader[name][j] - x[i, j])
+                moved[i, j] = total / 3
         x = confine(moved)
     return batches
 
@@ -53,14 +57,15 @@ def alo(f, confine, lower, upper, x, T, rng, variant="code"):
     sorted_fitness = [value for value, _ in initial]
     elite, elite_fitness = antlions[0], sorted_fitness[0]
     for t in range(2, T + 1):
-        u = [[rng.random() for _ in range(5)] for _ in range(N)]
-        per_walk = (T + 63) // 64
-        bits = [[[_bits(rng, per_walk) for _ in range(d)] for _ in range(2)] for _ in range(N)]
+        u = rng.random((N, 5))
+        words = rng.integers(2**64, size=(N, 2, d, (T + 63) // 64), dtype=np.uint64)
+        coins = np.unpackbits(words.astype("<u8").view(np.uint8), axis=-1, bitorder="little")[..., :T]
+        running = running_sum_of_weights(sorted_fitness)
         ants = np.zeros((N, d))
         for i in range(N):
-            around = antlions[_roulette(sorted_fitness, u[i][0])]
-            RA = _walk(around, lower, upper, t, T, u[i][1], u[i][2], bits[i][0])
-            RE = _walk(elite, lower, upper, t, T, u[i][3], u[i][4], bits[i][1])
+            around = antlions[roulette(running, u[i, 0])]
+            RA = walk(around, lower, upper, t, T, u[i, 1], u[i, 2], coins[i, 0])
+            RE = walk(elite, lower, upper, t, T, u[i, 3], u[i, 4], coins[i, 1])
             ants[i] = (RA + RE) / 2
         ants = confine(ants)
         batches.append(ants.copy())
@@ -76,28 +81,26 @@ def alo(f, confine, lower, upper, x, T, rng, variant="code"):
     return batches
 
 
-def _bits(rng, words):
-    """The random bits of one walk, the lowest of each word first."""
-    drawn = [int(rng.integers(2**64, dtype=np.uint64)) for _ in range(words)]
-    return [word >> bit & 1 for word in drawn for bit in range(64)]
-
-
-def _roulette(fitness, u):
+def running_sum_of_weights(fitness):
     with np.errstate(all="ignore"):
         running, total = [], np.float64(0.0)
         for value in fitness:
             total = total + np.float64(1.0) / np.float64(value)
             running.append(total)
-        for index, entry in enumerate(running):
-            if entry > u * total:
-                return index
+    return running
+
+
+def roulette(running, u):
+    for index, entry in enumerate(running):
+        if entry > u * running[-1]:
+            return index
     return 0
 
 
-def _walk(antlion, lower, upper, t, T, coin_lower, coin_upper, bits):
-    """Element t of the normalised random walk around an antlion, in every dimension."""
+def walk(antlion, lower, upper, t, T, coin_lower, coin_upper, coins):
+    """Element t of the normalised random walks around an antlion, one of T coins in every dimension."""
     if t <= 0.1 * T:
-        ratio = 1
+        ratio = 1.0
     elif t <= 0.5 * T:
         ratio = 1 + 100 * t / T
     elif t <= 0.75 * T:
@@ -112,10 +115,9 @@ def _walk(antlion, lower, upper, t, T, coin_lower, coin_upper, bits):
     for k in range(len(antlion)):
         low = antlion[k] + (lower[k] / ratio if coin_lower < 0.5 else -lower[k] / ratio)
         high = antlion[k] + (upper[k] / ratio if coin_upper < 0.5 else -upper[k] / ratio)
-        X = [0]
-        for step in range(T):
-            X.append(X[-1] + (1 if bits[k][step] else -1))
-        a, b = min(X), max(X)
+        X = np.zeros(T + 1)
+        X[1:] = np.cumsum(2.0 * coins[k] - 1)
+        a, b = X.min(), X.max()
         point[k] = (X[t - 1] - a) * (high - low) / (b - a) + low
     return point
 
@@ -127,28 +129,16 @@ def goa(f, confine, lower, upper, x, T, rng, variant="code"):
         x = np.array([[*x[i], dummy[i]] for i in range(N)])
         lower, upper = np.array([*lower, -100.0]), np.array([*upper, 100.0])
     D = len(lower)
-    groups = [list(range(D))] if variant == "full-distance" else [[k, k + 1] for k in range(0, D, 2)]
+    groups = np.arange(D).reshape(-1, D if variant == "full-distance" else 2)
     batches = [x[:, :d].copy()]
     target, best = None, np.inf
     for i in range(N):
-        if target is None or f(x[i, :d]) < best:
-            target, best = x[i].copy(), f(x[i, :d])
+        value = f(x[i, :d])
+        if target is None or value < best:
+            target, best = x[i].copy(), value
     for l in range(2, T + 1):  # noqa: E741
         c = 1 - l * (1 - 0.00004) / T
-        moved = np.zeros((N, D))
-        for i in range(N):
-            for group in groups:
-                S = dict.fromkeys(group, 0.0)
-                for j in range(N):
-                    if j == i:
-                        continue
-                    distance = sqrt(sum((x[j, k] - x[i, k]) ** 2 for k in group))
-                    r = 2 + distance % 2
-                    s = 0.5 * exp(-r / 1.5) - exp(-r)
-                    for k in group:
-                        S[k] += (upper[k] - lower[k]) * c / 2 * s * (x[j, k] - x[i, k]) / (distance + 2**-52)
-                for k in group:
-                    moved[i, k] = c * S[k] + target[k]
+        moved = grasshoppers(x, target, groups, lower, upper, c)
         for i in range(N):
             for k in range(d, D):
                 moved[i, k] = min(max(moved[i, k], lower[k]), upper[k])
@@ -156,13 +146,40 @@ def goa(f, confine, lower, upper, x, T, rng, variant="code"):
         x = moved
         batches.append(x[:, :d].copy())
         for i in range(N):
-            if f(x[i, :d]) < best:
-                target, best = x[i].copy(), f(x[i, :d])
+            value = f(x[i, :d])
+            if value < best:
+                target, best = x[i].copy(), value
     return batches
 
 
-def da(f, confine, lower, upper, x, T, rng, seen: Counter | None = None):
-    """As the others; ``seen`` counts the branches that were taken."""
+def grasshoppers(x, target, groups, lower, upper, c):
+    """Where all grasshoppers go from x, with distances taken within each group of coordinates."""
+    moved = np.zeros(x.shape)
+    for i in range(len(x)):
+        for group in groups:
+            S = np.zeros(x.shape[1])
+            for j in range(len(x)):
+                if j == i:
+                    continue
+                square = 0.0
+                for k in group:
+                    square += (x[j, k] - x[i, k]) * (x[j, k] - x[i, k])
+                distance = sqrt(square)
+                r = 2 + distance % 2
+                s = 0.5 * exp(-r / 1.5) - exp(-r)
+                for k in group:
+                    S[k] += (upper[k] - lower[k]) * c / 2 * s * (x[j, k] - x[i, k]) / (distance + EPS)
+            for k in group:
+                moved[i, k] = c * S[k] + target[k]
+    return moved
+
+
+def da(f, confine, lower, upper, x, T, rng, variant="code", seen=None):
+    """As the others; ``seen``, a Counter, counts the branches that were taken.
+
+    With ``variant="synchronous"`` a dragonfly sees its neighbours where they were before the generation's moves: the
+    mistake of a vectorised implementation, from which a test must tell the author's algorithm apart.
+    """
     seen = Counter() if seen is None else seen
     N, d = x.shape
     span = upper - lower
@@ -170,7 +187,6 @@ def da(f, confine, lower, upper, x, T, rng, seen: Counter | None = None):
     V = np.array([[lower[k] + span[k] * rng.random() for k in range(d)] for _ in range(N)])
     food, food_value = np.zeros(d), np.inf
     enemy, enemy_value = np.zeros(d), -np.inf
-    sigma = (gamma(2.5) * sin(pi * 0.75) / (gamma(1.25) * 1.5 * 2**0.25)) ** (1 / 1.5)
     for t in range(1, T + 1):
         batches.append(x.copy())
         for i in range(N):
@@ -184,46 +200,80 @@ def da(f, confine, lower, upper, x, T, rng, seen: Counter | None = None):
                     seen["enemy on the bounds"] += 1
         r = span / 4 + 2 * span * t / T
         w = 0.9 - 0.5 * t / T
-        m = max(0, 0.1 - 0.1 * t / (T / 2))
+        m = max(0.0, 0.1 - 0.1 * t / (T / 2))
         s, a, c = (2 * rng.random() * m for _ in range(3))
-        weight_food, e = 2 * rng.random(), m
-        rand = [[[rng.random() for _ in range(3)] for _ in range(d)] for _ in range(N)]
-        normal = [[[rng.standard_normal() for _ in range(2)] for _ in range(d)] for _ in range(N)]
+        weights = s, a, c, 2 * rng.random(), m, w
+        rand = rng.random((N, d, 3))
+        normal = rng.standard_normal((N, d, 2))
         x = x.copy()
+        others, steps = (x.copy(), V.copy()) if variant == "synchronous" else (x, V)
         for i in range(N):
-            near = []
-            for j in range(N):
-                gaps = [abs(x[i, k] - x[j, k]) for k in range(d)]
-                if all(gaps[k] <= r[k] for k in range(d)) and all(gap != 0 for gap in gaps):
-                    near.append(j)
-                elif j != i and any(gap == 0 for gap in gaps):
-                    seen["equal in a component"] += 1
-            if len(near) >= 2:
-                S = [-sum(x[j, k] - x[i, k] for j in near) for k in range(d)]
-                A = [sum(V[j, k] for j in near) / len(near) for k in range(d)]
-                C = [sum(x[j, k] for j in near) / len(near) - x[i, k] for k in range(d)]
-            else:
-                S, A, C = [0.0] * d, list(V[i]), [0.0] * d
-            F = [food[k] - x[i, k] for k in range(d)]
-            threatened = all(abs(x[i, k] - enemy[k]) <= r[k] for k in range(d))
-            E = [enemy[k] + x[i, k] if threatened else 0.0 for k in range(d)]
-            far = any(abs(x[i, k] - food[k]) > r[k] for k in range(d))
-            branch = ("far" if far else "close") + (", swarm" if len(near) >= 2 else ", alone")
-            seen[branch] += 1
+            if (others == x[i]).any(axis=1).sum() > 1:
+                seen["equal in a component"] += 1
+            far, swarm, threatened = dragonfly(
+                x, V, i, others, steps, food, enemy, r, weights, lower, upper, rand[i], normal[i]
+            )
+            seen[("far" if far else "close") + (", swarm" if swarm else ", alone")] += 1
             seen["threatened" if threatened else "safe"] += 1
-            for k in range(d):
-                if far and len(near) < 2:
-                    u, v = normal[i][k]
-                    x[i, k] += 0.01 * u * sigma / abs(v) ** (1 / 1.5) * x[i, k]
-                    V[i, k] = 0.0
-                    continue
-                if far:
-                    V[i, k] = w * V[i, k] + rand[i][k][0] * A[k] + rand[i][k][1] * C[k] + rand[i][k][2] * S[k]
-                else:
-                    V[i, k] = s * S[k] + a * A[k] + c * C[k] + weight_food * F[k] + e * E[k] + w * V[i, k]
-                V[i, k] = min(max(V[i, k], -span[k] / 10), span[k] / 10)
-                x[i, k] += V[i, k]
-            for k in range(d):
-                x[i, k] = min(max(x[i, k], lower[k]), upper[k])
         x = confine(x)
     return batches
+
+
+def dragonfly(x, V, i, others, steps, food, enemy, r, weights, lower, upper, rand, normal):
+    """Move dragonfly i, and say whether it was far from the food, in a swarm, and near the enemy."""
+    N, d = x.shape
+    s, a, c, weight_food, e, w = weights
+    near = [j for j in range(N) if is_neighbour(x[i], others[j], r)]
+    S, A, C, F, E = np.zeros(d), V[i].copy(), np.zeros(d), np.zeros(d), np.zeros(d)
+    if len(near) >= 2:
+        for k in range(d):
+            apart, along, centre = 0.0, 0.0, 0.0
+            for j in near:
+                apart += others[j, k] - x[i, k]
+                along += steps[j, k]
+                centre += others[j, k]
+            S[k], A[k], C[k] = -apart, along / len(near), centre / len(near) - x[i, k]
+    far, threatened = False, True
+    for k in range(d):
+        F[k] = food[k] - x[i, k]
+        far = far or abs(x[i, k] - food[k]) > r[k]
+        threatened = threatened and abs(x[i, k] - enemy[k]) <= r[k]
+    if threatened:
+        for k in range(d):
+            E[k] = enemy[k] + x[i, k]
+    sigma = (gamma(2.5) * sin(pi * 0.75) / (gamma(1.25) * 1.5 * 2**0.25)) ** (1 / 1.5)
+    for k in range(d):
+        if far and len(near) < 2:
+            u, v = normal[k, 0], normal[k, 1]
+            x[i, k] += 0.01 * u * sigma / abs(v) ** (1 / 1.5) * x[i, k]
+            V[i, k] = 0.0
+            continue
+        if far:
+            V[i, k] = w * V[i, k] + rand[k, 0] * A[k] + rand[k, 1] * C[k] + rand[k, 2] * S[k]
+        else:
+            V[i, k] = s * S[k] + a * A[k] + c * C[k] + weight_food * F[k] + e * E[k] + w * V[i, k]
+        longest = (upper[k] - lower[k]) / 10
+        V[i, k] = min(max(V[i, k], -longest), longest)
+        x[i, k] += V[i, k]
+    for k in range(d):
+        x[i, k] = min(max(x[i, k], lower[k]), upper[k])
+    return far, len(near) >= 2, threatened
+
+
+def is_neighbour(p, q, r):
+    """Whether q is within r of p, and different from it, in every component."""
+    for k in range(len(p)):
+        gap = abs(p[k] - q[k])
+        if gap > r[k] or gap == 0:
+            return False
+    return True
+
+
+def final_best(f, lower, upper, d, algorithm, variant, seed, agents, generations):
+    """Return the best value that one run finds, from a uniform start in the box [lower, upper]^d."""
+    rng = np.random.default_rng(seed)
+    low, high = np.full(d, float(lower)), np.full(d, float(upper))
+    start = low + (high - low) * rng.random((agents, d))
+    run = {"gwo": gwo, "alo": alo, "goa": goa, "da": da}[algorithm]
+    batches = run(f, lambda x: np.clip(x, low, high), low, high, start, generations, rng, variant=variant)
+    return float(min(f(point) for batch in batches for point in batch))

@@ -1,4 +1,4 @@
-"""pycma.csv, the runs of pycma that ``cma-es-fast`` is held to, made by ``python tests/optimizers/sample_cma.py``.
+"""samples/pycma.csv, the runs of pycma that ``cma-es-fast`` is held to, made by ``python tests/optimizers/sample_cma.py``.
 
 Its first line names the version of pycma. A row is a run of ``cma-es``: the best value after ten generations
 (``early``), the best after the cell's ``generations`` (``best``), and the evaluations until it stopped, or until the
@@ -16,7 +16,7 @@ from bench import FunctionProblem, load_problem, solve
 from optimizers.cma_es import CMAES
 
 D, SEEDS = 7, range(200)
-FILE = Path(__file__).parent / "pycma.csv"
+FILE = Path(__file__).parent / "samples" / "pycma.csv"
 
 
 def mirror(d):

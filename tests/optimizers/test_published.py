@@ -3,35 +3,15 @@
 import numpy as np
 import pytest
 
-from bench import FunctionProblem, solve
 from optimizers.alo import ALO
 from optimizers.da import DA
 from optimizers.goa import GOA
 from optimizers.gwo import GWO
+from tests.optimizers.functions import final_bests
 
-D, AGENTS, GENERATIONS, RUNS = 7, 30, 200, 60
+RUNS = 200
 LEVELS = (0.05, 0.5, 0.95)
 TOLERANCE = 1.05  # the published quantiles are rounded to two digits
-
-
-def sphere(x):
-    return ((x - np.linspace(-4, 5, D)) ** 2).sum(axis=1)
-
-
-def rastrigin(x):
-    y = x - np.linspace(-2, 2.5, D)
-    return (y**2 - 10 * np.cos(2 * np.pi * y) + 10).sum(axis=1)
-
-
-def rosenbrock(x):
-    return (100 * (x[:, 1:] - x[:, :-1] ** 2) ** 2 + (1 - x[:, :-1]) ** 2).sum(axis=1)
-
-
-PROBLEMS = {
-    "sphere": FunctionProblem(sphere, [-10] * D, [10] * D),
-    "rastrigin": FunctionProblem(rastrigin, [-5.12] * D, [5.12] * D),
-    "rosenbrock": FunctionProblem(rosenbrock, [-5] * D, [10] * D),
-}
 
 PUBLISHED = [
     (ALO, "sphere", (3.5e-11, 4.4e-10, 7.3e-9)),
@@ -49,13 +29,9 @@ PUBLISHED = [
 ]
 
 
-def final_bests(optimizer, problem):
-    return np.array([solve(problem, optimizer, budget=AGENTS * GENERATIONS, seed=seed).fun for seed in range(RUNS)])
-
-
 @pytest.mark.parametrize(("optimizer", "function", "quantiles"), PUBLISHED)
 def test_final_bests_are_distributed_as_published(optimizer, function, quantiles):
-    bests = final_bests(optimizer(agents=AGENTS), PROBLEMS[function])
+    bests = final_bests(optimizer, function, RUNS, **({} if optimizer is DA else {"variant": "code"}))
     assert quantiles[0] < np.median(bests) < quantiles[2]
     for level, quantile in zip(LEVELS, quantiles, strict=True):
         slack = 3.5 * np.sqrt(level * (1 - level) / RUNS)  # of a binomial share
@@ -64,5 +40,5 @@ def test_final_bests_are_distributed_as_published(optimizer, function, quantiles
 
 
 def test_full_distance_is_a_very_different_grasshopper_algorithm():
-    bests = final_bests(GOA(agents=AGENTS, variant="full-distance"), PROBLEMS["sphere"])
+    bests = final_bests(GOA, "sphere", RUNS, variant="full-distance")
     assert 8.6e-9 / 2 < np.median(bests) < 8.6e-9 * 2
