@@ -5,6 +5,7 @@ Groups: ``bench.optimizers``, ``bench.problems``, ``bench.commands``, ``bench.st
 
 from __future__ import annotations
 
+import fnmatch
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
@@ -137,6 +138,21 @@ def _problem(loaded: Any, name: str) -> Problem:
     if isinstance(loaded, Problem):
         return loaded
     raise BenchError(f"the plug-in behind {name!r} did not return a Problem but a {type(loaded).__name__}")
+
+
+def matching(pattern: str) -> list[str]:
+    """Return the members of a family that a pattern such as ``"mealpy:*GWO"`` stands for; another name is itself.
+
+    Raises:
+        BenchError: where no member fits, or the family's library is missing.
+    """
+    family, colon, member = pattern.partition(":")
+    if not (colon and "*" in member) or files.split(pattern) or family not in entries("optimizers"):
+        return [pattern]
+    names: list[str] = fnmatch.filter(load("optimizers", family).names(), pattern)
+    if not names:
+        raise BenchError(f"no optimizer fits {pattern!r}; 'bench list {family}' shows those there are")
+    return names
 
 
 def problem_names() -> list[str]:

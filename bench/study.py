@@ -219,6 +219,8 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         texts = isinstance(names, list) and names and all(isinstance(name, str) and name.strip() for name in names)
         if not texts or not (label is None or (isinstance(label, str) and label.strip())):
             raise BenchError(f"study {where}: a [[{key}]] table needs a name (or a list of names), all of them texts")
+        if key == "optimizers":
+            names = [each for name in names for each in plugins.matching(name)]
         entries += [Entry(name, label or _label(name), options) for name in names]
         if not all(entry.label.isprintable() for entry in entries):
             raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")

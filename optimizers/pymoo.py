@@ -19,6 +19,7 @@ from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
 from optimizers._library import Adapter, Library, global_random_state
+from optimizers._works import JONES, STORN
 from optimizers.cma_es import CMAES
 
 FOLDER = "pymoo.algorithms.soo.nonconvex"
@@ -101,30 +102,8 @@ WORKS = {
     }
 """,
     "CMAES": CMAES.bibtex,
-    "DE": """
-    @article{storn1997,
-      author = {Storn, Rainer and Price, Kenneth},
-      title = {Differential Evolution -- A Simple and Efficient Heuristic for Global Optimization over Continuous
-        Spaces},
-      journal = {Journal of Global Optimization},
-      volume = {11},
-      number = {4},
-      pages = {341--359},
-      year = {1997},
-      doi = {10.1023/A:1008202821328},
-    }
-""",
-    "DIRECT": """
-    @article{jones1993,
-      author = {Jones, D. R. and Perttunen, C. D. and Stuckman, B. E.},
-      title = {{Lipschitzian} optimization without the {Lipschitz} constant},
-      journal = {Journal of Optimization Theory and Applications},
-      volume = {79},
-      pages = {157--181},
-      year = {1993},
-      doi = {10.1007/BF00941892},
-    }
-""",
+    "DE": STORN,
+    "DIRECT": JONES,
     "ISRES": """
     @article{runarsson2005,
       author = {Runarsson, Thomas Philip and Yao, Xin},

@@ -1,4 +1,4 @@
-"""samples/pycma.csv, the runs of pycma that ``cma-es-fast`` is held to, made by ``python tests/optimizers/sample_cma.py``.
+"""The runs of pycma that ``cma-es-fast`` is held to; ``python tests/optimizers/sample_cma.py`` makes samples/pycma.csv.
 
 Its first line names the version of pycma. A row is a run of ``cma-es``: the best value after ten generations
 (``early``), the best after the cell's ``generations`` (``best``), and the evaluations until it stopped, or until the

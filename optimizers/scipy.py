@@ -1,0 +1,390 @@
+"""The global optimizers of ``scipy.optimize``, as ``"scipy:differential_evolution"``, ``"scipy:dual_annealing"``, …"""
+
+from __future__ import annotations
+
+import inspect
+import logging
+import warnings
+from abc import abstractmethod
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from importlib.metadata import version
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from bench.objective import Objective
+from bench.optimizer import Optimizer, parameter
+from bench.problem import Floats
+from optimizers._library import CEILING, Adapter, Library
+from optimizers._works import JONES, STORN
+
+LIBRARY = """
+    @article{virtanen2020,
+      author = {Virtanen, Pauli and others},
+      title = {{SciPy} 1.0: fundamental algorithms for scientific computing in {Python}},
+      journal = {Nature Methods},
+      volume = {17},
+      pages = {261--272},
+      year = {2020},
+      doi = {10.1038/s41592-019-0686-2},
+    }
+"""
+
+CEILED = f"values above {CEILING:g}, such as +inf, are {CEILING:g} to it: a difference of infinities is no slope"
+DETERMINISTIC = "deterministic: neither the seed nor the harness's start points change anything"
+
+
+@dataclass(frozen=True)
+class ScipyOptimizer(Adapter):
+    """A global optimizer of ``scipy.optimize``."""
+
+    code: ClassVar[str] = f"scipy {version('scipy')}"
+    ceiling: ClassVar[float] = np.inf  # what greater values are to scipy
+
+    def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Minimise until the budget is spent or scipy ends by a criterion of its own, which is declared."""
+        try:
+            with silence():
+                objective.stop(self.run(objective, rng))
+        except (RuntimeError, SystemError) as error:  # scipy's own, raised from the problem's or from the budget's end
+            raise error.__cause__ or error from None
+
+    @abstractmethod
+    def run(self, objective: Objective, rng: np.random.Generator) -> str:
+        """Run scipy without a limit on length; return why it ended before the budget did."""
+
+    def value(self, objective: Objective) -> Callable[[Floats], float]:
+        """Return the function of one (d,) point that scipy minimises."""
+        return lambda x: min(float(self.values(objective, np.atleast_2d(x))[0]), self.ceiling)
+
+
+@dataclass(frozen=True)
+class DifferentialEvolution(ScipyOptimizer):
+    """Differential evolution (Storn and Price 1997) as scipy has it, with a polish by L-BFGS-B once it has converged.
+
+    Attributes:
+        agents: the population size; None is scipy's 15 d. (scipy's ``popsize`` is this size over d.)
+        strategy: how a trial vector is made: what is moved, from how many differences, by which crossover.
+        mutation: F, the weight of the differences; with ``mutation_to`` the lower end of its dither.
+        mutation_to: every generation draws its F from between ``mutation`` and this; None keeps F fixed.
+        recombination: CR, the probability of crossover.
+        updating: ``"immediate"`` lets trial vectors profit from others of their generation, evaluated one by one;
+            ``"deferred"`` evaluates a generation in one batch.
+        polish: whether L-BFGS-B goes on from the best point once the population has converged.
+        tol: the population has converged where its values' standard deviation is at most atol + tol |their mean|.
+        atol: see ``tol``.
+    """
+
+    bibtex: ClassVar[str] = STORN + LIBRARY
+    unmapped: ClassVar[tuple[str, ...]] = (
+        "its start population is the harness's uniform one, not a Latin hypercube (init)",
+        "it is polished when it has converged, not when the budget ends",
+    )
+
+    agents: int | None = parameter(None, minimum=5)
+    strategy: Literal[
+        "best1bin", "best1exp", "best2bin", "best2exp", "rand1bin", "rand1exp", "rand2bin", "rand2exp",
+        "randtobest1bin", "randtobest1exp", "currenttobest1bin", "currenttobest1exp",
+    ] = "best1bin"  # fmt: skip
+    mutation: float = parameter(0.5, minimum=0, maximum=1.999)
+    mutation_to: float | None = parameter(1.0, minimum=0, maximum=1.999)
+    recombination: float = parameter(0.7, minimum=0, maximum=1)
+    updating: Literal["immediate", "deferred"] = "immediate"
+    polish: bool = True
+    tol: float = parameter(0.01, minimum=0)
+    atol: float = parameter(0.0, minimum=0)
+
+    def run(self, objective: Objective, rng: np.random.Generator) -> str:
+        """Run ``scipy.optimize.differential_evolution``; see :meth:`ScipyOptimizer.run`."""
+        batched = self.updating == "deferred"
+        agents = self.agents if self.agents is not None else max(5, 15 * objective.dimension)
+        function("differential_evolution", rng)(
+            (lambda x: self.values(objective, x.T)) if batched else self.value(objective),
+            box(objective),
+            strategy=self.strategy,
+            maxiter=objective.budget,
+            tol=self.tol,
+            atol=self.atol,
+            mutation=self.mutation if self.mutation_to is None else (self.mutation, self.mutation_to),
+            recombination=self.recombination,
+            polish=self.polish,
+            init=objective.initial(agents),
+            updating=self.updating,
+            vectorized=batched,
+        )
+        return "tol"
+
+
+@dataclass(frozen=True)
+class DualAnnealing(ScipyOptimizer):
+    """Generalized simulated annealing (Xiang et al. 1997) with a local search by L-BFGS-B, restarted when it is cold.
+
+    Attributes:
+        initial_temp: the temperature at the start and after every restart.
+        restart_temp_ratio: it restarts where the temperature falls below this part of ``initial_temp``.
+        visit: the visiting distribution's parameter; the greater, the heavier its tail.
+        accept: the acceptance distribution's parameter; the lower, the rarer a worse point is accepted.
+        no_local_search: leave the local search out.
+    """
+
+    bibtex: ClassVar[str] = """
+        @article{xiang1997,
+          author = {Xiang, Y. and Sun, D. Y. and Fan, W. and Gong, X. G.},
+          title = {Generalized simulated annealing algorithm and its application to the {Thomson} model},
+          journal = {Physics Letters A},
+          volume = {233},
+          pages = {216--220},
+          year = {1997},
+          doi = {10.1016/S0375-9601(97)00474-X},
+        }
+    """ + LIBRARY  # fmt: skip
+    ceiling: ClassVar[float] = CEILING
+    unmapped: ClassVar[tuple[str, ...]] = (CEILED,)
+
+    initial_temp: float = parameter(5230.0, minimum=0.01, maximum=5e4)
+    restart_temp_ratio: float = parameter(2e-5, minimum=1e-15, maximum=0.999)
+    visit: float = parameter(2.62, minimum=1.001, maximum=2.999)
+    accept: float = parameter(-5.0, minimum=-1e4, maximum=-5)
+    no_local_search: bool = False
+
+    def run(self, objective: Objective, rng: np.random.Generator) -> str:
+        """Run ``scipy.optimize.dual_annealing``; see :meth:`ScipyOptimizer.run`."""
+        function("dual_annealing", rng)(
+            self.value(objective),
+            box(objective),
+            maxiter=objective.budget,
+            maxfun=np.inf,
+            initial_temp=self.initial_temp,
+            restart_temp_ratio=self.restart_temp_ratio,
+            visit=self.visit,
+            accept=self.accept,
+            no_local_search=self.no_local_search,
+            x0=objective.initial(1)[0],
+        )
+        return "maxiter"
+
+
+@dataclass(frozen=True)
+class Shgo(ScipyOptimizer):
+    """Simplicial homology global optimization (Endres et al. 2018), with local searches by SLSQP.
+
+    Attributes:
+        n: the points sampled in an iteration; 100 with ``"simplicial"`` is scipy's word for 2^d + 1.
+        iters: the iterations, each a refinement and the local searches from its new minima; None goes on until the
+            budget ends. Its own work grows with the square of the points.
+        sampling_method: how the points are chosen; but for ``"simplicial"`` they are triangulated, which takes long
+            in more than five dimensions.
+    """
+
+    bibtex: ClassVar[str] = """
+        @article{endres2018,
+          author = {Endres, Stefan C. and Sandrock, Carl and Focke, Walter W.},
+          title = {A simplicial homology algorithm for {Lipschitz} optimisation},
+          journal = {Journal of Global Optimization},
+          volume = {72},
+          pages = {181--217},
+          year = {2018},
+          doi = {10.1007/s10898-018-0645-y},
+        }
+    """ + LIBRARY  # fmt: skip
+    ceiling: ClassVar[float] = CEILING
+    unmapped: ClassVar[tuple[str, ...]] = (
+        CEILED,
+        DETERMINISTIC,
+        "scipy's default of one iteration leaves most of a budget unused (iters)",
+    )
+
+    n: int = parameter(100, minimum=1)
+    iters: int | None = parameter(1, minimum=1)
+    sampling_method: Literal["simplicial", "halton", "sobol"] = "simplicial"
+
+    def run(self, objective: Objective, rng: np.random.Generator) -> str:  # noqa: ARG002 - draws nothing
+        """Run ``scipy.optimize.shgo``; see :meth:`ScipyOptimizer.run`."""
+        function("shgo")(
+            self.value(objective),
+            box(objective),
+            n=self.n,
+            iters=objective.budget if self.iters is None else self.iters,
+            sampling_method=self.sampling_method,
+        )
+        return "iters"
+
+
+@dataclass(frozen=True)
+class Direct(ScipyOptimizer):
+    """DIRECT, dividing rectangles (Jones et al. 1993), locally biased by default (Gablonsky and Kelley 2001).
+
+    Attributes:
+        eps: by how much a rectangle must promise to fall below the best value to be divided; the smaller, the more
+            local the search.
+        locally_biased: False is the original of 1993.
+        vol_tol: it ends where the best point's rectangle has less than this part of the box's volume.
+        len_tol: it ends where half of that rectangle's longest side (of its diagonal, unless locally biased) is less
+            than this part of the box's.
+    """
+
+    bibtex: ClassVar[str] = JONES + """
+        @article{gablonsky2001,
+          author = {Gablonsky, J. M. and Kelley, C. T.},
+          title = {A Locally-Biased Form of the {DIRECT} Algorithm},
+          journal = {Journal of Global Optimization},
+          volume = {21},
+          pages = {27--37},
+          year = {2001},
+          doi = {10.1023/A:1017930332101},
+        }
+    """ + LIBRARY  # fmt: skip
+    unmapped: ClassVar[tuple[str, ...]] = (DETERMINISTIC,)
+
+    eps: float = parameter(1e-4, minimum=0)
+    locally_biased: bool = True
+    vol_tol: float = parameter(1e-16, minimum=0, maximum=1)
+    len_tol: float = parameter(1e-6, minimum=0, maximum=1)
+
+    def run(self, objective: Objective, rng: np.random.Generator) -> str:  # noqa: ARG002 - draws nothing
+        """Run ``scipy.optimize.direct``; see :meth:`ScipyOptimizer.run`."""
+        result = function("direct")(
+            self.value(objective),
+            box(objective),
+            eps=self.eps,
+            maxfun=objective.budget + 1,
+            maxiter=objective.budget,
+            locally_biased=self.locally_biased,
+            vol_tol=self.vol_tol,
+            len_tol=self.len_tol,
+        )
+        return {4: "vol_tol", 5: "len_tol"}.get(result.status) or str(result.message)
+
+
+@dataclass(frozen=True)
+class BasinHopping(ScipyOptimizer):
+    """Basin hopping (Wales and Doye 1997): random hops, each followed by L-BFGS-B, and a Metropolis test.
+
+    Attributes:
+        T: the temperature of the Metropolis test, in units of the objective's values.
+        stepsize: the longest hop at the start in every coordinate, in units of the box's width.
+        interval: the hops after which the step size adapts.
+        target_accept_rate: the part of hops that it should have accepted.
+        stepwise_factor: by what the step size is multiplied or divided when it adapts.
+        niter_success: the hops without a better minimum after which it ends; None never does.
+    """
+
+    bibtex: ClassVar[str] = """
+        @article{wales1997,
+          author = {Wales, David J. and Doye, Jonathan P. K.},
+          title = {Global Optimization by Basin-Hopping and the Lowest Energy Structures of {Lennard-Jones}
+                   Clusters Containing up to 110 Atoms},
+          journal = {The Journal of Physical Chemistry A},
+          volume = {101},
+          number = {28},
+          pages = {5111--5116},
+          year = {1997},
+          doi = {10.1021/jp970984n},
+        }
+    """ + LIBRARY  # fmt: skip
+    ceiling: ClassVar[float] = CEILING
+    unmapped: ClassVar[tuple[str, ...]] = (
+        CEILED,
+        "hops are measured in the box's width, not in the units of x: scipy's 0.5 is 0.05 of the box [-5, 5]",
+        "its local search is L-BFGS-B within the box, not scipy's unbounded BFGS, and starts from hops clipped to it",
+    )
+
+    T: float = parameter(1.0, minimum=0)
+    stepsize: float = parameter(0.05, minimum=1e-12, maximum=1)
+    interval: int = parameter(50, minimum=1)
+    target_accept_rate: float = parameter(0.5, minimum=0.001, maximum=0.999)
+    stepwise_factor: float = parameter(0.9, minimum=0.001, maximum=0.999)
+    niter_success: int | None = parameter(None, minimum=1)
+
+    def run(self, objective: Objective, rng: np.random.Generator) -> str:
+        """Run ``scipy.optimize.basinhopping``; see :meth:`ScipyOptimizer.run`."""
+        function("basinhopping", rng)(
+            self.value(objective),
+            objective.initial(1)[0],
+            niter=objective.budget,
+            T=self.T,
+            minimizer_kwargs={"method": "L-BFGS-B", "bounds": box(objective)},
+            take_step=Hop(self.stepsize, objective, rng),
+            interval=self.interval,
+            niter_success=self.niter_success,
+            target_accept_rate=self.target_accept_rate,
+            stepwise_factor=self.stepwise_factor,
+        )
+        return "niter_success"
+
+
+class Hop:
+    """A uniform displacement within the box; scipy adapts ``stepsize``, which is in units of the box's width."""
+
+    def __init__(self, stepsize: float, objective: Objective, rng: np.random.Generator) -> None:
+        self.stepsize = stepsize
+        self.objective = objective
+        self.rng = rng
+
+    def __call__(self, x: Floats) -> Floats:
+        """Return the (d,) point that a hop from ``x`` ends at."""
+        lower, upper = self.objective.lower, self.objective.upper
+        step = self.rng.uniform(-self.stepsize, self.stepsize, len(x)) * (upper - lower)
+        return np.clip(x + step, lower, upper)
+
+
+def box(objective: Objective) -> list[tuple[float, float]]:
+    """Return the box as d pairs (lower, upper)."""
+    return list(zip(objective.lower.tolist(), objective.upper.tolist(), strict=True))
+
+
+def function(name: str, rng: np.random.Generator | None = None) -> Any:
+    """Return the function of ``scipy.optimize``; given ``rng``, one that draws from it."""
+    from scipy import optimize
+
+    found = getattr(optimize, name)
+    if rng is None:
+        return found
+    return partial(
+        found, **{"rng" if "rng" in inspect.signature(found).parameters else "seed": rng}
+    )  # until 1.14: seed
+
+
+@contextmanager
+def silence() -> Iterator[None]:
+    """Keep scipy's warnings and log lines from the terminal, and the log's handlers as they were."""
+    root, disabled, handler = logging.getLogger(), logging.root.manager.disable, logging.NullHandler()
+    root.addHandler(handler)  # logging.info(…), as scipy calls it, gives a log without a handler one of its own
+    logging.disable(logging.CRITICAL)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of infinite values, flat functions, local searches that failed
+            yield
+    finally:
+        logging.disable(disabled)
+        root.removeHandler(handler)
+
+
+MEMBERS: dict[str, type[ScipyOptimizer]] = {
+    "basinhopping": BasinHopping,
+    "differential_evolution": DifferentialEvolution,
+    "direct": Direct,
+    "dual_annealing": DualAnnealing,
+    "shgo": Shgo,
+}
+
+
+class Scipy(Library):
+    """scipy's global optimizers; ``brute``, a grid, is left out, for it has no way to spend a budget."""
+
+    name = "scipy"
+    module = "scipy.optimize"
+
+    def members(self) -> list[str]:
+        """Return the names of scipy's functions."""
+        return list(MEMBERS)
+
+    def derive(self, member: str) -> type[Optimizer]:
+        """Return the class of one of them."""
+        return MEMBERS[member]
+
+
+scipy = Scipy()

@@ -1,0 +1,243 @@
+"""nevergrad's optimizers run as nevergrad runs them, within the budget, from the seed alone, and leave no trace."""
+
+import importlib
+import pickle
+import random
+import sys
+import threading
+import time
+import warnings
+
+import numpy as np
+import pytest
+
+from bench import BenchError, FunctionProblem, load_optimizer, solve
+from bench.seeds import streams
+from optimizers.nevergrad import EXCLUDED, PREFIXES, Nevergrad, in_step, nevergrad
+
+ng = pytest.importorskip("nevergrad", reason="the extra 'nevergrad' is not installed")
+
+LOWER, UPPER, BEST = np.array([1.0, -7.0, 20.0]), np.array([4.0, -2.0, 80.0]), np.array([1.7, -6.1, 33.0])
+SAMPLE = [
+    "DE", "TwoPointsDE", "LhsDE", "CMA", "DiagonalCMA", "CmaFmin2", "PSO", "OnePlusOne", "DiscreteOnePlusOne", "ES",
+    "TBPSA", "NaiveIsoEMNA", "EDA", "cGA", "SPSA", "RandomSearch", "LHSSearch", "ScrHammersleySearch", "SQP", "Cobyla",
+    "Powell", "NelderMead", "DSproba", "MetaModel", "ChainMetaModelSQP", "MultiCobyla", "Portfolio",
+    "Shiwa", "NgIoh", "NGOpt",
+]  # fmt: skip
+"""Members of every kind: populations, one-shot designs, threads, surrogates, chains, portfolios, competence maps."""
+
+
+def bowl(x):
+    d = x.shape[1]
+    return (((x - BEST[:d]) / (UPPER - LOWER)[:d]) ** 2).sum(axis=1)
+
+
+class Recorded(FunctionProblem):
+    def __init__(self, function=bowl, d=3):
+        super().__init__(function, LOWER[:d], UPPER[:d])
+        self.points, self.sizes = [], []
+
+    def evaluate(self, x):
+        self.points.append(x)
+        self.sizes.append(len(x))
+        return super().evaluate(x)
+
+
+def run(name, *, on=bowl, d=3, budget=60, seed=1, **options):
+    problem = Recorded(on, d)
+    result = solve(problem, nevergrad.load(f"nevergrad:{name}", **options), budget=budget, seed=seed)
+    return result, np.concatenate(problem.points), problem.sizes
+
+
+def states():
+    return random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
+
+
+def test_every_member_loads_and_says_what_it_is():
+    names = nevergrad.names()
+    assert len(names) > 400
+    assert names == sorted(set(names))
+    for name in names:
+        loaded = nevergrad.load(name)
+        assert loaded.__doc__
+        assert "bennet2021" in loaded.bibtex
+        assert loaded.code == f"nevergrad {ng.__version__}"
+
+
+@pytest.mark.parametrize("name", SAMPLE)
+def test_a_run_keeps_the_budget_and_depends_on_the_seed_alone(name):
+    points = []
+    for state in (1, 2):
+        random.seed(state)
+        np.random.seed(state)  # noqa: NPY002
+        before = states()
+        result, seen, _ = run(name)
+        assert before == states()
+        assert (result.nfev, len(seen), result.stop, result.outside_box) == (60, 60, "budget", 0)
+        points.append(seen)
+    np.testing.assert_array_equal(*points)
+    assert not np.array_equal(run(name, seed=2)[1], points[0])
+
+
+@pytest.mark.parametrize("name", ["DE", "CMA", "SQP", "MetaModel", "NGOpt"])
+@pytest.mark.parametrize("on", [lambda x: np.ones(len(x)), lambda x: np.full(len(x), np.inf)])
+def test_flat_and_infinite_values_are_no_end_of_a_run(name, on):
+    assert run(name, on=on)[0].nfev == 60
+    assert run(name, on=on, budget=1)[0].nfev == 1
+
+
+def test_differential_evolution_is_nevergrad_s():
+    ours = run("TwoPointsDE", budget=300, seed=4)[1]
+    start, search = streams(4)
+    search.integers(2**32)  # the seed of the global random states
+    space = ng.p.Array(init=LOWER + (UPPER - LOWER) * start.random((1, 3))[0], lower=LOWER, upper=UPPER)
+    space.random_state = np.random.RandomState(int(search.integers(2**32)))
+    theirs = []
+    optimizer = ng.optimizers.TwoPointsDE(space, budget=300)
+    optimizer.minimize(lambda x: theirs.append(x.copy()) or float(bowl(x[np.newaxis])[0]))
+    np.testing.assert_array_equal(ours, theirs)
+
+
+def test_workers_are_asked_for_and_evaluated_together():
+    assert run("DE", workers=25)[2] == [25, 25, 10]
+    assert set(run("DE")[2]) == {1}
+
+
+def test_the_search_space_is_centred_where_start_says():
+    middle = (LOWER + UPPER) / 2
+    np.testing.assert_allclose(run("OnePlusOne", start="midpoint")[1][0], middle)
+    assert not np.allclose(run("OnePlusOne")[1][0], middle)
+
+
+@pytest.mark.parametrize(
+    ("name", "option"),
+    [
+        ("DE", {"agents": 7}), ("DE", {"F1": 0.1}), ("DE", {"crossover": 0.9}), ("ES", {"agents": 8}),
+        ("PSO", {"omega": 0.1}), ("CMA", {"start": "midpoint"}), ("OnePlusOne", {"mutation": "cauchy"}),
+        ("DiagonalCMA", {"agents": 30}), ("LHSSearch", {"scrambled": True, "sampler": "Halton"}),
+    ],
+)  # fmt: skip
+def test_a_parameter_changes_the_run(name, option):
+    assert not np.array_equal(run(name)[1], run(name, **option)[1])
+
+
+def test_parameters_are_the_registry_s_settings():
+    assert nevergrad.load("nevergrad:ES").agents == 40
+    assert nevergrad.load("nevergrad:TwoPointsDE").crossover == "twopoints"
+    assert (
+        "the parameter 'optimizers' is no scalar and keeps nevergrad's value"
+        in nevergrad.load("nevergrad:ChainMetaModelSQP").unmapped
+    )
+    np.testing.assert_array_equal(run("DE", crossover=0.9)[1], run("AlmostRotationInvariantDE")[1])
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("DE", {"agents": 3}, "'agents' of DE must be at least 4"),
+        ("DE", {"crossover": True}, "'crossover' of DE must be"),
+        ("DE", {"popsize": 30}, "has no parameter 'popsize'"),
+        ("DE", {"initialization": "nowhere"}, "nevergrad refuses these parameters of DE: "),
+        ("SQP", {"workers": 2}, "nevergrad's SQP takes one point after the other: its workers must be 1"),
+        ("NGOp", {}, "nevergrad has no optimizer 'NGOp'; did you mean"),
+        ("SMAC3", {}, "nevergrad has no optimizer 'SMAC3'"),
+    ],
+)
+def test_wrong_options_are_refused_in_one_sentence(name, options, message):
+    with pytest.raises(BenchError, match=message):
+        nevergrad.load(f"nevergrad:{name}", **options)
+
+
+def test_what_is_left_out_is_no_member():
+    assert set(ng.optimizers.registry) >= EXCLUDED
+    assert not EXCLUDED & set(nevergrad.members())
+    assert all(name.isidentifier() and not name.startswith(PREFIXES) for name in nevergrad.members())
+
+
+def test_one_dimension_leaves_no_setting_behind():
+    """nevergrad's CMA-ES turns to another package there, by a setting that all its later runs would share."""
+    before = run("DiagonalCMA")[1]
+    with pytest.raises(
+        BenchError, match=r"nevergrad's DiagonalCMA needs a package here that is not installed: .*fcmaes"
+    ):
+        run("DiagonalCMA", d=1)
+    np.testing.assert_array_equal(run("DiagonalCMA")[1], before)
+    assert run("DE", d=1)[0].nfev == 60
+
+
+def test_nevergrad_s_threads_take_turns_with_the_caller_and_no_clock_ends_a_search():
+    from nevergrad.optimization import callbacks, recaster
+
+    def slow(function):
+        function(1.0)
+        time.sleep(0.05)
+        function(2.0)
+
+    with in_step():
+        thread = recaster.MessagingThread(slow)
+        assert thread.messages_ask.get() == 1.0
+        thread.messages_tell.put(0.0)
+        assert thread._thread.call_count == 2
+        assert thread.messages_ask.get() == 2.0
+        with pytest.raises(RuntimeError, match="asked twice"):
+            thread.messages_ask.get()
+        assert not callbacks.EarlyStopping.timer(-1)(None)
+    assert not thread.is_alive()
+
+
+@pytest.mark.parametrize("name", ["SQP", "NGOpt", "MultiCobyla"])
+def test_no_thread_and_no_change_of_a_library_outlives_a_run(name):
+    from cma.options_parameters import cma_default_options
+    from nevergrad.optimization import metamodel, optimizerlib, recaster
+
+    def found():
+        library = recaster.MessagingThread.messages_tell, optimizerlib._CMA.es, dict(cma_default_options)
+        return library, hasattr(metamodel, "float"), set(threading.enumerate())
+
+    before = found()
+    run(name)
+
+    def broken(x):
+        raise ValueError("no data for this point")
+
+    with pytest.raises(ValueError, match="no data for this point"):
+        run(name, on=broken)
+    assert found() == before
+
+
+@pytest.mark.parametrize(("handling", "highest"), [("repair", 2.0), ("box", 4.0)])
+@pytest.mark.parametrize("name", ["DE", "SQP"])
+def test_handling_decides_what_is_evaluated(name, handling, highest):
+    class Capped(Recorded):
+        def repair(self, x):
+            return np.clip(x, self.lower, np.minimum(self.upper, 2.0 + 100.0 * (np.arange(3) > 0)))
+
+    problem = Capped(lambda x: -x[:, 0])
+    solve(problem, nevergrad.load(f"nevergrad:{name}", handling=handling), budget=200, seed=1)
+    assert np.concatenate(problem.points)[:, 0].max() == pytest.approx(highest, rel=0.02)
+    assert np.concatenate(problem.points)[:, 0].max() <= highest
+
+
+@pytest.mark.parametrize("name", ["DE", "SQP", "NGOpt", "Portfolio"])
+def test_a_run_is_silent(name, capfd):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        run(name, on=lambda x: np.where(x[:, 0] > 2, np.inf, bowl(x)))
+    assert capfd.readouterr() == ("", "")
+
+
+def test_optimizers_travel_to_workers_by_name():
+    loaded = load_optimizer("nevergrad:DE", agents=9)
+    assert pickle.loads(pickle.dumps(loaded)) == loaded
+
+
+def test_a_missing_library_is_one_sentence(monkeypatch):
+    monkeypatch.setitem(sys.modules, "nevergrad", None)
+    with pytest.raises(BenchError, match=r"need the extra 'nevergrad': pip install 'backlash-bench\[nevergrad\]'"):
+        Nevergrad().names()
+
+
+def test_the_adapter_does_not_import_nevergrad_by_itself(monkeypatch):
+    monkeypatch.setitem(sys.modules, "nevergrad", None)
+    monkeypatch.delitem(sys.modules, "optimizers.nevergrad")
+    assert importlib.import_module("optimizers.nevergrad").nevergrad.name == "nevergrad"

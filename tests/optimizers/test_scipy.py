@@ -1,0 +1,280 @@
+"""scipy's global optimizers run as scipy runs them, within the budget, from the seed alone, and in silence."""
+
+import logging
+import pickle
+import random
+import warnings
+
+import numpy as np
+import pytest
+from scipy import optimize
+from threadpoolctl import threadpool_limits
+
+from bench import BenchError, FunctionProblem, solve
+from bench.seeds import streams
+from optimizers.scipy import DETERMINISTIC, MEMBERS, function, scipy
+
+LOWER, UPPER, BEST = np.array([1.0, -7.0, 20.0]), np.array([4.0, -2.0, 80.0]), np.array([1.7, -6.1, 33.0])
+RANDOM = [name for name, cls in MEMBERS.items() if DETERMINISTIC not in cls.unmapped]
+
+
+def bowl(x):
+    return (((x - BEST[: x.shape[1]]) / (UPPER - LOWER)[: x.shape[1]]) ** 2).sum(axis=1)
+
+
+def waves(x):
+    y = 10 * (x - BEST[: x.shape[1]]) / (UPPER - LOWER)[: x.shape[1]]
+    return (y**2 - 10 * np.cos(2 * np.pi * y) + 10).sum(axis=1)
+
+
+class Recorded(FunctionProblem):
+    def __init__(self, function=waves, d=3):
+        super().__init__(function, LOWER[:d], UPPER[:d])
+        self.points, self.sizes = [], []
+
+    def evaluate(self, x):
+        self.points.append(x)
+        self.sizes.append(len(x))
+        return super().evaluate(x)
+
+
+def run(name, *, on=waves, d=3, budget=400, seed=1, **options):
+    problem = Recorded(on, d)
+    result = solve(problem, scipy.load(f"scipy:{name}", **options), budget=budget, seed=seed)
+    return result, np.concatenate(problem.points), problem.sizes
+
+
+def test_the_family_lists_its_members():
+    assert scipy.names() == [f"scipy:{name}" for name in sorted(MEMBERS)]
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+@pytest.mark.parametrize(("on", "d"), [(waves, 3), (waves, 1), (lambda x: np.ones(len(x)), 3)])
+@pytest.mark.parametrize("budget", [1, 97, 500])
+def test_the_budget_is_kept_or_the_stop_declared(name, on, d, budget):
+    result, points, _ = run(name, on=on, d=d, budget=budget)
+    assert len(points) == result.nfev <= budget
+    assert (result.stop == "budget") == (result.nfev == budget)
+    assert result.stop != "undeclared"
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_a_run_depends_on_the_seed_alone_and_leaves_the_global_states_as_they_were(name):
+    runs = []
+    for state in (1, 2):
+        random.seed(state)
+        np.random.seed(state)  # noqa: NPY002
+        before = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
+        runs.append(run(name)[1])
+        assert before == (random.getstate(), np.random.get_state()[1].tolist())  # noqa: NPY002
+    np.testing.assert_array_equal(*runs)
+    other = run(name, seed=2)[1]
+    assert np.array_equal(other, runs[0]) == (name not in RANDOM)
+
+
+def test_differential_evolution_is_scipy_s():
+    ours = solve(Recorded(), MEMBERS["differential_evolution"](agents=20, tol=0.0), budget=700, seed=4)
+    start, search = streams(4)
+    values = []
+    theirs = {
+        "bounds": list(zip(LOWER, UPPER, strict=True)),
+        "init": LOWER + (UPPER - LOWER) * start.random((20, 3)),
+        "maxiter": 34,
+        "tol": 0.0,
+        "polish": False,
+    }
+    function("differential_evolution", search)(lambda x: values.append(waves(x[np.newaxis])[0]) or values[-1], **theirs)
+    assert (ours.nfev, len(values)) == (700, 700)
+    assert ours.fun == min(values)
+
+
+def test_dual_annealing_is_scipy_s():
+    ours = solve(Recorded(), MEMBERS["dual_annealing"](), budget=900, seed=4)
+    start, search = streams(4)
+    values = []
+    x0 = LOWER + (UPPER - LOWER) * start.random(3)
+    with threadpool_limits(limits=1):
+        function("dual_annealing", search)(
+            lambda x: values.append(waves(x[np.newaxis])[0]) or values[-1],
+            list(zip(LOWER, UPPER, strict=True)),
+            x0=x0,
+            maxfun=900,
+        )
+    assert ours.fun == min(values[:900])
+
+
+@pytest.mark.parametrize("name", ["direct", "shgo"])
+def test_the_deterministic_ones_are_scipy_s(name):
+    values = []
+    options = {"maxfun": 10_000} if name == "direct" else {}
+    box = optimize.Bounds(LOWER, UPPER)
+    with threadpool_limits(limits=1):  # as in a trial: a local search's last digits depend on the BLAS's threads
+        getattr(optimize, name)(lambda x: values.append(waves(np.atleast_2d(x))[0]) or values[-1], box, **options)
+    ours, points, _ = run(name, budget=10_000)
+    np.testing.assert_allclose(waves(points), values[: len(points)], rtol=1e-12)
+    assert ours.nfev == len(values)
+
+
+def test_deferred_updating_evaluates_a_generation_at_once():
+    _, _, sizes = run("differential_evolution", updating="deferred", agents=25, budget=110)
+    assert sizes == [25, 25, 25, 25, 10]
+    result, _, sizes = run("differential_evolution", on=bowl, updating="deferred", agents=25, atol=1e-3, budget=5000)
+    assert result.stop == "tol"
+    assert {25, 1} == set(sizes)  # the polish asks for one point at a time
+    assert set(run("differential_evolution", agents=25, budget=110)[2]) == {1}
+
+
+@pytest.mark.parametrize(
+    ("name", "option"),
+    [
+        *(
+            ("differential_evolution", option)
+            for option in [
+                {"agents": 20}, {"strategy": "rand1exp"}, {"mutation": 0.1}, {"mutation_to": None},
+                {"recombination": 0.1}, {"updating": "deferred"}, {"tol": 1.0}, {"atol": 1e3},
+                {"handling": "box"},
+            ]
+        ),
+        *(
+            ("dual_annealing", option)
+            for option in [
+                {"initial_temp": 1.0}, {"restart_temp_ratio": 0.9}, {"visit": 2.0}, {"accept": -500.0},
+                {"no_local_search": True}, {"handling": "box"},
+            ]
+        ),
+        ("shgo", {"n": 40}), ("shgo", {"iters": 2}), ("shgo", {"sampling_method": "sobol"}),
+        ("direct", {"eps": 0.1}), ("direct", {"locally_biased": False}),
+        ("direct", {"vol_tol": 0.01}), ("direct", {"len_tol": 0.2}),
+        *(
+            ("basinhopping", option)
+            for option in [
+                {"T": 1e3}, {"stepsize": 0.5}, {"interval": 2}, {"target_accept_rate": 0.1, "interval": 4},
+                {"stepwise_factor": 0.1, "interval": 2}, {"niter_success": 1},
+            ]
+        ),
+    ],
+)  # fmt: skip
+def test_every_parameter_changes_the_run(name, option):
+    class Rounded(Recorded):
+        def repair(self, x):
+            return np.clip(np.round(x, 2), self.lower, self.upper)
+
+    base = {"differential_evolution": {"agents": 15}, "basinhopping": {"interval": 4}}.get(name, {})
+    traces = []
+    for options in (base, base | option):
+        problem = Rounded()
+        solve(problem, scipy.load(f"scipy:{name}", **options), budget=800, seed=1)
+        traces.append(np.concatenate(problem.points))
+    assert not np.array_equal(*traces)
+
+
+def test_the_polish_follows_convergence_and_can_be_left_out():
+    polished, _, _ = run("differential_evolution", on=bowl, atol=1e-2, budget=5000)
+    plain, _, _ = run("differential_evolution", on=bowl, atol=1e-2, budget=5000, polish=False)
+    assert polished.stop == plain.stop == "tol"
+    assert polished.nfev > plain.nfev
+    assert polished.fun < plain.fun / 1e3
+
+
+def test_shgo_goes_on_until_the_budget_ends_where_its_iterations_are_not_limited():
+    assert run("shgo", iters=None, budget=1200)[0].stop == "budget"
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "reason"),
+    [
+        ("differential_evolution", {"tol": 1e9}, "tol"),
+        ("shgo", {}, "iters"),
+        ("direct", {"len_tol": 0, "vol_tol": 1e-3}, "vol_tol"),
+        ("direct", {"len_tol": 0.1, "vol_tol": 0}, "len_tol"),
+        ("basinhopping", {"niter_success": 1}, "niter_success"),
+    ],
+)
+def test_scipy_s_own_criteria_are_declared(name, options, reason):
+    result, _, _ = run(name, on=bowl, budget=5000, **options)
+    assert result.stop == reason
+    assert result.nfev < 5000
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_infinite_values_are_no_end_of_a_run(name):
+    reason = {"shgo": "iters"}.get(name, "budget")
+    assert run(name, on=lambda x: np.full(len(x), np.inf), budget=1200)[0].stop == reason
+    half, _, _ = run(name, on=lambda x: np.where(x[:, 0] > 3, np.inf, waves(x)), budget=300)
+    assert np.isfinite(half.fun)
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+@pytest.mark.parametrize(("handling", "highest"), [("repair", 2.0), ("box", 4.0)])
+def test_handling_decides_what_is_evaluated(name, handling, highest):
+    class Capped(Recorded):
+        def repair(self, x):
+            return np.clip(x, self.lower, np.minimum(self.upper, 2.0 + 100.0 * (np.arange(3) > 0)))
+
+    problem = Capped(lambda x: -x[:, 0])
+    solve(problem, scipy.load(f"scipy:{name}", handling=handling), budget=400, seed=1)
+    assert np.concatenate(problem.points)[:, 0].max() == pytest.approx(highest, rel=0.02)
+    assert np.concatenate(problem.points)[:, 0].max() <= highest
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_nothing_is_proposed_outside_the_box(name, monkeypatch):
+    """The finite differences of a local search at a bound would be wrong, were its points clipped afterwards."""
+    proposed, values = [], MEMBERS[name].values
+
+    def watched(self, objective, x):
+        proposed.append(x)
+        return values(self, objective, x)
+
+    monkeypatch.setattr(MEMBERS[name], "values", watched)
+    run(name, on=lambda x: (x / (UPPER - LOWER)).sum(axis=1), budget=600)
+    points = np.concatenate(proposed)
+    margin = 1e-12 * (UPPER - LOWER)
+    assert ((points >= LOWER - margin) & (points <= UPPER + margin)).all()
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+@pytest.mark.parametrize("on", [waves, lambda x: 1e300 * bowl(x)])
+def test_a_run_is_silent(name, on, capfd, monkeypatch):
+    monkeypatch.setattr(logging.root, "handlers", [])  # as outside of pytest
+    disabled = logging.root.manager.disable
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        run(name, on=on)
+    assert capfd.readouterr() == ("", "")
+    assert (logging.root.handlers, logging.root.manager.disable) == ([], disabled)
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+@pytest.mark.parametrize("updating", ["immediate", "deferred"])
+def test_an_error_of_the_problem_stays_itself(name, updating):
+    def broken(x):
+        raise ValueError("no data for this point")
+
+    options = {"updating": updating} if name == "differential_evolution" else {}
+    with pytest.raises(ValueError, match="no data for this point"):
+        run(name, on=broken, **options)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("differential_evolution", {"agents": 4}, "'agents' of DifferentialEvolution must be at least 5"),
+        ("differential_evolution", {"strategy": "best3bin"}, "must be one of 'best1bin'"),
+        ("differential_evolution", {"popsize": 15}, "has no parameter 'popsize'"),
+        ("dual_annealing", {"visit": 3.0}, "from 1.001 to 2.999"),
+        ("basinhopping", {"stepsize": 0}, "'stepsize'"),
+        ("brute", {}, "scipy has no optimizer 'brute'"),
+    ],
+)
+def test_wrong_options_are_refused_in_one_sentence(name, options, message):
+    with pytest.raises(BenchError, match=message):
+        scipy.load(f"scipy:{name}", **options)
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_optimizers_travel_to_workers(name):
+    loaded = scipy.load(f"scipy:{name}")
+    assert pickle.loads(pickle.dumps(loaded)) == loaded
+    assert loaded.code.startswith("scipy 1.")
+    assert "virtanen2020" in loaded.bibtex
