@@ -106,12 +106,14 @@ def fly(
     near = np.empty(N)
     S, A, C = np.zeros(d), np.empty(d), np.zeros(d)
     for i in range(N):
-        neighbours = find_neighbours(x, i, r, near)
-        swarm = neighbours > 1
         far, threatened = False, True
         for k in range(d):
             far |= abs(x[k, i] - food[k]) > r[k]
             threatened &= abs(x[k, i] - enemy[k]) <= r[k]
+        social = far or s > 0 or a > 0 or c > 0  # no time is spent on neighbours in a run's second half
+        neighbours = find_neighbours(x, i, r, near) if social else 0
+        swarm = neighbours > 1
+        for k in range(d):
             S[k], A[k], C[k] = 0.0, v[k, i], 0.0
             if swarm:
                 apart, along = 0.0, 0.0
