@@ -181,7 +181,7 @@ def _check_folder(path: Path, console: Console, jobs: int) -> bool:
     found, failed = diagnose_folder(Folder(path), jobs)
     for label, verdicts in found.items():
         for each in verdicts:
-            listing.show_verdict(label, each, console)
+            listing.show_verdict(label, each, console, mend=False)  # said once by 'bench check NAME'
     for label, reason in failed.items():
         _say(f"{label} could not be checked: {reason}")
     return not failed

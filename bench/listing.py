@@ -139,10 +139,10 @@ def show_status(results: Results, console: Console) -> None:
         )  # fmt: skip
 
 
-def show_verdict(label: str, verdict: Verdict, console: Console) -> None:
-    """Print a check's outcome: a breach of the contract in red, a bias in yellow, both with how to mend it."""
+def show_verdict(label: str, verdict: Verdict, console: Console, mend: bool = True) -> None:
+    """Print a check's outcome: a breach of the contract in red, a bias in yellow; with how to ``mend`` it."""
     lines = [f"{verdict.outcome}: {label}, {verdict.check}: {verdict.finding}"]
-    lines += [f"    to mend it: {verdict.mend}"] if verdict.mend else []
+    lines += [f"    to mend it: {verdict.mend}"] if mend and verdict.mend else []
     style = {"passed": None, "BIASED": "yellow", "FAILED": "red"}[verdict.outcome]
     for line in lines:
         console.print(line, style=style, markup=False, highlight=False, soft_wrap=True)
