@@ -1,5 +1,18 @@
 """Works that algorithms of several libraries come from, as BibTeX."""
 
+HANSEN = """
+    @article{hansen2001,
+      author = {Hansen, Nikolaus and Ostermeier, Andreas},
+      title = {Completely Derandomized Self-Adaptation in Evolution Strategies},
+      journal = {Evolutionary Computation},
+      volume = {9},
+      number = {2},
+      pages = {159--195},
+      year = {2001},
+      doi = {10.1162/106365601750190398},
+    }
+"""
+
 JONES = """
     @article{jones1993,
       author = {Jones, D. R. and Perttunen, C. D. and Stuckman, B. E.},

@@ -12,6 +12,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.problem import Floats
 from optimizers._cma import BoxedCMA, BoxMap
+from optimizers._works import HANSEN
 
 UNLIMITED: dict[str, Any] = {"maxiter": np.inf, "maxfevals": np.inf}
 """pycma's own limits on length are off: the harness's budget ends a trial, or a tolerance of pycma does."""
@@ -40,17 +41,9 @@ class CMAES(BoxedCMA):
     """
 
     code: ClassVar[str] = "pycma (N. Hansen's cma), run by this package"
-    bibtex: ClassVar[str] = """
-        @article{hansen2001,
-          author = {Hansen, Nikolaus and Ostermeier, Andreas},
-          title = {Completely Derandomized Self-Adaptation in Evolution Strategies},
-          journal = {Evolutionary Computation},
-          volume = {9},
-          number = {2},
-          pages = {159--195},
-          year = {2001},
-          doi = {10.1162/106365601750190398},
-        }
+    bibtex: ClassVar[str] = (
+        HANSEN
+        + """
         @misc{hansen2019,
           author = {Hansen, Nikolaus and Akimoto, Youhei and Baudis, Petr},
           title = {{CMA-ES}/pycma on {Github}},
@@ -59,6 +52,7 @@ class CMAES(BoxedCMA):
           doi = {10.5281/zenodo.2559634},
         }
     """
+    )
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent or a tolerance of pycma is met."""

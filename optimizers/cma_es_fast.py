@@ -14,6 +14,7 @@ from bench.optimizer import parameter
 from bench.problem import Floats
 from optimizers._cma import BoxedCMA, BoxMap
 from optimizers._population import compiled
+from optimizers._works import HANSEN
 
 TOLFUN, TOLFUNHIST, TOLX, TOLFACUPX, TOLUPSIGMA, TOLCONDITIONCOV = 1e-11, 1e-12, 1e-11, 1e3, 1e20, 1e14
 TOLXSTAGNATION = (1e-9, 20, 0.1)  # distance, generations, share of the generations so far
@@ -42,17 +43,9 @@ class CMAESFast(BoxedCMA):
     """
 
     code: ClassVar[str] = "written here after the thesis's eqs. 6.1-6.6 and Hansen's tutorial"
-    bibtex: ClassVar[str] = """
-        @article{hansen2001,
-          author = {Hansen, Nikolaus and Ostermeier, Andreas},
-          title = {Completely Derandomized Self-Adaptation in Evolution Strategies},
-          journal = {Evolutionary Computation},
-          volume = {9},
-          number = {2},
-          pages = {159--195},
-          year = {2001},
-          doi = {10.1162/106365601750190398},
-        }
+    bibtex: ClassVar[str] = (
+        HANSEN
+        + """
         @misc{hansen2016,
           author = {Hansen, Nikolaus},
           title = {The {CMA} Evolution Strategy: A Tutorial},
@@ -61,6 +54,7 @@ class CMAESFast(BoxedCMA):
           doi = {10.48550/arXiv.1604.00772},
         }
     """
+    )
 
     fewest: ClassVar[int] = 6
 

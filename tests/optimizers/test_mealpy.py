@@ -1,8 +1,6 @@
 """mealpy's algorithms spend the budget to the evaluation, follow the seed alone, and are mealpy's own."""
 
 import random
-import subprocess
-import sys
 import warnings
 from dataclasses import dataclass
 from importlib import import_module
@@ -13,48 +11,15 @@ import pytest
 from bench import BenchError, FunctionProblem, Objective, solve
 from bench.report.references import parse
 from bench.seeds import streams
-from optimizers import _library
 from optimizers._library import global_random_state
 from optimizers.mealpy import NEGATIVE_BOUNDS, OS_ENTROPY, SEVERAL_VARIABLES, MealpyOptimizer, mealpy
+from tests.optimizers.observed import OPTIMUM, Watched, trace
 
 library = pytest.importorskip("mealpy", reason="the extra 'mealpy' is not installed")
-
-OPTIMUM = np.array([2.3, 6.1, -3.3])
-LOWER, UPPER = [1.0, 2.0, -7.0], [5.0, 9.0, -1.0]
-
-
-class Watched(FunctionProblem):
-    """A sphere in a box that is not symmetric and does not hold 0, which keeps what it evaluates."""
-
-    def __init__(self, fun=lambda x: ((x - OPTIMUM) ** 2).sum(axis=1)):
-        super().__init__(fun, LOWER, UPPER, name="watched")
-        self.batches = []
-
-    def evaluate(self, x):
-        self.batches.append(x.copy())
-        return super().evaluate(x)
 
 
 def run(name, problem=None, *, budget=400, seed=1, **options):
     return solve(problem or Watched(), mealpy.load(f"mealpy:{name}", **options), budget=budget, seed=seed)
-
-
-def trace(result):
-    return result.trace.evaluations.tolist(), result.trace.values.tolist()
-
-
-def test_the_library_is_not_imported_before_it_is_needed():
-    code = "import sys, optimizers.mealpy; sys.exit('mealpy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-
-
-def test_a_missing_library_names_its_extra(monkeypatch):
-    def missing(name):
-        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-
-    monkeypatch.setattr(_library, "import_module", missing)
-    with pytest.raises(BenchError, match=r"need the extra 'mealpy': pip install 'backlash-bench\[mealpy\]'"):
-        mealpy.load("mealpy:OriginalGWO")
 
 
 def test_the_members_are_mealpy_s_classes_but_those_left_out():
@@ -121,7 +86,7 @@ def test_a_run_is_mealpy_s_own(name, mode, options):
     points = Objective(problem, 1, start).initial(agents)
     model = library.get_all_optimizers(verbose=False)[name](epoch=epochs, pop_size=agents, **options)
     asked = {"obj_func": lambda x: float(((x - OPTIMUM) ** 2).sum()), "minmax": "min", "log_to": None}
-    asked["bounds"] = library.FloatVar(LOWER, UPPER)
+    asked["bounds"] = library.FloatVar(Watched().lower.tolist(), Watched().upper.tolist())
     with global_random_state(search):
         theirs = int(search.integers(2**31))
         found = model.solve(asked, mode=mode or "single", starting_solutions=points, seed=theirs)

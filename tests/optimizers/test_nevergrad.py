@@ -11,13 +11,13 @@ import warnings
 import numpy as np
 import pytest
 
-from bench import BenchError, FunctionProblem, load_optimizer, solve
+from bench import BenchError, load_optimizer, solve
 from bench.seeds import streams
-from optimizers.nevergrad import EXCLUDED, PREFIXES, Nevergrad, in_step, nevergrad
+from optimizers.nevergrad import EXCLUDED, PREFIXES, in_step, nevergrad
+from tests.optimizers.observed import LOWER, UPPER, Recorded, bowl
 
 ng = pytest.importorskip("nevergrad", reason="the extra 'nevergrad' is not installed")
 
-LOWER, UPPER, BEST = np.array([1.0, -7.0, 20.0]), np.array([4.0, -2.0, 80.0]), np.array([1.7, -6.1, 33.0])
 SAMPLE = [
     "DE", "TwoPointsDE", "LhsDE", "CMA", "DiagonalCMA", "CmaFmin2", "PSO", "OnePlusOne", "DiscreteOnePlusOne", "ES",
     "TBPSA", "NaiveIsoEMNA", "EDA", "cGA", "SPSA", "RandomSearch", "LHSSearch", "ScrHammersleySearch", "SQP", "Cobyla",
@@ -25,22 +25,6 @@ SAMPLE = [
     "Shiwa", "NgIoh", "NGOpt",
 ]  # fmt: skip
 """Members of every kind: populations, one-shot designs, threads, surrogates, chains, portfolios, competence maps."""
-
-
-def bowl(x):
-    d = x.shape[1]
-    return (((x - BEST[:d]) / (UPPER - LOWER)[:d]) ** 2).sum(axis=1)
-
-
-class Recorded(FunctionProblem):
-    def __init__(self, function=bowl, d=3):
-        super().__init__(function, LOWER[:d], UPPER[:d])
-        self.points, self.sizes = [], []
-
-    def evaluate(self, x):
-        self.points.append(x)
-        self.sizes.append(len(x))
-        return super().evaluate(x)
 
 
 def run(name, *, on=bowl, d=3, budget=60, seed=1, **options):
@@ -229,12 +213,6 @@ def test_a_run_is_silent(name, capfd):
 def test_optimizers_travel_to_workers_by_name():
     loaded = load_optimizer("nevergrad:DE", agents=9)
     assert pickle.loads(pickle.dumps(loaded)) == loaded
-
-
-def test_a_missing_library_is_one_sentence(monkeypatch):
-    monkeypatch.setitem(sys.modules, "nevergrad", None)
-    with pytest.raises(BenchError, match=r"need the extra 'nevergrad': pip install 'backlash-bench\[nevergrad\]'"):
-        Nevergrad().names()
 
 
 def test_the_adapter_does_not_import_nevergrad_by_itself(monkeypatch):

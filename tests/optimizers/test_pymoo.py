@@ -2,8 +2,6 @@
 
 import inspect
 import random
-import subprocess
-import sys
 import warnings
 from importlib import import_module
 from pkgutil import iter_modules
@@ -14,49 +12,17 @@ import pytest
 from bench import BenchError, FunctionProblem, Objective, solve
 from bench.report.references import parse
 from bench.seeds import streams
-from optimizers import _library
 from optimizers._library import global_random_state
 from optimizers.pymoo import CHOICES, FOLDER, KEYWORDS, LEFT_OUT, MEMBERS, UNMAPPED, WORKS, prepare, pymoo
+from tests.optimizers.observed import OPTIMUM, Watched, trace
 
 library = pytest.importorskip("pymoo", reason="the extra 'pymoo' is not installed")
 
-OPTIMUM = np.array([2.3, 6.1, -3.3])
-LOWER, UPPER = [1.0, 2.0, -7.0], [5.0, 9.0, -1.0]
 TOLERANCES = {"BIPOPCMAES", "CMAES", "NelderMead", "SimpleCMAES"}
-
-
-class Watched(FunctionProblem):
-    """A sphere in a box that is not symmetric and does not hold 0, which keeps what it evaluates."""
-
-    def __init__(self, fun=lambda x: ((x - OPTIMUM) ** 2).sum(axis=1)):
-        super().__init__(fun, LOWER, UPPER, name="watched")
-        self.batches = []
-
-    def evaluate(self, x):
-        self.batches.append(x.copy())
-        return super().evaluate(x)
 
 
 def run(name, problem=None, *, budget=400, seed=1, **options):
     return solve(problem or Watched(), pymoo.load(f"pymoo:{name}", **options), budget=budget, seed=seed)
-
-
-def trace(result):
-    return result.trace.evaluations.tolist(), result.trace.values.tolist()
-
-
-def test_the_library_is_not_imported_before_it_is_needed():
-    code = "import sys, optimizers.pymoo; sys.exit('pymoo' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-
-
-def test_a_missing_library_names_its_extra(monkeypatch):
-    def missing(name):
-        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-
-    monkeypatch.setattr(_library, "import_module", missing)
-    with pytest.raises(BenchError, match=r"need the extra 'pymoo': pip install 'backlash-bench\[pymoo\]'"):
-        pymoo.load("pymoo:DE")
 
 
 def test_every_algorithm_of_pymoo_is_a_member_or_left_out():
@@ -171,7 +137,7 @@ def test_a_run_is_pymoo_s_own(name, options, generations):
         theirs = int(search.integers(1, 2**31))
     solver = getattr(import_module(f"{FOLDER}.{MEMBERS[name][0]}"), name)
     algorithm = solver(pop_size=agents, sampling=Objective(problem, 1, start).initial(agents), **options)
-    box = Sphere(n_var=3, n_obj=1, xl=np.array(LOWER), xu=np.array(UPPER))
+    box = Sphere(n_var=3, n_obj=1, xl=np.array(Watched().lower.tolist()), xu=np.array(Watched().upper.tolist()))
     found = minimize(box, algorithm, ("n_gen", generations), seed=theirs)
     assert (ours.fun, ours.nfev) == (found.F[0], found.algorithm.evaluator.n_eval)
 

@@ -10,32 +10,17 @@ import pytest
 from scipy import optimize
 from threadpoolctl import threadpool_limits
 
-from bench import BenchError, FunctionProblem, solve
+from bench import BenchError, solve
 from bench.seeds import streams
 from optimizers.scipy import DETERMINISTIC, MEMBERS, function, scipy
+from tests.optimizers.observed import BEST, LOWER, UPPER, Recorded, bowl
 
-LOWER, UPPER, BEST = np.array([1.0, -7.0, 20.0]), np.array([4.0, -2.0, 80.0]), np.array([1.7, -6.1, 33.0])
 RANDOM = [name for name, cls in MEMBERS.items() if DETERMINISTIC not in cls.unmapped]
-
-
-def bowl(x):
-    return (((x - BEST[: x.shape[1]]) / (UPPER - LOWER)[: x.shape[1]]) ** 2).sum(axis=1)
 
 
 def waves(x):
     y = 10 * (x - BEST[: x.shape[1]]) / (UPPER - LOWER)[: x.shape[1]]
     return (y**2 - 10 * np.cos(2 * np.pi * y) + 10).sum(axis=1)
-
-
-class Recorded(FunctionProblem):
-    def __init__(self, function=waves, d=3):
-        super().__init__(function, LOWER[:d], UPPER[:d])
-        self.points, self.sizes = [], []
-
-    def evaluate(self, x):
-        self.points.append(x)
-        self.sizes.append(len(x))
-        return super().evaluate(x)
 
 
 def run(name, *, on=waves, d=3, budget=400, seed=1, **options):
@@ -73,7 +58,7 @@ def test_a_run_depends_on_the_seed_alone_and_leaves_the_global_states_as_they_we
 
 
 def test_differential_evolution_is_scipy_s():
-    ours = solve(Recorded(), MEMBERS["differential_evolution"](agents=20, tol=0.0), budget=700, seed=4)
+    ours = solve(Recorded(waves), MEMBERS["differential_evolution"](agents=20, tol=0.0), budget=700, seed=4)
     start, search = streams(4)
     values = []
     theirs = {
@@ -89,7 +74,7 @@ def test_differential_evolution_is_scipy_s():
 
 
 def test_dual_annealing_is_scipy_s():
-    ours = solve(Recorded(), MEMBERS["dual_annealing"](), budget=900, seed=4)
+    ours = solve(Recorded(waves), MEMBERS["dual_annealing"](), budget=900, seed=4)
     start, search = streams(4)
     values = []
     x0 = LOWER + (UPPER - LOWER) * start.random(3)
@@ -162,7 +147,7 @@ def test_every_parameter_changes_the_run(name, option):
     base = {"differential_evolution": {"agents": 15}, "basinhopping": {"interval": 4}}.get(name, {})
     traces = []
     for options in (base, base | option):
-        problem = Rounded()
+        problem = Rounded(waves)
         solve(problem, scipy.load(f"scipy:{name}", **options), budget=800, seed=1)
         traces.append(np.concatenate(problem.points))
     assert not np.array_equal(*traces)

@@ -1,0 +1,60 @@
+"""What the families of other libraries share: they are imported when needed, and missed in one sentence."""
+
+import subprocess
+import sys
+import tomllib
+
+import pytest
+
+from bench import BenchError, Study, load_optimizer
+from optimizers import _library
+
+FAMILIES = {"mealpy": "OriginalGWO", "nevergrad": "DE", "pymoo": "DE"}
+each_family = pytest.mark.parametrize(("family", "member"), FAMILIES.items())
+
+
+@each_family
+def test_the_library_is_not_imported_before_it_is_needed(family, member):
+    code = f"import sys, optimizers.{family}; sys.exit('{family}' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@each_family
+def test_a_missing_library_names_its_extra(family, member, monkeypatch):
+    def missing(name):
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+    monkeypatch.setattr(_library, "import_module", missing)
+    with pytest.raises(BenchError) as caught:
+        load_optimizer(f"{family}:{member}")
+    assert str(caught.value) == (
+        f"the {family} optimizers need the extra {family!r}: pip install 'backlash-bench[{family}]'"
+    )
+
+
+@each_family
+def test_an_unknown_member_is_refused_with_the_nearest_one(family, member):
+    pytest.importorskip(family, reason=f"the extra {family!r} is not installed")
+    with pytest.raises(BenchError, match=f"{family} has no optimizer '{member}x'; did you mean"):
+        load_optimizer(f"{family}:{member}x")
+
+
+def test_a_family_is_no_optimizer_itself():
+    with pytest.raises(BenchError, match="'scipy' is a family; name one"):
+        load_optimizer("scipy")
+
+
+def study(**optimizers):
+    return Study.from_dict({"name": "s", "problems": [{"name": "signature-12"}], "optimizers": [optimizers]})
+
+
+def test_a_pattern_stands_for_all_members_that_fit():
+    labels = [entry.label for entry in study(name="scipy:d*").optimizers]
+    assert labels == ["scipy:differential_evolution", "scipy:direct", "scipy:dual_annealing"]
+    frozen = Study.from_dict(tomllib.loads(study(name="scipy:d*", handling="box").to_toml()))
+    assert [entry.options for entry in frozen.optimizers] == [{"handling": "box"}] * 3
+
+
+def test_a_pattern_that_fits_nothing_is_refused():
+    with pytest.raises(BenchError, match=r"no optimizer fits 'scipy:\*GWO'; 'bench list scipy' shows those there are"):
+        study(name="scipy:*GWO")
