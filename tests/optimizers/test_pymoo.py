@@ -70,7 +70,7 @@ def variants():
     """Every member, and with each choice of each parameter that has choices."""
     for name, (_, parameters, _) in MEMBERS.items():
         yield name, {}
-        for each in CHOICES.keys() & set(parameters.split()):
+        for each in sorted(CHOICES.keys() & set(parameters.split())):
             for choice in CHOICES[each]:
                 yield name, {each: choice}
     yield "DE", {"jitter": True}
