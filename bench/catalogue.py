@@ -77,8 +77,8 @@ def record(name: str) -> Record:
 
 
 def first_line(thing: Any) -> str:
-    """Return the first line of a docstring."""
-    return (inspect.getdoc(thing) or "").partition("\n")[0]
+    """Return the first line of a docstring, without the marks of reStructuredText."""
+    return (inspect.getdoc(thing) or "").partition("\n")[0].replace("``", "")
 
 
 def _papers(bibtex: str) -> list[str]:

@@ -1,7 +1,7 @@
 """What another version of an algorithm changes: final bests of the built-in's default beside those of the other.
 
     python benchmarks/variants.py           # the variants of GWO, ALO and GOA: about three minutes
-    python benchmarks/variants.py mealpy    # mealpy's classes of the same names: about eight minutes; needs mealpy
+    python benchmarks/variants.py mealpy    # mealpy's classes of the same names: about fifteen minutes; needs mealpy
 
 Five functions with d = 7, 30 agents and 200 generations' evaluations (6,000). p is of the exact two-sample
 Kolmogorov-Smirnov test, A12 the chance that the other's run ends lower than the default's, ties counted by half.

@@ -11,6 +11,7 @@ import pytest
 from bench import BenchError, Study, run, write_report
 from bench.check.bias import diagnose
 from bench.check.functions import FUNCTIONS
+from bench.check.verdict import Verdict
 
 ENTRIES = [{"name": "scatter", "agents": 7}, {"name": "early"}]
 
@@ -121,3 +122,23 @@ def test_what_was_found_is_a_warning_in_the_report(bench_here, folders, tmp_path
     assert "away from the centre of the box: scatter 5e+06 times. Results on problems" in page
     methods = (folder / "methods.md").read_text(encoding="utf-8")
     assert "We probed scatter for a bias to the centre of the search space [@kudela2022]: scatter has it." in methods
+
+
+def test_checking_an_optimizer_ends_by_whether_it_keeps_the_contract(bench, bench_here, tmp_path, monkeypatch):
+    (tmp_path / "mine.py").write_text(
+        "def wandering(objective, rng):\n"
+        "    while True:\n"
+        "        objective(objective.upper + rng.random(objective.dimension))\n"
+    )
+    broken = bench("check", "mine.py:wandering", "--no-bias", cwd=tmp_path)
+    assert broken.returncode == 1
+    assert "FAILED: mine.py:wandering, box:" in broken.stdout
+    assert "    to mend it: clip to objective.lower and objective.upper" in broken.stdout
+    assert "passed: mine.py:wandering, budget:" in broken.stdout
+    assert broken.stdout.rstrip().endswith("mine.py:wandering fails the contract in: box")
+    found = [Verdict("centre bias", "bias", False, "errors grow", "report it", 50.0)]
+    monkeypatch.setattr("bench.check.suite._biases", lambda subject, jobs: found)
+    biased = bench_here("check", "scatter")
+    assert biased.returncode == 0
+    assert "BIASED: scatter, centre bias: errors grow" in biased.stdout
+    assert "scatter keeps the contract; biased: fails the checks of centre bias" in biased.stdout
