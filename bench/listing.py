@@ -30,7 +30,8 @@ def show(kind: str, console: Console) -> None:
     for each in KINDS if kind == "all" else (kind,):
         table = Table("name", "what it is", title=each, title_justify="left", box=None, pad_edge=False)
         if each in families:
-            rows = [(name, _attempt(_optimizer, name)) for name in plugins.load("optimizers", each).names()]
+            members = plugins.load("optimizers", each).names()
+            rows = _told_once([(name, _attempt(_optimizer, name)) for name in members], f"all of {each}")
         else:
             names = sorted(plugins.entries(each))
             rows = [(name, _attempt(_about, each, name, kind == "optimizers")) for name in names]
@@ -63,6 +64,15 @@ def _loaded(name: str) -> Any:
         return plugins.load("optimizers", name)
     except BenchError:
         return None
+
+
+def _told_once(rows: list[tuple[str, tuple[str, str]]], name: str) -> list[tuple[str, tuple[str, str]]]:
+    """Return the rows with the lines that all of them share in a first one, called ``name``."""
+    texts = [about.splitlines() for _, (about, _) in rows]
+    shared = [line for line in texts[0] if all(line in text for text in texts)] if len(texts) > 1 else []
+    own = ["\n".join(line for line in text if line not in shared) for text in texts]
+    told = [(member, (about, style)) for (member, (_, style)), about in zip(rows, own, strict=True)]
+    return [(name, ("\n".join(shared), "")), *told] if shared else told
 
 
 def _attempt(describe: Callable[..., str], *arguments: Any) -> tuple[str, str]:

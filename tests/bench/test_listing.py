@@ -39,6 +39,13 @@ def test_a_family_lists_its_members(bench_here):
         assert f"scipy:{name}" in bench_here("list", "optimizers").stdout
 
 
+def test_what_all_members_share_is_told_once(bench_here):
+    said = bench_here("list", "scipy").stdout
+    assert said.count("code: scipy ") == said.count("family: scipy") == 1
+    assert said.index("all of scipy") < said.index("code: scipy ") < said.index("scipy:basinhopping")
+    assert said.count("parameters: ") == 5
+
+
 def test_an_unknown_kind_is_refused(bench_here):
     done = bench_here("list", "optimisers")
     assert done.returncode == 2
