@@ -10,8 +10,9 @@ from scipy.stats import ks_2samp
 
 from bench import BenchError, FunctionProblem, solve
 from optimizers import cma_es_fast
+from optimizers._cma import BoxMap
 from optimizers.cma_es import CMAES
-from optimizers.cma_es_fast import CMAESFast, rates
+from optimizers.cma_es_fast import CMAESFast, Strategy, rates
 from tests.optimizers import sample_cma
 from tests.optimizers.sample_cma import CELLS, DEFAULT, SEEDS, mirror
 
@@ -186,3 +187,24 @@ def test_repaired_points_alone_are_evaluated():
 def test_fewer_than_six_agents_are_refused():
     with pytest.raises(BenchError, match="at least 6"):
         CMAESFast(agents=5)
+
+
+@pytest.mark.parametrize("change", ["_scale_coordinates", "_change_coordinates"])
+def test_a_change_of_coordinates_leaves_the_search_where_it_is(change):
+    rng = np.random.default_rng(5)
+    strategy = Strategy(BoxMap(np.full(4, -5.0), np.full(4, 7.0)), np.full(4, 2.0), 0.25, 8, rng)
+    root = rng.normal(size=(4, 4))
+    strategy.C = root @ root.T
+    strategy.scale, strategy.pc = rng.uniform(0.1, 3, 4), rng.normal(size=4)
+    strategy._decompose()
+
+    def seen():
+        """Mean, evolution path and covariance matrix in the unbounded space."""
+        own = np.eye(4) if strategy.coordinates is None else strategy.coordinates
+        axes = own * strategy.scale
+        return own @ strategy.mean, axes @ strategy.pc, axes @ strategy.C @ axes.T
+
+    before = seen()
+    getattr(strategy, change)()
+    for old, new in zip(before, seen(), strict=True):
+        np.testing.assert_allclose(new, old, rtol=2e-4)  # C starts anew as the identity up to 1e-4
