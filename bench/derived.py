@@ -11,7 +11,7 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.objective import Objective
-from bench.optimizer import Optimizer
+from bench.optimizer import Optimizer, settings
 
 Parameters = Mapping[str, tuple[Any, Any]]
 """Type and default, or :func:`bench.parameter`, of each parameter by name."""
@@ -37,8 +37,7 @@ def derive(base: type[Optimizer], name: str, parameters: Parameters, **attribute
 
 
 def _reduce(self: Any) -> tuple[Callable[..., Optimizer], tuple[str, dict[str, Any]]]:
-    options = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-    return _reload, (self.plugin, options)
+    return _reload, (self.plugin, settings(self))
 
 
 def _reload(name: str, options: dict[str, Any]) -> Optimizer:
@@ -55,8 +54,7 @@ class FunctionOptimizer(Optimizer):
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Call the function with the parameters as keywords."""
-        options = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-        type(self).function(objective, rng, **options)
+        type(self).function(objective, rng, **settings(self))
 
 
 def of_function(function: Callable[..., Any], name: str, **attributes: Any) -> type[Optimizer]:

@@ -69,8 +69,7 @@ class Folder:
 
     def fingerprints(self) -> dict[str, str]:
         """Return the noted fingerprints of the problems' data, by label."""
-        noted = self._json(DATA)
-        return noted if isinstance(noted, dict) else {}
+        return self._noted(DATA)
 
     def check_data(self, fingerprints: dict[str, str]) -> None:
         """Note the fingerprints of the problems' data, by label, and refuse data that changed under a study.
@@ -90,8 +89,7 @@ class Folder:
             self._check(CODE, known, "code of optimizer", "versions")
 
     def _check(self, file: str, fingerprints: dict[str, str], what: str, kinds: str) -> None:
-        noted = self._json(file)
-        before = noted if isinstance(noted, dict) else {}
+        before = self._noted(file)
         for label, fingerprint in fingerprints.items():
             if before.get(label, fingerprint) != fingerprint:
                 raise BenchError(
@@ -105,10 +103,9 @@ class Folder:
 
         Each has all keys of :class:`bench.check.verdict.Verdict`; what an older file lacks is filled in.
         """
-        noted = self._json(CHECKS)
         return {
             label: [whole for each in those if (whole := _verdict(each))]
-            for label, those in (noted.items() if isinstance(noted, dict) else ())
+            for label, those in self._noted(CHECKS).items()
             if isinstance(those, list) and all(isinstance(each, dict) for each in those)
         }
 
@@ -136,6 +133,11 @@ class Folder:
         now = datetime.now(UTC).isoformat(timespec="seconds")
         record = {"started": now, "jobs": jobs, **environment.describe()}
         self._write(ENVIRONMENT, json.dumps([*self.environments(), record], indent=1))
+
+    def _noted(self, name: str) -> dict[str, Any]:
+        """Return what a JSON file notes by label, nothing where it is missing or damaged."""
+        noted = self._json(name)
+        return noted if isinstance(noted, dict) else {}
 
     def _json(self, name: str) -> Any:
         """Return a JSON file's content, or None where it is missing or damaged: notes never stand in a run's way."""

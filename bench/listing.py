@@ -24,9 +24,11 @@ KINDS = ("optimizers", "problems", "studies", "commands")
 
 def show(kind: str, console: Console) -> None:
     """Print the plug-ins of a kind or of all, or the optimizers of a family; what fails to load shows its error."""
-    families = [name for name in plugins.entries("optimizers") if plugins.is_family(_loaded(name))]
-    if kind not in (*KINDS, *families, "all"):
-        raise BenchError(f"unknown kind {kind!r}{nearest(kind, (*KINDS, *families, 'all'))}")
+    known = (*KINDS, "all")
+    # only a family's name takes the import of the optimizers
+    families = [] if kind in known else [e for e in plugins.entries("optimizers") if plugins.is_family(_loaded(e))]
+    if kind not in (*known, *families):
+        raise BenchError(f"unknown kind {kind!r}{nearest(kind, (*known, *families))}")
     for each in KINDS if kind == "all" else (kind,):
         table = Table("name", "what it is", title=each, title_justify="left", box=None, pad_edge=False)
         if each in families:

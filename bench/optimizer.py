@@ -67,6 +67,11 @@ class Optimizer(ABC):
             )
 
 
+def settings(optimizer: Optimizer) -> dict[str, Any]:
+    """Return the values of an optimizer's parameters, by name."""
+    return {field.name: getattr(optimizer, field.name) for field in dataclasses.fields(optimizer)}  # type: ignore[arg-type]
+
+
 def is_frozen(cls: type) -> bool:
     """Return whether the class is a frozen dataclass."""
     return bool(getattr(getattr(cls, "__dataclass_params__", None), "frozen", False))

@@ -5,6 +5,14 @@ import json
 
 import numpy as np
 
+from bench.errors import BenchError
+
+
+def check_seed(seed: object) -> None:
+    """Raise BenchError for what is no seed of a run."""
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise BenchError(f"the seed must be a whole number of at least 0, not {seed!r}")
+
 
 def trial_seed(study_seed: int, problem: str, optimizer: str, trial: int) -> int:
     """Return the 63-bit seed of a trial: a stable hash (SHA-256) of its four coordinates.

@@ -11,7 +11,7 @@ from bench.errors import BenchError
 from bench.objective import BudgetExhausted, Objective, Trace
 from bench.optimizer import Optimizer
 from bench.problem import Floats, Problem
-from bench.seeds import streams
+from bench.seeds import check_seed, streams
 
 FRAME_COLUMNS = (
     "study", "problem", "optimizer", "trial", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s",
@@ -75,8 +75,7 @@ def solve(problem: str | Problem, optimizer: str | Optimizer, *, budget: int, se
     optimizer = plugins.load_optimizer(optimizer) if isinstance(optimizer, str) else optimizer
     if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
         raise BenchError("solve needs a problem and an optimizer, or their names")
-    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise BenchError(f"the seed must be a whole number of at least 0, not {seed!r}")
+    check_seed(seed)
     start_stream, search_stream = streams(seed)
     objective = Objective(problem, budget, start_stream)
     with threadpool_limits(limits=1):  # results and times must not depend on how many threads a BLAS finds

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from bench.errors import BenchError, nearest
 from bench.objective import Objective
 from bench.optimizer import Optimizer, build
 from bench.problem import Floats
+from optimizers._bounds import Handling, confine
 
 CEILING = 1e100
 """Given for a greater value, such as +inf, to a library that computes with values: its sums and weights stay finite."""
@@ -31,12 +32,11 @@ class Adapter(Optimizer):
             problem's own rule; ``"box"`` only clips them. The library goes on from the points it proposed.
     """
 
-    handling: Literal["repair", "box"] = "repair"
+    handling: Handling = "repair"
 
     def values(self, objective: Objective, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points ``x``, confined as ``handling`` says."""
-        inside = np.minimum(np.maximum(x, objective.lower), objective.upper)
-        values: Floats = objective(objective.repair(inside) if self.handling == "repair" else inside)
+        values: Floats = objective(confine(objective, x, self.handling))
         return values
 
     def finite_values(self, objective: Objective, x: Floats) -> Floats:

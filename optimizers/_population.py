@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, TypeVar
+from typing import TypeVar
 
-import numpy as np
 from numba import njit
 
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
+from optimizers._bounds import Handling, confine
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -28,7 +28,7 @@ class Population(Optimizer):
     """
 
     agents: int = parameter(30, minimum=1)
-    handling: Literal["repair", "box"] = "repair"
+    handling: Handling = "repair"
 
     def generations(self, objective: Objective) -> int:
         """Return T, the generations that a budget of N T evaluations makes; the objective cuts the last one short."""
@@ -36,8 +36,7 @@ class Population(Optimizer):
 
     def confine(self, objective: Objective, x: Floats) -> Floats:
         """Return the (n, d) points ``x`` clipped to the box and, unless ``handling`` is ``"box"``, repaired."""
-        x = np.minimum(np.maximum(x, objective.lower), objective.upper)
-        return np.ascontiguousarray(objective.repair(x)) if self.handling == "repair" else x
+        return confine(objective, x, self.handling)
 
 
 def compiled(function: Function) -> Function:

@@ -20,7 +20,7 @@ from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
 from optimizers._library import Adapter, Library, global_random_state
 from optimizers._works import JONES, STORN
-from optimizers.cma_es import CMAES
+from optimizers.cma_es import CMAES, SILENT, UNLIMITED
 
 FOLDER = "pymoo.algorithms.soo.nonconvex"
 
@@ -172,9 +172,6 @@ UNMAPPED: dict[str, tuple[str, ...]] = {
 AGENTS = {"pop_size": "agents"}
 """What is called otherwise here."""
 
-UNLIMITED_CMA: dict[str, Any] = {"maxiter": np.inf, "maxfevals": np.inf}
-SILENT_CMA: dict[str, Any] = {"verbose": -9, "verb_log": 0, "verb_disp": 0, "signals_filename": None}
-
 
 @dataclass(frozen=True)
 class PymooOptimizer(Adapter):
@@ -238,7 +235,7 @@ def prepare(algorithm: Any, objective: Objective) -> str:
         algorithm.max_iteration = -(-objective.budget // algorithm.pop_size)
     for options in ("options", "opts"):
         if hasattr(algorithm, options):
-            getattr(algorithm, options).update(UNLIMITED_CMA | SILENT_CMA)
+            getattr(algorithm, options).update(UNLIMITED | SILENT)
             algorithm.termination = NoTermination()
             return "a tolerance of cma"
     if isinstance(algorithm, NelderMead):

@@ -16,9 +16,10 @@ import cloudpickle
 from bench.check.isolation import Pulse
 from bench.check.probe import Run, run
 from bench.errors import BenchError
-from bench.optimizer import Optimizer, build
+from bench.optimizer import Optimizer, build, settings
 from bench.plugins import load_optimizer
 from bench.problem import Problem
+from bench.seeds import check_seed
 
 
 @dataclasses.dataclass(frozen=True)
@@ -94,8 +95,7 @@ def make_subject(optimizer: object, options: dict[str, Any], seed: int) -> Subje
     Raises:
         BenchError: for anything else, for an unknown name, for options of an instance, and for a seed below 0.
     """
-    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise BenchError(f"the seed must be a whole number of at least 0, not {seed!r}")
+    check_seed(seed)
     if isinstance(optimizer, str):
         _refuse(lambda: load_optimizer(optimizer, **options))
         return Subject(optimizer, options, seed)
@@ -112,7 +112,7 @@ def make_subject(optimizer: object, options: dict[str, Any], seed: int) -> Subje
             f"{next(iter(options))!r} cannot be set: the optimizer is made already; give its class or name"
         )
     if "plugin" in vars(type(optimizer)):  # one made at run time is loaded by its name
-        own = {field.name: getattr(optimizer, field.name) for field in dataclasses.fields(optimizer)}  # type: ignore[arg-type]
+        own = settings(optimizer)
         return Subject(vars(type(optimizer))["plugin"], own, seed)
     return Subject(optimizer, {}, seed)
 
@@ -135,7 +135,7 @@ def ordinary_budget(optimizer: Optimizer) -> int:
 def parameters(optimizer: Optimizer) -> dict[str, str]:
     """Return what the optimizer holds, spelled out: its fields, or all attributes where it has no fields."""
     if dataclasses.is_dataclass(optimizer):
-        return {field.name: repr(getattr(optimizer, field.name)) for field in dataclasses.fields(optimizer)}
+        return {name: repr(value) for name, value in settings(optimizer).items()}
     return {name: repr(value) for name, value in vars(optimizer).items()}
 
 

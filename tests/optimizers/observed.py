@@ -20,6 +20,15 @@ class Watched(FunctionProblem):
         return super().evaluate(x)
 
 
+class Ordered(Watched):
+    """Feasible where the first variable is at most 3."""
+
+    def repair(self, x):
+        x = super().repair(x)
+        x[:, 0] = np.minimum(x[:, 0], 3.0)
+        return x
+
+
 def bowl(x):
     d = x.shape[1]
     return (((x - BEST[:d]) / (UPPER - LOWER)[:d]) ** 2).sum(axis=1)
@@ -36,6 +45,13 @@ class Recorded(FunctionProblem):
         self.points.append(x)
         self.sizes.append(len(x))
         return super().evaluate(x)
+
+
+class Capped(Recorded):
+    """Feasible where the first variable is at most 2."""
+
+    def repair(self, x):
+        return np.clip(x, self.lower, np.minimum(self.upper, 2.0 + 100.0 * (np.arange(3) > 0)))
 
 
 def trace(result):

@@ -13,7 +13,7 @@ from bench.report.references import parse
 from bench.seeds import streams
 from optimizers._library import global_random_state
 from optimizers.mealpy import NEGATIVE_BOUNDS, OS_ENTROPY, SEVERAL_VARIABLES, MealpyOptimizer, mealpy
-from tests.optimizers.observed import OPTIMUM, Watched, trace
+from tests.optimizers.observed import OPTIMUM, Ordered, Watched, trace
 
 library = pytest.importorskip("mealpy", reason="the extra 'mealpy' is not installed")
 
@@ -138,12 +138,6 @@ def test_infinite_values_and_plateaus_do_no_harm(name, value):
 
 
 def test_points_are_repaired_or_only_clipped_as_asked():
-    class Ordered(Watched):
-        def repair(self, x):
-            x = super().repair(x)
-            x[:, 0] = np.minimum(x[:, 0], 3.0)
-            return x
-
     highest = {}
     for handling in ("repair", "box"):
         problem = Ordered(lambda x: -x[:, 0])

@@ -14,7 +14,7 @@ import pytest
 from bench import BenchError, load_optimizer, solve
 from bench.seeds import streams
 from optimizers.nevergrad import EXCLUDED, PREFIXES, in_step, nevergrad
-from tests.optimizers.observed import LOWER, UPPER, Recorded, bowl
+from tests.optimizers.observed import LOWER, UPPER, Capped, Recorded, bowl
 
 ng = pytest.importorskip("nevergrad", reason="the extra 'nevergrad' is not installed")
 
@@ -192,10 +192,6 @@ def test_no_thread_and_no_change_of_a_library_outlives_a_run(name):
 @pytest.mark.parametrize(("handling", "highest"), [("repair", 2.0), ("box", 4.0)])
 @pytest.mark.parametrize("name", ["DE", "SQP"])
 def test_handling_decides_what_is_evaluated(name, handling, highest):
-    class Capped(Recorded):
-        def repair(self, x):
-            return np.clip(x, self.lower, np.minimum(self.upper, 2.0 + 100.0 * (np.arange(3) > 0)))
-
     problem = Capped(lambda x: -x[:, 0])
     solve(problem, nevergrad.load(f"nevergrad:{name}", handling=handling), budget=200, seed=1)
     assert np.concatenate(problem.points)[:, 0].max() == pytest.approx(highest, rel=0.02)

@@ -14,7 +14,7 @@ from bench.report.references import parse
 from bench.seeds import streams
 from optimizers._library import global_random_state
 from optimizers.pymoo import CHOICES, FOLDER, KEYWORDS, LEFT_OUT, MEMBERS, UNMAPPED, WORKS, prepare, pymoo
-from tests.optimizers.observed import OPTIMUM, Watched, trace
+from tests.optimizers.observed import OPTIMUM, Ordered, Watched, trace
 
 library = pytest.importorskip("pymoo", reason="the extra 'pymoo' is not installed")
 
@@ -194,12 +194,6 @@ def test_one_variable_suffices(name):
 
 
 def test_points_are_repaired_or_only_clipped_as_asked():
-    class Ordered(Watched):
-        def repair(self, x):
-            x = super().repair(x)
-            x[:, 0] = np.minimum(x[:, 0], 3.0)
-            return x
-
     highest = {}
     for handling in ("repair", "box"):
         problem = Ordered(lambda x: -x[:, 0])

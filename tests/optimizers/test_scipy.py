@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from bench import BenchError, solve
 from bench.seeds import streams
 from optimizers.scipy import DETERMINISTIC, MEMBERS, function, scipy
-from tests.optimizers.observed import BEST, LOWER, UPPER, Recorded, bowl
+from tests.optimizers.observed import BEST, LOWER, UPPER, Capped, Recorded, bowl
 
 RANDOM = [name for name, cls in MEMBERS.items() if DETERMINISTIC not in cls.unmapped]
 
@@ -192,10 +192,6 @@ def test_infinite_values_are_no_end_of_a_run(name):
 @pytest.mark.parametrize("name", MEMBERS)
 @pytest.mark.parametrize(("handling", "highest"), [("repair", 2.0), ("box", 4.0)])
 def test_handling_decides_what_is_evaluated(name, handling, highest):
-    class Capped(Recorded):
-        def repair(self, x):
-            return np.clip(x, self.lower, np.minimum(self.upper, 2.0 + 100.0 * (np.arange(3) > 0)))
-
     problem = Capped(lambda x: -x[:, 0])
     solve(problem, scipy.load(f"scipy:{name}", handling=handling), budget=400, seed=1)
     assert np.concatenate(problem.points)[:, 0].max() == pytest.approx(highest, rel=0.02)
