@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
-from datetime import UTC, datetime
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,8 @@ ENVIRONMENT = "environment.json"
 DATA = "data.json"
 CODE = "code.json"
 CHECKS = "checks.json"
+VERIFICATION = "verification.json"
+RUNNING = ".running.json"
 
 
 class Folder:
@@ -38,38 +39,53 @@ class Folder:
         return Study.load(self.path / STUDY)
 
     def environments(self) -> list[dict[str, Any]]:
-        """Return what each run that wrote here noted of its environment, oldest first."""
-        records = self._json(ENVIRONMENT)
-        return [record for record in records if isinstance(record, dict)] if isinstance(records, list) else []
+        """Return the environments that the store's rows come from, in the order of their numbers from 1 on."""
+        return list(self.store.environments().values())
+
+    def write_environments(self) -> None:
+        """Write the store's environments where people look for them."""
+        self._write(ENVIRONMENT, json.dumps(self.environments(), indent=1))
+
+    def differences(self, machine: Mapping[str, Any]) -> list[str]:
+        """Return how this machine and its versions differ from what last made trials here, in short phrases."""
+        noted = self.environments()
+        return environment.differences(noted[-1], machine) if noted else []
+
+    def extended(self, study: Study) -> Study:
+        """Return the study as it is to be frozen here: with as many trials as it had before, or more.
+
+        Raises:
+            BenchError: when the folder holds another study.
+        """
+        if not (self.path / STUDY).exists():
+            return study
+        present = self.study()
+        if present.identity() != study.identity():
+            raise BenchError(
+                f"{self.path} holds another study ({present.name!r}, budget {present.budget}, seed {present.seed}, "
+                f"or other problems or options); give another --output"
+            )
+        return study.override(trials=max(study.trials, present.trials))
 
     def claim(self, study: Study) -> Study:
-        """Prepare the folder for ``study`` and return the study as frozen there.
+        """Freeze ``study`` in the folder, which is locked, and return it as frozen there.
 
         A folder of the same study is continued; more trials than before extend it, fewer leave it as it is.
 
         Raises:
-            BenchError: when the folder cannot be written, or holds another study or other files.
+            BenchError: when the folder holds another study or cannot be written.
         """
-        if (self.path / STUDY).exists():
-            present = self.study()
-            if present.identity() != study.identity():
-                raise BenchError(
-                    f"{self.path} holds another study ({present.name!r}, budget {present.budget}, seed {present.seed}, "
-                    f"or other problems or options); give another --output"
-                )
-            study = study.override(trials=max(study.trials, present.trials))
-        elif self.path.is_dir() and any(not item.name.startswith(".") for item in self.path.iterdir()):
-            raise BenchError(f"{self.path} is not empty and holds no study; give another --output")
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-            self._write(STUDY, study.to_toml())
-        except OSError as error:
-            raise BenchError(f"the output folder {self.path} cannot be written: {error.strerror}") from error
+        study = self.extended(study)
+        self._write(STUDY, study.to_toml())
         return study
 
     def fingerprints(self) -> dict[str, str]:
         """Return the noted fingerprints of the problems' data, by label."""
         return self._noted(DATA)
+
+    def code(self) -> dict[str, str]:
+        """Return the noted fingerprints of the optimizers that come from a file, by label."""
+        return self._noted(CODE)
 
     def check_data(self, fingerprints: dict[str, str]) -> None:
         """Note the fingerprints of the problems' data, by label, and refuse data that changed under a study.
@@ -88,7 +104,20 @@ class Folder:
         if known := {label: fingerprint for label, fingerprint in fingerprints.items() if fingerprint}:
             self._check(CODE, known, "code of optimizer", "versions")
 
+    def refuse_changes(self, data: dict[str, str], code: dict[str, str]) -> None:
+        """Refuse data and code that are not what the folder's trials were made with, as a run does, and note nothing.
+
+        Raises:
+            BenchError: for a problem or an optimizer that changed.
+        """
+        self._refuse(DATA, data, "data of problem", "data sets")
+        self._refuse(CODE, code, "code of optimizer", "versions")
+
     def _check(self, file: str, fingerprints: dict[str, str], what: str, kinds: str) -> None:
+        before = self._refuse(file, fingerprints, what, kinds)
+        self._write(file, json.dumps(before | fingerprints, indent=1))
+
+    def _refuse(self, file: str, fingerprints: dict[str, str], what: str, kinds: str) -> dict[str, Any]:
         before = self._noted(file)
         for label, fingerprint in fingerprints.items():
             if before.get(label, fingerprint) != fingerprint:
@@ -96,7 +125,7 @@ class Folder:
                     f"the {what} {label!r} changed since {self.path} was begun, and its trials would mix two {kinds}; "
                     "put it back or give another --output"
                 )
-        self._write(file, json.dumps(before | fingerprints, indent=1))
+        return before
 
     def checks(self) -> dict[str, list[dict[str, Any]]]:
         """Return the verdicts that ``bench check`` noted of the study's optimizers, by label; empty where none did.
@@ -113,26 +142,59 @@ class Folder:
         """Note the verdicts on the study's optimizers, by label."""
         self._write(CHECKS, json.dumps(checks, indent=1))
 
+    def verification(self) -> dict[str, Any]:
+        """Return what ``bench verify`` noted last; empty where it did not."""
+        return self._noted(VERIFICATION)
+
+    def note_verification(self, found: dict[str, Any]) -> None:
+        """Note what ``bench verify`` found."""
+        self._write(VERIFICATION, json.dumps(found, indent=1))
+
     @contextmanager
     def lock(self) -> Iterator[None]:
-        """Hold the folder for one run; a killed run's hold ends with it.
+        """Hold the folder, made where it is missing, for one run; a killed run's hold ends with it.
 
         Raises:
-            BenchError: when another run is writing here.
+            BenchError: when another run is writing here, or the folder cannot be written or holds something else.
         """
+        foreign = self.path.is_dir() and any(not item.name.startswith(".") for item in self.path.iterdir())
+        if foreign and not (self.path / STUDY).exists():
+            raise BenchError(f"{self.path} is not empty and holds no study; give another --output")
+        hold = FileLock(self.path / ".lock", timeout=0)
         try:
-            with FileLock(self.path / ".lock", timeout=0):
-                yield
+            self.path.mkdir(parents=True, exist_ok=True)
+            hold.acquire()
         except Timeout as error:
+            holder = self.running()
+            who = f"(process {holder['pid']} on {holder['host']}, since {holder['started']}) " if holder else ""
             raise BenchError(
-                f"another run is writing to {self.path}; wait for its end or give another --output"
+                f"another run {who}is writing to {self.path}; wait for its end or give another --output"
             ) from error
+        except (OSError, NotImplementedError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise BenchError(f"the output folder {self.path} cannot be written: {reason}") from error
+        try:
+            holder = {"pid": os.getpid(), "host": environment.host(), "started": environment.now()}
+            self._write(RUNNING, json.dumps(holder))
+            yield
+        finally:
+            with suppress(OSError):
+                (self.path / RUNNING).unlink(missing_ok=True)
+            hold.release()
 
-    def note_environment(self, jobs: int) -> None:
-        """Append this run's environment, with its start time and number of workers."""
-        now = datetime.now(UTC).isoformat(timespec="seconds")
-        record = {"started": now, "jobs": jobs, **environment.describe()}
-        self._write(ENVIRONMENT, json.dumps([*self.environments(), record], indent=1))
+    def running(self) -> dict[str, Any] | None:
+        """Return pid, host and start of the run that is writing here, as far as can be seen from this machine."""
+        noted = self._json(RUNNING)
+        if not isinstance(noted, dict) or not {"pid", "host", "started"} <= noted.keys():
+            return None
+        if noted["host"] == environment.host():
+            try:
+                os.kill(int(noted["pid"]), 0)  # asks only whether it is there
+            except PermissionError:
+                return noted
+            except (OSError, ValueError, OverflowError):
+                return None
+        return noted
 
     def _noted(self, name: str) -> dict[str, Any]:
         """Return what a JSON file notes by label, nothing where it is missing or damaged."""

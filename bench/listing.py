@@ -1,4 +1,4 @@
-"""What the commands list, status and solve print."""
+"""What the commands list, check and solve print."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from bench.problem import Problem
 
 if TYPE_CHECKING:
     from bench.check.verdict import Verdict
-    from bench.results import Results
     from bench.trial import Result
 
 KINDS = ("optimizers", "problems", "studies", "commands")
@@ -125,30 +124,6 @@ def _optimizer(name: str) -> str:
     ):  # fmt: skip
         lines += [f"{title}: {text}"] if text else []
     return "\n".join([*lines, *(f"not mapped: {sentence}" for sentence in known.unmapped)])
-
-
-def show_status(results: Results, console: Console) -> None:
-    """Print trials done and failed per optimizer, each failure's reason, and the machines that ran."""
-    study, frame = results.study, results.frame
-    planned = len(study.problems) * study.trials
-    console.print(f"study {study.name}: {study.title}", markup=False, highlight=False, soft_wrap=True)
-    table = Table("optimizer", "done", "failed", "of", box=None, pad_edge=False)
-    for entry in study.optimizers:
-        mine = frame[frame["optimizer"] == entry.label]["status"]
-        table.add_row(Text(entry.label), str((mine == "ok").sum()), str((mine != "ok").sum()), str(planned))
-    console.print(table)
-    for row in frame[frame["status"] != "ok"].itertuples():
-        reason = str(row.error).partition("\n")[0]
-        line = f"{row.status}: {row.optimizer} on {row.problem}, trial {row.trial}: {reason}"
-        console.print(line, style="red", markup=False, highlight=False, soft_wrap=True)
-    for record in results.environments:
-        git = record.get("git") or {}
-        commit = f", commit {git['commit'][:10]}{' with changes' if git['dirty'] else ''}" if git else ""
-        console.print(
-            f"ran {record['started']} with {record['jobs']} jobs on {record['processor']}, {record['system']}, "
-            f"Python {record['python']}{commit}",
-            markup=False, highlight=False, soft_wrap=True,
-        )  # fmt: skip
 
 
 def show_verdict(label: str, verdict: Verdict, console: Console, mend: bool = True) -> None:

@@ -31,3 +31,9 @@ def unique(names: Iterable[str]) -> list[str]:
     for name in names:
         taken[free(name, taken)] = None
     return list(taken)
+
+
+def printable(text: str, limit: int) -> str:
+    """Return a text without control characters but line breaks, and cut where it is longer than ``limit``."""
+    cut = text if len(text) <= limit else f"{text[:limit]} …"
+    return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in cut)

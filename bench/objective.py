@@ -1,6 +1,8 @@
 """What an optimizer sees of a problem: a counted, clocked and recorded function with a hard budget."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from threading import Lock
 from time import perf_counter
 from typing import Any
 
@@ -47,9 +49,12 @@ class Objective:
         problem: what is minimised.
         budget: the number of evaluations allowed, at least 1.
         rng: the trial's stream for initial points, independent of the optimizer's own.
+        on_refusal: called with their number, from 1, whenever points are refused because the budget is spent.
     """
 
-    def __init__(self, problem: Problem, budget: int, rng: np.random.Generator) -> None:
+    def __init__(
+        self, problem: Problem, budget: int, rng: np.random.Generator, on_refusal: Callable[[int], None] | None = None
+    ) -> None:
         if isinstance(budget, bool) or not isinstance(budget, (int, np.integer)) or budget < 1:
             raise BenchError(f"the budget must be a whole number of at least 1 evaluation, not {budget!r}")
         self.lower: Floats = problem.lower.copy()
@@ -66,6 +71,9 @@ class Objective:
         self._rng = rng
         self._improved_at: list[int] = []
         self._improved_to: list[float] = []
+        self._refusals = 0
+        self._on_refusal = on_refusal
+        self._lock = Lock()  # threads of an optimizer must not outrun the budget
 
     @property
     def dimension(self) -> int:
@@ -119,12 +127,14 @@ class Objective:
             raise ValueError(
                 f"expected points of shape (n, {self.dimension}) or ({self.dimension},), got {points.shape}"
             )
-        allowed = min(len(rows), self.remaining)
+        with self._lock:
+            allowed = min(len(rows), self.remaining)
+            values = self._evaluate(rows[:allowed])
         if allowed < len(rows):
-            if allowed:
-                self._evaluate(rows[:allowed])
+            self._refusals += 1
+            if self._on_refusal is not None:
+                self._on_refusal(self._refusals)
             raise BudgetExhausted
-        values = self._evaluate(rows)
         return float(values[0]) if single else values
 
     def _evaluate(self, rows: Floats) -> Floats:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import types
 from abc import ABC, abstractmethod
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -41,7 +42,7 @@ class Optimizer(ABC):
 
     def __post_init__(self) -> None:
         """Check every parameter; raises BenchError naming the first that does not fit."""
-        hints = get_type_hints(type(self))
+        hints = _hints(type(self))
         for field in dataclasses.fields(self):  # type: ignore[arg-type]
             _check(type(self).__name__, field, hints[field.name], getattr(self, field.name))
 
@@ -89,6 +90,12 @@ def build(cls: type[Optimizer], name: str, options: dict[str, Any]) -> Optimizer
         return cls(**options)
     except TypeError as error:
         raise BenchError(f"optimizer {name!r} cannot be made: {error}; give its parameters defaults") from error
+
+
+@lru_cache(maxsize=512)
+def _hints(cls: type) -> dict[str, Any]:
+    """Return the types of a class's fields, whose evaluation takes longer than a short trial."""
+    return get_type_hints(cls)
 
 
 def _check(owner: str, field: dataclasses.Field[Any], hint: Any, value: Any) -> None:

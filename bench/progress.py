@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from time import monotonic
 from types import TracebackType
@@ -18,7 +18,10 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from bench.study import Study, Trial
+from bench.plan import Plan
+from bench.study import Trial
+
+SHOWN = 20  # failures of an optimizer that are printed as they happen
 
 
 class Display:
@@ -37,7 +40,7 @@ class Display:
             disable=not self._live,
         )
         self._bars: dict[str, TaskID] = {}
-        self._failed = 0
+        self._told: dict[str, int] = {}  # failures of each optimizer
         self._made = self._left = 0
         self._started = self._spoken = monotonic()
 
@@ -50,41 +53,66 @@ class Display:
     ) -> None:
         self._progress.stop()
 
-    def plan(self, study: Study, done: set[tuple[str, str, int]]) -> None:
-        """Show the plan: how many trials there are and how many an earlier run already made."""
-        keys = {trial.key for trial in study.plan()}
-        present = keys & done
-        self._left = len(keys) - len(present)
+    def plan(self, plan: Plan) -> None:
+        """Show the plan: how many trials there are, how many an earlier run already made, and what to know before."""
+        counts = plan.counts()
+        show_plan(plan, counts, self._console)
+        total, present = (sum(each) for each in zip(*counts.values(), strict=True))
+        self._left = total - present
         self._started = monotonic()
-        size = f"{len(study.problems)} problems x {len(study.optimizers)} optimizers x {study.trials} trials"
-        self._console.print(
-            f"study {study.name}: {size} = {len(keys)} runs of {study.budget} evaluations"
-            + (f", {len(present)} of them already done" if present else ""),
-            markup=False, highlight=False, soft_wrap=True,
-        )  # fmt: skip
-        self._bars["all"] = self._progress.add_task("all", total=len(keys), completed=len(present))
-        for entry in study.optimizers:
-            mine = sum(key[1] == entry.label for key in present)
-            total = len(study.problems) * study.trials
-            self._bars[f"of {entry.label}"] = self._progress.add_task(entry.label, total=total, completed=mine)
+        self._bars["all"] = self._progress.add_task("all", total=total, completed=present)
+        for entry in plan.study.optimizers:
+            mine = [count for (_, label), count in counts.items() if label == entry.label]
+            total, present = (sum(each) for each in zip(*mine, strict=True)) if mine else (0, 0)
+            self._bars[f"of {entry.label}"] = self._progress.add_task(entry.label, total=total, completed=present)
 
     def trial(self, trial: Trial, row: dict[str, Any]) -> None:
         """Count one finished trial; a failed one is said at once."""
         self._made += 1
         if row["status"] != "ok":
-            self._failed += 1
-            reason = str(row["error"]).splitlines()[0]
-            self._console.print(
-                f"failed: {trial.optimizer} on {trial.problem}, trial {trial.number}: {reason}",
-                markup=False, highlight=False, soft_wrap=True, style="red",
-            )  # fmt: skip
+            reason = str(row["error"]).partition("\n")[0]
+            told = self._told[trial.optimizer] = self._told.get(trial.optimizer, 0) + 1
+            more = "; more of them are counted, not shown" if told == SHOWN else ""
+            if told <= SHOWN:
+                self._console.print(
+                    f"{row['status']}: {trial.optimizer} on {trial.problem}, trial {trial.number}: {reason}{more}",
+                    markup=False, highlight=False, soft_wrap=True, style="red",
+                )  # fmt: skip
         self._progress.advance(self._bars["all"])
         self._progress.advance(self._bars[f"of {trial.optimizer}"])
         if not self._live and (monotonic() - self._spoken > 15 or self._made == self._left):
             self._spoken = monotonic()
             rest = (self._spoken - self._started) / self._made * (self._left - self._made)
-            left = f", about {rest:.0f} s left" if self._made < self._left else ""
+            left = f", about {duration(rest)} left" if self._made < self._left else ""
             self._console.print(f"{self._made} of {self._left} runs done{left}", highlight=False)
+
+
+def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], console: Console) -> None:
+    """Print the size of a plan, how much of it is done, and what to know before it begins."""
+    study = plan.study
+    total, present = (sum(each) for each in zip(*counts.values(), strict=True))
+    size = f"{len(study.problems)} problems x {len(study.optimizers)} optimizers x {study.trials} trials"
+    part = f"; shard {plan.shard} of them: {total} runs" if plan.shard else f" = {total} runs"
+    console.print(
+        f"study {study.name}: {size}{part} of {study.budget} evaluations"
+        + (f", {present} of them already done" if present else ""),
+        markup=False, highlight=False, soft_wrap=True,
+    )  # fmt: skip
+    for note in plan.notes:
+        console.print(note, markup=False, highlight=False, soft_wrap=True, style="yellow")
+
+
+def duration(seconds: float) -> str:
+    """Return a time in words, to two units: "8 s", "12 min", "3 h 5 min", "2 d 4 h"."""
+    whole = round(seconds)
+    if whole < 120:
+        return f"{whole} s"
+    minutes, hours = round(whole / 60), round(whole / 3600)
+    if minutes < 120:
+        return f"{minutes} min"
+    if hours < 48:
+        return f"{minutes // 60} h {minutes % 60} min"
+    return f"{hours // 24} d {hours % 24} h"
 
 
 @contextmanager

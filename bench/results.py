@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache, cached_property
 from os import PathLike
 from pathlib import Path
@@ -15,11 +15,11 @@ import pandas as pd
 
 from bench.errors import BenchError
 from bench.folder import Folder
+from bench.frame import tidy
 from bench.names import unique
 from bench.objective import Trace
 from bench.problem import Problem
 from bench.study import Entry, Study
-from bench.trial import FRAME_COLUMNS
 
 AnyPath = str | PathLike[str]
 
@@ -50,7 +50,7 @@ class Results:
     Attributes:
         names: the folders' own names, with as many parents as it takes to tell them apart.
         study: the study as frozen in the folder; for several, all their problems and optimizers.
-        environments: what each run that wrote here noted of its machine.
+        environments: what made the trials: a record for each run on each machine (:mod:`bench.environment`).
         checks: what ``bench check`` noted of each optimizer, by label; empty where it was not asked.
         fingerprints: the hash of each problem's data, by label, as noted when it ran; "" where the name says it all.
 
@@ -84,21 +84,20 @@ class Results:
     @cached_property
     def frame(self) -> pd.DataFrame:
         """The tidy frame: one row a trial; see :func:`load_results`."""
-        rows = [row for source in self._sources for row in source.rows()]
-        problems, optimizers = (
-            {entry.label: rank for rank, entry in enumerate(entries)}
-            for entries in (self.study.problems, self.study.optimizers)
+        return self._rows.drop(columns="environment")
+
+    @property
+    def origins(self) -> pd.Series:
+        """Which of ``environments`` made each row of the frame, counted from 1; apart, as it is no result."""
+        return self._rows["environment"]
+
+    @cached_property
+    def _rows(self) -> pd.DataFrame:
+        return tidy(
+            (row for source in self._sources for row in source.rows()),
+            [entry.label for entry in self.study.problems],
+            [entry.label for entry in self.study.optimizers],
         )
-        rows.sort(key=lambda row: (problems[row["problem"]], optimizers[row["optimizer"]], row["trial"]))
-        variables = {f"x_{name}": None for row in rows for name in row["x"]}
-        figures = {name: None for row in rows for name in row["figures"]}
-        table = [
-            {name: value for name, value in row.items() if name not in ("x", "figures")}
-            | {f"x_{name}": value for name, value in row["x"].items()}
-            | row["figures"]
-            for row in rows
-        ]
-        return pd.DataFrame(table, columns=[*FRAME_COLUMNS, *variables, *figures])
 
     @cached_property
     def traces(self) -> dict[tuple[str, str, int], Trace]:
@@ -160,18 +159,20 @@ class _Source:
     study: Study
     shown: dict[str, str]
     environments: list[dict[str, Any]]
+    environment_places: dict[int, int]
 
-    def rows(self) -> list[dict[str, Any]]:
-        """Return the store's rows with the labels as shown and the study's name."""
-        rows = self.folder.store.rows()
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Yield the store's rows with the labels as shown, the study's name and the environment's place among all."""
         known = {entry.label for entry in self.study.problems}
-        strange = {row["problem"] for row in rows} - known | {row["optimizer"] for row in rows} - self.shown.keys()
-        if strange:
-            raise BenchError(
-                f"{self.folder.path} holds trials of {min(strange)!r}, which its study.toml does not name; "
-                "put back the study.toml that the run wrote"
-            )
-        return [{"study": self.study.name} | row | {"optimizer": self.shown[row["optimizer"]]} for row in rows]
+        for row in self.folder.store.rows():
+            if row["problem"] not in known or row["optimizer"] not in self.shown:
+                strange = row["optimizer"] if row["problem"] in known else row["problem"]
+                raise BenchError(
+                    f"{self.folder.path} holds trials of {strange!r}, which its study.toml does not name; "
+                    "put back the study.toml that the run wrote"
+                )
+            place = self.environment_places.get(row["environment"])
+            yield row | {"study": self.study.name, "optimizer": self.shown[row["optimizer"]], "environment": place}
 
 
 def _sources(folders: list[Folder]) -> list[_Source]:
@@ -184,12 +185,16 @@ def _sources(folders: list[Folder]) -> list[_Source]:
         for entry in study.optimizers
     ]
     distinct = iter(unique(every))  # a label may already look like another one with its folder
-    sources = []
+    sources: list[_Source] = []
     for folder, study, name in zip(folders, studies, names, strict=True):
         shown = {entry.label: next(distinct) for entry in study.optimizers}
         optimizers = tuple(dataclasses.replace(entry, label=shown[entry.label]) for entry in study.optimizers)
-        environments = [{"folder": name} | record if len(folders) > 1 else record for record in folder.environments()]
-        sources.append(_Source(folder, name, dataclasses.replace(study, optimizers=optimizers), shown, environments))
+        noted = folder.store.environments()
+        environments = [{"folder": name} | record if len(folders) > 1 else record for record in noted.values()]
+        before = sum(len(source.environments) for source in sources)
+        places = {number: before + place for place, number in enumerate(noted, start=1)}
+        own = dataclasses.replace(study, optimizers=optimizers)
+        sources.append(_Source(folder, name, own, shown, environments, places))
     return sources
 
 

@@ -2,33 +2,24 @@
 
 from __future__ import annotations
 
-import random
-import tomllib
-import traceback
-from collections.abc import Callable, Iterable
-from contextlib import suppress
+import json
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from joblib import Parallel, cpu_count, delayed, parallel_config
-from joblib.externals.loky.process_executor import BrokenProcessPool
-
-from bench.errors import BenchError, nearest
+from bench import environment, worker
+from bench.errors import BenchError
 from bench.folder import Folder
-from bench.problem import Problem
+from bench.guard import Task
+from bench.interrupts import deferred
+from bench.plan import Plan, Shard
+from bench.pool import Pool, open_pool
+from bench.process import DiedError, Process, RemoteError
 from bench.study import Study, Trial
-from bench.trial import as_row, solve
-
-BACKENDS = ("loky",)
 
 Listener = Callable[[Trial, dict[str, Any]], None]
-
-
-class WorkerDiedError(RuntimeError):
-    """A worker process ended in the middle of a trial; what was finished is kept."""
 
 
 @dataclass(frozen=True)
@@ -46,102 +37,146 @@ def run(
     *,
     n_jobs: int = -1,
     backend: str = "loky",
-    on_plan: Callable[[Study, set[tuple[str, str, int]]], None] | None = None,
+    scheduler: str | None = None,
+    timeout: float | None = None,
+    memory: float | None = None,
+    shard: str | None = None,
+    on_plan: Callable[[Plan], None] | None = None,
     on_trial: Listener | None = None,
 ) -> Outcome:
     """Run every trial of a study that its folder does not hold yet.
 
     Rerunning the same call continues where the last one ended; failed trials are tried again. Results depend on the
-    study alone: not on the number of workers, on the order of trials or on the other optimizers.
+    study alone: not on the number of workers, on the order of trials or on the other optimizers. Every trial is made
+    in a process of the worker's own, so that an optimizer that hangs or crashes costs only its own trials.
 
     Args:
         study: a study, the name of an installed one, or a TOML file's path.
         output: the folder to write, ``results/runs/<study name>`` by default.
-        n_jobs: worker processes; -1 takes every core.
-        backend: a joblib backend, "loky".
-        on_plan: called once with the study as frozen and the keys already done.
+        n_jobs: worker processes; -1 takes every core. A dask cluster has its own number.
+        backend: where trials are made, "loky" (this machine) or "dask" (a cluster).
+        scheduler: the address of dask's scheduler, such as "tcp://10.0.0.1:8786".
+        timeout: wall seconds that a trial may take before it is stopped.
+        memory: gigabytes that a trial's process may hold; by default its share of nine tenths of the machine's.
+        shard: "3/20" for the third of twenty parts, each of which one machine runs into a folder of its own.
+        on_plan: called once with what is to be done.
         on_trial: called with every finished trial and its row.
 
     Raises:
         BenchError: for a study that cannot be run or a folder that cannot take it.
-        WorkerDiedError: when a worker process ends in the middle of a trial.
+        WorkerDiedError: when worker processes end again and again, whatever they are given.
+        KeyboardInterrupt: on Ctrl-C, once what has finished is committed.
     """
-    if isinstance(n_jobs, bool) or not isinstance(n_jobs, int) or n_jobs == 0 or n_jobs < -1:
-        raise BenchError(f"the number of jobs must be at least 1, or -1 for every core, not {n_jobs!r}")
-    if backend not in BACKENDS:
-        raise BenchError(f"unknown backend {backend!r}{nearest(backend, BACKENDS)}")
+    _check_limits(n_jobs, timeout, memory)
+    part = Shard.parse(shard) if shard is not None else None
     study = study if isinstance(study, Study) else Study.load(study)
-    data, code = study.check()
-    folder = Folder(output if output is not None else Path("results") / "runs" / study.name)
-    study = folder.claim(study)
-    with folder.lock():
+    data, code = check(study)
+    folder = _folder(study, output)
+    with open_pool(backend, n_jobs, scheduler) as pool, folder.lock():
+        study = folder.claim(study)
         folder.check_data(data)
         folder.check_code(code)
-        done = folder.store.keys(finished_only=True)
+        plan = _plan(study, folder, part)
         if on_plan is not None:
-            on_plan(study, done)
-        missing = [trial for trial in study.plan() if trial.key not in done]
-        # Interleaved in random order, so that a busy machine slows no one algorithm more than another.
-        random.Random(study.seed).shuffle(missing)
-        jobs = cpu_count() if n_jobs == -1 else n_jobs
-        if missing:
-            folder.note_environment(jobs)
-        with folder.store.writer() as writer:
-            for trial, row in _stream(study, missing, jobs, backend):
-                writer.add(trial, row)
+            on_plan(plan)
+        about = environment.run(study, data, code, pool.jobs, backend, timeout=timeout, shard=shard)
+        task = Task(study.to_toml(), timeout, _bytes(memory, pool.jobs, backend))
+        made = _make(plan, folder, pool, task, about, on_trial)
+        return Outcome(folder.path, made, sum(cell.lost for cell in folder.store.cells()))
+
+
+def check(study: Study) -> tuple[dict[str, str], dict[str, str]]:
+    """Return what :meth:`bench.study.Study.check` does, without loading a plug-in into this process.
+
+    The parent of a run stays small, and out of the reach of what plug-ins do.
+
+    Raises:
+        BenchError: for the first name, parameter, recording or budget that cannot work.
+    """
+    with Process(0) as process:
+        try:
+            found = process.call(worker.check, study.to_toml(), patience=None)
+        except (DiedError, RemoteError) as error:
+            raise BenchError(f"loading the study's problems and optimizers failed: {error}") from error
+    if isinstance(found, str):
+        raise BenchError(found)
+    data, code = found
+    return data, code
+
+
+def plan(
+    study: Study | str | PathLike[str], output: str | PathLike[str] | None = None, *, shard: str | None = None
+) -> Plan:
+    """Return what :func:`run` would do, and write nothing.
+
+    Raises:
+        BenchError: for a study that cannot be run, or a folder that holds another one.
+    """
+    part = Shard.parse(shard) if shard is not None else None
+    study = study if isinstance(study, Study) else Study.load(study)
+    data, code = check(study)
+    folder = _folder(study, output)
+    folder.refuse_changes(data, code)
+    return _plan(folder.extended(study), folder, part)
+
+
+def _folder(study: Study, output: str | PathLike[str] | None) -> Folder:
+    return Folder(output if output is not None else Path("results") / "runs" / study.name)
+
+
+def _plan(study: Study, folder: Folder, shard: Shard | None) -> Plan:
+    """Return the plan of a study in its folder, with what changed since it was last run there."""
+    changed = folder.differences(environment.machine())
+    note = (
+        f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): those to come may "
+        "differ in their last digits and their times; the report tells them apart"
+    )
+    store = folder.store
+    return Plan(study, shard, store.keys(finished_only=True), store.cells(), [note] if changed else [])
+
+
+def _make(plan: Plan, folder: Folder, pool: Pool, task: Task, about: dict[str, Any], on_trial: Listener | None) -> int:
+    """Have the missing trials made and commit each; return their number."""
+    numbers: dict[str, int] = {}  # of the environments, by their machine's text
+    made = 0
+    with folder.store.writer() as writer, deferred() as interrupts:
+        answers = pool.answers(task, plan.missing)
+        try:
+            while True:
+                with interrupts.welcome():
+                    answer = next(answers, None)
+                if answer is None:
+                    return made
+                trial, row, machine = answer
+                if machine not in numbers:
+                    numbers[machine] = writer.environment(json.loads(machine) | about)
+                    folder.write_environments()
+                writer.add(trial, row, numbers[machine])
+                plan.finished.add(*trial.key)
+                made += 1
                 if on_trial is not None:
                     on_trial(trial, row)
-        failed = len(folder.store.keys()) - len(folder.store.keys(finished_only=True))
-    return Outcome(folder.path, len(missing), failed)
+        finally:
+            answers.close()  # type: ignore[attr-defined]
+            ended = environment.now()
+            for machine, number in numbers.items():
+                writer.change(number, json.loads(machine) | about | {"ended": ended})
+            if numbers:
+                folder.write_environments()
 
 
-def _stream(study: Study, trials: list[Trial], jobs: int, backend: str) -> Iterable[tuple[Trial, dict[str, Any]]]:
-    """Yield (trial, row) as workers finish, in any order."""
-    text = study.to_toml()  # a study's text is its pickle: workers load plug-ins by name, as the parent does
-    with parallel_config(backend=backend, n_jobs=jobs, inner_max_num_threads=1):
-        # One trial a task: a task is a tenth of a second or more, and a killed run then loses only those under way.
-        parallel = Parallel(return_as="generator_unordered", batch_size=1, pre_dispatch="3*n_jobs")
-        try:
-            yield from parallel(delayed(_work)(text, trial) for trial in trials)
-        except BrokenProcessPool as error:
-            raise WorkerDiedError(
-                "a worker process died (killed, out of memory, or ended by a plug-in); every finished trial is kept: "
-                "run the same command again to continue"
-            ) from error
+def _check_limits(n_jobs: object, timeout: object, memory: object) -> None:
+    if isinstance(n_jobs, bool) or not isinstance(n_jobs, int) or n_jobs == 0 or n_jobs < -1:
+        raise BenchError(f"the number of jobs must be at least 1, or -1 for every core, not {n_jobs!r}")
+    for name, value, unit in (("timeout", timeout, "seconds"), ("memory", memory, "gigabytes")):
+        if value is not None and (
+            isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < float("inf")
+        ):
+            raise BenchError(f"the {name} of a trial must be more than 0 {unit}, not {value!r}")
 
 
-def _work(study_text: str, trial: Trial) -> tuple[Trial, dict[str, Any]]:
-    """Make one trial in a worker; whatever it raises becomes its row."""
-    try:
-        study = _study(study_text)
-        problem, optimizer = _problem(study_text, trial.problem), study.optimizer(trial.optimizer)
-        _warm_up(study_text, type(problem), trial.problem, trial.optimizer)
-        result = solve(problem, optimizer, budget=study.budget, seed=trial.seed)
-        return trial, as_row(result, problem.variables)
-    except (Exception, SystemExit) as error:  # a plug-in may raise anything, and it costs only its own cell
-        where = traceback.format_exc(limit=-3)
-        return trial, {"status": "failed", "error": f"{type(error).__name__}: {error}\n{where}"}
-
-
-@lru_cache(maxsize=4)
-def _study(text: str) -> Study:
-    return Study.from_dict(tomllib.loads(text))
-
-
-@lru_cache(maxsize=256)
-def _problem(study_text: str, label: str) -> Problem:
-    return _study(study_text).problem(label)
-
-
-_warm: set[tuple[str, type, str]] = set()
-
-
-def _warm_up(study_text: str, kind: type, problem: str, optimizer: str) -> None:
-    """Spend one discarded, short trial a worker, kind of problem and optimizer: no trial shall wait for a compiler."""
-    if (study_text, kind, optimizer) in _warm:
-        return
-    _warm.add((study_text, kind, optimizer))
-    study = _study(study_text)
-    loaded = study.optimizer(optimizer)
-    with suppress(Exception):  # the trial itself will say what is wrong
-        solve(_problem(study_text, problem), loaded, budget=min(study.budget, 3 * loaded.minimum_budget))
+def _bytes(memory: float | None, jobs: int, backend: str) -> int | None:
+    """Return how many bytes of memory one trial's process may hold; a cluster's workers have their own limits."""
+    if memory is not None:
+        return int(memory * 1e9)
+    return int(0.9 * environment.memory() / jobs) if backend == "loky" else None

@@ -2,6 +2,9 @@
 
 import hashlib
 import json
+import random
+from collections.abc import Hashable
+from typing import Any
 
 import numpy as np
 
@@ -27,3 +30,9 @@ def streams(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
     """Return two independent generators of a trial: one for its initial points, one for the optimizer."""
     start, search = np.random.SeedSequence(seed).spawn(2)
     return np.random.default_rng(start), np.random.default_rng(search)
+
+
+def global_states() -> dict[str, Hashable]:
+    """Return the global random states of Python and numpy, which no optimizer shall use, by what they are called."""
+    state: Any = np.random.get_state()  # noqa: NPY002
+    return {"Python's random": random.getstate(), "numpy.random": (state[0], state[1].tobytes(), *state[2:])}

@@ -36,7 +36,7 @@ class Entry:
         return {"name": self.name, **label, **self.options}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Trial:
     """One run to be made: a cell of the study (problem label, optimizer label), its number from 0, and its seed."""
 
@@ -165,12 +165,19 @@ class Study:
         return {entry.label: self.problem(entry.label).fingerprint() for entry in self.problems}, code
 
     def plan(self) -> Iterator[Trial]:
-        """Yield every trial of the study: trial number by trial number, problem by problem, optimizer by optimizer."""
+        """Yield every trial of the study in randomised complete blocks: one trial of each cell, in an order by chance.
+
+        A machine that is busy for a while then slows no one algorithm more than another. The seeds are hashes, so their
+        order is one by chance that more trials leave as it is.
+        """
         for number in range(self.trials):
-            for problem in self.problems:
-                for optimizer in self.optimizers:
-                    seed = trial_seed(self.seed, problem.label, optimizer.label, number)
-                    yield Trial(problem.label, optimizer.label, number, seed)
+            block = [
+                Trial(problem.label, optimizer.label, number,
+                      trial_seed(self.seed, problem.label, optimizer.label, number))
+                for problem in self.problems
+                for optimizer in self.optimizers
+            ]  # fmt: skip
+            yield from sorted(block, key=lambda trial: trial.seed)
 
     def to_toml(self) -> str:
         """Return the study as a TOML document that loads back as an equal study."""

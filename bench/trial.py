@@ -1,5 +1,6 @@
 """One trial: an optimizer on a problem, within a budget, from a seed."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter, process_time
 from typing import Any
@@ -76,16 +77,34 @@ def solve(problem: str | Problem, optimizer: str | Optimizer, *, budget: int, se
     if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
         raise BenchError("solve needs a problem and an optimizer, or their names")
     check_seed(seed)
-    start_stream, search_stream = streams(seed)
-    objective = Objective(problem, budget, start_stream)
     with threadpool_limits(limits=1):  # results and times must not depend on how many threads a BLAS finds
-        wall, cpu = perf_counter(), process_time()
-        stop = "undeclared"
-        try:
-            optimizer.minimize(objective, search_stream)
-        except BudgetExhausted:
-            stop = "budget"
-        wall, cpu = perf_counter() - wall, process_time() - cpu
+        return search(problem, optimizer, budget, seed)
+
+
+def search(
+    problem: Problem, optimizer: Optimizer, budget: int, seed: int, on_refusal: Callable[[int], None] | None = None
+) -> Result:
+    """Run one optimizer once, as :func:`solve` does, where a BLAS is held to one thread already.
+
+    Args:
+        problem: what is minimised.
+        optimizer: what is run.
+        budget: evaluations it may spend.
+        seed: repeats the run.
+        on_refusal: see :class:`bench.objective.Objective`.
+
+    Raises:
+        RuntimeError: when the optimizer returns without an evaluation; else whatever it or the problem raises.
+    """
+    start_stream, search_stream = streams(seed)
+    objective = Objective(problem, budget, start_stream, on_refusal)
+    wall, cpu = perf_counter(), process_time()
+    stop = "undeclared"
+    try:
+        optimizer.minimize(objective, search_stream)
+    except BudgetExhausted:
+        stop = "budget"
+    wall, cpu = perf_counter() - wall, process_time() - cpu
     if objective.remaining == 0:
         stop = "budget"
     elif objective.stop_reason is not None:

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 from bench.check import manners, parameters, searching
 from bench.check.fault import FaultError, UnmadeError
-from bench.check.isolation import spell
 from bench.check.searching import START
 from bench.check.subject import Subject
 from bench.check.verdict import Verdict
+from bench.words import spell
 
 PATIENCE = 30.0  # seconds without a sign of life that are allowed once everything is imported and compiled
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from bench.check.isolation import DiedError, Process, SilentError
-from bench.check.probe import STILL_ASKING, Run
+from bench.check.probe import Run
+from bench.process import DiedError, Process, SilentError
+from bench.worker import STILL_ASKING
 
 LET_IT_PASS = "let BudgetExhausted pass: catch Exception, never BaseException or everything (a bare except)"
 

@@ -17,8 +17,8 @@ import numpy as np
 
 from bench.check import landscapes
 from bench.check.fault import FaultError, expect_same
-from bench.check.isolation import spell
 from bench.check.subject import Subject
+from bench.words import spell
 
 
 def check_contract(subject: Subject) -> str:

@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from bench.check.fault import FaultError
-from bench.check.isolation import spell
 from bench.check.subject import Subject
 from bench.errors import BenchError
 from bench.optimizer import Optimizer, is_frozen
+from bench.words import spell
 
 
 def check_parameters(subject: Subject) -> str:

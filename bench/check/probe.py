@@ -13,19 +13,18 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench.check.isolation import Pulse
 from bench.objective import BudgetExhausted, Objective
 from bench.optimizer import Optimizer
 from bench.problem import Floats, FunctionProblem, Problem
+from bench.process import Pulse
+from bench.seeds import global_states
 from bench.trial import solve
+from bench.worker import STILL_ASKING
 
 OFFERED = frozenset(
     {"lower", "upper", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
 )  # fmt: skip
 """What an objective offers beside its call; ``evaluations`` is but ``budget`` less ``remaining``."""
-
-STILL_ASKING = 87
-"""The exit code of a process that an optimizer held up, asking on and on after its budget was spent."""
 
 _PATIENCE = 10_000  # asks after the end of the budget before its process is ended
 
@@ -182,19 +181,13 @@ def _global_states(seed: int) -> Iterator[Callable[[], tuple[str, ...]]]:
     before = random.getstate(), np.random.get_state()  # noqa: NPY002
     random.seed(seed)
     np.random.seed(seed)  # noqa: NPY002
-    python, legacy = random.getstate(), _legacy()
+    seeded = global_states()
 
     def changed() -> tuple[str, ...]:
-        states = {"Python's random": random.getstate() == python, "numpy.random": _legacy() == legacy}
-        return tuple(name for name, same in states.items() if not same)
+        return tuple(name for name, state in global_states().items() if state != seeded[name])
 
     try:
         yield changed
     finally:
         random.setstate(before[0])
         np.random.set_state(before[1])  # noqa: NPY002
-
-
-def _legacy() -> tuple[Any, ...]:
-    state: Any = np.random.get_state()  # noqa: NPY002
-    return state[0], state[1].tobytes(), *state[2:]

@@ -10,10 +10,11 @@ import numpy as np
 
 from bench.check import landscapes
 from bench.check.fault import LET_IT_PASS, FaultError, UnmadeError, describe, expect_same, expect_same_course
-from bench.check.isolation import DiedError, Process, Pulse, SilentError, spell
 from bench.check.probe import Run
 from bench.check.subject import Subject, ordinary_budget, pack, parameters, unpack
 from bench.problem import FunctionProblem
+from bench.process import DiedError, Process, Pulse, SilentError
+from bench.words import spell
 
 CLIP = (
     "clip to objective.lower and objective.upper, or call objective.repair(x), as the last step before objective(x): "

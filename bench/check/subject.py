@@ -13,12 +13,12 @@ from typing import Any, get_type_hints
 
 import cloudpickle
 
-from bench.check.isolation import Pulse
 from bench.check.probe import Run, run
 from bench.errors import BenchError
 from bench.optimizer import Optimizer, build, settings
 from bench.plugins import load_optimizer
 from bench.problem import Problem
+from bench.process import Pulse
 from bench.seeds import check_seed
 
 

@@ -8,11 +8,12 @@ from typing import Any
 
 from bench.check.conformance import CHECKS, Check, each_check, failed, judge
 from bench.check.fault import describe
-from bench.check.isolation import DiedError, Process, Pulse, RemoteError, SilentError, spell
 from bench.check.searching import START
 from bench.check.subject import Subject, make_subject, pack, unpack
 from bench.check.verdict import Verdict
 from bench.optimizer import Optimizer
+from bench.process import DiedError, Process, Pulse, RemoteError, SilentError
+from bench.words import spell
 
 PICKLING = next(check for check in CHECKS if check.name == "pickling")
 

@@ -11,12 +11,12 @@ from joblib.externals.loky.process_executor import BrokenProcessPool
 from numpy.typing import NDArray
 
 from bench.check.functions import FUNCTIONS, function, noise
-from bench.check.isolation import spell
 from bench.errors import BenchError
 from bench.optimizer import Optimizer
 from bench.problem import Floats
 from bench.seeds import trial_seed
 from bench.trial import solve
+from bench.words import spell
 
 GENERATIONS = 50  # that a run makes at least: a bias of the moves needs time to show
 FUNCTION_BUDGET = 10_000  # evaluations of a function, at least

@@ -106,9 +106,6 @@ def _log(run: Run) -> str:
 
 def _experiment_attributes(environments: list[dict[str, Any]]) -> list[dict[str, str]]:
     """Return the commits of the code that made the trials, where they are known."""
-    commits = [
-        f"{git['commit']}-dirty" if git.get("dirty") else git["commit"]
-        for git in (environment.get("git") for environment in environments)
-        if git
-    ]
+    states = [environment.get("git") or {} for environment in environments]
+    commits = [f"{git['commit']}{'-dirty' if git.get('dirty') else ''}" for git in states if git.get("commit")]
     return [{"git_sha": "+".join(dict.fromkeys(commits))}] if commits else []

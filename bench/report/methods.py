@@ -47,7 +47,7 @@ class MethodsFacts:
         empty: cells without any trial.
         failed: trials that failed, of all.
         bibtex: each optimizer's BibTeX by label; an optimizer without any is not cited.
-        environments: what each run noted of its machine (:func:`bench.environment.describe`).
+        environments: what each run noted of itself and its machine (:mod:`bench.environment`).
         tests: pairs of optimizers compared by a test, over all problems.
         permutation_tests: those of them whose p is that of the permutation distribution given the ties.
         alpha: the significance level.
@@ -188,15 +188,24 @@ def _software(environments: Sequence[Mapping[str, Any]]) -> Iterator[Sentence]:
         [f"{name} {' and '.join(found)}", *works.get(name, [])] for name, found in versions.items()
     ]
     processors = _distinct(environment.get("processor") for environment in environments)
-    notes = [environment.get("git") or {} for environment in environments]
-    commits = _distinct(str(note.get("commit", ""))[:10] for note in notes)
-    changed = ", with local changes" if any(note.get("dirty") for note in notes) else ""
+    states: dict[str, list[Mapping[str, Any]]] = {}
+    for environment in environments:
+        for name, git in {"source code": environment.get("git"), **(environment.get("checkouts") or {})}.items():
+            states.setdefault(name, []).extend([git] if git else [])
+    code = [text for name, found in states.items() if (text := _commits(name, found))]
     yield say(
         "The trials used {packages}{source}{machine}.",
         packages=series(packages),
-        source=f" (source code at commit {listing(commits)}{changed})" if commits else "",
+        source=f" ({'; '.join(code)})" if code else "",
         machine=f" on {listing(processors)}" if processors else "",
     )
+
+
+def _commits(name: str, states: Sequence[Mapping[str, Any]]) -> str:
+    """Return the commits of a checkout, "" where none is known."""
+    commits = _distinct(str(state.get("commit") or "")[:10] for state in states)
+    changed = ", with local changes" if any(state.get("dirty") for state in states) else ""
+    return f"{name} at commit {listing(commits)}{changed}" if commits else ""
 
 
 def _each_problem(facts: MethodsFacts) -> Iterator[Sentence]:

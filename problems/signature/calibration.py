@@ -1,7 +1,7 @@
 """From an amplitude to a backlash: the mapping delta = f(A) of section 4.4, made with the simulator."""
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,11 @@ class Calibration:
 
     def backlash(self, amplitude: float) -> float:
         """Return the half-gap delta in rad of an amplitude in rpm; NaN outside the simulated range, never a guess."""
-        return float(PchipInterpolator(self.amplitude, self.half_gap, extrapolate=False)(abs(amplitude)))
+        return float(self._curve(abs(amplitude)))
+
+    @cached_property
+    def _curve(self) -> PchipInterpolator:
+        return PchipInterpolator(self.amplitude, self.half_gap, extrapolate=False)
 
 
 @cache

@@ -100,6 +100,7 @@ def make(folder, problems=None, optimizers=("a", "b"), trials=4, row=None):
     entries = tuple(Entry(label, label) for label in problems), tuple(Entry("any", label) for label in optimizers)
     study, rng = Study("made", *entries, trials=trials, budget=BUDGET), np.random.default_rng(0)
     place = Folder(folder)
+    place.path.mkdir(parents=True, exist_ok=True)
     place.claim(study)
     with place.store.writer() as writer:
         for trial in study.plan():
@@ -196,6 +197,7 @@ class TestEveryFormat:
                 export(results, kind, place)
         assert (tmp_path / "file").read_text() == "x"
         empty = Study("made", results.study.problems, results.study.optimizers)
+        (tmp_path / "e").mkdir()
         Folder(tmp_path / "e").claim(empty)
         with Folder(tmp_path / "e").store.writer():
             pass
@@ -335,7 +337,11 @@ class TestIOH:
 
     def test_the_commit_is_told(self, tmp_path):
         results = make(tmp_path / "s", trials=1)
-        environments = [{"git": None}, *({"git": {"commit": "0a1", "dirty": dirty}} for dirty in (False, True, False))]
+        environments = [
+            {},
+            {"git": None},
+            *({"git": {"commit": "0a1", "dirty": dirty}} for dirty in (False, True, False)),
+        ]
         results.environments[:] = environments
         folder = export(results, "ioh", tmp_path / "out").folder
         head = json.loads(next(folder.glob("a/*.json")).read_text())

@@ -176,7 +176,7 @@ def test_a_store_whose_table_was_never_made_is_begun_again(small_study, tmp_path
 
 
 def test_two_runs_do_not_write_one_folder(small_study, tmp_path):
-    with pytest.raises(BenchError, match="another run is writing"):
+    with pytest.raises(BenchError, match=rf"another run \(process {os.getpid()} on .*\) is writing"):
         run(small_study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: run(small_study, tmp_path / "out", n_jobs=1))
 
 
@@ -212,13 +212,15 @@ def test_a_problem_that_breaks_the_contract_costs_its_own_cell(problem, said, tm
     assert said in frame.loc[problem, "error"]
 
 
-def test_a_worker_that_dies_is_said_and_loses_nothing_finished(tmp_path):
-    from bench.runner import WorkerDiedError
-
+def test_a_problem_that_ends_its_process_costs_its_own_cell(tmp_path):
     study = Study.from_dict(
         {"name": "dying", "trials": 3, "budget": 30, "problems": [{"name": "sphere-2"}, {"name": "death-2"}],
          "optimizers": [{"name": "scatter"}]}
     )  # fmt: skip
-    with pytest.raises(WorkerDiedError, match="run the same command again"):
-        run(study, tmp_path / "out", n_jobs=2)
-    assert load_results(tmp_path / "out")["status"].eq("ok").all()
+    assert run(study, tmp_path / "out", n_jobs=2).failed == 3
+    frame = load_results(tmp_path / "out")
+    assert frame.groupby("problem")["status"].unique().map(list).to_dict() == {
+        "death-2": ["failed"],
+        "sphere-2": ["ok"],
+    }
+    assert frame["error"].dropna().eq("its process ended with exit code 1").all()

@@ -61,6 +61,7 @@ def finished(value, figures):
 
 def write(folder, study, row):
     place = Folder(folder)
+    place.path.mkdir(parents=True, exist_ok=True)
     place.claim(study)
     with place.store.writer() as writer:
         for trial in study.plan():

@@ -1,45 +1,53 @@
-"""What was compared, on which data, with which seeds and on which machine."""
+"""What was compared, on which data, with which seeds, and which machine and versions made which trials."""
 
 from __future__ import annotations
 
-import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import pandas as pd
 
+from bench.environment import differences
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
-from bench.report.words import options
+from bench.report.words import count, listing, options
 from bench.study import Study
 
 TITLE = "Environment, seeds and data"
+TOLD = 3
+"""So many environments are told apart in the warning; the table has all."""
+
+COLUMNS = 12
+"""So many environments are columns of a table; the rest are one."""
 
 
 def section(findings: Findings) -> Section:
-    """Return the entries with their options, the hashes of the data, and each run's environment."""
+    """Return the entries with their options, the hashes of study and data, the runs and their environments."""
     results = findings.results
-    environments = results.environments
     seeds = (
         f"The study’s seed is {results.study.seed}; each trial’s own seed is a hash of it, the problem, the optimizer "
         "and the trial’s number, and stands in trials.csv. A trial is repeated by bench.solve with its seed and the "
         "same options and budget."
     )
-    warnings = []
-    if not environments:
-        warnings.append("The folder holds no note of the machine that ran it.")
-    machines = {
-        json.dumps([e.get(k) for k in ("processor", "python", "packages", "git")], default=str) for e in environments
-    }
-    if len(machines) > 1:
-        warnings.append(f"The trials come from {len(machines)} different environments; compare times with care.")
+    text = [seeds]
+    if len(results.names) == 1:
+        text.append(
+            f"The study’s hash, of all that decides a trial’s result, is {results.study.identity()}; the number of "
+            "trials and the title are no part of it."
+        )
     items = [_entries(results.study)]
     if known := {label: value for label, value in results.fingerprints.items() if value}:
         hashes = pd.DataFrame({"SHA-256": known}).rename_axis("problem")
         items.append(Table("data", "The hash of every problem’s data when it ran.", hashes))
-    if environments:
-        runs = pd.DataFrame({f"run {i + 1}": _flat(run) for i, run in enumerate(environments)}).rename_axis("item")
-        items.append(Table("environment", "Where each run was made.", runs))
-    return Section(TITLE, (seeds,), tuple(items), tuple(warnings))
+    if not results.environments:
+        return Section(TITLE, tuple(text), tuple(items), ("The folder holds no note of the machine that ran it.",))
+    origins = _Origins(results.environments, results.frame, results.origins)
+    items += [*origins.environments(), origins.runs()]
+    if origins.known and len(origins.groups) > 1:
+        items.append(origins.trials())
+    return Section(TITLE, tuple(text), tuple(items), tuple(origins.warnings()))
 
 
 def _entries(study: Study) -> Table:
@@ -53,12 +61,153 @@ def _entries(study: Study) -> Table:
     return Table("entries", "What was compared, and with which options (all others are the defaults).", entries)
 
 
-def _flat(run: dict[str, Any]) -> dict[str, str]:
-    """Return a nested note as one level: ``packages numpy`` and so on."""
-    flat: dict[str, str] = {}
-    for key, value in run.items():
-        if isinstance(value, dict):
-            flat |= {f"{key} {name}": text for name, text in _flat(value).items()}
-        else:
-            flat[key] = "" if value is None else str(value)
-    return flat
+@dataclass(frozen=True)
+class _Origins:
+    """The runs' records, those alike taken together as environments A, B and so on, and the trials they made.
+
+    Attributes:
+        records: what each run noted on each machine.
+        frame: the tidy frame.
+        numbers: the number of the record that each of its rows comes from, counted from 1; missing in older folders.
+    """
+
+    records: Sequence[Mapping[str, Any]]
+    frame: pd.DataFrame
+    numbers: pd.Series[Any]
+
+    @property
+    def known(self) -> bool:
+        """Whether trials tell of their runs."""
+        return bool(self.numbers.notna().any())
+
+    @cached_property
+    def made(self) -> list[int]:
+        """How many of the trials each run made."""
+        return [int((self.numbers == number).sum()) for number in range(1, len(self.records) + 1)]
+
+    @cached_property
+    def groups(self) -> dict[str, list[int]]:
+        """The places of the records that are alike, by letter."""
+        found: list[list[int]] = []
+        for place, record in enumerate(self.records):
+            alike = next((group for group in found if not differences(self.records[group[0]], record)), None)
+            if alike is None:
+                found.append([place])
+            else:
+                alike.append(place)
+        return {_letter(number): group for number, group in enumerate(found)}
+
+    @cached_property
+    def letters(self) -> list[str]:
+        """The letter of each record's environment."""
+        found = {place: letter for letter, group in self.groups.items() for place in group}
+        return [found[place] for place in range(len(self.records))]
+
+    def warnings(self) -> Iterator[str]:
+        """Yield a warning where trials, or runs whose trials are not known, are of more than one environment."""
+        used = [letter for letter, group in self.groups.items() if not self.known or any(self.made[i] for i in group)]
+        if len(used) < 2:
+            return
+        first, *others = ((letter, self.records[self.groups[letter][0]]) for letter in used)
+        told = "; ".join(
+            f"{letter} differs from {first[0]} by {listing(differences(first[1], record), at_most=5)}"
+            for letter, record in others[:TOLD]
+        )
+        rest = f"; and {len(others) - TOLD} more" if len(others) > TOLD else ""
+        yield f"The trials come from {len(used)} different environments; compare times with care. {told}{rest}."
+
+    def environments(self) -> Iterator[Table]:
+        """Yield what all environments share, an item a row, and what tells them apart, an environment a row."""
+        about = pd.DataFrame({letter: self._items(group) for letter, group in self.groups.items()}).T
+        shared = [item for item in about if about[item].nunique(dropna=False) == 1]
+        if shared:
+            several = len(self.groups) > 1
+            caption = "What all environments have in common." if several else "Where the trials were made."
+            frame = about[shared].iloc[:1].T.set_axis(["value"], axis=1).rename_axis("item")
+            yield Table("environment", caption, frame)
+        if len(self.groups) > 1:
+            apart = about.drop(columns=shared).rename_axis("environment")
+            yield Table("environments", "What tells the environments apart.", apart)
+
+    def _items(self, group: list[int]) -> dict[str, str]:
+        """Return what is known of an environment; machines that count as one may differ in cores and the like."""
+        values: dict[str, dict[str, None]] = {}
+        for place in group:
+            for item, value in _items(self.records[place]):
+                values.setdefault(item, {})[value] = None
+        return {item: listing(list(found), at_most=4) for item, found in values.items()}
+
+    def runs(self) -> Table:
+        """Return every run on every machine that took part in it."""
+        columns: dict[str, Any] = {}
+        if len(self.groups) > 1:
+            columns["environment"] = self.letters
+        if self.known:
+            columns["trials"] = self.made
+        names = {
+            "folder": "folder", "started": "started", "ended": "ended", "host": "machine", "jobs": "jobs",
+            "backend": "backend", "timeout": "timeout s", "shard": "shard", "command": "command",
+        }  # fmt: skip
+        for key, title in names.items():
+            columns[title] = [_text(record.get(key), key) for record in self.records]
+        frame = pd.DataFrame(columns, index=pd.RangeIndex(1, len(self.records) + 1, name="run"))
+        caption = "The runs on every machine that took part, with what was asked for; times are in UTC."
+        return Table("runs", caption, frame.dropna(axis=1, how="all"))
+
+    def trials(self) -> Table:
+        """Return how many trials of each optimizer come from which environment."""
+        own = self.frame[["problem", "optimizer", "trial"]].assign(
+            run=self.numbers,
+            environment=self.numbers.map(dict(enumerate(self.letters, start=1))).fillna("not noted"),
+        )
+        counts = pd.crosstab(own["optimizer"], own["environment"]).rename_axis(columns=None)
+        letters = [letter for letter in [*self.groups, "not noted"] if letter in counts]
+        shown = counts.loc[own["optimizer"].unique(), letters]
+        if len(letters) > COLUMNS:
+            shown = shown.iloc[:, : COLUMNS - 1].assign(others=shown.iloc[:, COLUMNS - 1 :].sum(axis=1))
+        caption = "How many trials of each optimizer come from which environment."
+        note = "The CSV file tells the run and the environment of every trial."
+        return Table("environment-trials", caption, shown, note=note, data=own)
+
+
+def _letter(number: int) -> str:
+    """Return A to Z, then AA, AB and so on."""
+    return (_letter(number // 26 - 1) if number >= 26 else "") + chr(ord("A") + number % 26)
+
+
+def _items(record: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield what a record tells of machine, versions and code, by what to call it."""
+    memory = record.get("memory_gb")
+    known = {
+        "processor": record.get("processor"),
+        "cores": record.get("cores"),
+        "memory": f"{memory} GB" if memory else None,
+        "system": record.get("system"),
+        "Python": record.get("python"),
+        "BLAS": "; ".join(_blas(each) for each in record.get("blas") or ()),
+        **{f"package {name}": version for name, version in (record.get("packages") or {}).items()},
+        "commit": _state(record.get("git")),
+        **{f"commit of {name}": _state(git) for name, git in (record.get("checkouts") or {}).items()},
+    }
+    yield from ((item, str(value)) for item, value in known.items() if value)
+
+
+def _blas(noted: Mapping[str, Any]) -> str:
+    threads = noted.get("threads")
+    return f"{noted.get('library')} {noted.get('version')}" + (f", {count(threads, 'thread')}" if threads else "")
+
+
+def _state(git: Mapping[str, Any] | None) -> str:
+    """Return a commit and whether there were changes to it, with the hash that tells them from others."""
+    if not git:
+        return ""
+    if not git.get("dirty"):
+        return str(git.get("commit"))
+    return f"{git.get('commit')} with uncommitted changes" + (f" ({git['diff'][:12]})" if git.get("diff") else "")
+
+
+def _text(value: Any, key: str) -> str | None:
+    """Return what a record notes by that key, times without their zone; None for nothing."""
+    if value is None:
+        return None
+    return str(value).removesuffix("+00:00").replace("T", " ") if key in ("started", "ended") else str(value)

@@ -40,21 +40,27 @@ def _in_words(findings: Findings, known: pd.DataFrame) -> str:
     text = f"A trial takes {seconds(fastest['wall_mean'])} on average with {fastest['optimizer']}"
     if len(known) > 1:
         text += f", the fastest, and {seconds(slowest['wall_mean'])} with {slowest['optimizer']}, the slowest"
-    processors = list(dict.fromkeys(str(each.get("processor", "")) for each in findings.results.environments))
-    machine = f" ({listing(processors)})" if any(processors) else ""
+    processors = list(dict.fromkeys(filter(None, (each.get("processor") for each in findings.results.environments))))
+    machine = "on the machine named below" if len(processors) < 2 else "on the machines named below"
+    if processors:
+        machine += f" ({listing(processors)})"
     spent = known["evaluations_median"]
     unequal = (
         " The optimizers did not spend the same number of evaluations." if spent.max() > 1.01 * spent.min() else ""
     )
-    return f"{text}, on the machine named below{machine}.{unequal}{_crowded(findings)}"
+    return f"{text}, {machine}.{unequal}{_crowded(findings)}"
 
 
 def _crowded(findings: Findings) -> str:
     """Return a sentence on how many trials ran on how many cores, as far as it was noted."""
-    noted: list[Any] = [(each.get("jobs"), each.get("cores")) for each in findings.results.environments]
-    if not noted or not all(isinstance(number, int) for each in noted for number in each):
+    runs: dict[tuple[Any, ...], dict[Any, tuple[Any, Any]]] = {}  # jobs and cores of each machine that took part
+    for each in findings.results.environments:
+        run = tuple(each.get(key) for key in ("folder", "started", "command", "shard"))
+        runs.setdefault(run, {})[each.get("host")] = each.get("jobs"), each.get("cores")
+    noted = [list(machines.values()) for machines in runs.values()]
+    if not noted or not all(isinstance(number, int) for run in noted for machine in run for number in machine):
         return ""
-    if all(jobs <= cores for jobs, cores in noted):
+    if all(max(jobs for jobs, _ in run) <= sum(cores for _, cores in run) for run in noted):
         return " No more trials ran at a time than there were cores."
     return " More trials ran at a time than there were cores, so wall times are too long."
 

@@ -215,9 +215,11 @@ def make():
         study = Study("made", *entries, trials=trials, budget=100)
         rng = np.random.default_rng(0)
         place = Folder(folder)
+        place.path.mkdir(parents=True, exist_ok=True)
         place.claim(study)
         with place.store.writer() as writer:
-            for trial in study.plan():
+            places = lambda trial: (trial.number, problems.index(trial.problem), optimizers.index(trial.optimizer))
+            for trial in sorted(study.plan(), key=places):
                 matches = {(trial.problem, trial.optimizer), trial.key}
                 value = 5 + optimizers.index(trial.optimizer) + 0.1 * rng.standard_normal()
                 if matches & set(fail):

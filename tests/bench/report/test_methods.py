@@ -192,6 +192,11 @@ class TestMethods:
         assert "Python 3.11.7 and 3.12.1" in text
         assert "commit 0123456789 and ffffffffff, with local changes) on A & B processor and C." in text
 
+    def test_the_commits_of_a_plugins_own_checkout_are_told(self):
+        mine = {"mine": {"commit": "c" * 40, "dirty": True, "diff": "d" * 64}}
+        text = said(full(environments=[ENVIRONMENT, ENVIRONMENT | {"git": None, "checkouts": mine}]))
+        assert "(source code at commit 0123456789; mine at commit cccccccccc, with local changes) on A & B" in text
+
     def test_unreadable_bibtex_is_told_and_costs_nothing_else(self):
         found = methods(full(bibtex={"alo": "@misc{a, title={", "gwo": full().bibtex["gwo"]}))
         assert len(found.warnings) == 1

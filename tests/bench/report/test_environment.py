@@ -1,0 +1,176 @@
+"""The report tells machines and versions apart, and which trials came from which."""
+
+from types import SimpleNamespace
+
+import pandas as pd
+import pytest
+
+from bench import Results
+from bench.report.findings import Findings
+from bench.report.parts import Section
+from bench.report.sections import environment, time
+
+RECORD = {
+    "packages": {"numpy": "2.4.6", "scipy": "1.17.1"}, "python": "3.11.7",
+    "system": "Linux-6.1.0-x86_64-with-glibc2.36", "host": "one", "processor": "Xeon", "cores": 2, "memory_gb": 8.0,
+    "blas": [{"library": "openblas", "version": "0.3.30", "threads": 1}],
+    "git": {"commit": "6b3d6c0" + "0" * 33, "dirty": False, "diff": None}, "checkouts": {},
+    "started": "2026-01-02T03:04:05+00:00", "ended": "2026-01-02T04:00:00+00:00", "command": "bench run s", "jobs": 2,
+    "backend": "loky", "study": "abc", "data": {}, "code": {}, "timeout": None, "shard": None,
+}  # fmt: skip
+NEWER = RECORD | {"packages": {"numpy": "2.5.0", "scipy": "1.17.1"}, "started": "2026-02-02T03:04:05+00:00"}
+OLD = {
+    key: RECORD[key] for key in ("started", "jobs", "packages", "python", "system", "processor", "cores", "command")
+} | {"git": {"commit": RECORD["git"]["commit"], "dirty": True}}
+
+
+@pytest.fixture(scope="module")
+def folder(make, tmp_path_factory):
+    """Return the folder of a study of 2 problems, 3 optimizers and 4 trials."""
+    return make(tmp_path_factory.mktemp("made") / "s", trials=4)
+
+
+@pytest.fixture
+def told(folder, monkeypatch):
+    """Return a function that makes the section of such records; ``origins`` gives each trial the number of one."""
+
+    def tell(records, origins=None, of=environment):
+        results = Results(folder)
+        results.environments[:] = records
+        numbers = pd.Series(origins or [None] * len(results.frame), dtype=object)
+        monkeypatch.setattr(Results, "origins", numbers)
+        section = of.section(Findings(results))
+        assert isinstance(section, Section)
+        return SimpleNamespace(
+            text=" ".join(section.text), warnings=section.warnings, tables={item.name: item for item in section.items}
+        )
+
+    return tell
+
+
+def shown(table):
+    return [[cell.text for cell in row] for row in table.rows]
+
+
+def test_one_environment_is_one_short_table(told):
+    section = told(
+        [RECORD, RECORD | {"started": "later", "ended": None, "host": "two", "cores": 4}], [1] * 20 + [2] * 4
+    )
+    assert section.warnings == ()
+    assert section.tables.keys() == {"entries", "environment", "runs"}
+    assert shown(section.tables["environment"]) == [
+        ["processor", "Xeon"], ["cores", "2 and 4"], ["memory", "8.0 GB"], ["system", RECORD["system"]],
+        ["Python", "3.11.7"], ["BLAS", "openblas 0.3.30, 1 thread"], ["package numpy", "2.4.6"],
+        ["package scipy", "1.17.1"], ["commit", RECORD["git"]["commit"]],
+    ]  # fmt: skip
+    runs = section.tables["runs"]
+    assert [title for title, _ in runs.header] == [
+        "run", "trials", "started", "ended", "machine", "jobs", "backend", "command",
+    ]  # fmt: skip
+    assert shown(runs) == [
+        ["1", "20", "2026-01-02 03:04:05", "2026-01-02 04:00:00", "one", "2", "loky", "bench run s"],
+        ["2", "4", "later", "–", "two", "2", "loky", "bench run s"],
+    ]
+
+
+def test_environments_that_differ_are_told_apart_with_their_trials(told):
+    origins = ([1, 2, 2, 3] * 6)[:24]
+    section = told([RECORD, NEWER, RECORD | {"started": "later"}], origins)
+    (warning,) = section.warnings
+    assert warning.startswith("The trials come from 2 different environments; compare times with care. B differs from")
+    assert warning.endswith("B differs from A by numpy 2.4.6 → 2.5.0.")
+    assert "package numpy" not in [row[0] for row in shown(section.tables["environment"])]
+    assert section.tables["environments"].header == [("environment", False), ("package numpy", False)]
+    assert shown(section.tables["environments"]) == [["A", "2.4.6"], ["B", "2.5.0"]]
+    assert list(section.tables["runs"].frame["environment"]) == ["A", "B", "A"]
+    assert list(section.tables["runs"].frame["trials"]) == [6, 12, 6]
+    assert shown(section.tables["environment-trials"]) == [["a", "4", "4"], ["b", "4", "4"], ["c", "4", "4"]]
+    data = section.tables["environment-trials"].data
+    assert list(data["run"]) == origins
+    assert list(data["environment"][:4]) == ["A", "B", "B", "A"]
+
+
+def test_an_environment_that_made_no_trial_left_warns_of_nothing(told):
+    section = told([RECORD, NEWER], [1] * 24)
+    assert section.warnings == ()
+    assert list(section.tables["runs"].frame["trials"]) == [24, 0]
+    assert told([RECORD, NEWER]).warnings != ()  # which made them is not known
+
+
+def test_trials_that_tell_of_no_run_are_counted_as_such(told):
+    section = told([RECORD, NEWER], [None] * 8 + [2] * 16)
+    assert [title for title, _ in section.tables["environment-trials"].header] == ["optimizer", "B", "not noted"]
+    assert shown(section.tables["environment-trials"]) == [["a", "4", "4"], ["b", "4", "4"], ["c", "8", "0"]]
+
+
+def test_the_records_of_older_folders_are_read(told):
+    section = told([OLD, OLD | {"python": "3.12.1"}])
+    assert "B differs from A by Python 3.11.7 → 3.12.1" in section.warnings[0]
+    assert shown(section.tables["environment"])[-1] == [
+        "commit", f"{RECORD['git']['commit']} with uncommitted changes",
+    ]  # fmt: skip
+    assert "trials" not in section.tables["runs"].frame
+    assert "environment-trials" not in section.tables
+    assert told([{}]).tables["runs"].frame.shape[0] == 1
+    assert "no note" in told([]).warnings[0]
+
+
+def test_fifty_environments_can_still_be_read(told):
+    records = [RECORD | {"python": f"3.11.{i}"} for i in range(50)]
+    section = told(records, [1 + i % 50 for i in range(24)])
+    (warning,) = section.warnings
+    assert warning.startswith("The trials come from 24 different environments")
+    assert warning.endswith("D differs from A by Python 3.11.0 → 3.11.3; and 20 more.")
+    assert list(section.tables["environments"].frame.index[[0, 25, 26, 49]]) == ["A", "Z", "AA", "AX"]
+    table = section.tables["environment-trials"]
+    assert len(table.header) == 13
+    assert table.header[-1] == ("others", True)
+    assert (table.frame.sum(axis=1) == 8).all()
+    assert table.data["environment"].nunique() == 24
+
+
+def test_the_hash_of_the_study_is_told(told, folder):
+    assert f"is {Results(folder).study.identity()};" in told([RECORD]).text
+
+
+def test_the_state_of_code_is_told_by_a_hash(told):
+    dirty = {"commit": "f" * 40, "dirty": True, "diff": "0123456789abcdef" * 4}
+    rows = shown(told([RECORD | {"checkouts": {"mine": dirty}}]).tables["environment"])
+    assert ["commit of mine", f"{'f' * 40} with uncommitted changes (0123456789ab)"] in rows
+
+
+class TestTime:
+    def test_machines_are_named(self, told):
+        assert "on the machine named below (Xeon)." in told([RECORD, NEWER], of=time).text
+        assert "on the machine named below." in told([{"processor": None}], of=time).text
+        text = told([RECORD, RECORD | {"processor": "EPYC"}], of=time).text
+        assert "on the machines named below (Xeon and EPYC)." in text
+
+    @pytest.mark.parametrize(
+        ("records", "sentence"),
+        [
+            ([{"jobs": 2, "cores": 2}, {"jobs": 1, "cores": 2}], "No more trials"),
+            ([{"jobs": 2, "cores": 2}, {"jobs": 3, "cores": 2}], "More trials"),
+            ([{"jobs": 4, "cores": 2, "host": "one"}, {"jobs": 4, "cores": 2, "host": "two"}], "No more trials"),
+            ([{"jobs": 4, "cores": 2, "host": "one"}, {"jobs": 4, "cores": 2, "host": "one"}], "More trials"),
+        ],
+    )
+    def test_the_cores_of_all_machines_of_a_run_count(self, told, records, sentence):
+        starts = ["a", "b"] if "host" not in records[0] else ["a", "a"]
+        records = [{"started": start} | record for start, record in zip(starts, records, strict=True)]
+        assert f" {sentence} ran at a time than there were cores" in told(records, of=time).text
+
+    def test_what_is_not_noted_is_not_judged(self, told):
+        assert "than there were cores" not in told([{"jobs": 2}], of=time).text
+
+
+def test_every_table_is_written_as_latex_and_csv(told, tmp_path):
+    from bench.report.files import save_table
+
+    section = told([RECORD, NEWER, OLD], [1, 2, 3] * 8)
+    for name, table in section.tables.items():
+        for path in save_table(table, tmp_path, name):
+            assert (tmp_path / path).stat().st_size
+    data = pd.read_csv(tmp_path / "tables" / "environment-trials.csv")
+    assert list(data.columns) == ["problem", "optimizer", "trial", "run", "environment"]
+    assert list(data["run"]) == [1, 2, 3] * 8
