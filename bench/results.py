@@ -52,6 +52,7 @@ class Results:
         study: the study as frozen in the folder; for several, all their problems and optimizers.
         environments: what made the trials: a record for each run on each machine (:mod:`bench.environment`).
         checks: what ``bench check`` noted of each optimizer, by label; empty where it was not asked.
+        verifications: what ``bench verify`` noted in each folder, empty where it was not asked.
         fingerprints: the hash of each problem's data, by label, as noted when it ran; "" where the name says it all.
 
     Raises:
@@ -70,6 +71,7 @@ class Results:
             for label, noted in source.folder.checks().items()
             if label in source.shown
         }
+        self.verifications = [source.folder.verification() for source in self._sources]
         self._problem = cache(self.study.problem)
         self._known = cache(self._look_up)
 

@@ -86,7 +86,7 @@ def _environment(record: dict[str, Any], made: int) -> list[str]:
     dirty = f" with changes {git['diff'][:10]}" if git.get("diff") else " with changes" if git.get("dirty") else ""
     commit = f", commit {git['commit'][:10]}{dirty}" if git.get("commit") else ""
     blas = ", ".join(
-        f"{e.get('library')} {e.get('version')} ({e.get('threads')} threads)" for e in record.get("blas") or ()
+        f"{e.get('library')} {e.get('version')}, threads: {e.get('threads')}" for e in record.get("blas") or ()
     )
     packages = ", ".join(f"{name} {version}" for name, version in (record.get("packages") or {}).items())
     ended = f", ended {record['ended']}" if record.get("ended") else ", not ended"

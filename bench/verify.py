@@ -46,9 +46,10 @@ class Verification:
     def sentence(self) -> str:
         """All of it in one sentence."""
         same = self.trials - len(self.different)
-        size = f"{same} of {self.trials} trials of {self.cells} cells"
-        said = f"{size} are the same bit by bit with {self.jobs} workers and another PYTHONHASHSEED"
-        return said + (f"; made here by another environment: {', '.join(self.notes)}" if self.notes else "")
+        workers = f"{self.jobs} worker{'s' if self.jobs > 1 else ''}"
+        said = f"{same:,} of {self.trials:,} trials of {self.cells:,} cells are the same bit by bit"
+        other = f", though in another environment ({'; '.join(self.notes)})" if self.notes else ""
+        return f"{said} with {workers} and another PYTHONHASHSEED{other}"
 
     def lines(self) -> Iterator[str]:
         """Yield a line for every trial that came out otherwise."""

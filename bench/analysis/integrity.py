@@ -55,6 +55,7 @@ class Evidence:
     traces: Traces
     boxes: Boxes
     diagnoses: Diagnoses
+    verifications: Sequence[Mapping[str, Any]]
 
     @cached_property
     def finished(self) -> pd.DataFrame:
@@ -89,13 +90,14 @@ def integrity(
     traces: Traces | None = None,
     boxes: Boxes | None = None,
     diagnoses: Diagnoses | None = None,
+    verifications: Sequence[Mapping[str, Any]] = (),
 ) -> pd.DataFrame:
     """Return one row a check, always the same checks in the same order: check, verdict, finding and cells.
 
     The ``verdict`` is "pass", "note" (nothing is wrong, but a reader should know), "warning" (conclusions may not
     hold), "error" (trials are lost, not independent or not what the harness wrote) or "not checked" (no trial to
-    look at, or no ``traces``, ``boxes`` or ``diagnoses``). The ``finding`` says why in words, ``cells`` names every
-    "optimizer on problem" concerned, separated by semicolons.
+    look at, or no ``traces``, ``boxes``, ``diagnoses`` or ``verifications``). The ``finding`` says why in words,
+    ``cells`` names every "optimizer on problem" concerned, separated by semicolons.
 
     Args:
         frame: the tidy frame.
@@ -105,8 +107,10 @@ def integrity(
         boxes: the lower and upper bound of each variable, by problem and by variable.
         diagnoses: what ``bench check`` found of each optimizer, by label: check, passed and, where there is one,
             figure.
+        verifications: what ``bench verify`` noted in each folder (:meth:`bench.folder.Folder.verification`), empty
+            where it did not.
     """
-    evidence = Evidence(frame, study_budget, planned_trials, traces or {}, boxes or {}, diagnoses or {})
+    evidence = Evidence(frame, study_budget, planned_trials, traces or {}, boxes or {}, diagnoses or {}, verifications)
     findings = {name: check(evidence) for name, check in OF_ALL.items()}
     for name, check in OF_FINISHED.items():
         none = evidence.finished.empty
@@ -146,6 +150,16 @@ def _failures(evidence: Evidence) -> Finding:
         "They count as +inf.",
         well=f"All {total:,} trials finished.",
     )
+
+
+def _repeatability(evidence: Evidence) -> Finding:
+    if not evidence.verifications or not all(evidence.verifications):
+        return Finding("not checked", "Run 'bench verify' with this folder to have trials of each cell made again.")
+    different = [str(line) for noted in evidence.verifications for line in noted.get("different") or ()]
+    said = "; ".join(str(noted.get("sentence")) for noted in evidence.verifications)
+    if different:
+        return Finding("error", f"{said}. Not repeated: {_few(different)}. Results depend on more than their seeds.")
+    return Finding("pass", f"Made again, {said}.")
 
 
 def _finite(evidence: Evidence) -> Finding:
@@ -428,6 +442,7 @@ def _trait(name: str, evidence: Evidence) -> Finding:
 OF_ALL: dict[str, Check] = {
     "completeness": _completeness,
     "failures": _failures,
+    "repeatability": _repeatability,
     **{name: partial(_trait, name) for name in TRAITS},
 }
 OF_FINISHED: dict[str, Check] = {

@@ -80,7 +80,7 @@ def run(
         say(str(error))
         sys.exit(1)
     unchecked = check and not check_folder(outcome.folder, console, jobs)
-    if report:
+    if report and shard is None:  # of a part there is nothing to claim yet
         report_on([outcome.folder], console)
     else:
         console.print(f"results in {outcome.folder}", markup=False, highlight=False, soft_wrap=True)

@@ -155,6 +155,7 @@ class Findings:
             traces=self.results.traces,
             boxes={label: each.box for label, each in self.known.items() if each.box},
             diagnoses=self.results.checks,
+            verifications=self.results.verifications,
         )
 
     @cached_property

@@ -33,7 +33,7 @@ def section(findings: Findings) -> Section:
     )
     unseen = (
         f"Not to be seen in results: {listing([*TRAITS])}. 'bench check' makes runs of their own to look for these, "
-        "and for non-determinism."
+        "and 'bench verify' makes stored trials again."
     )
     return Section(TITLE, (text, unseen), (table, *_incomplete(findings)), warnings(findings))
 

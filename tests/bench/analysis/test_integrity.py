@@ -15,7 +15,8 @@ BUDGET, TRIALS = 1_000, 6
 PROBLEMS, OPTIMIZERS = ("p", "q"), ("a", "b", "c")
 BOXES = {"p": {"u": (-1.0, 1.0), "v": (0.0, 10.0)}, "q": {"v": (0.0, 5.0), "u": (-2.0, 0.0)}}
 CHECKS = [
-    "completeness", "failures", "centre bias", "structural bias", "boundary clamping", "starts and seeds",
+    "completeness", "failures", "repeatability",
+    "centre bias", "structural bias", "boundary clamping", "starts and seeds",
     "finite values", "budget", "records", "undeclared stops", "declared stops", "outside the box", "repeated points",
     "ceiling", "same algorithm", "clamping", "seeds", "random streams", "contention", "hidden threads",
 ]  # fmt: skip
@@ -52,6 +53,8 @@ class Sound:
             name: [{"check": check, "passed": True, "figure": 1.0} for check in TRAITS] for name in OPTIMIZERS
         }
 
+        self.verifications = [{"sentence": "12 of 12 trials of 6 cells are the same", "different": []}]
+
     def diagnose(self, optimizer, check, figure):
         """Have an optimizer found to have a trait."""
         others = [each for each in self.diagnoses[optimizer] if each["check"] != check]
@@ -83,6 +86,7 @@ class Sound:
             "traces": self.traces,
             "boxes": BOXES,
             "diagnoses": self.diagnoses,
+            "verifications": self.verifications,
         }
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -105,8 +109,8 @@ def test_sound_results_pass_every_check(sound):
 
 
 def test_what_cannot_be_checked_says_so(sound):
-    verdicts = sound.check(traces=None, boxes=None, diagnoses=None)["verdict"]
-    unchecked = [*TRAITS, "records", "same algorithm", "clamping", "random streams"]
+    verdicts = sound.check(traces=None, boxes=None, diagnoses=None, verifications=[])["verdict"]
+    unchecked = ["repeatability", *TRAITS, "records", "same algorithm", "clamping", "random streams"]
     assert list(verdicts.index[verdicts == "not checked"]) == unchecked
     assert set(verdicts.drop(unchecked)) == {"pass"}
 
@@ -132,6 +136,16 @@ def two_trials_missing(s):
 @trap("completeness", "warning", "6 of 36 planned trials", "1 of 6 cells", "c on q", cells="c on q")
 def an_empty_cell(s):
     s.frame = s.frame[~((s.frame["problem"] == "q") & (s.frame["optimizer"] == "c"))]
+
+
+@trap("repeatability", "error", "11 of 12 trials", "different: a on p, trial 3", "more than their seeds")
+def a_trial_that_is_not_repeated(s):
+    s.verifications = [{"sentence": "11 of 12 trials are the same", "different": ["different: a on p, trial 3"]}]
+
+
+@trap("repeatability", "not checked", "Run 'bench verify'")
+def one_of_two_folders_not_verified(s):
+    s.verifications += [{}]
 
 
 @trap("failures", "error", "2 of 36 trials did not finish (", "failed 1", "timeout 1", "in a on p, b on q. They")
@@ -329,14 +343,14 @@ class TestWithoutTrials:
         sound.frame = sound.frame.iloc[:0]
         if categories:
             sound.frame = in_study_order(sound.frame, Study("s", *map(tuple, entries), trials=TRIALS))
-        verdicts = sound.check(traces={}, diagnoses={})["verdict"]
+        verdicts = sound.check(traces={}, diagnoses={}, verifications=[])["verdict"]
         assert verdicts["completeness"] == "warning"
         assert set(verdicts.drop("completeness")) == {"not checked"}
 
     def test_nothing_but_failures(self, sound):
         numbers = dict.fromkeys(["fun", "nfev", "wall_s", "cpu_s", "objective_s", "stop", "x_u", "x_v", "outside_box"])
         sound.frame = sound.frame.assign(status="failed", **numbers)
-        verdicts = sound.check(traces={}, diagnoses={})["verdict"]
+        verdicts = sound.check(traces={}, diagnoses={}, verifications=[])["verdict"]
         assert (verdicts["completeness"], verdicts["failures"]) == ("pass", "error")
         assert set(verdicts.drop(["completeness", "failures"])) == {"not checked"}
 

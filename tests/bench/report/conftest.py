@@ -211,6 +211,9 @@ def make():
     def write_study(
         folder, problems=("p", "q"), optimizers=("a", "b", "c"), trials=8, *, skip=(), fail=(), changes=None
     ):
+        def place_of(trial):
+            return trial.number, problems.index(trial.problem), optimizers.index(trial.optimizer)
+
         entries = (tuple(Entry("any", label) for label in labels) for labels in (problems, optimizers))
         study = Study("made", *entries, trials=trials, budget=100)
         rng = np.random.default_rng(0)
@@ -218,8 +221,7 @@ def make():
         place.path.mkdir(parents=True, exist_ok=True)
         place.claim(study)
         with place.store.writer() as writer:
-            places = lambda trial: (trial.number, problems.index(trial.problem), optimizers.index(trial.optimizer))
-            for trial in sorted(study.plan(), key=places):
+            for trial in sorted(study.plan(), key=place_of):
                 matches = {(trial.problem, trial.optimizer), trial.key}
                 value = 5 + optimizers.index(trial.optimizer) + 0.1 * rng.standard_normal()
                 if matches & set(fail):

@@ -1,0 +1,171 @@
+"""The commands around a run: status, rm, verify, merge, shards and the plan of a dry run."""
+
+import json
+import shutil
+import subprocess
+import sys
+import time
+
+import pytest
+
+from bench import Study, load_results, run
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A folder with finished and failed trials, and the study's file; no test changes them."""
+    study = Study.from_dict(
+        {"name": "mixed", "trials": 3, "budget": 30, "seed": 5, "problems": [{"names": ["sphere-2", "sphere-3"]}],
+         "optimizers": [{"name": "faulty"}, {"name": "scatter", "agents": 7}]}
+    )  # fmt: skip
+    place = tmp_path_factory.mktemp("made")
+    (place / "mixed.toml").write_text(study.to_toml())
+    assert run(study, place / "out", n_jobs=1).failed == 3
+    return place
+
+
+@pytest.fixture
+def copied(made, tmp_path):
+    shutil.copytree(made, tmp_path / "copy")
+    return tmp_path / "copy"
+
+
+def test_status_tells_counts_reasons_and_provenance(bench_here, made):
+    done = bench_here("status", made / "out")
+    assert done.returncode == 0
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("study mixed")
+    assert lines[1] == f"study hash {Study.load(made / 'mixed.toml').identity()}"
+    assert [line.split()[:4] for line in lines if line.startswith(("faulty", "scatter"))] == [
+        ["faulty", "3", "3", "6"], ["scatter", "6", "0", "6"]
+    ]  # fmt: skip
+    assert "failed: faulty on sphere-2, trial 0 and 2 more: RuntimeError: cannot do planes" in done.stdout
+    record = json.loads((made / "out" / "environment.json").read_text())[0]
+    for told in (
+        record["started"], record["ended"], "12 trials with 1 jobs (loky)", record["host"], record["processor"],
+        f"Python {record['python']}", f"numpy {record['packages']['numpy']}", record["command"], "threads: 1",
+    ):  # fmt: skip
+        assert told in done.stdout
+    assert "running" not in done.stdout
+
+
+def test_status_of_a_run_under_way(bench, tmp_path):
+    (tmp_path / "slow.toml").write_text(
+        'name = "slow"\ntrials = 400\nbudget = 40\n[[problems]]\nname = "slow-2"\n'
+        '[[optimizers]]\nname = "hill-climber"\n'
+    )
+    command = ["run", tmp_path / "slow.toml", "--output", tmp_path / "out", "--jobs", "1", "--no-report"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "bench", *map(str, command)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    try:
+        said, deadline = "", time.monotonic() + 60
+        while "a second" not in said and time.monotonic() < deadline:
+            said = bench("status", tmp_path / "out").stdout if (tmp_path / "out" / "study.toml").exists() else ""
+        assert f"running: process {process.pid} on " in said
+        assert "trials made" in said
+        assert "left" in said
+    finally:
+        process.kill()
+        process.wait()
+    assert "running" not in bench("status", tmp_path / "out").stdout
+    assert bench("status", tmp_path / "out", "--watch").returncode == 0  # nothing to watch: it ends at once
+
+
+def test_rm_makes_a_cell_new(bench_here, copied):
+    out = copied / "out"
+    before = load_results(out)
+    done = bench_here("rm", out, "--optimizer", "scatter", "--problem", "sphere-2", "--dry-run")
+    assert "3 trials would be removed" in done.stdout
+    assert len(load_results(out)) == 12
+    assert "3 trials removed" in bench_here("rm", out, "--optimizer", "scatter", "--problem", "sphere-2").stdout
+    left = load_results(out)
+    assert len(left) == 9
+    assert not ((left["optimizer"] == "scatter") & (left["problem"] == "sphere-2")).any()
+    assert "3 trials removed" in bench_here("rm", out, "--failed").stdout
+    assert load_results(out)["status"].eq("ok").all()
+    run(Study.load(copied / "mixed.toml"), out, n_jobs=1)
+    again = load_results(out)
+    times = ["wall_s", "cpu_s", "objective_s"]
+    assert again.drop(columns=times).equals(before.drop(columns=times))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ([], "say what to remove"),
+        (["--optimizer", "scater"], "no optimizer 'scater'; did you mean 'scatter'?"),
+        (["--problem", "sphere-4"], "no problem 'sphere-4'; did you mean"),
+    ],
+)
+def test_rm_refuses_what_it_does_not_know(bench_here, made, arguments, said):
+    done = bench_here("rm", made / "out", *arguments)
+    assert done.returncode == 2
+    assert said in done.stderr
+
+
+def test_a_dry_run_tells_the_plan_and_the_time_and_writes_nothing(bench_here, made):
+    before = sorted((path.name, path.stat().st_mtime_ns) for path in (made / "out").iterdir())
+    done = bench_here("run", made / "mixed.toml", "--output", made / "out", "--dry-run", "--trials", 1000, "--jobs", 2)
+    assert done.returncode == 0
+    assert (
+        "2 problems x 2 optimizers x 1000 trials = 4000 runs of 30 evaluations, 9 of them already done" in done.stdout
+    )
+    assert "  faulty: 1997 to run" in done.stdout
+    assert "with 2 jobs, by the trials that are there" in done.stdout
+    fresh = bench_here("run", made / "mixed.toml", "--output", made / "fresh", "--dry-run", "--shard", "2/5")
+    assert "shard 2/5 of them: 3 runs" in fresh.stdout
+    assert "no trial is there to tell the time by" in fresh.stdout
+    assert not (made / "fresh").exists()
+    assert sorted((path.name, path.stat().st_mtime_ns) for path in (made / "out").iterdir()) == before
+
+
+def test_shards_run_merge_and_verify_by_command(bench_here, made, tmp_path):
+    for number in (1, 2):
+        done = bench_here(
+            "run", made / "mixed.toml", "--output", tmp_path / f"s{number}", "--shard", f"{number}/2", "--jobs", 1
+        )
+        assert "shard" in done.stdout
+        assert not (tmp_path / f"s{number}" / "report.html").exists()  # of a part nothing can be claimed
+    done = bench_here("merge", tmp_path / "s1", tmp_path / "s2", "-o", tmp_path / "all")
+    assert done.returncode == 0
+    assert f"12 trials in {tmp_path / 'all'}: 12 added, 0 held by more than one folder" in done.stdout
+    done = bench_here("verify", tmp_path / "all", "--jobs", 1)
+    assert done.returncode == 0
+    assert "6 of 6 trials of 3 cells are the same bit by bit with 1 worker" in done.stdout
+    assert "verified 20" in bench_here("status", tmp_path / "all").stdout
+
+
+def test_resuming_with_other_versions_warns(bench_here, copied):
+    import sqlite3
+
+    with sqlite3.connect(copied / "out" / "trials.sqlite") as connection:
+        record = json.loads(connection.execute("SELECT record FROM environments").fetchone()[0])
+        record["packages"]["numpy"] = "1.99.0"
+        connection.execute("UPDATE environments SET record = ?", (json.dumps(record),))
+    connection.close()
+    done = bench_here(
+        "run", copied / "mixed.toml", "--output", copied / "out", "--trials", 4, "--jobs", 1, "--no-report"
+    )
+    assert "were made by another environment (numpy 1.99.0 → " in done.stdout
+    assert len(json.loads((copied / "out" / "environment.json").read_text())) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--timeout", "0"], "the timeout of a trial must be more than 0 seconds"),
+        (["--timeout", "-3"], "the timeout of a trial must be more than 0 seconds"),
+        (["--memory", "0"], "the memory of a trial must be more than 0 gigabytes"),
+        (["--memory", "nan"], "the memory of a trial must be more than 0 gigabytes"),
+        (["--shard", "3"], "as in 3/20"),
+        (["--backend", "dask"], "needs --scheduler"),
+        (["--scheduler", "tcp://localhost:1"], "no other backend takes one"),
+    ],
+)
+def test_wrong_limits_are_one_sentence(bench_here, made, arguments, said):
+    done = bench_here("run", made / "mixed.toml", "--output", made / "no", *arguments)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert not (made / "no").exists()
