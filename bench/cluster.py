@@ -1,16 +1,17 @@
 """Many machines: trials made by the workers of a dask.distributed cluster, which joblib hands them to.
 
-The parent's side is :func:`cluster`, the workers' side :func:`work`. Futures that fail, are cancelled or lose their
+The parent's side is :func:`cluster`, the workers' side :func:`work`. Batches that fail, are cancelled or lose their
 scheduler all come back through joblib's documented interface for backends: its own backend for dask never hears of
 some of them and waits for ever, and it makes the trials of a cluster with a single thread in the parent.
 """
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import warnings
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import CancelledError
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from math import inf
 from threading import Event, Lock, Thread, get_ident
@@ -18,7 +19,7 @@ from time import monotonic, sleep
 from typing import Any
 from uuid import uuid4
 
-from joblib.parallel import AutoBatchingMixin, ParallelBackendBase
+from joblib.parallel import ParallelBackendBase
 
 from bench import environment, guard
 from bench.errors import BenchError
@@ -31,6 +32,7 @@ ARRIVE = 20.0  # seconds that the first worker has to arrive
 RETURN = 600.0  # seconds that a cluster may be without any worker before a run gives up
 LOOK = 1.0  # seconds between looks at what is going on
 IDLE = 60.0  # seconds after which trial processes end that have nothing to do
+BATCH, MOST = 0.5, 100  # seconds of a thread, and trials, that travel together
 AHEAD = 500  # batches under way at least, so that workers which come later find something to do
 
 _LOGGERS = ("distributed", "tornado", "asyncio")
@@ -59,8 +61,12 @@ def cluster(scheduler: str) -> Iterator[Pool]:
         client = _connect(distributed.Client, scheduler)
         try:
             jobs = _wait_for_workers(client, scheduler)
-            _refuse_strangers(client, scheduler)
-            yield Cluster(client, scheduler, jobs)
+            _refuse_strangers(client)
+            pool = Cluster(client, scheduler, jobs)
+            try:
+                yield pool
+            finally:
+                pool.close()
         finally:
             with suppress(Exception):
                 if client.status == "running":
@@ -77,11 +83,17 @@ class Cluster(Pool):
 
     def __init__(self, client: Any, scheduler: str, jobs: int) -> None:
         from distributed import KilledWorker
+        from distributed.comm import CommClosedError
 
         self._client, self._scheduler = client, scheduler
         self._hands = _Hands(client, jobs)
         super().__init__(jobs, backend=self._hands)
         self.work, self.window, self.deaths = work, max(3 * jobs, AHEAD), (KilledWorker,)
+        self._gone = (CancelledError, CommClosedError)
+
+    def close(self) -> None:
+        """Wait for nothing any more."""
+        self._hands.close()
 
     def _map(self, task: Task, trials: Iterable[Trial]) -> Iterator[Answer]:
         ended = Event()
@@ -89,10 +101,10 @@ class Cluster(Pool):
         watch.start()
         try:
             yield from super()._map(task, trials)
-        except CancelledError as error:
+        except self._gone as error:
             raise self._lost("is gone, or has dropped this run") from error
         except (BenchError, ImportError):  # a worker that came later
-            _refuse_strangers(self._client, self._scheduler)
+            _refuse_strangers(self._client)
             raise
         finally:
             ended.set()
@@ -105,8 +117,8 @@ class Cluster(Pool):
             if self._client.status != "running":
                 return self._hands.fail(self._lost("is gone"))
             with suppress(Exception):  # a scheduler that is gone is seen above
-                if self._client.nthreads():
-                    seen = monotonic()
+                if threads := sum(self._client.nthreads().values()):
+                    seen, self._hands.threads = monotonic(), threads
             if monotonic() - seen > RETURN:
                 return self._hands.fail(self._lost(f"has had no workers for {RETURN / 60:g} minutes"))
         return None
@@ -118,22 +130,24 @@ class Cluster(Pool):
         )
 
 
-class _Hands(AutoBatchingMixin, ParallelBackendBase):  # type: ignore[misc]
+class _Hands(ParallelBackendBase):  # type: ignore[misc]
     """What joblib asks of a backend, by dask's futures."""
 
     supports_retrieve_callback = True
 
     def __init__(self, client: Any, jobs: int) -> None:
         super().__init__()
-        self._client, self._jobs = client, jobs
+        self._client, self.threads = client, jobs
         self._flying: dict[str, tuple[Any, Callable[[Any], None]]] = {}
+        self._caller = ThreadPoolExecutor(1)  # joblib's callbacks take their time, which is not the event loop's
+        self._since, self._made, self._size = monotonic(), 0, 1
 
     def effective_n_jobs(self, n_jobs: int) -> int:  # noqa: ARG002 - the cluster's own number
         """Return how many batches are made at a time; two at least, for joblib makes a single job's in this process."""
-        return max(2, self._jobs)
+        return max(2, self.threads)
 
     def submit(self, func: Any, callback: Callable[[Any], None]) -> Any:
-        """Have a batch made; the callback is called with its future once, whatever becomes of it."""
+        """Have a batch made; the callback is called once with what it returned or raised, whatever becomes of it."""
         key = f"bench-{uuid4().hex}"
         try:
             future = self._client.submit(func, key=key, pure=False)
@@ -141,19 +155,26 @@ class _Hands(AutoBatchingMixin, ParallelBackendBase):  # type: ignore[misc]
             callback(CancelledError())
             return None
         self._flying[key] = future, callback
-        future.add_done_callback(self._land)
+        self._client.loop.add_callback(self._fetch, key, future)
         return future
 
     def retrieve_result_callback(self, out: Any) -> Any:
         """Return what a batch returned, or raise what ended it."""
         if isinstance(out, BaseException):
             raise out
-        return out.result()
+        return out
 
-    def batch_completed(self, batch_size: int, duration: float) -> None:
-        """Tell how long a batch took, without the time in which it waited for those before it."""
-        queue = (len(self._flying) + 1) / max(2, self._jobs)
-        super().batch_completed(batch_size, duration / max(1.0, queue))
+    def compute_batch_size(self) -> int:
+        """Return how many trials travel together."""
+        return self._size
+
+    def batch_completed(self, batch_size: int, duration: float) -> None:  # noqa: ARG002 - nearly all of it in a queue
+        """Have as many short trials travel together as take half a second, by how many are made in one."""
+        self._made += batch_size
+        passed = monotonic() - self._since
+        if passed > LOOK:
+            self._size = min(max(1, int(BATCH * self._made / (passed * self.threads))), MOST)
+            self._since, self._made = monotonic(), 0
 
     def abort_everything(self, ensure_ready: bool = True) -> None:  # noqa: ARG002 - it always is
         """Let go of all batches: the workers drop them, see :func:`work`."""
@@ -164,13 +185,31 @@ class _Hands(AutoBatchingMixin, ParallelBackendBase):  # type: ignore[misc]
     def fail(self, error: Exception) -> None:
         """Have whoever waits for a batch see an error."""
         while self._flying:
-            with suppress(KeyError):
-                self._flying.popitem()[1][1](error)
+            with suppress(KeyError, RuntimeError):
+                future, callback = self._flying.popitem()[1]
+                future.release()
+                callback(error)
 
-    def _land(self, future: Any) -> None:
-        _, callback = self._flying.pop(future.key, (None, None))
+    def close(self) -> None:
+        """End what calls back."""
+        self._caller.shutdown(wait=False, cancel_futures=True)
+
+    async def _fetch(self, key: str, future: Any) -> None:
+        """Wait for a batch beside the others: a worker may be lost with what it made, which is then made again."""
+        out: Any
+        try:
+            (out,) = await self._client.gather([future], asynchronous=True)
+        except Exception as error:
+            out = error
+        except asyncio.CancelledError:
+            out = CancelledError()
+        with suppress(RuntimeError):  # closed: nobody waits
+            self._caller.submit(self._land, key, out)
+
+    def _land(self, key: str, out: Any) -> None:
+        _, callback = self._flying.pop(key, (None, None))
         if callback is not None:
-            callback(future)
+            callback(out)
 
 
 # before the first trial
@@ -180,14 +219,26 @@ def _connect(client: Callable[..., Any], scheduler: str) -> Any:
     """Return a client of the scheduler."""
     if not scheduler.strip():
         raise BenchError("the address of the dask scheduler is empty; it is such as tcp://10.0.0.1:8786")
-    try:
-        with warnings.catch_warnings(action="ignore"):
-            return client(scheduler, timeout=CONNECT, set_as_default=False)
-    except Exception as error:
+    answer: list[Any] = []
+
+    def connect() -> None:
+        try:
+            answer.append(client(scheduler, timeout=CONNECT, set_as_default=False))
+        except Exception as error:
+            answer.append(error)
+
+    # In a thread, since a server that accepts and says nothing would be waited for without end.
+    thread = Thread(target=connect, daemon=True)
+    with warnings.catch_warnings(action="ignore"):
+        thread.start()
+        thread.join(CONNECT + LOOK)
+    found = answer[0] if answer else TimeoutError()
+    if isinstance(found, Exception):
         raise BenchError(
-            f"no dask scheduler answers at {scheduler!r} ({type(error).__name__}); start one with 'dask scheduler' and "
+            f"no dask scheduler answers at {scheduler!r} ({type(found).__name__}); start one with 'dask scheduler' and "
             "give the address that it prints, such as tcp://10.0.0.1:8786"
-        ) from error
+        ) from found
+    return found
 
 
 def _wait_for_workers(client: Any, scheduler: str) -> int:
@@ -203,11 +254,11 @@ def _wait_for_workers(client: Any, scheduler: str) -> int:
     return int(threads)
 
 
-def _refuse_strangers(client: Any, scheduler: str) -> None:
-    """Raise BenchError where the scheduler or a worker runs another package than this process."""
+def _refuse_strangers(client: Any) -> None:
+    """Raise BenchError where a worker runs another package than this process."""
     own = environment.package()
 
-    def introduce(dask_worker: Any = None, dask_scheduler: Any = None) -> Introduction:  # sent as code
+    def introduce(dask_worker: Any) -> Introduction:  # sent as code: the worker may have no such module
         import socket
 
         try:
@@ -216,18 +267,15 @@ def _refuse_strangers(client: Any, scheduler: str) -> None:
             runs = package()
         except Exception as error:
             runs = f"no usable backlash-bench ({type(error).__name__}: {error})"
-        name = getattr(dask_worker, "name", "") if dask_scheduler is None else ""
-        return f"{name} on {socket.gethostname()}", runs
+        return f"{dask_worker.name} on {socket.gethostname()}", runs
 
-    found = {f"the scheduler {scheduler}": client.run_on_scheduler(introduce)}
-    found |= {f"the worker {address}": said for address, said in client.run(introduce, on_error="return").items()}
-    others = {who: said for who, said in found.items() if not isinstance(said, OSError) and said[1] != own}
+    found = {f"the worker {address}": said for address, said in client.run(introduce, on_error="return").items()}
+    others = {who: said for who, said in found.items() if not isinstance(said, Exception) and said[1] != own}
     if others:
         who, (name, runs) = next(iter(others.items()))
-        more = f" (and so do {len(others) - 1} others)" if len(others) > 1 else ""
+        more = f" ({len(others) - 1} others differ too)" if len(others) > 1 else ""
         raise BenchError(
-            f"{who} ({name.strip()}) runs {runs}{more}, this process {own}; install the same version on all and "
-            "restart them"
+            f"{who} ({name}) runs {runs}{more}, this process {own}; install the same version on all and restart them"
         )
 
 

@@ -6,9 +6,12 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from datetime import datetime
 from pathlib import Path
+from time import sleep
 from typing import Any
 
+import psutil
 from filelock import FileLock, Timeout
 
 from bench import environment
@@ -24,6 +27,9 @@ CHECKS = "checks.json"
 VERIFICATION = "verification.json"
 RUNNING = ".running.json"
 
+_REMOVED = dict.fromkeys((DATA, CODE), ": the store, too, notes what its trials were made with")
+_CLOCKS = 2.0  # seconds by which two ways of telling the time of one moment may differ
+
 
 class Folder:
     """The folder that a run writes and that reports read."""
@@ -34,9 +40,13 @@ class Folder:
 
     def study(self) -> Study:
         """Return the frozen study; raises BenchError where the folder holds none."""
-        if not (self.path / STUDY).exists():
+        if not self._begun:
             raise BenchError(f"{self.path} holds no {STUDY}; give the folder that 'bench run' wrote")
         return Study.load(self.path / STUDY)
+
+    @property
+    def _begun(self) -> bool:
+        return os.path.exists(self.path / STUDY)  # noqa: PTH110 - unlike Path.exists, it never raises
 
     def environments(self) -> list[dict[str, Any]]:
         """Return the environments that the store's rows come from, in the order of their numbers from 1 on."""
@@ -57,7 +67,7 @@ class Folder:
         Raises:
             BenchError: when the folder holds another study.
         """
-        if not (self.path / STUDY).exists():
+        if not self._begun:
             return study
         present = self.study()
         if present.identity() != study.identity():
@@ -80,12 +90,12 @@ class Folder:
         return study
 
     def fingerprints(self) -> dict[str, str]:
-        """Return the noted fingerprints of the problems' data, by label."""
-        return self._noted(DATA)
+        """Return the noted fingerprints of the problems' data, by label; raises BenchError where they are damaged."""
+        return self._fingerprints(DATA)
 
     def code(self) -> dict[str, str]:
-        """Return the noted fingerprints of the optimizers that come from a file, by label."""
-        return self._noted(CODE)
+        """Return those of the optimizers that come from a file, by label; raises BenchError where they are damaged."""
+        return self._fingerprints(CODE)
 
     def check_data(self, fingerprints: dict[str, str]) -> None:
         """Note the fingerprints of the problems' data, by label, and refuse data that changed under a study.
@@ -118,7 +128,7 @@ class Folder:
         self._write(file, json.dumps(before | fingerprints, indent=1))
 
     def _refuse(self, file: str, fingerprints: dict[str, str], what: str, kinds: str) -> dict[str, Any]:
-        before = self._noted(file)
+        before = self._fingerprints(file)
         for label, fingerprint in fingerprints.items():
             if before.get(label, fingerprint) != fingerprint:
                 raise BenchError(
@@ -126,6 +136,17 @@ class Folder:
                     "put it back or give another --output"
                 )
         return before
+
+    def _fingerprints(self, file: str) -> dict[str, str]:
+        """Return what a file notes by label; where it is missing, what the store's environments say instead."""
+        if (self.path / file).exists():
+            noted = self._noted(file)
+            if not all(isinstance(each, str) for each in noted.values()):
+                raise self._damaged(file)
+            return noted
+        key = Path(file).stem
+        records = [each for record in self.environments() if isinstance(each := record.get(key), dict)]
+        return {label: fingerprint for each in records for label, fingerprint in each.items() if fingerprint}
 
     def checks(self) -> dict[str, list[dict[str, Any]]]:
         """Return the verdicts that ``bench check`` noted of the study's optimizers, by label; empty where none did.
@@ -157,15 +178,14 @@ class Folder:
         Raises:
             BenchError: when another run is writing here, or the folder cannot be written or holds something else.
         """
-        foreign = self.path.is_dir() and any(not item.name.startswith(".") for item in self.path.iterdir())
-        if foreign and not (self.path / STUDY).exists():
-            raise BenchError(f"{self.path} is not empty and holds no study; give another --output")
         hold = FileLock(self.path / ".lock", timeout=0)
         try:
             self.path.mkdir(parents=True, exist_ok=True)
+            if any(not item.name.startswith(".") for item in self.path.iterdir()) and not self._begun:
+                raise BenchError(f"{self.path} is not empty and holds no study; give another --output")
             hold.acquire()
         except Timeout as error:
-            holder = self.running()
+            holder = self._holder()
             who = f"(process {holder['pid']} on {holder['host']}, since {holder['started']}) " if holder else ""
             raise BenchError(
                 f"another run {who}is writing to {self.path}; wait for its end or give another --output"
@@ -184,29 +204,43 @@ class Folder:
 
     def running(self) -> dict[str, Any] | None:
         """Return pid, host and start of the run that is writing here, as far as can be seen from this machine."""
-        noted = self._json(RUNNING)
-        if not isinstance(noted, dict) or not {"pid", "host", "started"} <= noted.keys():
+        try:
+            noted = self._noted(RUNNING)
+            began = datetime.fromisoformat(noted["started"]).timestamp()
+            here = noted["host"] == environment.host()
+            if here and psutil.Process(noted["pid"]).create_time() > began + _CLOCKS:
+                return None  # a killed run's number is another process's by now
+        except (BenchError, KeyError, TypeError, ValueError, OverflowError, psutil.NoSuchProcess):
             return None
-        if noted["host"] == environment.host():
-            try:
-                os.kill(int(noted["pid"]), 0)  # asks only whether it is there
-            except PermissionError:
-                return noted
-            except (OSError, ValueError, OverflowError):
-                return None
+        except psutil.Error:  # it is there, and somebody else's
+            pass
         return noted
 
-    def _noted(self, name: str) -> dict[str, Any]:
-        """Return what a JSON file notes by label, nothing where it is missing or damaged."""
-        noted = self._json(name)
-        return noted if isinstance(noted, dict) else {}
+    def _holder(self) -> dict[str, Any] | None:
+        """Return :meth:`running`; a run that has only just taken hold of the folder is about to say who it is."""
+        for _ in range(20):
+            if holder := self.running():
+                return holder
+            sleep(0.05)
+        return None
 
-    def _json(self, name: str) -> Any:
-        """Return a JSON file's content, or None where it is missing or damaged: notes never stand in a run's way."""
+    def _noted(self, name: str) -> dict[str, Any]:
+        """Return what a JSON file notes, nothing where it is missing; raises BenchError where it is damaged."""
         try:
-            return json.loads((self.path / name).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            return None
+            noted = json.loads((self.path / name).read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return {}
+        except OSError as error:
+            raise BenchError(f"{self.path / name} cannot be read: {error.strerror}") from error
+        except (ValueError, RecursionError) as error:
+            raise self._damaged(name) from error
+        if not isinstance(noted, dict):
+            raise self._damaged(name)
+        return noted
+
+    def _damaged(self, name: str) -> BenchError:
+        file, why = self.path / name, _REMOVED.get(name, "")
+        return BenchError(f"{file} is damaged; restore it from a copy, or remove it{why}")
 
     def _write(self, name: str, text: str) -> None:
         """Replace a file at once, so that a kill leaves the old or the new one."""
@@ -215,6 +249,8 @@ class Folder:
             temporary.write_text(text, encoding="utf-8")
             temporary.replace(self.path / name)
         except OSError as error:
+            with suppress(OSError):  # on a full disk it is in the way
+                temporary.unlink(missing_ok=True)
             raise BenchError(f"{self.path / name} cannot be written: {error.strerror}") from error
 
 

@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import threading
 from dataclasses import dataclass, field
+from time import sleep
 from typing import Any
 
 from bench import environment, worker
 from bench.errors import BenchError
 from bench.process import DiedError, MemoryExceededError, Process, RemoteError, SilentError
+from bench.serving import UNANSWERABLE
 from bench.study import Trial
 from bench.worker import Row, failed
 
-LOADING = 20.0  # seconds beside the limit of a trial in which plug-ins are loaded and warmed up, compilation aside
+LOADING = 20.0  # seconds beside the limit of a trial that may pass between two imports of a plug-in
+WARMING = 3.0  # seconds, at least, that a warm-up may take, imports and compilation aside
+PRINTED = 1_000_000  # bytes that a trial may print: they go nowhere, but reading them takes everybody's time
+CHECKING = 60.0  # seconds without a sign of life in which a study's plug-ins are loaded for the first time
+FULL = 0.5  # of the memory allowed; a process that holds more between trials is given up, lest the next one pays
 KILLED = (-signal.SIGKILL, -signal.SIGTERM)  # what comes from outside: the system short of memory, or a person
+
+_LOOK = 0.5  # seconds between looks for the parent
 
 
 @dataclass(frozen=True)
@@ -44,13 +53,32 @@ def work(task: Task, trial: Trial) -> tuple[Trial, Row, str]:
         BenchError: when this worker has another version of the package than the parent.
     """
     require(task.package)
-    me = threading.get_ident()
-    keeper = _keepers.get(me)
-    if keeper is None or keeper.task != task:
-        if keeper is not None:
-            keeper.close()
-        keeper = _keepers[me] = _Keeper(task)
+    keeper = _keeper(task)
     return trial, keeper.make(trial), keeper.machine()
+
+
+def check(task: Task) -> tuple[dict[str, str], dict[str, str]]:
+    """Return what :meth:`bench.study.Study.check` does, without loading a plug-in into this process.
+
+    The process that it takes stays, for trials of the same task, until :func:`close`.
+
+    Raises:
+        BenchError: for the first name, parameter, recording or budget that cannot work, or for plug-ins that hang or
+            crash when they are loaded.
+    """
+    failed = "loading the study's problems and optimizers"
+    try:
+        found = _keeper(task).check()
+    except SilentError as error:
+        raise BenchError(
+            f"{failed} hangs: no sign of life for {error}; try each with 'bench solve' to find which"
+        ) from error
+    except (DiedError, RemoteError, MemoryExceededError) as error:
+        raise BenchError(f"{failed} failed: {error}") from error
+    if isinstance(found, str):
+        raise BenchError(found)
+    data, code = found
+    return data, code
 
 
 def require(package: str) -> None:
@@ -62,10 +90,30 @@ def require(package: str) -> None:
         )
 
 
+def attend(parent: int) -> None:
+    """End this worker when its parent is gone, killed while this one waits, say; Ctrl-C is the parent's."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            sleep(_LOOK)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
 def close() -> None:
     """End the trial processes of all this process's threads."""
     for keeper in list(_keepers.values()):
         keeper.close()
+
+
+def _keeper(task: Task) -> _Keeper:
+    """Return this thread's keeper, set to the task."""
+    keeper = _keepers.setdefault(threading.get_ident(), _Keeper(task))
+    if keeper.task != task:
+        keeper.take(task)
+    return keeper
 
 
 class _Keeper:
@@ -78,6 +126,26 @@ class _Keeper:
         self._late: set[tuple[str, str]] = set()  # cells whose warm-up took too long: they go on without
         self._machine = ""
 
+    def take(self, task: Task) -> None:
+        """Make trials of another task, in the same process where that will do."""
+        if task.hash_seed != self.task.hash_seed:
+            self.close()
+        if task.study != self.task.study:
+            self._machine = ""
+            self._prepared.clear()
+            self._late.clear()
+        self.task = task
+
+    def check(self) -> Any:
+        """Return the answer of :func:`bench.worker.check`; a process that is killed from outside is tried again."""
+        try:
+            return self._ask(worker.check, patience=CHECKING)
+        except DiedError as error:
+            self.close()
+            if error.code not in KILLED:
+                raise
+            return self._ask(worker.check, patience=CHECKING)
+
     def close(self) -> None:
         """End the process."""
         if self._process is not None:
@@ -88,11 +156,14 @@ class _Keeper:
     def machine(self) -> str:
         """Return what the trials are made by, as JSON."""
         if not self._machine:
+            sound = False
             try:
-                self._machine = self._ask(worker.describe, patience=self._patience())
+                self._machine, sound = self._ask(worker.describe, patience=self._patience(LOADING))
             except (SilentError, DiedError, RemoteError, MemoryExceededError):
-                self.close()
                 self._machine = json.dumps(environment.machine())
+            finally:
+                if not sound:
+                    self.close()
         return self._machine
 
     def make(self, trial: Trial) -> Row:
@@ -105,20 +176,27 @@ class _Keeper:
 
     def _make(self, trial: Trial, last: bool = False) -> Row | None:
         timeout, cell = self.task.timeout, (trial.problem, trial.optimizer)
-        sound = False
+        doing, sound = "", False
         try:
-            if not self._machine:
-                self.machine()
-            if cell not in self._prepared | self._late:
-                try:
-                    self._ask(worker.prepare, *cell, patience=self._patience())
-                except SilentError:
+            self.machine()
+            if cell not in self._prepared:
+                doing = "while its plug-ins were loaded"
+                self._ask(worker.load, *cell, patience=self._patience(LOADING))
+                if cell not in self._late:
+                    doing = "in its warm-up, a short trial before the first"
                     self._late.add(cell)
-                    raise
+                    self._ask(worker.warm_up, *cell, patience=self._patience(at_least=WARMING))
+                    self._late.discard(cell)
                 self._prepared.add(cell)
+            doing = ""
             row, sound = self._ask(worker.make, trial, patience=timeout)
-        except SilentError:
-            return {"status": "timeout", "error": f"stopped after {timeout:g} s, the limit of a trial (--timeout)"}
+            sound = sound and not self._is_full()
+            return self._judge(row)
+        except SilentError as error:
+            where = (
+                f"{doing}, after {error} without a sign of life" if doing else f"after {error}, the limit of a trial"
+            )
+            return {"status": "timeout", "error": f"stopped {where} (--timeout)"}
         except MemoryExceededError as error:
             return failed(f"{error} (--memory)")
         except DiedError as error:
@@ -130,10 +208,19 @@ class _Keeper:
         finally:
             if not sound:
                 self.close()
+
+    def _judge(self, row: Row) -> Row:
+        """Return the row of a trial as it came, or why it cannot stand."""
+        if row["status"] == "ok" and self._process is not None and self._process.printed > PRINTED:
+            return failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
         return dict(row)
 
-    def _patience(self) -> float | None:
-        return None if self.task.timeout is None else self.task.timeout + LOADING
+    def _is_full(self) -> bool:
+        limit = self.task.memory
+        return limit is not None and self._process is not None and self._process.resident > FULL * limit
+
+    def _patience(self, beside: float = 0.0, at_least: float = 0.0) -> float | None:
+        return None if self.task.timeout is None else max(self.task.timeout + beside, at_least)
 
     def _ask(self, function: Any, *arguments: Any, patience: float | None) -> Any:
         if self._process is None:
@@ -145,6 +232,8 @@ def _obituary(error: DiedError) -> str:
     """Return why a trial's process ended."""
     if error.code == worker.STILL_ASKING:
         return "went on asking for values after its budget was spent; let BudgetExhausted pass"
+    if error.code == UNANSWERABLE:
+        return "closed files that are not its own, by which its process answers"
     twice = " twice; the machine may be short of memory" if error.code in KILLED else ""
     words = f"\n{error.last_words}" if error.last_words else ""
     return f"its process ended with {error}{twice}{words}"

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import current_thread, main_thread
 from types import FrameType
 
+Handler = Callable[[int, FrameType | None], object]
+
 
 class Interrupts:
-    """Interrupts of a run: let in while it waits, kept until then while it commits."""
+    """Interrupts of a run: let in while it waits, kept until then while it commits.
+
+    Attributes:
+        pending: whether one came.
+    """
 
     def __init__(self) -> None:
-        self._open = self._pending = False
+        self.pending = self._open = False
 
     def arrive(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002 - a signal handler
         """Take a signal: raise it now, or as soon as the run waits."""
-        self._pending = True
+        self.pending = True
         if self._open:
             raise KeyboardInterrupt
 
@@ -26,7 +32,7 @@ class Interrupts:
         """Raise KeyboardInterrupt within, for a signal that comes now or came before."""
         self._open = True
         try:
-            if self._pending:
+            if self.pending:
                 raise KeyboardInterrupt
             yield
         finally:
@@ -35,16 +41,39 @@ class Interrupts:
 
 @contextmanager
 def deferred() -> Iterator[Interrupts]:
-    """Yield the interrupts of the signals that raise KeyboardInterrupt, which do so only where they are welcome."""
+    """Yield the interrupts of the signals that raise KeyboardInterrupt, which do so only where they are welcome.
+
+    One that came where no other could raise it does so at the end; any that come after one was raised do nothing.
+    """
     interrupts = Interrupts()
-    numbers = []
-    if current_thread() is main_thread():
-        mine = (signal.SIGINT, signal.SIGTERM)
-        numbers = [number for number in mine if signal.getsignal(number) is signal.default_int_handler]
-    for number in numbers:
-        signal.signal(number, interrupts.arrive)
-    try:
+    with _handled(interrupts.arrive, lambda handler: handler is signal.default_int_handler):
         yield interrupts
+    if interrupts.pending:
+        raise KeyboardInterrupt
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """Put signals off until the end: what is interrupted while it starts may leave half of it behind."""
+    came: set[int] = set()
+    try:
+        with _handled(lambda number, _: came.add(number), callable):
+            yield
     finally:
-        for number in numbers:
-            signal.signal(number, signal.default_int_handler)
+        for number in came:
+            signal.raise_signal(number)
+
+
+@contextmanager
+def _handled(handler: Handler, concerns: Callable[[object], bool]) -> Iterator[None]:
+    """Have the handler take the signals whose present handlers it concerns; only a main thread has any."""
+    main = current_thread() is main_thread()
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM) if main}
+    before = {number: present for number, present in before.items() if concerns(present)}
+    for number in before:
+        signal.signal(number, handler)
+    try:
+        yield
+    finally:
+        for number, present in before.items():
+            signal.signal(number, present)

@@ -34,6 +34,9 @@ def unique(names: Iterable[str]) -> list[str]:
 
 
 def printable(text: str, limit: int) -> str:
-    """Return a text without control characters but line breaks, and cut where it is longer than ``limit``."""
-    cut = text if len(text) <= limit else f"{text[:limit]} …"
+    """Return a text without control characters but line breaks, and cut where it is longer than ``limit``.
+
+    Gone with them are marks that turn the direction of what follows, and those that nobody sees.
+    """
+    cut = (text if len(text) <= limit else f"{text[:limit]}…").replace("\t", " ")
     return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in cut)

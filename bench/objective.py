@@ -10,7 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bench.errors import BenchError
+from bench.names import printable
 from bench.problem import Floats, Problem
+
+_LONGEST_REASON = 200  # characters
 
 
 class BudgetExhausted(BaseException):
@@ -102,7 +105,12 @@ class Objective:
 
     def repair(self, x: Floats) -> Floats:
         """Return the (n, d) feasible points nearest to ``x`` by the problem's rule; costs no evaluation."""
-        return self._problem.repair(x)
+        repaired = _floats(self._problem.repair(x), f"repaired points of problem {self._problem.name!r}")
+        if repaired.shape != np.shape(x):
+            raise ValueError(
+                f"problem {self._problem.name!r} repaired points of shape {np.shape(x)} to {repaired.shape}"
+            )
+        return repaired
 
     def initial(self, n: int) -> Floats:
         """Return (n, d) points, uniform in the box and then repaired, independent in every trial."""
@@ -111,7 +119,7 @@ class Objective:
 
     def stop(self, reason: str) -> None:
         """Declare that the optimizer ends before its budget by a criterion of its own, such as ``"tolfun"``."""
-        self._stop_reason = str(reason)
+        self._stop_reason = printable(" ".join(str(reason).split()), _LONGEST_REASON)
 
     def __call__(self, x: ArrayLike) -> Any:
         """Return the (n,) values of (n, d) points, or the float of one (d,) point.
@@ -119,8 +127,9 @@ class Objective:
         Raises:
             BudgetExhausted: when the budget ends before the last row; the rows it still holds are evaluated and kept.
             ValueError: for points of another shape.
+            TypeError: for points that are no real numbers.
         """
-        points = np.asarray(x, dtype=np.float64)
+        points = _floats(x, "points")
         single = points.ndim == 1
         rows = points[np.newaxis] if single else points
         if rows.ndim != 2 or rows.shape[1] != self.dimension:
@@ -142,8 +151,9 @@ class Objective:
             return np.empty(0)
         given = rows.copy()  # a problem that writes into its argument must not move the optimizer's points
         started = perf_counter()
-        values = np.asarray(self._problem.evaluate(given), dtype=np.float64)
+        values = self._problem.evaluate(given)
         self.seconds += perf_counter() - started
+        values = _floats(values, f"values of problem {self._problem.name!r}")
         if values.shape != (len(rows),):
             raise ValueError(f"problem {self._problem.name!r} returned shape {values.shape} for {len(rows)} points")
         if (values == -np.inf).any():
@@ -172,3 +182,11 @@ class Objective:
     def trace(self) -> Trace:
         """The improvements so far."""
         return Trace(np.array(self._improved_at, dtype=np.int64), np.array(self._improved_to, dtype=np.float64))
+
+
+def _floats(given: ArrayLike, what: str) -> Floats:
+    """Return an array of float64; raises TypeError where numpy would drop imaginary parts or read texts."""
+    array = np.asarray(given)
+    if array.dtype.kind not in "fiubO":
+        raise TypeError(f"{what} must be real numbers, not {array.dtype}")
+    return array.astype(np.float64, copy=False)

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import os
 import signal
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+import warnings
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from multiprocessing import resource_tracker
+from time import sleep
 from typing import Any
 
 from joblib import Parallel, cpu_count, delayed, parallel_config
-from joblib.externals.loky import get_reusable_executor
+from joblib.externals.loky import reusable_executor
 from joblib.externals.loky.process_executor import BrokenProcessPool
 
 from bench import guard
 from bench.errors import BenchError, nearest
 from bench.guard import Task
+from bench.interrupts import undisturbed
 from bench.study import Trial
 from bench.worker import Row
 
@@ -40,9 +45,9 @@ class Pool:
     work: Callable[[Task, Trial], Answer] = staticmethod(guard.work)
     deaths: tuple[type[Exception], ...] = (BrokenProcessPool,)
 
-    def __init__(self, jobs: int, backend: Any) -> None:
-        self.jobs, self.window = jobs, 3 * jobs
-        self._backend = backend
+    def __init__(self, jobs: int, backend: Any, **options: Any) -> None:
+        self.jobs, self.window = jobs, 2 * jobs
+        self._backend, self._options = backend, options
 
     def answers(self, task: Task, missing: Callable[[], Iterable[Trial]]) -> Iterator[Answer]:
         """Yield each trial with its row and its machine as workers finish, in any order.
@@ -74,20 +79,36 @@ class Pool:
 
     def _map(self, task: Task, trials: Iterable[Trial]) -> Iterator[Answer]:
         """Yield answers until there are no more trials; short trials travel in batches."""
-        with parallel_config(n_jobs=self.jobs, backend=self._backend):
-            self._start()
-            parallel = Parallel(return_as="generator_unordered", batch_size="auto", pre_dispatch=self.window)
-            yield from parallel(delayed(self.work)(task, trial) for trial in trials)
+        with parallel_config(n_jobs=self.jobs, backend=self._backend, **self._options), ExitStack() as ending:
+            with undisturbed():  # an interrupt while joblib hands out work would leave it in pieces
+                self._start()
+                parallel = Parallel(return_as="generator_unordered", batch_size="auto", pre_dispatch=self.window)
+                answers = parallel(delayed(self.work)(task, trial) for trial in trials)
+                ending.callback(_close, answers)
+                self._settle()
+            for answer in answers:  # not from it, which would end it, warning, before _close does  # noqa: UP028
+                yield answer
 
     def _start(self) -> None:
         """Start what must be there before the first trial."""
+
+    def _settle(self) -> None:
+        """Wait until what was handed out can be taken back."""
 
 
 class Loky(Pool):
     """Processes on this machine."""
 
+    def _settle(self) -> None:
+        # loky's thread breaks when it is stopped with trials in hand that it has not passed on to the workers' queue;
+        # that queue has room for all of a window.
+        executor = reusable_executor._executor
+        while executor is not None and not executor._flags.broken and not executor._work_ids.empty():
+            sleep(0.01)
+
     def _start(self) -> None:
         # Workers that inherit a blocked Ctrl-C are deaf to it from the first: it is the parent's to answer.
+        resource_tracker.ensure_running()  # it lets through what is held, when it starts
         with _held(signal.SIGINT):
             Parallel()([delayed(abs)(0)])
 
@@ -115,12 +136,21 @@ def open_pool(backend: str, jobs: int, scheduler: str | None) -> Iterator[Pool]:
             yield pool
         return
     try:
-        yield Loky(cpu_count() if jobs == -1 else jobs, backend="loky")
+        jobs = cpu_count() if jobs == -1 else jobs
+        yield Loky(jobs, "loky", initializer=guard.attend, initargs=(os.getpid(),))
     finally:
         guard.close()  # a single job is made in this process
         if jobs != 1:
             with suppress(Exception):
-                get_reusable_executor().shutdown(wait=True, kill_workers=True)
+                # Not get_reusable_executor(), which waits for a thread that may wait for a lock that it holds.
+                reusable_executor._executor.shutdown(wait=True, kill_workers=True)
+
+
+def _close(answers: Generator[Answer]) -> None:
+    """End what is under way, without joblib's warning that it was."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        answers.close()
 
 
 @contextmanager

@@ -17,14 +17,14 @@ from time import monotonic
 from types import TracebackType
 from typing import IO, Any
 
-from bench.serving import receive, send
+from bench.serving import UNANSWERABLE, receive, send
 from bench.words import last_words, spell
 
-# The pipes are put out of the reach of what is called before anything is imported: prints go nowhere.
+# The pipes are put out of the reach of what is called before anything is imported; prints go to standard error.
 _START = """
 import json, os, sys
 calls, answers, nowhere = os.dup(0), os.dup(1), os.open(os.devnull, os.O_RDWR)
-os.dup2(nowhere, 0), os.dup2(nowhere, 1)
+os.dup2(nowhere, 0), os.dup2(2, 1)
 sys.path[:], owner = json.loads(sys.argv.pop())
 from bench.serving import serve
 serve(calls, answers, owner)
@@ -62,7 +62,7 @@ class DiedError(RuntimeError):
 
     Attributes:
         code: its exit code, minus the signal where one ended it.
-        last_words: the end of what it wrote to standard error, in lines; of a crash, its kind and place.
+        last_words: the end of what it printed, in lines; of a crash, its kind and place.
     """
 
     def __init__(self, code: int, last_words: str = "") -> None:
@@ -100,10 +100,10 @@ class Process:
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=self._leads,
             creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
         )  # fmt: skip
-        self._calls, self._ended = 0, False
-        self._messages, self._written = SimpleQueue[_Message](), bytearray()
+        self._calls, self._before, self._ended = 0, 0, False
+        self._messages, self._output = SimpleQueue[_Message](), _Output()
         self._listener = _start(_listen, self._process.stdout, self._messages)
-        self._drain = _start(_keep_end, self._process.stderr, self._written)
+        self._drain = _start(_keep_end, self._process.stderr, self._output)
         self._sender: Thread | None = None
         self._family = _Family(self._process.pid)
 
@@ -125,6 +125,11 @@ class Process:
     def resident(self) -> int:
         """Bytes of memory that it and all it started hold; what they share counts for each."""
         return self._family.resident()
+
+    @property
+    def printed(self) -> int:
+        """Bytes that the last call wrote to standard output and error, but for those still in the pipe."""
+        return self._output.total - self._before
 
     def close(self) -> None:
         """End the process and whatever it started."""
@@ -165,6 +170,7 @@ class Process:
         """
         self.pulse = None
         self._calls += 1
+        self._before = self._output.total
         self._send(pickle.dumps((function, arguments)))
         limit = inf if patience is None else patience
         heard = monotonic()
@@ -184,7 +190,7 @@ class Process:
                     heard = monotonic()
                     kind, value = _load(payload)
                     if kind != "pulse":
-                        self._written.clear()  # no last words after all
+                        self._output.tail.clear()  # no last words after all
                         if kind == "error":
                             raise RemoteError(value)
                         return value
@@ -215,11 +221,12 @@ class Process:
             )
 
     def _death(self) -> DiedError:
+        code = UNANSWERABLE  # of a process that only closed its pipe
         with suppress(subprocess.TimeoutExpired):
-            self._process.wait(_GRACE)
-        self._end()  # also a process that only closed its pipe
+            code = self._process.wait(_GRACE)
+        self._end()
         self._drain.join(_GRACE)
-        return DiedError(self._process.returncode or 0, last_words(bytes(self._written)))
+        return DiedError(code, last_words(bytes(self._output.tail)))
 
     def _end(self) -> None:
         if self._ended:  # its number may be another's by now
@@ -234,6 +241,13 @@ class Process:
         self._ended = True
         with suppress(subprocess.TimeoutExpired):  # one that waits for a dead disk cannot be ended
             self._process.wait(10 * _GRACE)
+
+
+class _Output:
+    """What a process prints: how many bytes, and the last of them."""
+
+    def __init__(self) -> None:
+        self.total, self.tail = 0, bytearray()
 
 
 class _Family:
@@ -289,11 +303,12 @@ def _listen(pipe: IO[bytes], messages: SimpleQueue[_Message]) -> None:
     messages.put(None)
 
 
-def _keep_end(pipe: IO[bytes], written: bytearray) -> None:
+def _keep_end(pipe: IO[bytes], output: _Output) -> None:
     with pipe, suppress(OSError):
         while chunk := os.read(pipe.fileno(), 1 << 16):
-            written += chunk
-            del written[:-_TAIL]
+            output.total += len(chunk)
+            output.tail += chunk
+            del output.tail[:-_TAIL]
 
 
 def _send(pipe: int, number: int, call: bytes) -> None:

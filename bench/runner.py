@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from bench import environment, worker
+from bench import environment, guard
 from bench.errors import BenchError
 from bench.folder import Folder
 from bench.guard import Task
-from bench.interrupts import deferred
+from bench.interrupts import Interrupts, deferred
 from bench.plan import Plan, Shard
-from bench.pool import Pool, open_pool
-from bench.process import DiedError, Process, RemoteError
+from bench.pool import Answer, open_pool
 from bench.study import Study, Trial
 
 Listener = Callable[[Trial, dict[str, Any]], None]
@@ -70,9 +70,15 @@ def run(
     _check_limits(n_jobs, timeout, memory)
     part = Shard.parse(shard) if shard is not None else None
     study = study if isinstance(study, Study) else Study.load(study)
-    data, code = check(study)
     folder = _folder(study, output)
-    with open_pool(backend, n_jobs, scheduler) as pool, folder.lock():
+    with deferred() as interrupts, ExitStack() as held:
+        with interrupts.welcome():  # plug-ins or a cluster may keep one waiting
+            held.callback(guard.close)
+            data, code = guard.check(Task(study.to_toml()))
+            if n_jobs != 1:  # the trials are made elsewhere
+                guard.close()
+            pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
+        held.enter_context(folder.lock())
         study = folder.claim(study)
         folder.check_data(data)
         folder.check_code(code)
@@ -81,27 +87,8 @@ def run(
             on_plan(plan)
         about = environment.run(study, data, code, pool.jobs, backend, timeout=timeout, shard=shard)
         task = Task(study.to_toml(), timeout, _bytes(memory, pool.jobs, backend))
-        made = _make(plan, folder, pool, task, about, on_trial)
+        made = _make(plan, folder, pool.answers(task, plan.missing), about, interrupts, on_trial)
         return Outcome(folder.path, made, sum(cell.lost for cell in folder.store.cells()))
-
-
-def check(study: Study) -> tuple[dict[str, str], dict[str, str]]:
-    """Return what :meth:`bench.study.Study.check` does, without loading a plug-in into this process.
-
-    The parent of a run stays small, and out of the reach of what plug-ins do.
-
-    Raises:
-        BenchError: for the first name, parameter, recording or budget that cannot work.
-    """
-    with Process(0) as process:
-        try:
-            found = process.call(worker.check, study.to_toml(), patience=None)
-        except (DiedError, RemoteError) as error:
-            raise BenchError(f"loading the study's problems and optimizers failed: {error}") from error
-    if isinstance(found, str):
-        raise BenchError(found)
-    data, code = found
-    return data, code
 
 
 def plan(
@@ -114,7 +101,10 @@ def plan(
     """
     part = Shard.parse(shard) if shard is not None else None
     study = study if isinstance(study, Study) else Study.load(study)
-    data, code = check(study)
+    try:
+        data, code = guard.check(Task(study.to_toml()))
+    finally:
+        guard.close()
     folder = _folder(study, output)
     folder.refuse_changes(data, code)
     return _plan(folder.extended(study), folder, part)
@@ -135,12 +125,18 @@ def _plan(study: Study, folder: Folder, shard: Shard | None) -> Plan:
     return Plan(study, shard, store.keys(finished_only=True), store.cells(), [note] if changed else [])
 
 
-def _make(plan: Plan, folder: Folder, pool: Pool, task: Task, about: dict[str, Any], on_trial: Listener | None) -> int:
-    """Have the missing trials made and commit each; return their number."""
+def _make(
+    plan: Plan,
+    folder: Folder,
+    answers: Iterator[Answer],
+    about: dict[str, Any],
+    interrupts: Interrupts,
+    on_trial: Listener | None,
+) -> int:
+    """Commit the missing trials as they are made; return their number."""
     numbers: dict[str, int] = {}  # of the environments, by their machine's text
     made = 0
-    with folder.store.writer() as writer, deferred() as interrupts:
-        answers = pool.answers(task, plan.missing)
+    with folder.store.writer() as writer:
         try:
             while True:
                 with interrupts.welcome():

@@ -16,6 +16,9 @@ from time import monotonic
 
 from bench.words import spell
 
+UNANSWERABLE = 88
+"""The exit code of a process that cannot answer, as what it called has closed the pipe."""
+
 _HEAD = struct.Struct("<QQ")  # the number of the call, and of the bytes that follow
 _CHUNK = 1 << 20
 _PULSE = 0.5  # seconds between the pulses that are passed on
@@ -107,7 +110,10 @@ class _Channel:
         """Send an answer; a fork that comes so far, back out of its call, has no business here."""
         if os.getpid() != self._process:
             os._exit(0)
-        self.tell(number, payload)
+        try:
+            self.tell(number, payload)
+        except OSError:
+            os._exit(UNANSWERABLE)
 
     def tell(self, number: int, payload: bytes) -> None:
         """Send anything, from any thread."""

@@ -7,7 +7,7 @@ import os
 import shutil
 import sqlite3
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -57,6 +57,8 @@ COMMIT;
 """
 
 Key = tuple[str, str, int]
+
+_ONE = "problem = ? AND optimizer = ? AND trial = ?"
 
 
 class Keys:
@@ -145,23 +147,21 @@ class Store:
     def keys(self, *, finished_only: bool = False) -> Keys:
         """Return which trials are stored, or which of them did not fail."""
         keys = Keys()
-        if self.path.exists():
-            query = "SELECT problem, optimizer, trial FROM results JOIN cells ON cells.id = cell"
-            for key in self._select(query + (" WHERE status = 'ok'" if finished_only else "")):
-                keys.add(*key)
+        query = "SELECT problem, optimizer, trial FROM results JOIN cells ON cells.id = cell"
+        for key in self._select(query + (" WHERE status = 'ok'" if finished_only else "")):
+            keys.add(*key)
         return keys
 
     def cells(self) -> list[Cell]:
         """Return what is stored of each cell, in numbers."""
         cells: dict[tuple[str, str], Cell] = {}
-        if self.path.exists():
-            for problem, optimizer, status, count, wall in self._select(
-                "SELECT problem, optimizer, status, count(*), coalesce(sum(wall_s), 0)"
-                " FROM results JOIN cells ON cells.id = cell GROUP BY cell, status"
-            ):
-                cell = cells.setdefault((problem, optimizer), Cell(problem, optimizer))
-                cell.status[status] = count
-                cell.wall_s += wall
+        for problem, optimizer, status, count, wall in self._select(
+            "SELECT problem, optimizer, status, count(*), coalesce(sum(wall_s), 0)"
+            " FROM results JOIN cells ON cells.id = cell GROUP BY cell, status"
+        ):
+            cell = cells.setdefault((problem, optimizer), Cell(problem, optimizer))
+            cell.status[status] = count
+            cell.wall_s += wall
         return list(cells.values())
 
     def rows(self, where: str = "", *, traces: bool = False) -> Iterator[dict[str, Any]]:
@@ -176,53 +176,58 @@ class Store:
         """
         if not self.path.exists():
             raise BenchError(f"there is no {FILE} in {self.path.parent}; give the folder that 'bench run' wrote")
-        names = (*KEY, *MEASURED, "trace") if traces else (*KEY, *MEASURED)
-        query = f"SELECT {', '.join(names)} FROM results JOIN cells ON cells.id = cell"
-        query += " LEFT JOIN traces USING (cell, trial)" if traces else ""
-        query += (f" WHERE {where}" if where else "") + " ORDER BY cell, trial"
+        query, names = _query(where, traces=traces)
         return (dict(zip(names, row, strict=True)) for row in self._select(query))
 
     def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
         """Return the row of one trial with its trace, as :meth:`rows` gives it, or None."""
-        with self._open() as connection:
-            return _find(connection, (problem, optimizer, trial))
+        query, names = _query(_ONE, traces=True)
+        found = list(self._select(query, (problem, optimizer, trial)))
+        return dict(zip(names, found[0], strict=True)) if found else None
 
     def traces(self) -> dict[Key, Trace]:
         """Return the anytime traces by (problem, optimizer, trial); failed trials have none."""
         query = "SELECT problem, optimizer, trial, trace FROM traces JOIN cells ON cells.id = cell ORDER BY cell, trial"
-        return {(problem, optimizer, trial): unpack(blob) for problem, optimizer, trial, blob in self._select(query)}
+        try:
+            return {
+                (problem, optimizer, trial): unpack(blob) for problem, optimizer, trial, blob in self._select(query)
+            }
+        except (TypeError, ValueError) as error:
+            raise self._damaged("a trace") from error
 
     def made(self) -> dict[int, int]:
         """Return how many rows each environment made, by its number."""
-        if not self.path.exists():
-            return {}
         query = "SELECT environment, count(*) FROM results WHERE environment IS NOT NULL GROUP BY environment"
         return {int(number): int(count) for number, count in self._select(query)}
 
     def environments(self) -> dict[int, dict[str, Any]]:
         """Return the environments that rows refer to, by their numbers, oldest first."""
-        if not self.path.exists():
-            return {}
-        return {
-            number: record
+        records = {
+            number: self.parse(text, f"environment {number}")
             for number, text in self._select("SELECT id, record FROM environments ORDER BY id")
-            if isinstance(record := self.parse(text, f"environment {number}"), dict)
         }
+        for number, record in records.items():
+            if not isinstance(record, dict):
+                raise self._damaged(f"environment {number}")
+        return records
 
     def parse(self, text: str, what: str) -> Any:
         """Return the content of a JSON text of the store; raises BenchError, naming ``what``, for a damaged one."""
         try:
             return json.loads(text)
-        except ValueError as error:
-            raise BenchError(
-                f"the store {self.path} is damaged: {what} cannot be read; restore it from a copy"
-            ) from error
+        except (TypeError, ValueError, RecursionError) as error:
+            raise self._damaged(what) from error
 
-    def _select(self, query: str) -> Iterator[tuple[Any, ...]]:
-        """Yield a query's rows; a store whose run was killed before it made its tables has none."""
+    def _damaged(self, what: str) -> BenchError:
+        return BenchError(f"the store {self.path} is damaged: {what} cannot be read; restore it from a copy")
+
+    def _select(self, query: str, values: Sequence[object] = ()) -> Iterator[tuple[Any, ...]]:
+        """Yield a query's rows; a store that is missing, or whose run was killed before it made tables, has none."""
+        if not self.path.exists():
+            return
         with self._open() as connection:
             if connection.execute("PRAGMA user_version").fetchone()[0]:
-                yield from connection.execute(query)
+                yield from connection.execute(query, values)
 
 
 class Writer:
@@ -230,10 +235,7 @@ class Writer:
 
     def __init__(self, connection: sqlite3.Connection) -> None:
         self._connection = connection
-        self._cells = {
-            (problem, optimizer): number
-            for number, problem, optimizer in connection.execute("SELECT id, problem, optimizer FROM cells")
-        }
+        self._cells = self._stored_cells()
 
     def add(self, trial: Trial, row: Mapping[str, Any], environment: int | None = None) -> None:
         """Commit one trial's row; a failed row of the same trial is replaced, a finished one never is.
@@ -243,14 +245,18 @@ class Writer:
             row: its columns, as :func:`bench.trial.as_row` gives them; those that are missing are unknown.
             environment: the number of what made it.
         """
-        with self._connection:
+        with self.at_once():
             self.put(stored(trial, row) | {"environment": environment})
 
     @contextmanager
     def at_once(self) -> Iterator[None]:
         """Commit what is put within in one go, or nothing of it."""
-        with self._connection:
-            yield
+        try:
+            with self._connection:
+                yield
+        except BaseException:
+            self._cells = self._stored_cells()  # without those of the rows that were not committed
+            raise
 
     def put(self, row: Mapping[str, Any]) -> None:
         """Add a row as :meth:`Store.rows` gives it, within :meth:`at_once`."""
@@ -264,8 +270,10 @@ class Writer:
             self._connection.execute("INSERT INTO traces VALUES (?, ?, ?)", (cell, number, row["trace"]))
 
     def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
-        """Return the row of one trial with its trace, as :meth:`Store.rows` gives it."""
-        return _find(self._connection, (problem, optimizer, trial))
+        """Return the row of one trial with its trace, as :meth:`Store.rows` gives it, or None."""
+        query, names = _query(_ONE, traces=True)
+        found = self._connection.execute(query, (problem, optimizer, trial)).fetchone()
+        return dict(zip(names, found, strict=True)) if found else None
 
     def environment(self, record: Mapping[str, Any]) -> int:
         """Commit what made rows, or is about to, and return its number; the same record has one number."""
@@ -293,6 +301,11 @@ class Writer:
                 done = self._connection.executemany("DELETE FROM results WHERE cell = ?", cells)
         return int(done.rowcount)
 
+    def _stored_cells(self) -> dict[tuple[str, str], int]:
+        """Return the numbers of the cells."""
+        rows = self._connection.execute("SELECT id, problem, optimizer FROM cells")
+        return {(problem, optimizer): number for number, problem, optimizer in rows}
+
     def _cell(self, problem: str, optimizer: str) -> int:
         key = problem, optimizer
         if key not in self._cells:
@@ -316,31 +329,35 @@ def disagreement(one: Mapping[str, Any], other: Mapping[str, Any]) -> str:
     return next((name for name in REPEATABLE if one.get(name) != other.get(name)), "")
 
 
-def _find(connection: sqlite3.Connection, key: Key) -> dict[str, Any] | None:
-    names = (*KEY, *MEASURED, "trace")
-    query = f"SELECT {', '.join(names)} FROM trials WHERE problem = ? AND optimizer = ? AND trial = ?"
-    found = connection.execute(query, key).fetchone()
-    return dict(zip(names, found, strict=True)) if found else None
+def _query(where: str, *, traces: bool) -> tuple[str, tuple[str, ...]]:
+    """Return the query of the rows of a condition, and the names of its columns."""
+    names = (*KEY, *MEASURED, "trace") if traces else (*KEY, *MEASURED)
+    query = f"SELECT {', '.join(names)} FROM results JOIN cells ON cells.id = cell"
+    query += " LEFT JOIN traces USING (cell, trial)" if traces else ""
+    return query + (f" WHERE {where}" if where else "") + " ORDER BY cell, trial", names
 
 
 @contextmanager
 def _place(path: Path) -> Iterator[str]:
     """Yield the URI by which SQLite opens a store.
 
-    SQLite writes beside a store even to read it, unless it is told that nothing there can change. Rows that a killed
-    run left in the write-ahead log are only found by writing, so such a store is read from a copy.
+    SQLite writes beside a store even to read it. Where it may not, it can read what a run that is there, or was killed,
+    left beside it; without that it must be told that nothing there can change. Rows in a write-ahead log whose index is
+    missing, as of a copy made by hand, are only found by writing, so such a store is read from a copy.
     """
+    uri = path.resolve().as_uri()
+    log, index = (path.with_name(f"{path.name}-{beside}") for beside in ("wal", "shm"))
     if not path.exists() or os.access(path.parent, os.W_OK):
-        yield path.resolve().as_uri()
-        return
-    log = path.with_name(f"{path.name}-wal")
-    if not log.exists() or not log.stat().st_size:
-        yield f"{path.resolve().as_uri()}?immutable=1"
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        for each in (path, log):
-            shutil.copy(each, folder)
-        yield (Path(folder) / path.name).as_uri()
+        yield uri
+    elif index.exists():
+        yield f"{uri}?mode=ro"
+    elif not log.exists() or not log.stat().st_size:
+        yield f"{uri}?immutable=1"
+    else:
+        with tempfile.TemporaryDirectory() as folder:
+            for each in (path, log):
+                shutil.copy(each, folder)
+            yield (Path(folder) / path.name).as_uri()
 
 
 def pack(trace: Trace) -> bytes:

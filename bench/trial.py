@@ -1,5 +1,6 @@
 """One trial: an optimizer on a problem, within a budget, from a seed."""
 
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter, process_time
@@ -99,9 +100,9 @@ def search(
     start_stream, search_stream = streams(seed)
     objective = Objective(problem, budget, start_stream, on_refusal)
     wall, cpu = perf_counter(), process_time()
-    stop = "undeclared"
+    stop, returned = "undeclared", None
     try:
-        optimizer.minimize(objective, search_stream)
+        returned = optimizer.minimize(objective, search_stream)
     except BudgetExhausted:
         stop = "budget"
     wall, cpu = perf_counter() - wall, process_time() - cpu
@@ -110,7 +111,9 @@ def search(
     elif objective.stop_reason is not None:
         stop = objective.stop_reason
     if objective.best_point is None:
-        raise RuntimeError("the optimizer returned without a single evaluation")
+        lazy = inspect.isgenerator(returned) or inspect.isawaitable(returned) or inspect.isasyncgen(returned)
+        hint = "; its minimize holds a yield or is async, so none of it has run" if lazy else ""
+        raise RuntimeError(f"the optimizer returned without a single evaluation{hint}")
     return Result(
         x=objective.best_point,
         fun=objective.best_value,

@@ -9,12 +9,11 @@ from os import PathLike
 
 from joblib import cpu_count
 
-from bench import environment
+from bench import environment, guard
 from bench.errors import BenchError
 from bench.folder import Folder
 from bench.guard import Task
 from bench.pool import open_pool
-from bench.runner import check
 from bench.store import Keys, Store, disagreement, stored
 from bench.study import Trial
 from bench.worker import Row
@@ -77,7 +76,10 @@ def verify(
     """
     folder = Folder(path)
     study = folder.study()
-    data, code = check(study)
+    try:
+        data, code = guard.check(Task(study.to_toml()))
+    finally:
+        guard.close()
     chosen = _chosen(folder, trials, study.seed)
     folder.refuse_changes(data, code)
     jobs = n_jobs or _other_number(folder)

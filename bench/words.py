@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+from bench.names import printable
+
 _LONGEST = 300  # characters of an exception
 _LAST = 1000  # characters of what a process wrote before its end
 _FRAMES = 3
@@ -18,8 +20,7 @@ def spell(error: BaseException) -> str:
         said = (str(error)[: 10 * _LONGEST].strip() or "no message").splitlines()[0]
     except BaseException as another:  # __str__ is a stranger's code too
         said = f"its message cannot be told: {type(another).__name__}"
-    line = _printable(f"{type(error).__name__}: {said}".replace("\n", " "))
-    return line if len(line) <= _LONGEST else f"{line[:_LONGEST]}…"
+    return printable(f"{type(error).__name__}: {said}".replace("\n", " "), _LONGEST)
 
 
 def last_words(written: bytes) -> str:
@@ -27,7 +28,7 @@ def last_words(written: bytes) -> str:
 
     The place is what :mod:`faulthandler` tells of the thread that crashed, cut to its innermost frames.
     """
-    text = _printable(written.decode("utf-8", errors="replace").replace("\r", ""))
+    text = printable(written.decode("utf-8", errors="replace").replace("\r", ""), len(written))
     crashes = list(_CRASH.finditer(text))
     if crashes:
         before = text[: crashes[-1].start()].rstrip("\n").rpartition("\n")[2]  # the C library may have said why
@@ -37,7 +38,3 @@ def last_words(written: bytes) -> str:
     if len(text) <= _LAST:
         return text
     return text[-_LAST:].partition("\n")[2] or text[-_LAST:]
-
-
-def _printable(text: str) -> str:
-    return "".join(each if each.isprintable() or each == "\n" else " " if each == "\t" else "�" for each in text)

@@ -1,4 +1,4 @@
-"""Inside a trial process: load the plug-ins, warm up, make one trial, and look what it left behind."""
+"""Inside a trial process: load the plug-ins, warm up, make one trial after another."""
 
 from __future__ import annotations
 
@@ -6,24 +6,21 @@ import contextlib
 import json
 import os
 import sys
-import threading
 import tomllib
 import traceback
-import warnings
 from collections.abc import Iterator
 from functools import lru_cache
-from time import monotonic
+from importlib.abc import MetaPathFinder
 from typing import Any
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bench import environment
+from bench import environment, leftovers
 from bench.errors import BenchError
+from bench.leftovers import Leftovers
 from bench.names import printable
 from bench.problem import Problem
 from bench.process import Pulse
-from bench.seeds import global_states
 from bench.study import Study, Trial
 from bench.trial import as_row, search
 from bench.words import spell
@@ -32,7 +29,6 @@ STILL_ASKING = 87
 """The exit code of a process that an optimizer held up, asking on and on after its budget was spent."""
 
 _REFUSALS = 10  # one is all that an optimizer needs to see
-_FAREWELL = 0.1  # seconds that threads have to end after their trial
 
 Row = dict[str, Any]
 
@@ -42,43 +38,62 @@ def failed(reason: str) -> Row:
     return {"status": "failed", "error": printable(reason, 4000)}
 
 
-def check(study_text: str, *, pulse: Pulse) -> tuple[dict[str, str], dict[str, str]] | str:  # noqa: ARG001
-    """Return what :meth:`bench.study.Study.check` does, or in words why the study cannot be run."""
+def check(study_text: str, *, pulse: Pulse) -> tuple[dict[str, str], dict[str, str]] | str:
+    """Return what :meth:`bench.study.Study.check` does, or in words why the study cannot be run.
+
+    Pulses while modules are imported.
+    """
     try:
-        return _study(study_text).check()
+        with _signs_of_life(pulse):
+            return _study(study_text).check()
     except BenchError as error:
-        return str(error)
+        return printable(str(error), 4000)
 
 
-def describe(study_text: str, *, pulse: Pulse) -> str:
-    """Return what :func:`bench.environment.machine` says of this process, with all the study's plug-ins loaded."""
+def describe(study_text: str, *, pulse: Pulse) -> tuple[str, bool]:
+    """Load all the study's plug-ins and tell what :func:`bench.environment.machine` then says of this process.
+
+    Returns:
+        that as JSON, and whether the process may go on to make trials.
+    """
     study = _study(study_text)
     plugins: list[object] = []
-    for load, entries in ((study.optimizer, study.optimizers), (study.problem, study.problems)):
-        for entry in entries:
-            pulse(0, 1)
-            with contextlib.suppress(Exception):  # its trials will say what is wrong
-                plugins.append(load(entry.label))
+    with _signs_of_life(pulse):
+        for load, entries in ((study.optimizer, study.optimizers), (study.problem, study.problems)):
+            for entry in entries:
+                pulse(0, 1)
+                with contextlib.suppress(BaseException):  # its trials will say what is wrong
+                    plugins.append(load(entry.label))
     threadpool_limits(limits=1)
-    return json.dumps(environment.machine(environment.modules(plugins)))
+    return json.dumps(environment.machine(environment.modules(plugins))), leftovers.accept()
 
 
-def prepare(study_text: str, problem: str, optimizer: str, *, pulse: Pulse) -> None:
+def load(study_text: str, problem: str, optimizer: str, *, pulse: Pulse) -> None:
+    """Load what a cell's trials are made of; pulses while modules are imported."""
+    with contextlib.suppress(BaseException), _signs_of_life(pulse):  # the trial itself will say what is wrong
+        _problem(study_text, problem)
+        pulse(0, 1)
+        _study(study_text).optimizer(optimizer)
+    threadpool_limits(limits=1)  # of what was loaded only now; the environment has told the others
+    leftovers.accept()  # or a trial will find that it cannot be
+
+
+def warm_up(study_text: str, problem: str, optimizer: str, *, pulse: Pulse) -> None:
     """Make one discarded, short trial for each kind of problem and optimizer: no trial shall wait for a compiler.
 
-    Pulses while numba compiles, which may take longer than a trial is allowed to.
+    Pulses while modules are imported and numba compiles, which may take longer than a trial is allowed to.
     """
-    with contextlib.suppress(Exception):  # the trial itself will say what is wrong
+    with contextlib.suppress(BaseException):  # the trial itself will say what is wrong
         study = _study(study_text)
         loaded, chosen = _problem(study_text, problem), study.optimizer(optimizer)
         key = study_text, type(loaded), optimizer
         if key in _warm:
             return
         _warm.add(key)
-        with _compilations(pulse), _contained():
+        with _signs_of_life(pulse), Leftovers():
             budget = min(study.budget, 3 * chosen.minimum_budget)
             search(loaded, chosen, budget, 0, _refuse)
-    threadpool_limits(limits=1)  # of what was loaded only now; the environment has told the others
+    threadpool_limits(limits=1)  # of what only a run loads
 
 
 def make(study_text: str, trial: Trial, *, pulse: Pulse) -> tuple[Row, bool]:  # noqa: ARG001 - a trial is not disturbed
@@ -87,28 +102,34 @@ def make(study_text: str, trial: Trial, *, pulse: Pulse) -> tuple[Row, bool]:  #
     Returns:
         the trial's row, and whether the process may go on to make others.
     """
-    states, threads = global_states(), set(threading.enumerate())
+    left = Leftovers()
     try:
         study = _study(study_text)
         problem, optimizer = _problem(study_text, trial.problem), study.optimizer(trial.optimizer)
-        with _contained():
+        with left:
             result = search(problem, optimizer, study.budget, trial.seed, _refuse)
         row = as_row(result, problem.variables)
     except BaseException as error:  # a plug-in may raise anything, and it costs only its own cell
         row = failed(f"{spell(error)}\n{traceback.format_exc(limit=-3)}")
-    left = _living(set(threading.enumerate()) - threads)
-    if row["status"] == "ok":
-        if left:
-            row = failed(
-                f"left {left} threads running, in the time of the trials after it; have them ended before minimize "
-                "returns or its budget is spent"
-            )
-        elif changed := [name for name, state in global_states().items() if state != states[name]]:
-            row = failed(
-                f"used the global random state of {' and '.join(changed)}, so its seed does not repeat it; draw from "
-                "the rng that minimize is given"
-            )
-    return row, not left
+    if row["status"] == "ok" and (reason := _breach(left)):
+        row = failed(reason)
+    return row, not left.lasting
+
+
+def _breach(left: Leftovers) -> str:
+    """Return why a trial cannot stand for what it left behind, "" where it can."""
+    running = [kind for count, kind in ((left.threads, "threads"), (left.processes, "processes")) if count]
+    if running:
+        return (
+            f"left {' and '.join(running)} running, in the time of the trials after it; have them ended before "
+            "minimize returns or its budget is spent"
+        )
+    if left.random:
+        return (
+            f"used the global random state of {' and '.join(left.random)}, so its seed does not repeat it; draw from "
+            "the rng that minimize is given"
+        )
+    return ""
 
 
 @lru_cache(maxsize=4)
@@ -124,30 +145,39 @@ def _problem(study_text: str, label: str) -> Problem:
 _warm: set[tuple[str, type, str]] = set()
 
 
-@contextlib.contextmanager
-def _contained() -> Iterator[None]:
-    """Put back what a plug-in may change for those after it."""
-    with np.errstate(), warnings.catch_warnings(), contextlib.chdir("."):
-        yield
-
-
 def _refuse(number: int) -> None:
     """End this process when an optimizer does not take the end of its budget for an answer: nothing else stops it."""
     if number > _REFUSALS:
         os._exit(STILL_ASKING)
 
 
-def _living(threads: set[threading.Thread]) -> int:
-    """Return how many of the threads do not end by themselves in a moment."""
-    deadline = monotonic() + _FAREWELL
-    for thread in threads:
-        thread.join(max(0.0, deadline - monotonic()))
-    return sum(thread.is_alive() for thread in threads)
+@contextlib.contextmanager
+def _signs_of_life(pulse: Pulse) -> Iterator[None]:
+    """Pulse with every module that is looked for, and with every step of whatever numba compiles."""
+    finder = _Finder(pulse)
+    sys.meta_path.insert(0, finder)
+    try:
+        with _compilations(pulse):
+            yield
+    finally:
+        with contextlib.suppress(ValueError):
+            sys.meta_path.remove(finder)
+
+
+class _Finder(MetaPathFinder):
+    """Finds no module, but tells that one is looked for."""
+
+    def __init__(self, pulse: Pulse) -> None:
+        self._pulse = pulse
+
+    def find_spec(self, *_: Any) -> None:
+        """Pulse."""
+        self._pulse(0, 1)
 
 
 @contextlib.contextmanager
 def _compilations(pulse: Pulse) -> Iterator[None]:
-    """Pulse at the start and the end of whatever numba compiles, where anything is compiled by it."""
+    """Pulse at the start and the end of every step of whatever numba compiles, where it is in use."""
     if "numba" not in sys.modules:
         yield
         return
@@ -159,5 +189,5 @@ def _compilations(pulse: Pulse) -> Iterator[None]:
 
         on_end = on_start
 
-    with event.install_listener("numba:compile", Listener()):
+    with event.install_listener("numba:run_pass", Listener()):
         yield

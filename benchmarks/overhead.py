@@ -35,11 +35,13 @@ OPTIMIZERS: list[tuple[str, Optimizer]] = [
 DEFAULT_AGENTS = CMAES().population(DIMENSION)
 
 
-def overhead(optimizer: Optimizer, seed: int, agents: int = AGENTS) -> float:
-    """Return the milliseconds a generation takes beside the objective, in a run of at most GENERATIONS on a sphere."""
-    problem = FunctionProblem(lambda x: (x * x).sum(axis=1), [-5.0] * DIMENSION, [5.0] * DIMENSION)
+def overhead(
+    optimizer: Optimizer, seed: int, agents: int = AGENTS, dimension: int = DIMENSION, generations: int = GENERATIONS
+) -> float:
+    """Return the milliseconds a generation takes beside the objective, in a run of at most so many on a sphere."""
+    problem = FunctionProblem(lambda x: (x * x).sum(axis=1), [-5.0] * dimension, [5.0] * dimension)
     start, search = (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(2))
-    objective = Objective(problem, agents * GENERATIONS, start)
+    objective = Objective(problem, agents * generations, start)
     began = perf_counter()
     with suppress(BudgetExhausted):
         optimizer.minimize(objective, search)

@@ -74,6 +74,8 @@ def run(
                 shard=shard, on_plan=display.plan, on_trial=display.trial,
             )  # fmt: skip
     except KeyboardInterrupt:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)  # once is enough
         say("interrupted; every finished trial is kept: run the same command again to continue")
         sys.exit(130)
     except WorkerDiedError as error:

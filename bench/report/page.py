@@ -100,7 +100,7 @@ def grid(table: Table) -> Grid:
     """Return what the page shows of a table: all of it, or its first rows where it is long."""
     shown = table
     if len(table.frame) > MOST_ROWS:
-        frames = {name: getattr(table, name) for name in ("frame", "bold", "italic", "marks")}
+        frames = {name: getattr(table, name) for name in ("frame", "bold", "italic", "marks", "lost")}
         shown = replace(table, **{name: frame.head(MOST_ROWS) for name, frame in frames.items() if frame is not None})
     header, rows = shown.header, shown.rows
     lengths = [max((len(row[i].text + row[i].mark) for row in rows), default=0) for i in range(len(header))]

@@ -22,6 +22,7 @@ class Cell:
     italic: bool = False
     heads_row: bool = False
     mark: str = ""
+    lost: bool = False
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class Table:
         bold: where to set values bold, a frame of booleans like ``frame``; columns it lacks are not.
         italic: likewise for italics.
         marks: letters to set after a value, raised; a frame of texts like ``frame``.
+        lost: where failed trials are counted or behind a value, shown in red and with a sign; likewise.
         decimals: decimals of every float, or by column; floats without any have four
             significant digits, aligned where a column's values are of like size.
         note: what the reader must know of the marks, below the table.
@@ -47,6 +49,7 @@ class Table:
     bold: pd.DataFrame | None = None
     italic: pd.DataFrame | None = None
     marks: pd.DataFrame | None = None
+    lost: pd.DataFrame | None = None
     decimals: int | Mapping[str, int] | None = None
     note: str = ""
     data: pd.DataFrame | None = None
@@ -68,11 +71,11 @@ class Table:
         keys = self.frame.index.to_frame().itertuples(index=False) if self.has_index else [()] * len(self.frame)
         columns = [
             [
-                Cell(cell_text(value, decimals), bold=bool(bold), italic=bool(italic), mark=mark or "")
-                for value, bold, italic, mark in zip(values, *styles, strict=True)
+                Cell(cell_text(value, decimals), bool(bold), bool(italic), mark=mark or "", lost=bool(lost))
+                for value, bold, italic, mark, lost in zip(values, *styles, strict=True)
             ]
             for name, values in self.frame.items()
-            for styles in [[self._styles(which, name) for which in (self.bold, self.italic, self.marks)]]
+            for styles in [[self._styles(which, name) for which in (self.bold, self.italic, self.marks, self.lost)]]
             for decimals in [self._decimals(name, values)]
         ]
         heads = [[Cell(cell_text(value), heads_row=True) for value in key] for key in keys]
@@ -147,6 +150,7 @@ class Section:
         items: tables and figures.
         warnings: what the reader must be warned of.
         cards: framed statements, side by side above all else.
+        lost: in a sentence, how many trials failed; shown in red and with a sign.
         code: text to be shown and copied as it is, such as BibTeX.
         sections: sections of its own, one level deep.
     """
@@ -158,10 +162,11 @@ class Section:
     cards: tuple[Card, ...] = ()
     code: str = ""
     sections: tuple[Section, ...] = ()
+    lost: str = ""
 
     def __post_init__(self) -> None:
         """Refuse what no page can show, so that a plug-in's mistake is found at its source."""
-        _check_texts("section", self.title, self.code, *_sequence(self.text), *_sequence(self.warnings))
+        _check_texts("section", self.title, self.lost, self.code, *_sequence(self.text), *_sequence(self.warnings))
         if not all(isinstance(item, Table | Figure) for item in _sequence(self.items)):
             raise TypeError("a section's items must be Table or Figure")
         if not all(isinstance(card, Card) for card in _sequence(self.cards)):

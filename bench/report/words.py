@@ -77,6 +77,18 @@ def interval(low: float, high: float, decimals: int | None) -> str:
     return MISSING if pd.isna(low) else f"{cell_text(low, decimals)} to {cell_text(high, decimals)}"
 
 
+def losses(frame: pd.DataFrame) -> str:
+    """Return in a sentence how many trials failed or ran out of time, and whose they are; "" for none."""
+    lost = frame[frame["status"] != "ok"]
+    if lost.empty:
+        return ""
+    owners = lost["optimizer"].astype(str).value_counts(sort=False)
+    late = int((lost["status"] == "timeout").sum())
+    kinds = [f"{number:,} {kind}" for kind, number in (("failed", len(lost) - late), ("timed out", late)) if number]
+    whose = listing([f"{number:,} of {label}" for label, number in owners.items()])
+    return f"{len(lost):,} of {count(len(frame), 'trial')} did not finish ({listing(kinds)}): {whose}."
+
+
 def seconds(value: float) -> str:
     """Return a duration with its unit, such as ``"12 ms"`` or ``"3.4 s"``."""
     return f"{1000 * value:.3g} ms" if value < 1 else f"{value:.3g} s"

@@ -1,11 +1,5 @@
 """The command line as a stranger uses it: what it prints, and one sentence and an exit code for wrong input."""
 
-import os
-import signal
-import subprocess
-import sys
-import time
-
 import pytest
 
 STUDY = """
@@ -145,25 +139,3 @@ def test_another_study_s_folder_is_left_alone(bench, tiny, tmp_path):
     assert done.returncode == 2
     assert "holds another study" in done.stderr
     assert (tmp_path / "out" / "study.toml").read_text() == before
-
-
-def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(bench, tmp_path):
-    path = tmp_path / "slow.toml"
-    path.write_text(
-        STUDY.format(second="hill-climber").replace("sphere-2", "slow-2").replace("trials = 2", "trials = 40")
-    )
-    command = [sys.executable, "-m", "bench", "run", str(path), "--output", str(tmp_path / "out"), "--jobs", "1"]
-    process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
-    store, deadline = tmp_path / "out" / "trials.sqlite", time.monotonic() + 60
-    while time.monotonic() < deadline and not (store.exists() and store.stat().st_size):
-        time.sleep(0.1)
-    time.sleep(2)
-    os.killpg(process.pid, signal.SIGINT)
-    _, said = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert "run the same command again to continue" in said
-    assert "Traceback" not in said
-    assert "ok" not in said
-    assert bench("status", tmp_path / "out").returncode == 0

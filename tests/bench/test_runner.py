@@ -1,18 +1,14 @@
 """The runner and the store: nothing is lost, and nothing depends on how the work was done."""
 
+import json
 import os
-import random
-import signal
-import sqlite3
-import subprocess
-import sys
-import time
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from bench import BenchError, Results, Study, load_results, run, solve
+from bench.folder import Folder
 
 TIMES = ["wall_s", "cpu_s", "objective_s"]
 
@@ -103,52 +99,6 @@ def test_a_failing_trial_costs_its_own_cell(small_study, tmp_path):
     assert run(study, tmp_path / "out", n_jobs=1).made == 2  # failed trials are tried again
 
 
-def test_a_killed_run_continues_where_it_was(tmp_path):
-    study = Study.from_dict(
-        {"name": "long", "trials": 12, "budget": 40, "seed": 3, "problems": [{"names": ["slow-2", "sphere-3"]}],
-         "optimizers": [{"name": "hill-climber"}, {"name": "scatter"}]}
-    )  # fmt: skip
-    path = tmp_path / "long.toml"
-    path.write_text(study.to_toml())
-    command = [
-        sys.executable,
-        "-m",
-        "bench",
-        "run",
-        str(path),
-        "--output",
-        str(tmp_path / "out"),
-        "--jobs",
-        "2",
-        "--no-report",
-    ]
-    held, waits = [], random.Random(1)
-    for _ in range(3):
-        process = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL)
-        store = tmp_path / "out" / "trials.sqlite"
-        before, deadline = len(held), time.monotonic() + 60
-        while time.monotonic() < deadline and process.poll() is None and len(held) <= before:
-            time.sleep(0.05)
-            held = load_results(tmp_path / "out")["trial"].tolist() if store.exists() and _has_table(store) else []
-        time.sleep(waits.uniform(0, 0.3))
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-        now = load_results(tmp_path / "out")
-        assert len(now) >= len(held)  # nothing that was committed is lost
-        held = now["trial"].tolist()
-    assert len(held) < 48, "the run ended before it could be killed"
-    with sqlite3.connect(tmp_path / "out" / "trials.sqlite") as connection:
-        assert connection.execute("PRAGMA integrity_check").fetchone() == ("ok",)
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    run(study, tmp_path / "whole", n_jobs=2)
-    same(load_results(tmp_path / "out"), load_results(tmp_path / "whole"))
-
-
-def _has_table(store):
-    with sqlite3.connect(store) as connection:
-        return bool(connection.execute("SELECT count(*) FROM sqlite_master WHERE name = 'trials'").fetchone()[0])
-
-
 def test_solve_by_name_and_stop_reasons():
     assert solve("sphere-3", "early", budget=50).stop == "tired"
     from bench import load_optimizer
@@ -194,6 +144,49 @@ def test_data_that_changed_under_a_study_is_refused(tmp_path):
         else:
             with pytest.raises(BenchError, match="changed since"):
                 run(study, tmp_path / "out", n_jobs=1)
+
+
+@pytest.mark.parametrize("file", ["data.json", "code.json", "verification.json", "checks.json", "study.toml"])
+@pytest.mark.parametrize("content", ['{"sphere-2": "f0', "[]", "\xff"])
+def test_a_damaged_file_of_a_folder_is_never_passed_over(small_study, file, content, tmp_path):
+    folder = Folder(tmp_path)
+    folder.claim(small_study)
+    (tmp_path / file).write_text(content, encoding="latin-1")
+    uses = {
+        "data.json": lambda: folder.check_data({"sphere-2": "f0"}), "code.json": lambda: folder.check_code({"a": "f0"}),
+        "verification.json": folder.verification, "checks.json": folder.checks,
+        "study.toml": lambda: folder.claim(small_study),
+    }  # fmt: skip
+    with pytest.raises(BenchError) as caught:
+        uses[file]()
+    assert str(tmp_path / file) in str(caught.value)
+    assert (tmp_path / file).read_text(encoding="latin-1") == content
+    assert "\n" not in str(caught.value)
+
+
+def test_what_a_missing_note_said_is_known_from_the_store(small_study, tmp_path):
+    run(small_study.override(trials=1), tmp_path, n_jobs=1)
+    folder = Folder(tmp_path)
+    with folder.store.writer() as writer:
+        record = folder.environments()[0]
+        changed = {"data": {"sphere-2": "f00"}, "code": {"scatter": "ba7", "early": ""}}
+        writer.change(1, record | changed)
+    for file in ("data.json", "code.json", "environment.json"):
+        (tmp_path / file).unlink(missing_ok=True)
+    assert (folder.fingerprints(), folder.code()) == ({"sphere-2": "f00"}, {"scatter": "ba7"})
+    with pytest.raises(BenchError, match="the data of problem 'sphere-2' changed since"):
+        folder.check_data({"sphere-2": "f01"})
+    with pytest.raises(BenchError, match="the code of optimizer 'scatter' changed since"):
+        folder.check_code({"scatter": "f01"})
+    folder.check_data({"sphere-2": "f00", "sphere-3": "new"})
+    assert folder.fingerprints() == {"sphere-2": "f00", "sphere-3": "new"}
+
+
+def test_the_copy_of_the_environments_is_written_anew(small_study, tmp_path):
+    run(small_study.override(trials=1), tmp_path, n_jobs=1)
+    (tmp_path / "environment.json").write_text("{")
+    run(small_study, tmp_path, n_jobs=1)
+    assert json.loads((tmp_path / "environment.json").read_text()) == Folder(tmp_path).environments()
 
 
 @pytest.mark.parametrize(

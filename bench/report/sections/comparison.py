@@ -24,17 +24,20 @@ def section(findings: Findings) -> Section:
             "from the best one’s distribution."
         )
         text = [lowest, *_means(findings), *_gaps(findings)]
+    values = table(matrix, "value")
+    lost = findings.coverage.pivot(index="problem", columns="optimizer", values="failed") > 0
     shown = Table(
         "comparison",
         "Median of the best objective value over the trials of each cell (lower is better).",
-        table(matrix, "value"),
+        values,
         bold=best,
         italic=alike,
         marks=table(matrix, "letters"),
+        lost=lost.reindex(index=list(values.index), columns=list(values.columns)),
         note=f"Bold: the lowest median of the row. Italics: an exact Kolmogorov-Smirnov test at {ALPHA:g} (raw p, as "
         "in thesis Table 7.2) cannot tell the result from the best one’s distribution. Letters: optimizers of a row "
         f"that share one are not separable at {ALPHA:g} after Holm’s adjustment. –: no trial; ∞: the median trial "
-        "failed.",
+        "failed; in red with ✗: a cell with failed trials.",
         data=matrix,
     )
     return Section(TITLE, tuple(text), (shown,))

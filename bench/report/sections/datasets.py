@@ -73,6 +73,7 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
         f"cells-{problem}",
         f"{problem}: trials, failures, and the best objective value over trials.",
         shown,
+        lost=shown[["failed"]] > 0,
         decimals={"success %": 0},
         note="The interval of the median is free of any distribution; letters as in the comparison; success: trials "
         f"that reached tau = {TAU:g}, with a Wilson interval. –: too few trials.",

@@ -7,7 +7,7 @@ import pandas as pd
 from bench.analysis.integrity import TRAITS
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
-from bench.report.words import count, listing
+from bench.report.words import count, listing, losses
 
 TITLE = "Integrity checks"
 TROUBLE = ("error", "warning")
@@ -35,7 +35,9 @@ def section(findings: Findings) -> Section:
         f"Not to be seen in results: {listing([*TRAITS])}. 'bench check' makes runs of their own to look for these, "
         "and 'bench verify' makes stored trials again."
     )
-    return Section(TITLE, (text, unseen), (table, *_incomplete(findings)), warnings(findings))
+    return Section(
+        TITLE, (text, unseen), (table, *_incomplete(findings)), warnings(findings), lost=losses(findings.frame)
+    )
 
 
 def warnings(findings: Findings) -> tuple[str, ...]:
@@ -60,7 +62,8 @@ def _unloaded(reasons: dict[str, str]) -> str:
 def _incomplete(findings: Findings) -> list[Table]:
     coverage, frame = findings.coverage, findings.frame
     short = coverage[(coverage["missing"] > 0) | (coverage["failed"] > 0)]
-    tables = [Table("incomplete-cells", "Cells with missing or failed trials.", short)] if len(short) else []
+    lost = short[["failed"]] > 0
+    tables = [Table("incomplete-cells", "Cells with missing or failed trials.", short, lost=lost)] if len(short) else []
     failed = frame[frame["status"] != "ok"]
     return [*tables, _failures(failed)] if len(failed) else tables
 
@@ -73,4 +76,4 @@ def _failures(failed: pd.DataFrame) -> Table:
         .agg(trials=("trial", "size"), problems=("problem", "nunique"))
         .reset_index()[["optimizer", "status", "trials", "problems", "error"]]
     )
-    return Table("failures", "Failed trials by optimizer and reason.", reasons)
+    return Table("failures", "Failed trials by optimizer and reason.", reasons, lost=reasons[["trials"]] > 0)

@@ -11,7 +11,7 @@ from bench.report.findings import Findings
 from bench.report.parts import Card, Section, Table
 from bench.report.sections import integrity
 from bench.report.sections.power import missed
-from bench.report.words import count, listing, p_text
+from bench.report.words import count, listing, losses, p_text
 
 TITLE = "Verdict"
 
@@ -21,15 +21,19 @@ def section(findings: Findings) -> Section:
     ranking = findings.ranking
     if findings.frame.empty:
         return Section(TITLE, warnings=("The study has no trial yet, so there is nothing to say.",))
+    lost = losses(findings.frame)
     if len(ranking) < 2:
-        return Section(TITLE, (f"There is nothing to compare: {findings.optimizers[0]} is the only optimizer.",))
+        return Section(
+            TITLE, (f"There is nothing to compare: {findings.optimizers[0]} is the only optimizer.",), lost=lost
+        )
     if not ranking["problems"].iloc[0]:
-        return Section(TITLE, ("There is nothing to compare yet: on no problem does every optimizer have a trial.",))
+        text = "There is nothing to compare yet: on no problem does every optimizer have a trial."
+        return Section(TITLE, (text,), lost=lost)
     cards = (
         Card("What may be claimed", (_claim(findings),), "claim"),
         Card("What may not", _limits(findings), "limit"),
     )
-    return Section(TITLE, (_grounds(findings),), (_ranking_table(ranking),), cards=cards)
+    return Section(TITLE, (_grounds(findings),), (_ranking_table(ranking),), cards=cards, lost=lost)
 
 
 def _claim(findings: Findings) -> str:

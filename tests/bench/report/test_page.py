@@ -104,6 +104,16 @@ class TestTable:
         assert "<td><b>1</b></td>" in page
         assert "<td><i>4.500</i><sup>ab</sup></td>" in page
 
+    def test_failures_are_red_and_have_a_sign(self, view):
+        frame = pd.DataFrame({"failed": [3, 0]})
+        lost = Section("s", items=(Table("t", "c", frame, lost=frame > 0),), lost="3 of 9 trials did not finish.")
+        page = render("t", "", [view("v", lost)])
+        assert '<p class="lost">3 of 9 trials did not finish.</p>' in page
+        assert page.count('<td><span class="lost">3</span></td>') == 1
+        assert "<td>0</td>" in page
+        assert page.count("--lost: #") == 2
+        assert '.lost::before { content: "✗ "; content: "✗ " / "failed: "; }' in page
+
     def test_columns_are_classed_once(self):
         frame = pd.DataFrame(
             {"n": [1.0], "short": ["a"], "long": ["a" * 40], "m": [2]}, index=pd.Index(["p"], name="i")

@@ -1,0 +1,288 @@
+"""Optimizers that do in planes what no optimizer should, and sample at random elsewhere."""
+
+import asyncio
+import builtins
+import ctypes
+import gc
+import os
+import random
+import signal
+import subprocess
+import sys
+import threading
+import time
+import warnings
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from bench import Optimizer
+from bench.objective import BudgetExhausted
+
+ESCAPES = "\x1b[31m\x1b]0;title\x07\u202ered"
+
+
+class UnspeakableError(Exception):
+    def __str__(self):
+        raise SystemExit
+
+
+class SeriousError(BaseException):
+    pass
+
+
+def scatter(objective, rng):
+    while True:
+        objective(rng.uniform(objective.lower, objective.upper, (10, objective.dimension)))
+
+
+def raises(error):
+    def do(objective, rng):
+        raise error
+
+    return do
+
+
+def recurse(objective, rng):
+    recurse(objective, rng)
+
+
+def sends(points):
+    def do(objective, rng):
+        objective(points)
+
+    return do
+
+
+def spin(objective, rng):
+    while True:
+        pass
+
+
+def sleep(objective, rng):
+    time.sleep(1000)
+
+
+def hang_in_native_code(objective, rng):
+    ctypes.PyDLL(None).sleep(1000)  # keeps the interpreter's lock
+
+
+def swallow(objective, rng):
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    while True:
+        try:
+            while True:
+                time.sleep(0.1)
+        except BaseException:
+            continue
+
+
+def ask_for_ever(objective, rng):
+    while True:
+        try:
+            scatter(objective, rng)
+        except BudgetExhausted:
+            continue
+
+
+def ask_twice(objective, rng):
+    for _ in range(2):
+        with suppress(BudgetExhausted):
+            scatter(objective, rng)
+
+
+def allocate(objective, rng):
+    held = bytearray(600_000_000)
+    held[::4096] = bytes(len(held[::4096]))  # pages that are never written take no memory
+    time.sleep(1000)
+
+
+def kill(number):
+    def do(objective, rng):
+        os.kill(os.getpid(), number)
+        scatter(objective, rng)
+
+    return do
+
+
+def kill_once(objective, rng):
+    marker = Path(os.environ["MARKER"])
+    if objective.remaining == objective.budget and objective.budget > 30 and not marker.exists():  # no warm-up
+        marker.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    scatter(objective, rng)
+
+
+def prints(stream):
+    def do(objective, rng):
+        for _ in range(50):
+            if isinstance(stream, int):
+                os.write(stream, b"x" * 999_999 + b"\n")
+            else:
+                print(ESCAPES + "x" * 999_999, file=getattr(sys, stream))
+        scatter(objective, rng)
+
+    return do
+
+
+def print_little(objective, rng):
+    print(ESCAPES, "verbose\n" * 100)
+    scatter(objective, rng)
+
+
+def start_threads(daemon):
+    def do(objective, rng):
+        for _ in range(2):
+            threading.Thread(target=spin, args=(objective, rng), daemon=daemon).start()
+        scatter(objective, rng)
+
+    return do
+
+
+def fork(objective, rng):
+    os.fork()
+    scatter(objective, rng)
+
+
+def fork_and_stay(objective, rng):
+    if os.fork() == 0:
+        os.setsid()
+        time.sleep(1000)
+    scatter(objective, rng)
+
+
+def start_processes(objective, rng):
+    subprocess.Popen(["sleep", "1000"], start_new_session=True)
+    subprocess.run([sys.executable, "-Sc", "import subprocess; subprocess.Popen(['sleep', '1000'])"], check=True)
+    scatter(objective, rng)
+
+
+def then_scatter(*steps):
+    """Change what the process has in common for all, and go on."""
+
+    def do(objective, rng):
+        for step in steps:
+            step()
+        scatter(objective, rng)
+
+    return do
+
+
+def change_the_process():
+    os.environ.update(PATH="", HOSTILE="1")
+    os.chdir("/")
+    np.seterr(all="raise")
+    warnings.simplefilter("error")
+    gc.disable()
+    sys.setrecursionlimit(100)
+    sys.path = []
+    sys.settrace(lambda *_: None)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    signal.setitimer(signal.ITIMER_REAL, 0.5)
+    sys.stdout = sys.stderr = None
+
+
+def patch():
+    np.random.default_rng = lambda *_: None
+    np.minimum = np.maximum
+    builtins.float = int
+
+
+def forget_modules():
+    for name in [name for name in sys.modules if name.startswith(("numpy", "json", "bench"))]:
+        del sys.modules[name]
+
+
+async def wait(objective, rng):
+    await asyncio.sleep(1)
+
+
+def stop_with_megabytes(objective, rng):
+    objective(objective.initial(1))
+    objective.stop(ESCAPES + "<b>tired</b>\n" + "x" * 2_000_000)
+
+
+def generate(objective, rng):
+    yield objective(objective.initial(1))
+
+
+DEEDS = {
+    "raise": raises(ValueError(f"{ESCAPES}<script>alert(1)</script>\\input{{x}}" + "y" * 2_000_000)),
+    "raise-base": raises(SeriousError("no")),
+    "raise-exit": raises(SystemExit(0)),
+    "raise-interrupt": raises(KeyboardInterrupt()),
+    "raise-unspeakable": raises(UnspeakableError()),
+    "recurse": recurse,
+    "return-nothing-done": lambda objective, rng: [0.0] * 1000,
+    "points-shape": sends(np.zeros((2, 7))),
+    "points-ragged": sends([[0.0], [0.0, 0.0]]),
+    "points-complex": sends(np.zeros((2, 2)) + 1j),
+    "points-text": sends(np.array([["0", "0"]])),
+    "points-objects": sends([[{}, {}]]),
+    "points-none": sends(None),
+    "points-nan": sends(np.full((1000, 2), np.nan)),
+    "spin": spin,
+    "sleep": sleep,
+    "native": hang_in_native_code,
+    "swallow": swallow,
+    "freeze": kill(signal.SIGSTOP),
+    "ask-for-ever": ask_for_ever,
+    "ask-twice": ask_twice,
+    "allocate": allocate,
+    "exit-0": lambda objective, rng: os._exit(0),
+    "exit-3": lambda objective, rng: os._exit(3),
+    "crash": lambda objective, rng: ctypes.string_at(0),
+    "abort": lambda objective, rng: os.abort(),
+    "kill": kill(signal.SIGKILL),
+    "kill-once": kill_once,
+    "print": prints("stdout"),
+    "print-errors": prints("stderr"),
+    "write-1": prints(1),
+    "write-2": prints(2),
+    "print-little": print_little,
+    "threads": start_threads(daemon=False),
+    "daemons": start_threads(daemon=True),
+    "fork": fork,
+    "fork-and-stay": fork_and_stay,
+    "processes": start_processes,
+    "seed": then_scatter(lambda: np.random.seed(0), lambda: random.seed(0)),  # noqa: NPY002
+    "change": then_scatter(change_the_process),
+    "patch": then_scatter(patch),
+    "forget": then_scatter(forget_modules),
+    "close-files": then_scatter(lambda: os.closerange(0, 100)),
+    "close-output": then_scatter(lambda: os.closerange(0, 3)),
+    "stop": stop_with_megabytes,
+}
+
+
+@dataclass(frozen=True)
+class Hostile(Optimizer):
+    """Does one deed."""
+
+    deed: str = "raise"
+
+    def minimize(self, objective, rng):
+        return (DEEDS[self.deed] if objective.dimension == 2 else scatter)(objective, rng)
+
+
+@dataclass(frozen=True)
+class Generator(Optimizer):
+    """Would run if somebody iterated over it."""
+
+    def minimize(self, objective, rng):
+        if objective.dimension != 2:
+            return scatter(objective, rng)
+        return generate(objective, rng)
+
+
+@dataclass(frozen=True)
+class Coroutine(Optimizer):
+    """Would run if somebody awaited it."""
+
+    def minimize(self, objective, rng):
+        if objective.dimension != 2:
+            return scatter(objective, rng)
+        return wait(objective, rng)
