@@ -7,7 +7,7 @@ import os
 import signal
 import threading
 from dataclasses import dataclass, field
-from time import sleep
+from time import monotonic, sleep
 from typing import Any
 
 from bench import environment, worker
@@ -24,7 +24,7 @@ CHECKING = 60.0  # seconds without a sign of life in which a study's plug-ins ar
 FULL = 0.5  # of the memory allowed; a process that holds more between trials is given up, lest the next one pays
 KILLED = (-signal.SIGKILL, -signal.SIGTERM)  # what comes from outside: the system short of memory, or a person
 
-_LOOK = 0.5  # seconds between looks for the parent
+_LOOK = 0.5  # seconds between looks for the parent, and at least between those at a process's memory
 
 
 @dataclass(frozen=True)
@@ -125,6 +125,7 @@ class _Keeper:
         self._prepared: set[tuple[str, str]] = set()  # cells, in the process as it is
         self._late: set[tuple[str, str]] = set()  # cells whose warm-up took too long: they go on without
         self._machine = ""
+        self._next_look = 0.0  # at the process's memory
 
     def take(self, task: Task) -> None:
         """Make trials of another task, in the same process where that will do."""
@@ -216,8 +217,11 @@ class _Keeper:
         return dict(row)
 
     def _is_full(self) -> bool:
-        limit = self.task.memory
-        return limit is not None and self._process is not None and self._process.resident > FULL * limit
+        limit, now = self.task.memory, monotonic()
+        if limit is None or self._process is None or now < self._next_look:
+            return False
+        self._next_look = now + _LOOK
+        return self._process.resident > FULL * limit
 
     def _patience(self, beside: float = 0.0, at_least: float = 0.0) -> float | None:
         return None if self.task.timeout is None else max(self.task.timeout + beside, at_least)

@@ -20,7 +20,6 @@ import warnings
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack, suppress
 from operator import is_
-from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -158,7 +157,7 @@ def _set_random() -> None:
 
 def _folder() -> str:
     with suppress(OSError):  # it may have been removed
-        return str(Path.cwd())
+        return os.getcwd()  # noqa: PTH109 - after every trial, and some are short
     return ""
 
 
