@@ -22,7 +22,8 @@ WARMING = 3.0  # seconds, at least, that a warm-up may take, imports and compila
 PRINTED = 1_000_000  # bytes that a trial may print: they go nowhere, but reading them takes everybody's time
 CHECKING = 60.0  # seconds without a sign of life in which a study's plug-ins are loaded for the first time
 FULL = 0.5  # of the memory allowed; a process that holds more between trials is given up, lest the next one pays
-KILLED = (-signal.SIGKILL, -signal.SIGTERM)  # what comes from outside: the system short of memory, or a person
+KILLED = [-getattr(signal, name) for name in ("SIGKILL", "SIGTERM") if hasattr(signal, name)]
+"""Exit codes of what comes from outside: the system short of memory, or a person."""
 
 _LOOK = 0.5  # seconds between looks for the parent, and at least between those at a process's memory
 

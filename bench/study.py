@@ -114,6 +114,8 @@ class Study:
                 "optimizers": _entries(data.get("optimizers"), "optimizers", where),
             }
         )
+        if not study.title.isprintable():
+            raise BenchError(f"study {where}: the title holds a control character or a line break")
         if study.trials < 1 or study.budget < 1:
             raise BenchError(f"study {where}: trials and budget must be at least 1")
         return study

@@ -1,12 +1,19 @@
 """The constrained backlash-signature fit: ``signature-01`` … ``signature-20`` and ``recording:<path>``."""
 
+from __future__ import annotations
+
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bench.errors import BenchError, nearest
-from problems.signature.datasets import LEVELS, dataset
-from problems.signature.problem import SignatureFit
-from problems.signature.recordings import Recording, read
+
+if TYPE_CHECKING:
+    from problems.signature.problem import SignatureFit
+
+# Compilers and interpolation are imported where a problem is loaded: every study asks every family for its names.
+
+LEVELS = range(1, 21)
+"""The simulated datasets of section 7.2.1, by the level of their backlash."""
 
 OPTIONS = ("period", "turns", "unit", "amplitude_factor")
 
@@ -21,6 +28,10 @@ class _Simulated:
         _check_names(name, options)
         if name not in self.names():
             raise BenchError(f"unknown problem {name!r}{nearest(name, self.names())}")
+        from problems.signature.datasets import dataset
+        from problems.signature.problem import SignatureFit
+        from problems.signature.recordings import Recording
+
         made = dataset(self.names().index(name) + 1)
         recording = Recording(float(made.time[0]), float(made.time[1] - made.time[0]), made.speed)
         return SignatureFit(name, recording, peak=made.peak, half_gap=made.half_gap, **options)
@@ -34,6 +45,9 @@ class _Recorded:
 
     def load(self, name: str, /, **options: Any) -> SignatureFit:
         _check_names(name, options)
+        from problems.signature.problem import SignatureFit
+        from problems.signature.recordings import read
+
         path = name.partition(":")[2]
         if not path:
             raise BenchError("a recording needs a path, as in recording:joint2.csv")

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from problems.joint import half_gap
-from problems.signature.datasets import LEVELS, dataset, simulated
+from problems.signature import LEVELS
+from problems.signature.datasets import dataset, simulated
 
 Floats = NDArray[np.float64]
 

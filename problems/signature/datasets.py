@@ -22,8 +22,6 @@ from problems.joint import Joint, half_gap, simulate
 
 Floats = NDArray[np.float64]
 
-LEVELS = range(1, 21)
-
 
 @dataclass(frozen=True, eq=False)
 class Dataset:

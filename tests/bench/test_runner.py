@@ -217,3 +217,22 @@ def test_a_problem_that_ends_its_process_costs_its_own_cell(tmp_path):
         "sphere-2": ["ok"],
     }
     assert frame["error"].dropna().eq("its process ended with exit code 1").all()
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("import time\ntime.sleep(1000)", "hangs: no sign of life for 2 s"),
+        ("import os\nos._exit(3)", "failed: exit code 3"),
+        ("raise SystemExit(4)", "SystemExit"),
+        ("def f(:", "invalid syntax"),
+    ],
+)
+def test_a_plug_in_that_cannot_be_loaded_ends_the_run_before_it_begins(code, said, tmp_path, monkeypatch):
+    monkeypatch.setattr("bench.guard.CHECKING", 2.0)
+    (tmp_path / "mine.py").write_text(f"{code}\ndef mine(objective, rng):\n    pass\n")
+    study = {"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": [{"name": f"{tmp_path / 'mine.py'}:mine"}]}
+    with pytest.raises(BenchError, match=said) as refused:
+        run(Study.from_dict(study), tmp_path / "out", n_jobs=2)
+    assert "\n" not in str(refused.value)
+    assert not (tmp_path / "out").exists()

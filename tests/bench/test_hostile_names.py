@@ -1,0 +1,128 @@
+"""Names are data: whatever labels, titles and files are called, nothing is written elsewhere, run or rendered."""
+
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+from bench import BenchError, Study, load_results, run
+from bench.merge import merge
+
+LABELS = [
+    "../../escaped", "/etc/escaped", "..", "<script>alert(1)</script>", "\\input{/etc/passwd}", "$(touch escaped)",
+    "a'); DROP TABLE results;--", "con", "x" * 200, "\N{PILE OF POO} é 漢", "=cmd|' /C calc'!A0",
+    '" onmouseover="alert(1)', "%s %(x)s {0} {{7*7}}", "a;b,c d", "&amp; & ~#_^",
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A folder with a study of hostile names that was run, all of it three levels down."""
+    place = tmp_path_factory.mktemp("names")
+    (place / "a" / "b").mkdir(parents=True)
+    study = Study.from_dict(
+        {"name": "names", "title": "<b>bold</b> \\textbf{title} & more", "trials": 2, "budget": 30,
+         "problems": [{"name": "sphere-2", "label": label} for label in LABELS[:8]],
+         "optimizers": [{"name": "scatter", "agents": 5, "label": label} for label in LABELS]}
+    )  # fmt: skip
+    run(study, place / "a" / "b" / "out", n_jobs=1)
+    return place
+
+
+def files(place):
+    """Return every file but those of the run's own folder."""
+    return {path for path in place.rglob("*") if "out" not in path.relative_to(place).parts}
+
+
+def test_every_label_comes_back_as_it_was(place):
+    frame = load_results(place / "a" / "b" / "out")
+    assert frame["optimizer"].unique().tolist() == LABELS
+    assert frame["problem"].unique().tolist() == LABELS[:8]
+    assert frame["status"].eq("ok").all()
+
+
+def test_status_rm_and_merge_take_them_for_names(bench_here, place, tmp_path):
+    out = place / "a" / "b" / "out"
+    done = bench_here("status", out)
+    assert "DROP TABLE" in done.stdout
+    done = bench_here("rm", out, "--optimizer", LABELS[6], "--problem", LABELS[0], "--dry-run")
+    assert "2 trials would be removed" in done.stdout
+    assert merge([out], tmp_path / "united").rows == 2 * 8 * len(LABELS)
+
+
+def test_report_and_exports_stay_in_their_folder(bench_here, place):
+    before = files(place)
+    out = place / "a" / "b" / "out"
+    assert bench_here("report", out, cwd=place / "a" / "b").returncode == 0
+    for kind in ("csv", "ioh", "coco"):
+        assert bench_here("export", out, "--format", kind, cwd=place / "a" / "b").returncode == 0
+    assert files(place) == before
+    written = [path.relative_to(out) for path in out.rglob("*") if path.is_file()]
+    assert len(written) > 50
+    assert all(re.fullmatch(r"[A-Za-z0-9._-]{1,120}", part) for path in written for part in path.parts)
+
+
+class Markup(HTMLParser):
+    """The elements of a page with their attributes."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.elements = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.elements.append((tag, dict(attributes)))
+
+
+def test_the_page_and_the_tables_hold_no_markup_of_theirs(place):
+    out = place / "a" / "b" / "out"
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "alert(1)" in page
+    assert "<script>alert(1)" not in page
+    elements = Markup(page).elements
+    assert not [name for _, attributes in elements for name in attributes if name.startswith("on")]
+    assert not [tag for tag, _ in elements if tag in ("iframe", "object", "embed", "base", "form")]
+    assert "<b>bold" not in page
+    for table in out.glob("tables/*.tex"):
+        text = table.read_text(encoding="utf-8")
+        assert "\\input{/etc" not in text
+        assert "\\textbf{title}" not in text
+
+
+@pytest.mark.parametrize("kind", ["problems", "optimizers"])
+@pytest.mark.parametrize("label", ["a\x1b[31mred", "a\nb", "a\x00b", "a\N{RIGHT-TO-LEFT OVERRIDE}b", ""])
+def test_labels_that_would_deceive_a_terminal_are_refused(kind, label):
+    data = {"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": [{"name": "scatter"}]}
+    data[kind][0]["label"] = label
+    with pytest.raises(BenchError, match=r"control character|all of them texts"):
+        Study.from_dict(data)
+
+
+@pytest.mark.parametrize("title", ["a\x1b]0;owned\x07", "a\nb"])
+def test_titles_too(title):
+    with pytest.raises(BenchError, match="title holds a control character"):
+        Study.from_dict(
+            {"name": "s", "title": title, "problems": [{"name": "sphere-2"}], "optimizers": [{"name": "scatter"}]}
+        )
+
+
+@pytest.mark.parametrize("name", ["../x", "a/b", "/etc", "..", "a b", "a\x00", "<b>", "x" * 101, ".hidden"])
+def test_a_study_s_name_names_a_folder_and_no_other_place(name):
+    with pytest.raises(BenchError, match="as it names a folder"):
+        Study.from_dict({"name": name, "problems": [{"name": "sphere-2"}], "optimizers": [{"name": "scatter"}]})
+
+
+def test_a_recording_s_name_is_no_path_of_ours(tmp_path, bench_here):
+    import numpy as np
+
+    t = np.arange(1000) * 0.002
+    name = "<img src=x onerror=alert(1)>$(touch escaped);.csv"
+    np.savetxt(tmp_path / name, np.column_stack([t, 100 + np.sin(5 * t)]), delimiter=",")
+    study = Study.from_dict(
+        {"name": "mine", "trials": 1, "budget": 60, "problems": [{"name": f"recording:{tmp_path / name}"}],
+         "optimizers": [{"name": "scatter"}]}
+    )  # fmt: skip
+    run(study, tmp_path / "out", n_jobs=1)
+    assert bench_here("report", tmp_path / "out", cwd=tmp_path).returncode == 0
+    assert "<img src=x" not in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([name, "out"])
