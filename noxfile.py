@@ -18,7 +18,8 @@ def group(name: str) -> list[str]:
 def tests(session: nox.Session) -> None:
     """Run the test suite on every core; arguments after -- go to pytest."""
     session.install("-e", ".", *group("test"))
-    session.run("python", "-m", "pytest", "-n", "auto", "--dist", "loadfile", *session.posargs)
+    together = ("-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder")  # in the order of tests/conftest.py
+    session.run("python", "-m", "pytest", *together, *session.posargs)
 
 
 @nox.session

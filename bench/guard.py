@@ -21,10 +21,12 @@ LOADING = 20.0  # seconds beside the limit of a trial that may pass between two 
 WARMING = 3.0  # seconds, at least, that a warm-up may take, imports and compilation aside
 PRINTED = 1_000_000  # bytes that a trial may print: they go nowhere, but reading them takes everybody's time
 CHECKING = 60.0  # seconds without a sign of life in which a study's plug-ins are loaded for the first time
+DEATHS = 3  # of the process that loads them, by what comes from outside, before a study is given up
 FULL = 0.5  # of the memory allowed; a process that holds more between trials is given up, lest the next one pays
 KILLED = [-getattr(signal, name) for name in ("SIGKILL", "SIGTERM") if hasattr(signal, name)]
 """Exit codes of what comes from outside: the system short of memory, or a person."""
 
+_SHORT = 0.01  # seconds of a trial that has no time to fill much: to look would take a tenth of a millisecond
 _LOOK = 0.5  # seconds between looks for the parent, and at least between those at a process's memory
 
 
@@ -140,13 +142,14 @@ class _Keeper:
 
     def check(self) -> Any:
         """Return the answer of :func:`bench.worker.check`; a process that is killed from outside is tried again."""
-        try:
-            return self._ask(worker.check, patience=CHECKING)
-        except DiedError as error:
-            self.close()
-            if error.code not in KILLED:
-                raise
-            return self._ask(worker.check, patience=CHECKING)
+        for left in reversed(range(DEATHS)):
+            try:
+                return self._ask(worker.check, patience=CHECKING)
+            except DiedError as error:
+                self.close()
+                if error.code not in KILLED or not left:
+                    raise
+        raise AssertionError("the last death is raised")
 
     def close(self) -> None:
         """End the process."""
@@ -191,8 +194,9 @@ class _Keeper:
                     self._late.discard(cell)
                 self._prepared.add(cell)
             doing = ""
+            began = monotonic()
             row, sound = self._ask(worker.make, trial, patience=timeout)
-            sound = sound and not self._is_full()
+            sound = sound and not self._is_full(monotonic() - began)
             return self._judge(row)
         except SilentError as error:
             where = (
@@ -217,9 +221,10 @@ class _Keeper:
             return failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
         return dict(row)
 
-    def _is_full(self) -> bool:
+    def _is_full(self, seconds: float) -> bool:
+        """Return whether the process holds so much that it is to be given up, after a trial of so many seconds."""
         limit, now = self.task.memory, monotonic()
-        if limit is None or self._process is None or now < self._next_look:
+        if limit is None or self._process is None or (seconds < _SHORT and now < self._next_look):
             return False
         self._next_look = now + _LOOK
         return self._process.resident > FULL * limit

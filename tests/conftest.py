@@ -9,6 +9,17 @@ settings.register_profile("suite", deadline=None, derandomize=True)
 settings.load_profile("suite")
 
 
+SLOWEST = (
+    "test_distributions.py", "test_plugin_example.py", "test_reference_results.py", "test_hostile.py", "test_crash.py",
+    "test_cma_es_fast.py", "test_cli.py", "test_cluster.py", "test_problem.py", "test_conformance.py",
+)  # fmt: skip
+
+
+def pytest_collection_modifyitems(items):
+    """Begin with the files that take longest, so that no worker is left alone with one of them at the end."""
+    items.sort(key=lambda item: SLOWEST.index(item.path.name) if item.path.name in SLOWEST else len(SLOWEST))
+
+
 @pytest.fixture(scope="session")
 def published() -> Path:
     """The folder with the thesis authors' published recordings; a test that needs it is skipped where there is none."""

@@ -155,8 +155,8 @@ def test_fifty_kills_lose_nothing_and_change_nothing(start, tmp_path):
     first = start(whole, trials=1, slow=0)
     assert first.end()[0] == 0
     usual = time.monotonic() - first.began  # of a whole, short run, on this machine as busy as it is
-    ends = ["parent", "group"] * 5
-    others = ["worker"] * 6 + ["trial"] * 34
+    ends = ["parent", "group"] * 6
+    others = ["worker"] * 6 + ["trial"] * 32
     chance.shuffle(ends)
     chance.shuffle(others)
     seen, planned = {}, 0

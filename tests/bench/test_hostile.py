@@ -182,6 +182,7 @@ def test_a_process_that_has_grown_is_given_up_before_it_costs_another_trial(test
         {"name": "s", "trials": 3, "budget": 20, "problems": [{"name": "sphere-2"}],
          "optimizers": [{"name": "scatter"}]}
     )  # fmt: skip
+    monkeypatch.setattr(guard, "_SHORT", 0.0)
     made = []
     for share in (0.9, 0.0):
         monkeypatch.setattr(guard, "FULL", share)
