@@ -113,7 +113,7 @@ def run(
     return {
         "started": now(),
         "ended": None,
-        "command": printable(shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]]), LONGEST),
+        "command": _command(),
         "jobs": jobs,
         "backend": backend,
         "study": study.identity(),
@@ -122,6 +122,13 @@ def run(
         "timeout": timeout,
         "shard": shard,
     }
+
+
+def _command() -> str:
+    """Return what was typed, as far as it can be told."""
+    program = Path(sys.argv[0])
+    words = ["python", "-m", program.parent.name] if program.name == "__main__.py" else [program.name]
+    return printable(shlex.join([*words, *sys.argv[1:]]), LONGEST)
 
 
 def modules(plugins: Iterable[object]) -> list[str]:

@@ -162,6 +162,10 @@ class TestRun:
             "timeout": 9.5, "shard": "1/2",
         }  # fmt: skip
 
+    def test_a_module_s_command_can_be_typed_again(self, small_study, monkeypatch):
+        monkeypatch.setattr(sys, "argv", ["/somewhere/bench/__main__.py", "run", "thesis"])
+        assert run(small_study, {}, {}, 1, "loky")["command"] == "python -m bench run thesis"
+
     def test_it_has_no_name_in_common_with_a_machine(self, small_study):
         assert not machine().keys() & run(small_study, {}, {}, 1, "loky").keys()
 
