@@ -152,11 +152,11 @@ class _Keeper:
         raise AssertionError("the last death is raised")
 
     def close(self) -> None:
-        """End the process."""
-        if self._process is not None:
-            self._process.close()
-        self._process = None
+        """End the process; another thread than the one that works with it may do so, too."""
+        process, self._process = self._process, None  # first of all: the other one may start a new one meanwhile
         self._prepared.clear()
+        if process is not None:
+            process.close()
 
     def machine(self) -> str:
         """Return what the trials are made by, as JSON."""
@@ -233,9 +233,10 @@ class _Keeper:
         return None if self.task.timeout is None else max(self.task.timeout + beside, at_least)
 
     def _ask(self, function: Any, *arguments: Any, patience: float | None) -> Any:
-        if self._process is None:
-            self._process = Process(self.task.hash_seed)
-        return self._process.call(function, self.task.study, *arguments, patience=patience, memory=self.task.memory)
+        process = self._process
+        if process is None:
+            process = self._process = Process(self.task.hash_seed)
+        return process.call(function, self.task.study, *arguments, patience=patience, memory=self.task.memory)
 
 
 def _obituary(error: DiedError) -> str:

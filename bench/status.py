@@ -13,6 +13,7 @@ from bench.folder import Folder
 from bench.progress import duration
 
 SHOWN = 20  # lines of failures
+HASHES = 20  # of data and code; environment.json holds all
 
 
 def show_status(folder: Folder, console: Console) -> None:
@@ -92,8 +93,16 @@ def _environment(record: dict[str, Any], made: int) -> list[str]:
     ended = f", ended {record['ended']}" if record.get("ended") else ", not ended"
     workers = f"{record.get('jobs')} jobs ({record.get('backend')})"
     machine = ", ".join(f"{record.get(key)}" for key in ("host", "processor", "system"))
+    hashes = [
+        f"{label} {value[:10]}"
+        for kind in ("data", "code")
+        for label, value in (record.get(kind) or {}).items()
+        if value
+    ]
+    more = f" and {len(hashes) - HASHES} more" if len(hashes) > HASHES else ""
     return [
         f"ran {record.get('started')}{ended}: {made} trials with {workers} on {machine}, {record.get('cores')} cores",
         f"    Python {record.get('python')}{commit}; {packages}" + (f"; BLAS {blas}" if blas else ""),
-        f"    {record.get('command')}",
+        *([f"    data and code: {', '.join(hashes[:HASHES])}{more}"] if hashes else []),
+        f"    study {record.get('study')}: {record.get('command')}",
     ]

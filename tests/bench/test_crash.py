@@ -113,6 +113,7 @@ def start(study):
             each.process.wait()
         for member in each.members():
             member.kill()
+        each._said.close()
 
 
 def committed(folder):
