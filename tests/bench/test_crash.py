@@ -257,7 +257,7 @@ def test_a_second_run_is_refused_and_told_of_the_first(start, study, bench_here,
 
 def test_of_two_first_runs_at_the_same_moment_one_wins(start, tmp_path):
     folder = tmp_path / "out"
-    runs = [start(folder, trials=2, slow=0.05) for _ in range(2)]
+    runs = [start(folder, trials=2, slow=0.15) for _ in range(2)]
     ends = sorted(run.end() for run in runs)
     assert [code for code, _ in ends] == [0, 2]
     assert ends[0][1] == ""
