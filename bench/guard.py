@@ -60,24 +60,29 @@ def work(task: Task, trial: Trial) -> tuple[Trial, Row, str]:
     return trial, keeper.make(trial), keeper.machine()
 
 
-def check(task: Task) -> tuple[dict[str, str], dict[str, str]]:
+def check(task: Task, *, keep: bool = False) -> tuple[dict[str, str], dict[str, str]]:
     """Return what :meth:`bench.study.Study.check` does, without loading a plug-in into this process.
 
-    The process that it takes stays, for trials of the same task, until :func:`close`.
+    Args:
+        task: of which the study counts.
+        keep: whether the process that it takes stays, for trials that are made here, until :func:`close`.
 
     Raises:
         BenchError: for the first name, parameter, recording or budget that cannot work, or for plug-ins that hang or
             crash when they are loaded.
     """
-    failed = "loading the study's problems and optimizers"
+    loading = "loading the study's problems and optimizers"
     try:
         found = _keeper(task).check()
     except SilentError as error:
         raise BenchError(
-            f"{failed} hangs: no sign of life for {error}; try each with 'bench solve' to find which"
+            f"{loading} hangs: no sign of life for {error}; try each with 'bench solve' to find which"
         ) from error
     except (DiedError, RemoteError, MemoryExceededError) as error:
-        raise BenchError(f"{failed} failed: {error}") from error
+        raise BenchError(f"{loading} failed: {error}") from error
+    finally:
+        if not keep:
+            close()
     if isinstance(found, str):
         raise BenchError(found)
     data, code = found
@@ -113,8 +118,11 @@ def close() -> None:
 
 def _keeper(task: Task) -> _Keeper:
     """Return this thread's keeper, set to the task."""
-    keeper = _keepers.setdefault(threading.get_ident(), _Keeper(task))
-    if keeper.task != task:
+    me = threading.get_ident()
+    keeper = _keepers.get(me)
+    if keeper is None:
+        keeper = _keepers[me] = _Keeper(task)
+    elif keeper.task != task:
         keeper.take(task)
     return keeper
 
@@ -217,17 +225,18 @@ class _Keeper:
 
     def _judge(self, row: Row) -> Row:
         """Return the row of a trial as it came, or why it cannot stand."""
-        if row["status"] == "ok" and self._process is not None and self._process.printed > PRINTED:
+        process = self._process  # another thread may close it
+        if row["status"] == "ok" and process is not None and process.printed > PRINTED:
             return failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
         return dict(row)
 
     def _is_full(self, seconds: float) -> bool:
         """Return whether the process holds so much that it is to be given up, after a trial of so many seconds."""
-        limit, now = self.task.memory, monotonic()
-        if limit is None or self._process is None or (seconds < _SHORT and now < self._next_look):
+        limit, process, now = self.task.memory, self._process, monotonic()
+        if limit is None or process is None or (seconds < _SHORT and now < self._next_look):
             return False
         self._next_look = now + _LOOK
-        return self._process.resident > FULL * limit
+        return process.resident > FULL * limit
 
     def _patience(self, beside: float = 0.0, at_least: float = 0.0) -> float | None:
         return None if self.task.timeout is None else max(self.task.timeout + beside, at_least)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -84,16 +85,18 @@ class Plan:
         Returns:
             None where no trial is stored to go by.
         """
-        done = [cell for cell in self.cells if cell.done]
-        if not done:
+        groups: dict[tuple[str, ...], list[Cell]] = defaultdict(list)
+        for cell in self.cells:
+            if cell.done:
+                for group in ((cell.problem, cell.optimizer), (cell.optimizer,), ()):
+                    groups[group].append(cell)
+        if not groups:
             return None
-
-        def mean(cells: list[Cell]) -> float:
-            return sum(cell.wall_s for cell in cells) / sum(cell.done for cell in cells)
-
-        total = 0.0
-        for (problem, optimizer), (planned, finished) in self.counts().items():
-            alike = [cell for cell in done if cell.optimizer == optimizer]
-            same = [cell for cell in alike if cell.problem == problem]
-            total += (planned - finished) * mean(same or alike or done)
-        return total
+        means = {
+            group: sum(cell.wall_s for cell in cells) / sum(cell.done for cell in cells)
+            for group, cells in groups.items()
+        }
+        return sum(
+            (planned - finished) * means.get((problem, optimizer), means.get((optimizer,), means[()]))
+            for (problem, optimizer), (planned, finished) in self.counts().items()
+        )

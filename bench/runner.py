@@ -74,9 +74,7 @@ def run(
     with deferred() as interrupts, ExitStack() as held:
         with interrupts.welcome():  # plug-ins or a cluster may keep one waiting
             held.callback(guard.close)
-            data, code = guard.check(Task(study.to_toml()))
-            if n_jobs != 1:  # the trials are made elsewhere
-                guard.close()
+            data, code = guard.check(Task(study.to_toml()), keep=n_jobs == 1)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
         held.enter_context(folder.lock())
         study = folder.claim(study)
@@ -101,10 +99,7 @@ def plan(
     """
     part = Shard.parse(shard) if shard is not None else None
     study = study if isinstance(study, Study) else Study.load(study)
-    try:
-        data, code = guard.check(Task(study.to_toml()))
-    finally:
-        guard.close()
+    data, code = guard.check(Task(study.to_toml()))
     folder = _folder(study, output)
     folder.refuse_changes(data, code)
     return _plan(folder.extended(study), folder, part)

@@ -76,10 +76,7 @@ def verify(
     """
     folder = Folder(path)
     study = folder.study()
-    try:
-        data, code = guard.check(Task(study.to_toml()))
-    finally:
-        guard.close()
+    data, code = guard.check(Task(study.to_toml()))
     chosen = _chosen(folder, trials, study.seed)
     folder.refuse_changes(data, code)
     jobs = n_jobs or _other_number(folder)
@@ -124,7 +121,9 @@ def _other_number(folder: Folder) -> int:
     """Return a number of workers that the last run did not have."""
     noted = [record.get("jobs") for record in folder.environments()]
     cores = int(cpu_count())
-    return cores if not noted or noted[-1] != cores else max(1, cores - 1) if cores > 1 else 2
+    if not noted or noted[-1] != cores:
+        return cores
+    return cores - 1 or 2
 
 
 def _difference(store: Store, trial: Trial, row: Row) -> str:
