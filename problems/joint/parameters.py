@@ -1,21 +1,19 @@
 """The parameters of the simulated robot joint (thesis chapter 4) and the gaps of its twenty datasets."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from math import isfinite, pi
+from numbers import Real
+from typing import Any
 
 from bench.errors import BenchError
 
 LEVELS = 20
 """Number of backlash levels, and so of datasets."""
 
-_MAY_BE_ZERO = {
-    "gravity_torque",
-    "damping",
-    "integral_gain",
-    "position_gain",
-    "viscous_friction",
-    "coulomb_friction",
-}
+
+def _quantity(default: float, meaning: str, *, may_be_zero: bool = False) -> Any:
+    """Return a field that knows its meaning and unit, which joint files repeat, and whether it may be zero."""
+    return field(default=default, metadata={"meaning": meaning, "may_be_zero": may_be_zero})
 
 
 @dataclass(frozen=True)
@@ -27,58 +25,35 @@ class Joint:
     the absolute scale is that of the 5 kg payload. Symbols are those of thesis Table 4.1 where it has them.
 
     Raises:
-        BenchError: a parameter that is not finite or has the wrong sign.
+        BenchError: a parameter that is no finite number or has the wrong sign.
 
     """
 
-    gear_ratio: float = 40.0
-    """N, motor turns per load turn."""
-
-    omega_ref: float = 2 * pi * 100
-    """Constant reference speed of the motor, rad/s (100 turns per second in the thesis)."""
-
-    motor_inertia: float = 3.4e-5
-    """Jm, kg m²."""
-
-    load_inertia: float = 0.433
-    """Jl, kg m²: a point mass of 5 kg at 0.294 m."""
-
-    gravity_torque: float = 14.43
-    """m g l, N m: the load's largest gravity torque. Zero for a joint whose axis is parallel to gravity."""
-
-    stiffness: float = 2.25e4
-    """Ks of the closed transmission, seen from the load, N m/rad."""
-
-    damping: float = 23.0
-    """Ds of the closed transmission, seen from the load, N m s/rad."""
-
-    sharpness: float = 5.5e5
-    """alpha of eq. (4.5), 1/rad: how abruptly the stiffness vanishes in the gap. Results converge from 3e5 upwards."""
-
-    speed_gain: float = 0.0297
-    """Kv, proportional gain of the speed loop, N m s/rad."""
-
-    integral_gain: float = 254.0
-    """ki, integral gain of the speed loop relative to Kv, 1/s."""
-
-    position_gain: float = 31.0
-    """kpp, proportional gain of the position loop, 1/s."""
-
-    viscous_friction: float = 0.0
-    """Viscous friction at the load, N m s/rad."""
-
-    coulomb_friction: float = 0.0
-    """Coulomb friction at the load, N m."""
+    gear_ratio: float = _quantity(40.0, "N, motor turns per load turn")
+    omega_ref: float = _quantity(2 * pi * 100, "constant reference speed of the motor, rad/s (2 pi times the rps)")
+    motor_inertia: float = _quantity(3.4e-5, "Jm, kg m²")
+    load_inertia: float = _quantity(0.433, "Jl, kg m²; 0.433 is a point mass of 5 kg at 0.294 m")
+    gravity_torque: float = _quantity(
+        14.43, "m g l, the load's largest gravity torque, N m; 0 for an axis parallel to gravity", may_be_zero=True
+    )
+    stiffness: float = _quantity(2.25e4, "Ks of the closed transmission, seen from the load, N m/rad")
+    damping: float = _quantity(23.0, "Ds of the closed transmission, seen from the load, N m s/rad", may_be_zero=True)
+    sharpness: float = _quantity(
+        5.5e5, "alpha of eq. 4.5, 1/rad: how abruptly the stiffness vanishes in the gap; converged from 3e5 upwards"
+    )
+    speed_gain: float = _quantity(0.0297, "Kv, proportional gain of the speed loop, N m s/rad")
+    integral_gain: float = _quantity(254.0, "ki, integral gain of the speed loop relative to Kv, 1/s", may_be_zero=True)
+    position_gain: float = _quantity(31.0, "kpp, proportional gain of the position loop, 1/s", may_be_zero=True)
+    viscous_friction: float = _quantity(0.0, "viscous friction at the load, N m s/rad", may_be_zero=True)
+    coulomb_friction: float = _quantity(0.0, "Coulomb friction at the load, N m", may_be_zero=True)
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name in _MAY_BE_ZERO:
-                valid, rule = isfinite(value) and value >= 0, "finite and not negative"
-            else:
-                valid, rule = isfinite(value) and value > 0, "finite and positive"
-            if not valid:
-                raise BenchError(f"Joint: {field.name} must be {rule}, but it is {value!r}.")
+        for each in fields(self):
+            value, may_be_zero = getattr(self, each.name), each.metadata["may_be_zero"]
+            known = isinstance(value, Real) and not isinstance(value, bool) and isfinite(value)
+            if not known or value < 0 or (value == 0 and not may_be_zero):
+                rule = "finite and not negative" if may_be_zero else "finite and positive"
+                raise BenchError(f"Joint: {each.name} must be {rule}, but it is {value!r}.")
 
     @property
     def nominal_speed(self) -> float:

@@ -9,7 +9,7 @@ motor and p = theta_l - omega_ref t / N of the load: small numbers, which lose n
 """
 
 from dataclasses import astuple, dataclass
-from math import isfinite, pi, sin
+from math import ceil, isfinite, pi, sin
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,9 @@ from problems.joint.parameters import Joint
 Array = NDArray[np.float64]
 Value = Any  # a number or an array
 
+STEP = 5e-5  # s; the largest step taken where none is asked for
 LARGEST_STEP = 1e-3  # s; beyond it RK4 is unstable on the default joint's fast poles
+MOST_STEPS = 4_000_000  # 200 s at STEP; they take some 600 MB
 DEFAULT = Joint()
 
 
@@ -142,7 +144,7 @@ def simulate(
     duration: float = 4.8,
     rate: float = 500.0,
     settle: float = 1.2,
-    step: float = 5e-5,
+    step: float | None = None,
     start_angle: float = 0.141,
     encoder_bits: int | None = None,
 ) -> Simulation:
@@ -153,9 +155,11 @@ def simulate(
         half_gap: delta, half the backlash gap, rad.
         duration: length of the recording, s; the default gives 2401 samples, as the published datasets have.
         rate: sampling rate, Hz.
-        settle: time simulated before the recording, s. The transient decays at 15.6 1/s, so the default leaves none.
-        step: integration step, s. On the twenty datasets the default's samples are within 2e-3 rps (2e-4 rms) of those
-            at 2e-6 s: an impact is shorter than a step, so the error falls with the step, not with its fourth power.
+        settle: time simulated before the recording, s, taken to the nearest step. The transient decays at 15.6 1/s,
+            so the default leaves none.
+        step: integration step, s; None takes the largest up to 5e-5 s that divides the sampling period. On the twenty
+            datasets the samples are then within 2e-3 rps (2e-4 rms) of those at 2e-6 s: an impact is shorter than a
+            step, so the error falls with the step, not with its fourth power.
         start_angle: load angle at which the recording starts, rad; the default is that of the published datasets.
         encoder_bits: resolution of the motor encoder, 2**bits counts a turn. The speed is then the difference of
             two quantised angles over the sampling period, and lags by half of it. None: the exact speed.
@@ -164,7 +168,7 @@ def simulate(
         BenchError: an argument out of its range, or an integration that diverges.
 
     """
-    skip, stride, samples = _steps(duration, rate, settle, step)
+    step, skip, stride, samples = _steps(duration, rate, settle, step)
     if not (isfinite(half_gap) and half_gap >= 0):
         raise BenchError(f"simulate: half_gap must be finite and not negative, but it is {half_gap!r} rad.")
     if not isfinite(start_angle):
@@ -178,13 +182,15 @@ def simulate(
 
     lead = 0 if encoder_bits is None else stride  # the encoder's first difference reaches one sample back
     omega_l = joint.omega_ref / joint.gear_ratio
-    theta0 = start_angle - omega_l * settle
+    theta0 = start_angle - omega_l * (skip * step)
     keep = lead + (samples - 1) * stride + 1
     constants = tuple(map(float, astuple(joint)))  # a parameter given as an int would compile the kernel anew
     start = resting_state(joint, half_gap, theta0)
     states = integrate(start, constants, float(half_gap), float(theta0), float(step), skip - lead, keep)
     if not np.isfinite(states).all():
-        raise BenchError(f"simulate: the integration diverges with a step of {step!r} s: take a smaller one.")
+        raise BenchError(
+            f"simulate: the integration diverges with a step of {step!r} s: take a smaller one, or a less stiff joint."
+        )
 
     fine = _trajectory(joint, half_gap, start_angle, step, states[lead:])
     if encoder_bits is None:
@@ -197,21 +203,39 @@ def simulate(
     return Simulation(np.arange(samples) / rate, speed, peak, fine)
 
 
-def _steps(duration: float, rate: float, settle: float, step: float) -> tuple[int, int, int]:
-    """Return the number of steps before the recording, of steps per sample, and of samples."""
-    for name, value in {"duration": duration, "rate": rate, "step": step}.items():
+def with_noise(speed: Array, noise: float, rng: np.random.Generator) -> Array:
+    """Return the (n,) speed in rps with uniform white noise of a peak-to-peak value in rps (eqs. 7.1 and 7.2).
+
+    Raises:
+        BenchError: for a noise that is negative or not finite.
+    """
+    if not (isfinite(noise) and noise >= 0):
+        raise BenchError(f"simulate: the noise must be finite and not negative, but it is {noise!r} rps.")
+    return speed + noise * rng.uniform(-0.5, 0.5, len(speed))
+
+
+def _steps(duration: float, rate: float, settle: float, step: float | None) -> tuple[float, int, int, int]:
+    """Return the step, the number of steps before the recording, of steps per sample, and of samples."""
+    for name, value in {"duration": duration, "rate": rate, "step": STEP if step is None else step}.items():
         if not (isfinite(value) and value > 0):
             raise BenchError(f"simulate: {name} must be finite and positive, but it is {value!r}.")
     if not (isfinite(settle) and settle >= 0):
         raise BenchError(f"simulate: settle must be finite and not negative, but it is {settle!r} s.")
+    if step is None:
+        stride = max(ceil(1 / (rate * STEP) - 1e-9), 1)
+        step = 1 / (rate * stride)
+    else:
+        stride = round(1 / (rate * step))
     if step > LARGEST_STEP:
         raise BenchError(f"simulate: step must be at most {LARGEST_STEP} s, to be stable, but it is {step!r} s.")
-    skip, stride = round(settle / step), round(1 / (rate * step))
     if stride < 1 or abs(stride * rate * step - 1) > 1e-6:
         raise BenchError(f"simulate: step must divide the sampling period {1 / rate:g} s, but it is {step!r} s.")
-    if abs(skip * step - settle) > 1e-6 * step:
-        raise BenchError(f"simulate: step must divide settle ({settle!r} s), but it is {step!r} s.")
-    return skip, stride, int(duration * rate + 1e-6) + 1
+    if not settle + duration <= MOST_STEPS * step:
+        raise BenchError(
+            f"simulate: settle and duration together must be at most {MOST_STEPS * step:g} s "
+            f"({MOST_STEPS:,} steps of {step:g} s), but they are {settle + duration:g} s."
+        )
+    return step, round(settle / step), stride, int(duration * rate + 1e-6) + 1
 
 
 def _trajectory(joint: Joint, delta: float, start_angle: float, step: float, states: Array) -> Trajectory:

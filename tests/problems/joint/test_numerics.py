@@ -5,9 +5,10 @@ from dataclasses import astuple
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.stats import kstest
 
 from bench.errors import BenchError
-from problems.joint import Joint, half_gap, simulate
+from problems.joint import Joint, half_gap, simulate, with_noise
 from problems.joint.simulator import derivative, resting_state
 
 FINEST = 2e-6  # s
@@ -101,11 +102,13 @@ def test_encoder_adds_its_quantisation_and_lags_half_a_sample(simulated):
         ({"rate": -500.0}, "rate"),
         ({"rate": float("inf")}, "rate"),
         ({"settle": -1.0}, "settle"),
-        ({"settle": 0.20001}, "divide settle"),
+        ({"settle": 1e6}, "at most 200 s"),
+        ({"duration": 199.0}, "at most 200 s"),
         ({"step": 0.0}, "step"),
         ({"step": 3e-5}, "divide the sampling period"),
         ({"rate": 100.0, "step": 2e-3}, "at most 0.001 s"),
-        ({"rate": 1e6}, "divide the sampling period"),
+        ({"rate": 1e6}, "at most 4 s"),
+        ({"rate": 1e6, "step": 5e-5}, "divide the sampling period"),
         ({"start_angle": float("inf")}, "start_angle"),
         ({"encoder_bits": 0}, "encoder_bits"),
         ({"encoder_bits": 12.5}, "encoder_bits"),
@@ -116,6 +119,24 @@ def test_refuses_bad_arguments(bad, message):
     with pytest.raises(BenchError, match=message) as caught:
         simulate(**{"half_gap": 0.001, **bad})
     assert "\n" not in str(caught.value)
+
+
+def test_the_step_divides_any_sampling_period_and_settles_to_the_nearest_step():
+    odd = simulate(half_gap=0.001, rate=333.0, duration=0.4)
+    assert np.diff(odd.fine.time)[0] == pytest.approx(1 / 333 / 61)  # 60 would be longer than 5e-5 s
+    fine = simulate(half_gap=0.001, rate=20_000.0, duration=0.4)
+    np.testing.assert_allclose(odd.speed, np.interp(odd.time, fine.time, fine.speed), atol=2e-3)
+    late = simulate(half_gap=0.001, duration=0.4, settle=1.20002)  # 24000.4 steps
+    np.testing.assert_array_equal(late.speed, simulate(half_gap=0.001, duration=0.4).speed)
+
+
+def test_noise_is_uniform_white_and_of_the_peak_to_peak_value_asked_for():
+    noise = with_noise(np.full(50_000, 100.0), 0.3, np.random.default_rng(0)) - 100
+    assert kstest(noise, "uniform", (-0.15, 0.3)).pvalue > 0.01
+    assert abs(np.corrcoef(noise[1:], noise[:-1])[0, 1]) < 0.02
+    for bad in (-0.1, float("nan"), float("inf")):
+        with pytest.raises(BenchError, match="noise"):
+            with_noise(np.zeros(3), bad, np.random.default_rng(0))
 
 
 def test_says_that_a_stiffer_joint_needs_a_smaller_step():

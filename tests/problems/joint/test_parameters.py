@@ -41,7 +41,7 @@ def test_speed_and_turn_derive_from_the_reference():
 
 @pytest.mark.parametrize("name", [field.name for field in fields(Joint)])
 def test_joint_refuses_bad_parameters(name):
-    for value in (-1.0, float("nan"), float("inf")):
+    for value in (-1.0, float("nan"), float("inf"), "1", True, None):
         with pytest.raises(BenchError, match=name):
             Joint(**{name: value})
 

@@ -115,16 +115,6 @@ def test_peaks_near_the_theoretical_amplitudes_of_table_7_3(simulated):
     assert peaks == pytest.approx(np.array(TABLE_7_3), rel=0.03)  # 0.5 to 2.6 % below
 
 
-def test_calibration_cubic_near_equation_4_7(simulated):
-    amplitude = 60 * np.array([simulated(level).peak for level in range(2, 12)])  # rpm
-    delta = np.array([half_gap(level) for level in range(2, 12)])
-    cubic = np.polyfit(amplitude, 1e6 * delta, 3)
-    identified = np.polyval([-0.00149, 0.4055, 10.846, 16.63], amplitude)
-    equation_4_7 = np.polyval([-0.0018, 0.4323, 9.2524, 34.0313], amplitude)
-    assert np.polyval(cubic, amplitude) == pytest.approx(identified, abs=0.6)
-    assert np.polyval(cubic, amplitude) == pytest.approx(equation_4_7, rel=0.03)
-
-
 def test_without_gap_a_smooth_gravity_ripple():
     simulation = simulate(half_gap=0.0)
     deviation = simulation.fine.speed - 100
