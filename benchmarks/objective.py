@@ -19,7 +19,7 @@ def main() -> None:
     problem = load_problem("signature-12", unit="rpm")
     rng = np.random.default_rng(0)
     points = problem.repair(rng.uniform(problem.lower, problem.upper, (POINTS, problem.dimension)))
-    train = {"period": problem.period, "turns": problem.turns}
+    train = {"period": problem.period, "replicas": problem.replicas}
     values = problem.evaluate(points)
     literal = np.array([model.rmse(problem.signal, problem.time, x, **train) for x in points])
     fast_s, literal_s = np.inf, np.inf

@@ -15,7 +15,13 @@ if TYPE_CHECKING:
 LEVELS = range(1, 21)
 """The simulated datasets of section 7.2.1, by the level of their backlash."""
 
-OPTIONS = ("period", "turns", "unit", "amplitude_factor")
+CLEAN = range(3, 14)
+"""The datasets of which the authors published the recordings without noise."""
+
+NOISES = ("low", "high")
+"""The levels of noise of section 7.3."""
+
+OPTIONS = ("period", "turns", "single", "unit", "amplitude_factor")
 
 
 class _Simulated:
@@ -28,9 +34,9 @@ class _Simulated:
         _check_names(name, options)
         if name not in self.names():
             raise BenchError(f"unknown problem {name!r}{nearest(name, self.names())}")
+        from problems.recordings import Recording
         from problems.signature.datasets import dataset
         from problems.signature.problem import SignatureFit
-        from problems.signature.recordings import Recording
 
         made = dataset(self.names().index(name) + 1)
         recording = Recording(float(made.time[0]), float(made.time[1] - made.time[0]), made.speed)
@@ -45,8 +51,8 @@ class _Recorded:
 
     def load(self, name: str, /, **options: Any) -> SignatureFit:
         _check_names(name, options)
+        from problems.recordings import read
         from problems.signature.problem import SignatureFit
-        from problems.signature.recordings import read
 
         path = name.partition(":")[2]
         if not path:
@@ -54,11 +60,45 @@ class _Recorded:
         return SignatureFit(name, read(Path(path)), **options)
 
 
-def _check_names(name: str, options: dict[str, Any]) -> None:
+class _Noisy:
+    """The family of the simulated datasets with noise and a random start of section 7.3; 00 has no backlash."""
+
+    def names(self) -> list[str]:
+        return [f"noisy-{level:02d}" for level in (0, *LEVELS)]
+
+    def load(self, name: str, /, *, noise: str = "low", draw: int = 0, **options: Any) -> SignatureFit:
+        _check_names(name, options, (*OPTIONS, "noise", "draw"))
+        if name not in self.names():
+            raise BenchError(f"unknown problem {name!r}{nearest(name, self.names())}")
+        from problems.signature.noise import noisy
+        from problems.signature.problem import SignatureFit
+
+        made = noisy(self.names().index(name), noise, draw)
+        return SignatureFit(name, made, peak=made.peak, half_gap=made.half_gap, **options)
+
+
+class _Published:
+    """The family of the authors' recordings: by name without noise, and the noisy ones as ``published:low-1-12``."""
+
+    def names(self) -> list[str]:
+        return [f"published-{level:02d}" for level in CLEAN]
+
+    def load(self, name: str, /, **options: Any) -> SignatureFit:
+        _check_names(name, options)
+        from problems.published.recordings import published
+        from problems.signature.problem import SignatureFit
+
+        made = published(name)
+        return SignatureFit(name, made.recording, peak=made.peak, half_gap=made.half_gap, **options)
+
+
+def _check_names(name: str, options: dict[str, Any], known: tuple[str, ...] = OPTIONS) -> None:
     for option in options:
-        if option not in OPTIONS:
-            raise BenchError(f"problem {name!r} has no option {option!r}{nearest(option, OPTIONS)}")
+        if option not in known:
+            raise BenchError(f"problem {name!r} has no option {option!r}{nearest(option, known)}")
 
 
 signature = _Simulated()
 recording = _Recorded()
+noisy = _Noisy()
+published = _Published()

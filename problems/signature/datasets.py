@@ -1,4 +1,4 @@
-"""The twenty simulated recordings of section 7.2.1, made on first use and kept in the user's cache.
+"""Simulated recordings, the twenty of section 7.2.1 among them, made on first use and kept in the user's cache.
 
 The cache is content-addressed: a file's name is a hash of all that decides its content, the simulator's source
 included, so a changed simulator never meets old signals. A file that was damaged is noticed by its checksum and
@@ -17,10 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 from platformdirs import user_cache_dir
 
-from problems import joint
 from problems.joint import Joint, half_gap, simulate
+from problems.joint import parameters as joint_parameters
+from problems.joint import simulator as joint_simulator
 
 Floats = NDArray[np.float64]
+
+DEFAULT = Joint()
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,8 +31,8 @@ class Dataset:
     """A simulated recording and the truth behind it.
 
     Attributes:
-        time: (2401,) s, from 0.
-        speed: (2401,) motor speed in rps.
+        time: (n,) s, from 0; 2401 samples at 500 Hz, or two load turns where these take longer.
+        speed: (n,) motor speed in rps.
         peak: expected amplitude in rps: the positive peak of the undecimated disturbance.
         half_gap: delta in rad.
     """
@@ -51,12 +54,16 @@ def dataset(level: int) -> Dataset:
     return simulated(half_gap(level))
 
 
-def simulated(gap: float) -> Dataset:
-    """Return the default joint's recording at a half-gap in rad, from the cache where it is there and whole."""
-    path = cache_folder() / f"joint-{_address(gap)}.npz"
+def simulated(gap: float, joint: Joint = DEFAULT) -> Dataset:
+    """Return a joint's recording at a half-gap in rad, from the cache where it is there and whole.
+
+    Raises:
+        BenchError: as :func:`problems.joint.simulate`.
+    """
+    path = cache_folder() / f"joint-{_address(gap, joint)}.npz"
     stored = _read(path)
     if stored is None:
-        simulation = simulate(half_gap=gap)
+        simulation = simulate(joint, half_gap=gap, duration=max(4.8, 2 * joint.turn))
         stored = {"time": simulation.time, "speed": simulation.speed, "peak": np.array([simulation.peak])}
         _write(path, stored)
     return Dataset(stored["time"], stored["speed"], float(stored["peak"][0]), gap)
@@ -64,12 +71,14 @@ def simulated(gap: float) -> Dataset:
 
 @cache
 def _sources() -> str:
-    folder = Path(joint.__file__).parent
-    return hashlib.sha256(b"".join(path.read_bytes() for path in sorted(folder.glob("*.py")))).hexdigest()
+    """Return a hash of the modules that decide a signal, this one for the arguments it simulates with."""
+    files = (Path(__file__), *(Path(str(module.__file__)) for module in (joint_parameters, joint_simulator)))
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 
-def _address(gap: float) -> str:
-    content = json.dumps({"joint": asdict(Joint()), "half_gap": gap, "sources": _sources()}, sort_keys=True)
+def _address(gap: float, joint: Joint) -> str:
+    parameters = {name: float(value) for name, value in asdict(joint).items()}
+    content = json.dumps({"joint": parameters, "half_gap": gap, "sources": _sources()}, sort_keys=True)
     return hashlib.sha256(content.encode()).hexdigest()[:24]
 
 

@@ -61,11 +61,13 @@ class Folded(NamedTuple):
     shift: int
 
 
-def fold(signal: Floats, *, start: float, dt: float, period: float, turns: int) -> Folded:
+def fold(signal: Floats, *, start: float, dt: float, period: float, replicas: int) -> Folded:
     """Return the folded sums of a recording whose (N,) samples start at ``start`` s and lie ``dt`` s apart."""
-    n, replicas = len(signal), 2 * turns
+    n = len(signal)
     exact = period / 2 / dt
     shift = round(exact) if abs(exact - round(exact)) * dt * replicas < EDGE else 0
+    if replicas == 1:  # nothing to overlap with
+        shift = n
     f, g, terms = np.zeros(n), np.zeros(n), np.zeros(n)
     for k in range(replicas if shift else 0):
         if (length := n - k * shift) <= 0:
@@ -80,8 +82,8 @@ def fold(signal: Floats, *, start: float, dt: float, period: float, turns: int) 
         terms,
         float(signal.sum()),
         float((signal**2).sum()),
-        start,
-        dt,
+        float(start),  # a whole number would compile every kernel anew
+        float(dt),
         period / 2,
         replicas,
         shift,

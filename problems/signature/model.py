@@ -12,6 +12,9 @@ Floats = NDArray[np.float64]
 VARIABLES = ("A", "t0", "tau", "omega", "v_t", "T1", "T2")
 A, T0, TAU, OMEGA, V_T, T1, T2 = range(7)
 
+USUAL_TAU = 15.0
+"""1/s; what the signature's damping is on the thesis's test bench."""
+
 EDGE = 1e-9
 """s; a sample this near to an end of a window lies on that end, hence outside: the window is open on both sides."""
 
@@ -32,26 +35,37 @@ def oscillation(u: Floats, x: Floats) -> Floats:
     return wave
 
 
-def signature(t: Floats, x: Floats, *, period: float, turns: int) -> Floats:
+def signature(t: Floats, x: Floats, *, period: float, replicas: int) -> Floats:
     """Return the signature h(t) plus the speed offset v_t, shaped like ``t`` (eqs. 3.5-3.7).
+
+    The oscillations of f(t), (eq. 3.6), and of its n repetitions, (eq. 3.7), are one sequence: T_d = T_f / 2 apart, of
+    alternating sign.
 
     Args:
         t: (N,) times in s.
         x: (7,) the variables A, t0, tau, omega, v_t, T1, T2; A and v_t in the unit of the speed, the rest in s, 1/s
             and rad/s.
         period: T_f in s, the time of one load turn; T_d is half of it.
-        turns: n, the number of load turns the signature spans.
+        replicas: the number of oscillations: 2 n for n load turns, 1 for a single one.
     """
     h = np.full_like(t, x[V_T])
-    for turn in range(turns):
-        u = t - x[T0] - turn * period
-        h += oscillation(u, x) - oscillation(u - period / 2, x)  # f(t), (eq. 3.6); the sum over turns, (eq. 3.7)
+    for k in range(replicas):
+        h += (-1.0) ** k * oscillation(t - x[T0] - k * period / 2, x)
     return h
 
 
-def rmse(speed: Floats, t: Floats, x: Floats, *, period: float, turns: int) -> float:
+def rmse(speed: Floats, t: Floats, x: Floats, *, period: float, replicas: int) -> float:
     """Return the root-mean-square error between a speed signal and the signature (section 5.3.1), in its unit."""
-    return float(np.sqrt(np.mean((speed - signature(t, x, period=period, turns=turns)) ** 2)))
+    return float(np.sqrt(np.mean((speed - signature(t, x, period=period, replicas=replicas)) ** 2)))
+
+
+def strength(x: Floats) -> float:
+    """Return how strong the oscillation of a (7,) point is, in the unit of A.
+
+    The energy of a damped oscillation is A^2 / (4 tau), so its root is known from all of its samples, where A is its
+    amplitude at one moment, and trades with tau and T1. Scaled so that it is |A| where tau is 15 1/s, as on the bench.
+    """
+    return float(abs(x[A]) * np.sqrt(USUAL_TAU / x[TAU]))
 
 
 def box(t: Floats, speed: Floats, *, period: float, amplitude_factor: float) -> tuple[Floats, Floats]:

@@ -7,27 +7,28 @@ from hypothesis import strategies as st
 
 from problems.signature import kernel, model
 
-CASES = {  # sampling period, samples, T_f, turns, time of the first sample
-    "the published recordings": (0.002, 2401, 0.4, 12, 0.0),
-    "the physical bench": (0.002, 2401, 0.408, 12, 0.0),
-    "T_d between two samples": (0.002, 2401, 0.401, 12, 0.0),
-    "T_d of 117.6 samples, a late start": (0.0017, 1800, 0.4, 12, 0.3),
-    "more turns than the recording holds": (0.002, 900, 0.4, 12, 0.0),
-    "fewer turns than the recording holds": (0.002, 2401, 0.4, 3, -1.0),
-    "slow turns, fast sampling": (0.0005, 3000, 1.0, 2, 0.0),
-    "turns faster than the box's T1 and T2": (0.002, 1000, 0.1, 9, 0.0),
+CASES = {  # sampling period, samples, T_f, oscillations, time of the first sample
+    "the published recordings": (0.002, 2401, 0.4, 24, 0.0),
+    "the physical bench": (0.002, 2401, 0.408, 24, 0.0),
+    "T_d between two samples": (0.002, 2401, 0.401, 24, 0.0),
+    "T_d of 117.6 samples, a late start": (0.0017, 1800, 0.4, 24, 0.3),
+    "more turns than the recording holds": (0.002, 900, 0.4, 24, 0.0),
+    "fewer turns than the recording holds": (0.002, 2401, 0.4, 6, -1.0),
+    "slow turns, fast sampling": (0.0005, 3000, 1.0, 4, 0.0),
+    "turns faster than the box's T1 and T2": (0.002, 1000, 0.1, 18, 0.0),
+    "a single oscillation": (0.002, 560, 0.4, 1, 18.99),
 }
 
 
 def case(name, seed=0):
-    dt, n, period, turns, start = CASES[name]
+    dt, n, period, replicas, start = CASES[name]
     rng = np.random.default_rng(seed)
     t = start + dt * np.arange(n)
     speed = np.sin(50 * t) + rng.normal(size=n)
     speed -= speed.mean()
     lower, upper = model.box(t, speed, period=period, amplitude_factor=1.3)
-    folded = kernel.fold(speed, start=start, dt=dt, period=period, turns=turns)
-    return t, speed, lower, upper, folded, {"period": period, "turns": turns}
+    folded = kernel.fold(speed, start=start, dt=dt, period=period, replicas=replicas)
+    return t, speed, lower, upper, folded, {"period": period, "replicas": replicas}
 
 
 def literal(points, t, speed, train):
@@ -135,6 +136,6 @@ def test_the_oscillation_is_that_of_eq_3_5():
 def test_one_turn_holds_two_opposite_oscillations():
     t = np.arange(2401) * 0.002
     x = np.array([1.0, 0.1, 15.0, 134.0, 0.25, 0.0, 0.2])
-    h = model.signature(t, x, period=0.4, turns=12) - 0.25
+    h = model.signature(t, x, period=0.4, replicas=24) - 0.25
     np.testing.assert_allclose(h[150:249], -h[250:349], atol=1e-13)
     np.testing.assert_allclose(h[60:2000], h[260:2200], atol=1e-12)

@@ -1,0 +1,267 @@
+"""The reference fit: the best signature of a recording, found by exhausting the search space instead of sampling it.
+
+For a window and a pair (tau, omega) the best fit is solved for (:mod:`problems.signature.projection`). Over those
+four, the window's first and last sample, tau and omega, the folded sums of :mod:`problems.signature.kernel` make a
+whole grid affordable:
+
+1. *scan*: every start, every length, 6 values of tau and 79 of omega. A main lobe of the spectrum of a window of at
+   most 0.2 s is at least 10 Hz wide and the grid has a line each 0.5 Hz; two neighbours in tau differ by a factor of
+   1.4. So between two lines no more than 2 % of the explained energy is missed. A start is passed over only where no
+   waveform whatever, repeated from there, could explain as much.
+2. *polish*: every pair of start and omega within 3 % of the best is refined by compass search over (tau, omega), all
+   lengths at each point.
+3. *settle*: the ends of the window become times. Where T_d is no whole number of samples (the scan then interpolates)
+   or windows may overlap, they are refined on the signal itself; there alone the result is no more than the best of
+   many searches.
+
+Nothing here is random. It is no optimizer plug-in: those see the objective alone, and this sees the formula.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from problems.signature.kernel import Folded
+from problems.signature.model import EDGE, OMEGA, T0, T1, TAU
+from problems.signature.projection import (
+    CLEARANCE,
+    SINGULAR,
+    Limits,
+    Sums,
+    explained,
+    fold_sums,
+    largest_phase,
+    largest_t1,
+    limits,
+    profile,
+    solve_cell,
+)
+
+Floats = NDArray[np.float64]
+
+TAUS, OMEGAS = 6, 79
+"""Lines of the scan's grid."""
+
+MARGIN = 0.03
+"""Pairs whose share of the explained energy is this near to the best one's are polished."""
+
+POLISHED, SETTLED = 400, 12
+"""At most so many pairs are polished, and settled."""
+
+ROUGH, FINEST = 1e-3, 1e-7
+"""Where a compass search ends, in units of its first steps: that of all pairs, and that of the best."""
+
+ROUNDS = 60
+"""The last search, on the signal itself, takes so many rounds of eight points."""
+
+ROUNDING = 1e-13
+"""A relative gain below this is none."""
+
+NEAR, NEAR_ENOUGH = 2, 1e-3
+"""A fit near another looks this many samples to both sides, and ends its compass search sooner."""
+
+
+def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool) -> Floats:
+    """Return the (7,) point of the lowest RMSE of a recording.
+
+    Args:
+        recording: the signal about its mean and its folded sums.
+        lower: (7,) lower bounds.
+        upper: (7,) upper bounds.
+        constrained: under the constraints of section 7.2.2 as well.
+    """
+    limit = limits(recording, lower, upper, constrained=constrained)
+    length = _longest(recording, limit)
+    sums = fold_sums(recording, length)
+    taus, omegas = np.geomspace(*limit.tau, TAUS), np.linspace(*limit.omega, OMEGAS)
+    ceiling = _ceiling(sums, length)
+    grid = np.zeros((sums.n, OMEGAS, 2))
+    for base in range(1, limit.last + 1, 2 * length):
+        count = min(2 * length, limit.last + 1 - base)
+        if (ceiling[base : base + count] > grid[..., 0].max()).any():
+            grid[base : base + count] = _scan(base, count, taus, omegas, sums, limit, length)
+    energy = grid[..., 0]
+    near = np.argwhere(energy >= (1 - MARGIN) * energy.max())
+    near = near[np.argsort(-energy[tuple(near.T)], kind="stable")][:POLISHED]
+    steps = np.array([1.0, (omegas[1] - omegas[0]) / 2])
+    windows = [
+        _polish(np.array([grid[start, column, 1], omegas[column]]), steps, start, sums, limit, length, ROUGH)
+        for start, column in near
+    ]
+    windows = sorted(windows, key=lambda each: -each.energy)[:SETTLED]
+    windows = [
+        _polish(np.array([each.tau, each.omega]), 10 * ROUGH * steps, each.start, sums, limit, length, FINEST)
+        for each in windows
+    ]
+    searched = not recording.shift or limit.t2 > recording.delay
+    settled = [_settle(each, recording, sums, limit, searched=searched) for each in windows]
+    return np.clip(max(settled, key=lambda each: each[0])[1], lower, upper)
+
+
+def fit_near(recording: Folded, lower: Floats, upper: Floats, near: Floats, *, constrained: bool) -> Floats:
+    """Return the (7,) point of the lowest RMSE near another's, as a slightly changed signal has it; in milliseconds.
+
+    The window may begin two samples earlier or later, and tau and omega climb from where they are.
+    """
+    limit = limits(recording, lower, upper, constrained=constrained)
+    length = _longest(recording, limit)
+    sums = fold_sums(recording, length)
+    first = math.floor((near[T0] - recording.start + near[T1] + EDGE) / recording.dt) + 1
+    starts = range(max(first - NEAR, 1), min(first + NEAR, limit.last) + 1)
+    at, steps = near[[TAU, OMEGA]], np.array([1.0, 2.0])
+    windows = [_polish(at, steps, start, sums, limit, length, NEAR_ENOUGH) for start in starts]
+    best = max(windows, key=lambda each: each.energy)
+    return np.clip(_settle(best, recording, sums, limit, searched=False)[1], lower, upper)
+
+
+def _longest(recording: Folded, limit: Limits) -> int:
+    """Return the samples of the longest window that does not overlap the next."""
+    longest = math.floor(recording.delay / recording.dt + EDGE) if recording.replicas > 1 else len(recording.signal)
+    return min(math.ceil(limit.t2 / recording.dt), longest)
+
+
+class Window(NamedTuple):
+    """The best of a scan or a polish: the energy explained, tau, omega, the first sample, the number of samples."""
+
+    energy: float
+    tau: float
+    omega: float
+    start: int
+    samples: int
+    sine: float
+    cosine: float
+
+
+def _ceiling(sums: Sums, length: int) -> Floats:
+    """Return for each start (N,) the energy that the best of all waveforms of that many samples would explain."""
+
+    def window(values: Floats) -> Floats:
+        total = np.concatenate([[0.0], np.cumsum(values)])
+        reached: Floats = total[length : sums.n + length] - total[: sums.n]
+        return reached
+
+    terms = np.maximum(sums.terms, 1.0)
+    ff, fg, gg = window(sums.f**2 / terms), window(sums.f * sums.g / terms), window(sums.g**2 / terms)
+    ceiling: Floats = ff + (sums.s1 - fg) ** 2 / np.maximum(sums.n - gg, 1e-9 * sums.n)
+    return ceiling
+
+
+@njit(cache=True, error_model="numpy")
+def _scan(base: int, count: int, taus: Floats, omegas: Floats, sums: Sums, limit: Limits, length: int) -> Floats:
+    """Return (count, omegas, 2): the most energy that a window from each start explains over tau and length, and tau.
+
+    Starts ``base`` and up are the inner loop, where it vectorises; a cell's phase is looked at only where the best of
+    all phases would be a new best.
+    """
+    n, s1 = sums.n, sums.s1
+    best = np.zeros((count, len(omegas), 2))
+    cell = np.empty(7)
+    free = np.empty(count)
+    for w in range(len(omegas)):
+        for tau in taus:
+            q = math.exp(-tau * sums.dt)
+            re, im, q_re, q_im = 1.0, 0.0, q * math.cos(omegas[w] * sums.dt), q * math.sin(omegas[w] * sums.dt)
+            m_ss, m_sc, m_cc = np.zeros(count), np.zeros(count), np.zeros(count)
+            m_gs, m_gc, m_fs, m_fc = np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count)
+            for j in range(min(length, limit.last - base + 1)):
+                f, g, terms = sums.f[base + j :], sums.g[base + j :], sums.terms[base + j :]
+                for k in range(np.uintp(count)):
+                    m_ss[k] += terms[k] * (im * im)
+                    m_sc[k] += terms[k] * (im * re)
+                    m_cc[k] += terms[k] * (re * re)
+                    m_gs[k] += g[k] * im
+                    m_gc[k] += g[k] * re
+                    m_fs[k] += f[k] * im
+                    m_fc[k] += f[k] * re
+                    gs, gc = m_gs[k] / n, m_gc[k] / n
+                    ss, sc, cc = m_ss[k] - m_gs[k] * gs, m_sc[k] - m_gs[k] * gc, m_cc[k] - m_gc[k] * gc
+                    s, c = m_fs[k] - gs * s1, m_fc[k] - gc * s1
+                    det = ss * cc - sc * sc
+                    free[k] = (cc * s * s - 2 * sc * s * c + ss * c * c) / det if det > SINGULAR * ss * cc else np.inf
+                for k in range(min(count, limit.last + 1 - base - j)):
+                    if free[k] > best[k, w, 0]:
+                        phase = largest_phase(omegas[w], base + k, j, sums, limit)
+                        if phase > 0.0:
+                            cell[:] = m_ss[k], m_sc[k], m_cc[k], m_gs[k], m_gc[k], m_fs[k], m_fc[k]
+                            energy = solve_cell(cell, sums, phase, limit.reach, best[k, w, 0])[0]
+                            if energy > best[k, w, 0]:
+                                best[k, w, 0], best[k, w, 1] = energy, tau
+                re, im = re * q_re - im * q_im, re * q_im + im * q_re
+    return best
+
+
+@njit(cache=True, error_model="numpy")
+def _search(at: Floats, steps: Floats, start: int, sums: Sums, limit: Limits, length: int, finest: float) -> Floats:
+    """Return the (2,) tau and omega of a local maximum, by compass search from ``at``, diagonals included."""
+    low, high = (limit.tau[0], limit.omega[0]), (limit.tau[1], limit.omega[1])
+    best = profile(at[0], at[1], start, sums, limit, length)[0]
+    at, step, scale = at.copy(), steps.copy(), 1.0
+    while scale > finest:
+        centre, moved = at.copy(), False
+        for turn in range(9):
+            tau = min(max(centre[0] + (turn // 3 - 1) * scale * step[0], low[0]), high[0])
+            omega = min(max(centre[1] + (turn % 3 - 1) * scale * step[1], low[1]), high[1])
+            energy = profile(tau, omega, start, sums, limit, length)[0]
+            if energy > best:
+                best, at[0], at[1], moved = energy, tau, omega, True
+        if not moved:
+            scale /= 2
+        elif scale < 1:
+            scale *= 2  # along a narrow ridge steps would else stay as short as they once had to be
+    return at
+
+
+def _polish(at: Floats, steps: Floats, start: int, sums: Sums, limit: Limits, length: int, finest: float) -> Window:
+    tau, omega = _search(at, steps, start, sums, limit, length, finest)
+    energy, samples, sine, cosine = profile(tau, omega, start, sums, limit, length)
+    return Window(energy, tau, omega, int(start), samples, sine, cosine)
+
+
+def _settle(window: Window, recording: Folded, sums: Sums, limit: Limits, *, searched: bool) -> tuple[float, Floats]:
+    """Return a window with its ends as times, refined on the signal itself.
+
+    Any begin between two samples, and any end, is the same fit; the middle of what is allowed is taken.
+    """
+    dt, omega = sums.dt, window.omega
+    since = math.atan2(window.cosine, window.sine) % math.pi / omega  # of the first sample since t0
+    start, samples = window.start, window.samples
+    if since < CLEARANCE:  # the first sample is at t0, where the oscillation is 0, and may as well be outside
+        since, start, samples = since + dt, start + 1, samples - 1
+    latest = min(since - CLEARANCE, largest_t1(omega, limit))
+    growth = math.log(max(limit.reach / math.hypot(window.sine, window.cosine), 1.0)) / window.tau  # A's own bound
+    t1 = (max(since - min(dt, growth), 0.0) + latest) / 2
+    last = since + (samples - 1) * dt
+    t2 = (last + min(last + dt, limit.t2)) / 2
+    first = recording.start + start * dt
+    at = np.array([window.tau, omega, first - since + t1, first - since + t2])
+    if searched:
+        at = _refine(at, np.array([1.0, 1.0, dt, dt]), recording, limit)
+    energy, sine, cosine, offset = explained(at, recording, limit)
+    angle, size = math.atan2(cosine, sine), math.hypot(sine, cosine)
+    phase, a = (angle, size) if angle >= 0.0 else (angle + math.pi, -size)
+    t1, t0 = phase / at[1], at[2] - phase / at[1]
+    return energy, np.array([a, t0, at[0], at[1], offset, t1, at[3] - t0])
+
+
+@njit(cache=True, error_model="numpy")
+def _refine(at: Floats, steps: Floats, recording: Folded, limit: Limits) -> Floats:
+    """Return the (4,) tau, omega, begin and end of a local maximum, by compass search from ``at``."""
+    low, high = (limit.tau[0], limit.omega[0]), (limit.tau[1], limit.omega[1])
+    best, scale = explained(at, recording, limit)[0], 1.0
+    for _ in range(ROUNDS):
+        moved = False
+        for turn in range(8):
+            trial = at.copy()
+            trial[turn // 2] += (2 * (turn % 2) - 1) * scale * steps[turn // 2]
+            trial[0], trial[1] = min(max(trial[0], low[0]), high[0]), min(max(trial[1], low[1]), high[1])
+            energy = explained(trial, recording, limit)[0]
+            if energy > best * (1 + ROUNDING):
+                best, at, moved = energy, trial, True
+        if not moved:
+            scale /= 2
+    return at
