@@ -27,6 +27,7 @@ CHECKS = "checks.json"
 VERIFICATION = "verification.json"
 RUNNING = ".running.json"
 
+_TOLD = {DATA: ("data of problem", "data sets"), CODE: ("code of optimizer", "versions")}
 _REMOVED = dict.fromkeys((DATA, CODE), ": the store, too, notes what its trials were made with")
 _CLOCKS = 2.0  # seconds by which two ways of telling the time of one moment may differ
 
@@ -103,7 +104,7 @@ class Folder:
         Raises:
             BenchError: when a problem's data is not what the folder's trials were made with.
         """
-        self._check(DATA, fingerprints, "data of problem", "data sets")
+        self._check(DATA, fingerprints)
 
     def check_code(self, fingerprints: dict[str, str]) -> None:
         """Note the fingerprints of optimizers that come from a file, by label, and refuse an edited one.
@@ -112,7 +113,7 @@ class Folder:
             BenchError: when an optimizer's code is not what the folder's trials were made with.
         """
         if known := {label: fingerprint for label, fingerprint in fingerprints.items() if fingerprint}:
-            self._check(CODE, known, "code of optimizer", "versions")
+            self._check(CODE, known)
 
     def refuse_changes(self, data: dict[str, str], code: dict[str, str]) -> None:
         """Refuse data and code that are not what the folder's trials were made with, as a run does, and note nothing.
@@ -120,15 +121,15 @@ class Folder:
         Raises:
             BenchError: for a problem or an optimizer that changed.
         """
-        self._refuse(DATA, data, "data of problem", "data sets")
-        self._refuse(CODE, code, "code of optimizer", "versions")
+        self._refuse(DATA, data)
+        self._refuse(CODE, code)
 
-    def _check(self, file: str, fingerprints: dict[str, str], what: str, kinds: str) -> None:
-        before = self._refuse(file, fingerprints, what, kinds)
+    def _check(self, file: str, fingerprints: dict[str, str]) -> None:
+        before = self._refuse(file, fingerprints)
         self._write(file, json.dumps(before | fingerprints, indent=1))
 
-    def _refuse(self, file: str, fingerprints: dict[str, str], what: str, kinds: str) -> dict[str, Any]:
-        before = self._fingerprints(file)
+    def _refuse(self, file: str, fingerprints: dict[str, str]) -> dict[str, Any]:
+        before, (what, kinds) = self._fingerprints(file), _TOLD[file]
         for label, fingerprint in fingerprints.items():
             if before.get(label, fingerprint) != fingerprint:
                 raise BenchError(

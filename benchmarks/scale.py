@@ -48,29 +48,32 @@ def measure(folder: Path, trials: int) -> None:
     folder.parent.mkdir(parents=True, exist_ok=True)
     path = folder.with_suffix(".toml")
     path.write_text(STUDY.format(trials=trials, problems=problems, optimizers=optimizers))
-    wall, held = run([sys.executable, "-m", "bench", "run", str(path), "--output", str(folder), "--no-report"])
+    wall, held, cpu = run([sys.executable, "-m", "bench", "run", str(path), "--output", str(folder), "--no-report"])
     total, jobs = trials * CELLS, psutil.cpu_count()
     tenths = [max(held[index * len(held) // 10 : (index + 1) * len(held) // 10]) for index in range(10)]
     print(f"{total:,} trials in {wall:.0f} s with {jobs} jobs: {1e3 * wall / total:.3f} ms a trial")
+    print(f"of them {1e3 * cpu / total:.3f} ms of the parent's processor")
     print("parent's memory in each tenth of the run (MB): " + ", ".join(f"{each / 1e6:.0f}" for each in tenths))
     size = sum(each.stat().st_size for each in folder.glob("trials.sqlite*"))
     print(f"store: {size / 1e6:.0f} MB, {size / total:.0f} bytes a trial")
     for command in (["status", str(folder)], ["run", str(path), "--output", str(folder), "--dry-run"]):
-        wall, held = run([sys.executable, "-m", "bench", *command])
+        wall, held, _ = run([sys.executable, "-m", "bench", *command])
         print(f"bench {command[0]}{' --dry-run' if len(command) > 2 else ''}: {wall:.1f} s, {max(held) / 1e6:.0f} MB")
     code = f"import bench; frame = bench.load_results({str(folder)!r}); assert len(frame) == {total}"
-    wall, held = run([sys.executable, "-c", code])
+    wall, held, _ = run([sys.executable, "-c", code])
     print(f"the tidy frame: {wall:.1f} s, {max(held) / 1e6:.0f} MB")
 
 
-def run(command: list[str]) -> tuple[float, list[int]]:
-    """Return the wall seconds of a command, and its resident memory in bytes, ten times a second."""
-    started = perf_counter()
+def run(command: list[str]) -> tuple[float, list[int], float]:
+    """Return a command's wall seconds, its resident memory in bytes, ten times a second, and its processor seconds."""
+    started, cpu = perf_counter(), 0.0
     process = psutil.Popen(command, stdout=subprocess.DEVNULL)
     held, spoken = [], monotonic()
     while process.poll() is None:
         try:
             held.append(process.memory_info().rss)
+            times = process.cpu_times()
+            cpu = times.user + times.system
         except psutil.Error:
             break
         if monotonic() - spoken > 60:
@@ -79,7 +82,7 @@ def run(command: list[str]) -> tuple[float, list[int]]:
         sleep(0.1)
     if process.wait():
         raise SystemExit(f"{' '.join(command)} failed")
-    return perf_counter() - started, held
+    return perf_counter() - started, held, cpu
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Statistics of a study: pure functions from the tidy frame (:func:`bench.load_results`) to tables; no plotting.
 
 Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`compact_letters`,
-:func:`comparison_matrix`, :func:`ranking`. Across problems: :func:`medians`, :func:`friedman`,
+:func:`comparison_matrix`, :func:`ranking`, :func:`regret`. Across problems: :func:`medians`, :func:`friedman`,
 :func:`wilcoxon_tests`, :func:`nemenyi`, :func:`probability_of_improvement`, :func:`interquartile_mean`. Over the
 evaluations: :func:`convergence`, :func:`targets`, :func:`hitting_times`, :func:`expected_running_time`, :func:`ecdf`,
 :func:`data_profiles`, :func:`success_rates`. And :func:`timing`, :func:`power_table`, :func:`integrity`.
@@ -35,6 +35,7 @@ from bench.analysis.cells import (
     in_study_order,
     labels,
     references,
+    regret,
     scores,
     stopped_early,
     summarise,
@@ -109,6 +110,7 @@ __all__ = [
     "probability_of_improvement",
     "ranking",
     "references",
+    "regret",
     "relative_medians",
     "scores",
     "stopped_early",

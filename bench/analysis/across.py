@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import f, friedmanchisquare, rankdata, studentized_range
 
-from bench.analysis.cells import merge_near_ties
+from bench.analysis.cells import NEAR, merge_near_ties
 from bench.analysis.pairwise import ALPHA, holm
 from bench.problem import Floats
 
@@ -66,13 +66,15 @@ def relative_medians(medians: pd.DataFrame, optima: Mapping[str, float] | None =
     A signed-rank test ranks differences across problems, so an error ten times as large must mean the same on each.
     One scale holds for all problems, the first that all of them allow:
 
-    - "log10 error": log10(median - optimum), where every problem's optimum is known and lies below every median;
+    - "log10 error": log10(median - optimum), where every problem's optimum is known and lies below every median by
+      more than rounding;
     - "log10 median": where all medians are positive;
     - "share of range": (median - lowest) / (highest - lowest) over the finite medians of a problem.
     """
     if optima is not None and all(problem in optima for problem in medians.index):
-        error = medians.sub(pd.Series({problem: optima[problem] for problem in medians.index}, dtype=float), axis=0)
-        if (error > 0).all(axis=None):
+        optimum = pd.Series({problem: optima[problem] for problem in medians.index}, dtype=float)
+        error = medians.sub(optimum, axis=0)
+        if error.gt(NEAR * optimum.abs(), axis=0).all(axis=None):
             return error.apply(np.log10), "log10 error"
     if (medians > 0).all(axis=None):
         return medians.apply(np.log10), "log10 median"

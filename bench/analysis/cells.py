@@ -5,7 +5,7 @@ A failed or non-finite trial scores +inf: it is the worst that can happen, and l
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -117,6 +117,23 @@ def references(lowest: Mapping[str, float], optima: Mapping[str, float] | None =
         optima: the best known objective value, by problem, where one is known.
     """
     return {problem: _reference(found, (optima or {}).get(problem, np.inf)) for problem, found in lowest.items()}
+
+
+def regret(table: pd.DataFrame, optima: Mapping[str, float], columns: Sequence[str]) -> pd.DataFrame:
+    """Return the rows of the problems of ``optima``, with ``columns`` counted from their optimum.
+
+    A difference within rounding (a near-tie) becomes 0. What holds of the values holds of their regret: the median
+    regret of trials is the regret of their median.
+
+    Args:
+        table: a frame with a column problem, such as that of :func:`summarise`.
+        optima: the known optimum of each problem that has one.
+        columns: those that hold objective values.
+    """
+    own = table[table["problem"].isin(optima)]
+    optimum = own["problem"].astype(object).map(optima).astype(float)
+    above = own[list(columns)].sub(optimum, axis=0)
+    return own.assign(**above.mask(above.abs().le(NEAR * optimum.abs(), axis=0), 0.0))
 
 
 def coverage(frame: pd.DataFrame, planned: int) -> pd.DataFrame:

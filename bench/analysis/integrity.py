@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from bench.analysis.cells import Traces, coverage, scores, stopped_early, variables
 from bench.analysis.timing import CONTENTION, HIDDEN_THREADS, timing
+from bench.analysis.traits import TRAITS, percent
 from bench.objective import Trace
 from bench.problem import Floats
 
@@ -208,8 +209,8 @@ def _undeclared_stops(evidence: Evidence) -> Finding:
         evidence.finished,
         early & ~stopped_early(evidence.finished).to_numpy(),
         "warning",
-        f"left more than {_percent(UNUSED)} of the budget unused without a declared reason",
-        well=f"Every trial used at least {_percent(1 - UNUSED)} of its budget or declared why it stopped.",
+        f"left more than {percent(UNUSED)} of the budget unused without a declared reason",
+        well=f"Every trial used at least {percent(1 - UNUSED)} of its budget or declared why it stopped.",
     )
 
 
@@ -264,9 +265,9 @@ def _ceiling(evidence: Evidence) -> Finding:
         finals,
         (share < UNIQUE).to_numpy(),
         "warning",
-        f"belong to cells where fewer than {_percent(UNIQUE)} of the final values differ by more than rounding",
+        f"belong to cells where fewer than {percent(UNIQUE)} of the final values differ by more than rounding",
         "Trials that meet a ceiling cannot be told apart.",
-        well=f"In every cell at least {_percent(UNIQUE)} of the final values differ.",
+        well=f"In every cell at least {percent(UNIQUE)} of the final values differ.",
     )
 
 
@@ -302,10 +303,10 @@ def _clamping(evidence: Evidence) -> Finding:
     unknown = sorted(set(evidence.finished["problem"]) - set(evidence.boxes))
     rest = f" The box is not known of {_few(unknown)}." if unknown else ""
     if high.empty:
-        text = f"At most {_percent(share.max())} of an optimizer’s final coordinates lie on a bound of the box.{rest}"
+        text = f"At most {percent(share.max())} of an optimizer’s final coordinates lie on a bound of the box.{rest}"
         return Finding("pass", text)
     worst = {name: _shares(each[each > 0].nlargest(2)) for name, each in by_optimizer.mean().T.items()}
-    named = [f"{name} {_percent(value)} ({worst[name]})" for name, value in high.items()]
+    named = [f"{name} {percent(value)} ({worst[name]})" for name, value in high.items()]
     clamped = evidence.finished["optimizer"].isin(high.index) & (on_bound.sum(axis=1) > 0)
     return Finding(
         "warning",
@@ -386,46 +387,6 @@ def _disturbed(evidence: Evidence, flag: str, trouble: str, *, well: str) -> Fin
     return Finding("warning", f"{trouble}; wall/CPU: {_few(ratios)}.") if ratios else Finding("pass", well)
 
 
-class Trait(NamedTuple):
-    """How a trait that ``bench check`` looks for is told: of those who have it, of its figures, and where none has it.
-
-    ``figure`` spells the figure that an optimizer was judged by.
-    """
-
-    trouble: str
-    meaning: str
-    figure: Callable[[float], str]
-    well: str
-
-
-TRAITS = {
-    "centre bias": Trait(  # Kudela 2022
-        "Errors are higher when the optimum is moved away from the centre of the box",
-        "Results on problems with a central optimum flatter these.",
-        lambda ratio: f"{ratio:.2g} times",
-        "does better where the optimum is at the centre",
-    ),
-    "structural bias": Trait(  # Kononova et al. 2015
-        "On pure noise, where no point is better than another, the best points are not uniform in the box",
-        "Results depend on where in the box the optimum lies.",
-        lambda p: f"p = {p:.1g}",
-        "favours a part of the box on pure noise",
-    ),
-    "boundary clamping": Trait(
-        "Best points have coordinates on a bound of the box where no optimum lies there",
-        "Results on problems with an optimum on a bound flatter these.",
-        lambda share: f"{_percent(share)} of them",
-        "is drawn to the bounds of the box",
-    ),
-    "starts and seeds": Trait(
-        "Runs start elsewhere than uniformly and independently in the box, or are the same with another seed",
-        "Trials may not be independent.",
-        lambda p: f"p = {p:.1g}",
-        "repeats a run with another seed or favours a part of the box at the start",
-    ),
-}
-
-
 def _trait(name: str, evidence: Evidence) -> Finding:
     """Say which optimizers have a trait that ``bench check`` looks for."""
     trait = TRAITS[name]
@@ -495,8 +456,4 @@ def _few(names: Sequence[str]) -> str:
 
 
 def _shares(shares: pd.Series[float]) -> str:
-    return _few([f"{name} {_percent(share)}" for name, share in shares.items()])
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.3g}%"
+    return _few([f"{name} {percent(share)}" for name, share in shares.items()])

@@ -58,7 +58,7 @@ def check(
             raise BenchError("--set is for an optimizer given by name; a study's optimizers have their own options")
         sys.exit(0 if check_folder(Path(name), console, jobs) else 1)
     checkup = check_optimizer(
-        name, bias=bias, n_jobs=jobs, on_check=lambda each: listing.show_verdict(name, each, console), **_pairs(option)
+        name, bias=bias, n_jobs=jobs, on_check=lambda each: listing.show_verdict(name, each, console), **pairs(option)
     )
     console.print(checkup.summary, markup=False, highlight=False, soft_wrap=True)
     if not checkup.conforms:
@@ -92,8 +92,8 @@ def solve(
     """Run one optimizer once on one problem and print what it found."""
     from bench.trial import solve as solve_once
 
-    loaded = plugins.load_problem(problem, **_pairs(problem_option))
-    chosen = plugins.load_optimizer(optimizer, **_pairs(option))
+    loaded = plugins.load_problem(problem, **pairs(problem_option))
+    chosen = plugins.load_optimizer(optimizer, **pairs(option))
     chosen.check_budget(budget, optimizer)
     try:
         result = solve_once(loaded, chosen, budget=budget, seed=seed)
@@ -105,7 +105,7 @@ def solve(
     listing.show_result(result, loaded, Console())
 
 
-def _pairs(items: list[str] | None) -> dict[str, Any]:
+def pairs(items: list[str] | None) -> dict[str, Any]:
     """Return KEY=VALUE texts as options; a value that is no TOML value is taken as a text."""
     options: dict[str, Any] = {}
     for item in items or []:

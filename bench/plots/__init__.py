@@ -10,7 +10,7 @@ Example:
 """
 
 from bench.plots import style
-from bench.plots.convergence import convergence
+from bench.plots.convergence import convergence, regret
 from bench.plots.distributions import box_plot
 from bench.plots.ranks import a12_forest, cd_diagram
 from bench.plots.targets import data_profile, ecdf, ert
@@ -24,6 +24,7 @@ __all__ = [
     "data_profile",
     "ecdf",
     "ert",
+    "regret",
     "style",
     "timing",
 ]

@@ -1,4 +1,4 @@
-"""Best-so-far values over evaluations."""
+"""Best-so-far values over evaluations, as they are and as regret."""
 
 from __future__ import annotations
 
@@ -28,22 +28,57 @@ def convergence(
     """
     ax = style.own_axes(ax)
     looks = style.looks_of(curves) if looks is None else looks
-    drawn = style.rows_of(curves, problem)
-    drawn = drawn[style.drawable(drawn["median"])]
-    for place, (optimizer, look) in enumerate(looks.items()):
-        own = drawn[drawn["optimizer"] == optimizer]
-        at, median, q1, q3 = own[["evaluations", "median", "q1", "q3"]].to_numpy(dtype=float).T
-        banded = style.drawable(q3)
-        ax.fill_between(at[banded], q1[banded], q3[banded], color=look.color, alpha=0.18, linewidth=0)
-        draw_curve(ax, at, median, look, place)
+    own = style.rows_of(curves, problem)
+    _quartiles(ax, own, looks)
     style.log_scale(ax, "x")
-    if style.is_wide(drawn["median"], ratio=3):
+    if style.is_wide(own["median"], ratio=3):
         style.log_scale(ax, "y")
     else:
         style.linear_scale(ax, "y")
+    return _named(ax, problem, "best value so far", looks, legend)
+
+
+def regret(
+    curves: pd.DataFrame, problem: str, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Draw the median regret of each optimizer on a problem over evaluations, its quartiles as a band, on log axes.
+
+    A curve ends where the median is at the optimum, which has no place on a log axis, and a band there goes on to the
+    lowest value drawn.
+
+    Args:
+        curves: those of :func:`convergence`, counted from the optimum (:func:`bench.analysis.regret`).
+        problem: whose curves.
+        looks: the look of each optimizer; by default by its place in ``curves``.
+        legend: whether to name the optimizers beside the axes.
+        ax: where to draw; by default new axes.
+    """
+    ax = style.own_axes(ax)
+    looks = style.looks_of(curves) if looks is None else looks
+    own = style.rows_of(curves, problem)
+    positive = own[own["median"] > 0]
+    least = float(positive[["median", "q1"]].where(positive[["median", "q1"]] > 0).min().min())
+    _quartiles(ax, positive.assign(q1=positive["q1"].clip(lower=least)), looks)
+    style.log_scale(ax, "x")
+    style.log_scale(ax, "y")
+    return _named(ax, problem, "regret", looks, legend)
+
+
+def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:
+    """Draw a problem's curves with their bands, as far as an axis can show them."""
+    drawn = own[style.drawable(own["median"])]
+    for place, (optimizer, look) in enumerate(looks.items()):
+        one = drawn[drawn["optimizer"] == optimizer]
+        at, median, q1, q3 = one[["evaluations", "median", "q1", "q3"]].to_numpy(dtype=float).T
+        banded = style.drawable(q3)
+        ax.fill_between(at[banded], q1[banded], q3[banded], color=look.color, alpha=0.18, linewidth=0)
+        draw_curve(ax, at, median, look, place)
+
+
+def _named(ax: Axes, problem: str, values: str, looks: style.Looks, legend: bool) -> Axes:
     ax.set_title(style.plain(problem), loc="left")
     ax.set_xlabel(EVALUATIONS)
-    ax.set_ylabel("best value so far")
+    ax.set_ylabel(values)
     if legend:
         style.legend_beside(ax, looks)
     return ax

@@ -53,6 +53,13 @@ class Findings:
         return {label: each.optimum for label, each in self.known.items() if each.optimum is not None}
 
     @cached_property
+    def unbeaten(self) -> dict[str, float]:
+        """The known optima that no trial beat by more than rounding: what regret is counted from."""
+        lowest = self.summary.groupby("problem")["best"].min()
+        found = analysis.references({str(label): best for label, best in lowest.items()}, self.optima)
+        return {label: reference.value for label, reference in found.items() if reference.known}
+
+    @cached_property
     def trials(self) -> tuple[int, int]:
         """The fewest and the most trials of a cell, of those that have any; (0, 0) where none has."""
         stored = self.coverage.loc[self.coverage["stored"] > 0, "stored"]

@@ -10,10 +10,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from bench.analysis.cells import labels, scores
-from bench.plots import a12_forest, box_plot, cd_diagram, convergence, data_profile, ecdf, ert, style, timing
+from bench.analysis.cells import NEAR, labels, scores
+from bench.plots import a12_forest, box_plot, cd_diagram, convergence, data_profile, ecdf, ert, regret, style, timing
 from bench.plots.ranks import RANK_NAME, cd_height, forest_names
 from bench.report.parts import Figure
+from bench.report.words import listing
 
 SHOWN_ROWS = 300  # of the table behind a figure
 COLUMNS = 3  # panels beside each other
@@ -47,7 +48,9 @@ def distribution_figure(
         axes[place].set_title("", loc="left")
         if place % COLUMNS:
             axes[place].set_yticks([])
-    truth = "Lines: the true values; hatched: near enough to them. " if known else ""
+    lines = ["the optimum"] if optimum is not None else []
+    lines += ["the true values (hatched: near enough to them)"] if known else []
+    truth = f"Line{'s' if known else ''}: {listing(lines)}. " if lines else ""
     caption = (
         f"{problem}: every trial (points), with quartile boxes and whiskers to the furthest point within 1.5 box "
         f"lengths; the line in a box is the median. {truth}Failed trials are counted, not drawn."
@@ -75,6 +78,27 @@ def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figur
     )
     shown = _at_round_numbers(curves, ["problem", "evaluations"], "median", (1, 2, 5))
     return Figure("convergence", caption, figure, curves, shown)
+
+
+def regret_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
+    """Return the median regret over evaluations with its quartiles, a panel a problem whose optimum is known.
+
+    Args:
+        curves: of :func:`bench.analysis.convergence`, counted from the optimum (:func:`bench.analysis.regret`).
+        optimizers: all of the study's, in its order.
+    """
+    looks = style.looks(optimizers)
+    figure, axes = _multiples(
+        curves, looks, lambda problem, ax: regret(curves, problem, looks=looks, legend=False, ax=ax), across=0.46
+    )
+    for ax in axes:
+        style.span(ax, curves["evaluations"])
+    caption = (
+        "Median regret, the best-so-far objective value less the problem’s optimum, over evaluations, with the "
+        f"quartiles as a band (log axes). A curve ends where its median is at the optimum, to a relative {NEAR:g}."
+    )
+    shown = _at_round_numbers(curves, ["problem", "evaluations"], "median", (1, 2, 5))
+    return Figure("regret-curves", caption, figure, curves, shown)
 
 
 def ert_figure(table: pd.DataFrame, optimizers: Sequence[str]) -> Figure:

@@ -93,7 +93,7 @@ def test_simulate_writes_a_recording_that_can_be_fitted(bench, tmp_path):
         (["run", "quick", "--jobs", "x"], "valid integer"),
         (["run", "quick", "--backend", "nope"], "unknown backend 'nope'"),
         (["simulate", "a.csv", "--level", "21"], "20"),
-        (["simulate", "a.xlsx", "--level", "3"], "must end in .csv"),
+        (["simulate", "a.ods", "--level", "3"], "a.ods must end in .csv, .xlsx or .parquet"),
         (["solve", "signature-12", "gwo", "--seed", "-1"], "the seed must be a whole number of at least 0"),
         (["solve", "signature:03", "gwo"], "did you mean 'signature-03'?"),
         (["run", "thesys"], "unknown study 'thesys'; did you mean 'thesis'?"),

@@ -121,6 +121,7 @@ def every_figure(optimizers, problems=("p", "q")):
     return [
         report.distribution_figure(frame, problems[0], 0.5, {"speed_rpm": (101.0, 0.5)}),
         report.convergence_figure(curves(problems, optimizers), optimizers),
+        report.regret_figure(curves(problems, optimizers), optimizers),
         report.ert_figure(times(problems, optimizers), optimizers),
         report.ecdf_figure(fractions(optimizers), fractions(optimizers, "groups"), optimizers, tau=0.01),
         report.rank_figure(ranks, [list(ranks.index)], 1.5),
@@ -172,6 +173,7 @@ class TestEveryFigure:
     def test_frames_without_rows(self):
         empty = [
             report.convergence_figure(curves(["p"], ["a"]).iloc[:0], ["a"]),
+            report.regret_figure(curves(["p"], ["a"]).iloc[:0], ["a"]),
             report.ert_figure(times(["p"], ["a"]).iloc[:0], ["a"]),
             report.ecdf_figure(fractions(["a"]).iloc[:0], fractions(["a"]).iloc[:0], ["a"], tau=0.01),
             report.forest_figure(improvements(["a"])),
@@ -189,6 +191,7 @@ class TestEveryFigure:
         draw = [
             lambda ax: plots.box_plot(frame, "p", ax=ax),
             lambda ax: plots.convergence(curves(["p"], ["a"]), "p", ax=ax),
+            lambda ax: plots.regret(curves(["p"], ["a"]), "p", ax=ax),
             lambda ax: plots.ert(times(["p"], ["a"]), "p", ax=ax),
             lambda ax: plots.ecdf(fractions(["a"]), ax=ax),
             lambda ax: plots.data_profile(fractions(["a"], "groups"), ax=ax),
@@ -250,6 +253,18 @@ class TestBoxPlot:
         frame["problem"] = pd.Categorical(frame["problem"], ["p", "q"])  # known, also without a trial
         svg(report.distribution_figure(frame, "p", 0.0, {"speed_rpm": (1.0, 1e-9)}).figure)
 
+    @pytest.mark.parametrize(
+        ("optimum", "expected", "said"),
+        [
+            (0.5, {}, "Line: the optimum. "), (None, {}, "is the median. Failed"),
+            (None, {"speed_rpm": (101.0, 1.0)}, "Lines: the true values (hatched"),
+            (0.5, {"speed_rpm": (101.0, 1.0)}, "Lines: the optimum and the true values (hatched"),
+        ],
+    )  # fmt: skip
+    def test_the_caption_says_what_the_lines_are(self, optimum, expected, said):
+        frame = trials({("p", "a"): [1.0, 2.0]})
+        assert said in report.distribution_figure(frame, "p", optimum, expected).caption
+
     def test_a_panel_for_each_figure_whose_truth_is_known(self):
         frame = trials({("p", "a"): [1.0, 2.0]})
         wide = report.distribution_figure(frame, "p", None, {"speed_rpm": (1.0, 2.0), "unknown": (1.0, 1.0)})
@@ -270,6 +285,21 @@ class TestCurves:
         wide = curves(["p"], ["a"]).assign(median=np.geomspace(1, 100, len(GRID)))
         assert plots.convergence(wide, "p", ax=axes()).get_yscale() == "log"
         assert plots.convergence(wide.assign(median=-wide["median"]), "p", ax=axes()).get_yscale() == "linear"
+
+    def test_a_curve_of_regret_ends_at_the_optimum_and_its_band_at_what_is_drawn(self):
+        above = curves(["p"], ["a", "b"]).assign(median=[*np.geomspace(8, 1e-9, 5), 0.0, 0.0, *np.full(7, 2.0)])
+        above = above.assign(q1=0.0, q3=above["median"] + 1)
+        ax = plots.regret(above, "p", ax=axes())
+        assert [line.get_xdata().tolist() for line in ax.lines] == [GRID[:5].tolist(), GRID.tolist()]
+        assert ax.get_yscale() == "log"
+        assert 1e-11 < ax.get_ylim()[0] < 1e-9
+        assert ax.collections[0].get_datalim(ax.transData).y0 == pytest.approx(1e-9)
+        svg(ax.figure)
+
+    def test_regret_of_none_but_trials_at_the_optimum_has_axes_all_the_same(self):
+        ax = plots.regret(curves(["p"], ["a"]).assign(median=0.0, q1=0.0, q3=0.0), "p", ax=axes())
+        svg(ax.figure)
+        assert [len(line.get_xdata()) for line in ax.lines] == [0]
 
     def test_an_optimizer_looks_the_same_in_every_figure(self):
         every = report.convergence_figure(curves(["p"], ["b"]), ["a", "b"]).figure

@@ -13,11 +13,13 @@ from bench.analysis import (
     ecdf,
     evaluation_grid,
     expected_running_time,
+    fractions,
+    regret,
     table,
 )
 from bench.report.findings import Findings
-from bench.report.parts import Section, Table
-from bench.report.plots import convergence_figure, ecdf_figure, ert_figure
+from bench.report.parts import Part, Section, Table
+from bench.report.plots import convergence_figure, ecdf_figure, ert_figure, regret_figure
 from bench.report.words import count, shares
 
 TITLE = "Convergence and targets"
@@ -32,8 +34,10 @@ def section(findings: Findings) -> Section:
     grid = evaluation_grid(budget)
     groups = evaluation_grid(ceil(budget / (1 + min(findings.dimensions.values()))))
     profiles = data_profiles(hits, PROFILE, groups, findings.dimensions)
-    items = (
+    above = regret(findings.curves, findings.unbeaten, ("median", "q1", "q3"))
+    items: tuple[Part, ...] = (
         convergence_figure(findings.curves, findings.optimizers),
+        *([regret_figure(above, findings.optimizers)] if len(above) else []),
         ecdf_figure(ecdf(hits, grid), profiles, findings.optimizers, tau=PROFILE),
         ert_figure(expected_running_time(hits), findings.optimizers),
         _success(findings.success),
@@ -58,17 +62,22 @@ def _leaders(findings: Findings, budget: int) -> list[str]:
 
 def _ladder(targets: pd.DataFrame, problems: int) -> list[str]:
     known = targets.drop_duplicates("problem")["known"].astype(bool)
-    reference = (
-        "the known optimum"
+    deep, short = (f"{fractions(each)[-1]:g}" for each in (True, False))
+    reference, last = (
+        ("the known optimum", deep)
         if known.all()
-        else "the lowest value that any trial found (no optimum is known, or it was beaten)"
+        else ("the lowest value that any trial found (no optimum is known, or it was beaten)", short)
         if not known.any()
-        else "the known optimum, or the lowest value found where none is known or a trial found less"
+        else (
+            "the known optimum, or the lowest value found where none is known or a trial found less",
+            f"{deep} where the optimum is known, else to {short}",
+        )
     )
     meaning = (
         "A target is a share tau of the way left: the objective value f_L + tau (f_0 − f_L), where f_0 is the median "
-        f"of the trials’ first values and f_L is {reference} (Moré and Wild 2009). The expected running time (ERT) is "
-        "the evaluations of all trials over the number of successes; where no trial succeeds it is infinite."
+        f"of the trials’ first values and f_L is {reference} (Moré and Wild 2009). Targets fall from tau = 1 to "
+        f"{last}. The expected running time (ERT) is the evaluations of all trials over the number of successes; where "
+        "no trial succeeds it is infinite."
     )
     if len(known) == problems:
         return [meaning]

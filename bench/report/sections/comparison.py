@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from bench.analysis import ALPHA, comparison_matrix, table
+import pandas as pd
+
+from bench.analysis import ALPHA, NEAR, comparison_matrix, regret, table
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
-from bench.report.words import count, shares
+from bench.report.words import count, listing, shares
 
 TITLE = "Comparison"
+VALUES = ("mean", "median", "median_low", "median_high", "q1", "q3", "best", "worst")
 
 
 def section(findings: Findings) -> Section:
@@ -25,7 +28,6 @@ def section(findings: Findings) -> Section:
         )
         text = [lowest, *_means(findings), *_gaps(findings)]
     values = table(matrix, "value")
-    lost = findings.coverage.pivot(index="problem", columns="optimizer", values="failed") > 0
     shown = Table(
         "comparison",
         "Median of the best objective value over the trials of each cell (lower is better).",
@@ -33,14 +35,43 @@ def section(findings: Findings) -> Section:
         bold=best,
         italic=alike,
         marks=table(matrix, "letters"),
-        lost=lost.reindex(index=list(values.index), columns=list(values.columns)),
+        lost=_lost(findings, values),
         note=f"Bold: the lowest median of the row. Italics: an exact Kolmogorov-Smirnov test at {ALPHA:g} (raw p, as "
         "in thesis Table 7.2) cannot tell the result from the best one’s distribution. Letters: optimizers of a row "
         f"that share one are not separable at {ALPHA:g} after Holm’s adjustment. –: no trial; ∞: the median trial "
         "failed; in red with ✗: a cell with failed trials.",
         data=matrix,
     )
-    return Section(TITLE, tuple(text), (shown,))
+    regrets = regret(findings.summary, findings.unbeaten, VALUES)
+    if regrets.empty:
+        return Section(TITLE, tuple(text), (shown,))
+    return Section(TITLE, (*text, _at_optimum(table(regrets, "median"))), (shown, _regret(findings, regrets)))
+
+
+def _lost(findings: Findings, shown: pd.DataFrame) -> pd.DataFrame:
+    """Return which cells of a table of problems by optimizers have failed trials."""
+    return (table(findings.coverage, "failed") > 0).reindex_like(shown)
+
+
+def _at_optimum(medians: pd.DataFrame) -> str:
+    """Return on how many problems the median trial of an optimizer ends at the known optimum."""
+    reached = [f"with {label} on {number}" for label, number in medians.eq(0).sum().items() if number]
+    of_them = listing(reached) if reached else "with no optimizer"
+    return f"The optimum is known on {count(len(medians), 'problem')}; the median trial ends at it {of_them}."
+
+
+def _regret(findings: Findings, regrets: pd.DataFrame) -> Table:
+    medians = table(regrets, "median")
+    data = regrets.drop(columns="sd").assign(optimum=regrets["problem"].map(findings.unbeaten))
+    return Table(
+        "regret",
+        "Median regret: the median of the best objective value, less the problem’s optimum.",
+        medians,
+        lost=_lost(findings, medians),
+        note=f"0: at the optimum, to a relative {NEAR:g}; –: no trial; ∞: the median trial failed; in red with ✗: a "
+        "cell with failed trials. Problems without a known optimum, or where a trial found less, are left out.",
+        data=data,
+    )
 
 
 def _gaps(findings: Findings) -> list[str]:

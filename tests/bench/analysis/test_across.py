@@ -146,7 +146,9 @@ class TestRelativeMedians:
         assert scale == "log10 error"
         assert relative.to_numpy().tolist() == [[0, np.log10(2)], [1, 3], [0, INF]]
 
-    @pytest.mark.parametrize("optima", [None, {}, {"p0": 0.0, "p1": 0.0}, {"p0": 0.0, "p1": 0.0, "p2": 5.0}])
+    @pytest.mark.parametrize(
+        "optima", [None, {}, {"p0": 0.0, "p1": 0.0}, *({"p0": 0.0, "p1": 0.0, "p2": 5.0 - miss} for miss in (0, 1e-14))]
+    )
     def test_medians_where_an_optimum_is_unknown_or_reached(self, optima):
         relative, scale = relative_medians(self.table, optima)
         assert scale == "log10 median"

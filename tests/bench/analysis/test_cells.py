@@ -1,6 +1,7 @@
 """Cells: scores, summaries and near-ties, by hand and as properties."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,6 +14,7 @@ from bench.analysis.cells import (
     in_study_order,
     merge_near_ties,
     references,
+    regret,
     scores,
     stopped_early,
     summarise,
@@ -129,6 +131,34 @@ class TestReferences:
     def test_without_optima(self):
         assert references({"q": 2.0, "p": 1.0}) == {"q": (2.0, False), "p": (1.0, False)}
         assert references({}, {"p": 1.0}) == {}
+
+
+class TestRegret:
+    def test_by_hand(self):
+        table = pd.DataFrame({"problem": ["p", "q", "r"], "median": [5.0, 1.0, 2.0], "q3": [INF, 3.0, 2.0], "n": 7})
+        above = regret(table, {"p": 2.0, "r": -1.0}, ["median", "q3"])
+        assert above["problem"].tolist() == ["p", "r"]
+        assert above["median"].tolist() == [3.0, 3.0]
+        assert above["q3"].tolist() == [INF, 3.0]
+        assert above["n"].tolist() == [7, 7]
+
+    @pytest.mark.parametrize(
+        ("value", "optimum", "expected"),
+        [
+            (3.0 + 1e-11, 3.0, 0.0), (3.0 - 1e-11, 3.0, 0.0), (3.0 + 1e-9, 3.0, 1e-9), (-3.0 + 1e-11, -3.0, 0.0),
+            (1e-300, 0.0, 1e-300), (0.0, 0.0, 0.0), (2.0, 3.0, -1.0), (float("nan"), 3.0, float("nan")),
+        ],
+    )  # fmt: skip
+    def test_what_differs_by_rounding_is_at_the_optimum(self, value, optimum, expected):
+        table = pd.DataFrame({"problem": pd.Categorical(["p"]), "best": [value]})
+        assert regret(table, {"p": optimum}, ["best"])["best"].tolist() == pytest.approx(
+            [expected], rel=1e-6, nan_ok=True
+        )
+
+    def test_the_median_regret_is_the_regret_of_the_median(self, frame_of):
+        values = np.array([4.0, 2.5, 9.0, 3.0])
+        summary = summarise(frame_of({("p", "a"): values, ("q", "a"): values}))
+        assert regret(summary, {"q": 2.0}, ["median"])["median"].tolist() == [np.median(values - 2.0)]
 
 
 class TestNearTies:
