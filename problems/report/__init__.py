@@ -1,9 +1,9 @@
-"""The thesis's own views of a study: Figs. 7.3, 7.4 and 7.5 and Table 7.2, each beside what the thesis says of it."""
+"""The thesis's own views of a study, Figs. 7.3 to 7.5, Tables 7.2 and 7.3, and the best fit there is, beside them."""
 
 from bench import Results
 from bench.analysis import in_study_order
 from bench.report import Section
-from problems.report import amplitudes, fitting_errors, levels, times
+from problems.report import amplitudes, fitting_errors, levels, noise, reference, times
 from problems.report.estimates import expected_values
 
 
@@ -16,6 +16,8 @@ def sections(results: Results) -> list[Section]:
     return [
         *levels.sections(frame, truths, unknown),
         *fitting_errors.sections(frame, results.study),
+        *reference.sections(results, frame),
         *amplitudes.sections(frame, truths, results.study),
+        *noise.sections(results, frame, truths),
         *times.sections(frame),
     ]

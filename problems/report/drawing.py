@@ -52,5 +52,5 @@ def dataset_panels(
 
 
 def short(problem: str) -> str:
-    """Return the number of a simulated dataset, any other label as it is."""
-    return re.sub(r"^signature-0*(?=\d+$)", "", problem)
+    """Return the number of a simulated or published dataset, any other label as it is."""
+    return re.sub(r"^(signature|published)-0*(?=\d+$)", "", problem)

@@ -31,7 +31,7 @@ def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
     pairs = pairwise_tests(_part(frame, rows, swarms))
     means, table = table_7_2(frame, pairs, columns, rows)
     text, items = tests_in_words(pairs), (table,)
-    if "thesis" not in study.name.lower():
+    if not re.search("thesis|published", study.name.lower()):
         return [Section(TITLE, text, items)]
     beside = beside_published(means, published())
     text = (*in_words(means, beside), conditions(study), *text)
@@ -47,8 +47,8 @@ def algorithms(study: Study) -> dict[str, str]:
 
 
 def datasets(study: Study) -> dict[str, int]:
-    """Return the dataset number of each problem label that is a signature-NN in rpm."""
-    numbers = {entry.label: re.fullmatch(r"signature-(\d+)", entry.name) for entry in study.problems}
+    """Return the dataset number of each problem label that is a signature-NN or published-NN in rpm."""
+    numbers = {entry.label: re.fullmatch(r"(?:signature|published)-(\d+)", entry.name) for entry in study.problems}
     in_rpm = {entry.label for entry in study.problems if entry.options.get("unit") == "rpm"}
     return {label: int(match[1]) for label, match in numbers.items() if match and label in in_rpm}
 

@@ -2,5 +2,7 @@
 
 from importlib.resources import files
 
+noise = files(__name__) / "noise.toml"
+published = files(__name__) / "published.toml"
 thesis = files(__name__) / "thesis.toml"
 quick = files(__name__) / "quick.toml"

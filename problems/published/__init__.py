@@ -1,0 +1,1 @@
+"""The recordings that the thesis's authors published, which are no part of this package: fetched, checked and read."""
