@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
 import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -23,6 +24,7 @@ from bench.study import Trial
 from bench.worker import Row
 
 BACKENDS = ("dask", "loky")
+FEEDING = 5.0  # seconds that a thread which feeds workers may take to see that there are none any more
 DEATHS = 3  # of workers in a row, without a trial between them, before a run gives up
 
 Answer = tuple[Trial, Row, str]
@@ -141,9 +143,17 @@ def open_pool(backend: str, jobs: int, scheduler: str | None) -> Iterator[Pool]:
     finally:
         guard.close()  # a single job is made in this process
         if jobs != 1:
-            with suppress(Exception):
-                # Not get_reusable_executor(), which waits for a thread that may wait for a lock that it holds.
-                reusable_executor._executor.shutdown(wait=True, kill_workers=True)
+            _shut_down()
+
+
+def _shut_down() -> None:
+    """End loky's workers, and the threads that fed them."""
+    feeders = [each for each in threading.enumerate() if each.name == "QueueFeederThread"]
+    with suppress(Exception):
+        # Not get_reusable_executor(), which waits for a thread that may wait for a lock that it holds.
+        reusable_executor._executor.shutdown(wait=True, kill_workers=True)
+    for each in feeders:  # loky leaves them to themselves: one that is cut off as it frees a semaphore leaks it, loudly
+        each.join(FEEDING)
 
 
 def _close(answers: Generator[Answer]) -> None:
