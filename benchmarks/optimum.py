@@ -2,8 +2,9 @@
 
     python benchmarks/optimum.py [--trials 5] [--budget 300000] [--output results/runs/optimum]
 
-The problems are signature-01 … -20 and noisy-00 … -20 with both levels of noise; the optimizers run in the box or under
-the constraints, each against the reference fit of the same. Told are the largest amount by which a run was better, the
+The problems are signature-01 … -20 and noisy-00 … -20 with both levels of noise, and some with a T_f whose windows may
+overlap or whose T_d lies between two samples; the optimizers run in the box or under the constraints, each against the
+reference fit of the same. Told are the largest amount by which a run was better, the
 share of runs that came within 1 % of the reference, and how long a reference fit takes. Interrupted, it continues.
 """
 
@@ -22,6 +23,7 @@ OPTIMIZERS = [
     {"name": "gwo", "handling": "repair", "agents": 300},
 ]
 LEVELS = range(1, 21)
+PERIODS = (0.1, 0.2, 0.3, 0.39, 0.4068)
 
 
 def main() -> None:
@@ -36,6 +38,11 @@ def main() -> None:
             {"name": f"noisy-{level:02d}", "label": f"noisy-{level:02d} {noise}", "noise": noise}
             for level in (0, *LEVELS)
         ]
+    problems += [
+        {"name": f"noisy-{level:02d}", "label": f"noisy-{level:02d}, {period:g} s", "period": period}
+        for level in (2, 5, 12)
+        for period in PERIODS
+    ]
     study = bench.Study.from_dict(
         {
             "name": "optimum", "trials": options.trials, "budget": options.budget, "seed": 6,

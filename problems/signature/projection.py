@@ -62,7 +62,16 @@ def limits(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool
 
 
 class Sums(NamedTuple):
-    """The folded sums that a scan needs: (N,) F, G and C of :mod:`problems.signature.kernel`, N, dt and S1."""
+    """The folded sums that a scan needs, zeros beyond the end.
+
+    Attributes:
+        f, g, terms: F, G and C of :mod:`problems.signature.kernel`.
+        n: N, the samples of the signal.
+        dt: sampling period, s.
+        s1: sum of the signal.
+        lag: T_d in samples.
+        replicas: the number of oscillations.
+    """
 
     f: Floats
     g: Floats
@@ -70,10 +79,12 @@ class Sums(NamedTuple):
     n: int
     dt: float
     s1: float
+    lag: float
+    replicas: int
 
 
 def fold_sums(recording: Folded, length: int) -> Sums:
-    """Return the folded sums, zeros beyond the end; where T_d lies between samples, of the signal interpolated."""
+    """Return the folded sums; where T_d lies between samples, of the signal interpolated."""
     n, dt = len(recording.signal), recording.dt
     f, g, terms = recording.twice_f / 2, recording.twice_g / 2, recording.terms
     if not recording.shift:
@@ -85,7 +96,24 @@ def fold_sums(recording: Folded, length: int) -> Sums:
             g += sign * inside
             terms += inside
     beyond = (0, 3 * length)
-    return Sums(np.pad(f, beyond), np.pad(g, beyond), np.pad(terms, beyond), n, dt, recording.s1)
+    lag = float(recording.shift) or recording.delay / dt
+    return Sums(
+        np.pad(f, beyond), np.pad(g, beyond), np.pad(terms, beyond), n, dt, recording.s1, lag, recording.replicas
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def overlap(
+    tau: float, omega: float, im: float, re: float, j: int, turns: int, sums: Sums
+) -> tuple[float, float, float]:
+    """Return what a window's sample j, laid over one of ``turns`` half turns later, adds to ss, sc and cc a pair.
+
+    ``im`` and ``re`` are the damped sine and cosine at sample j.
+    """
+    u = (j - turns * sums.lag) * sums.dt
+    size = math.exp(-tau * u) if turns % 2 == 0 else -math.exp(-tau * u)
+    sine, cosine = size * math.sin(omega * u), size * math.cos(omega * u)
+    return 2 * im * sine, im * cosine + re * sine, 2 * re * cosine
 
 
 @njit(cache=True, error_model="numpy")
@@ -179,6 +207,12 @@ def profile(
     best, samples, sine, cosine = 0.0, 0, 0.0, 0.0
     for j in range(min(length, limit.last + 1 - start)):
         terms, g, f = sums.terms[start + j], sums.g[start + j], sums.f[start + j]
+        for turns in range(1, math.floor(j / sums.lag) + 1):
+            pairs = min(terms, float(sums.replicas - turns))
+            ss, sc, cc = overlap(tau, omega, im, re, j, turns, sums)
+            total[0] += pairs * ss
+            total[1] += pairs * sc
+            total[2] += pairs * cc
         total[0] += terms * (im * im)
         total[1] += terms * (im * re)
         total[2] += terms * (re * re)

@@ -8,11 +8,13 @@ whole grid affordable:
    most 0.2 s is at least 10 Hz wide and the grid has a line each 0.5 Hz; two neighbours in tau differ by a factor of
    1.4. So between two lines no more than 2 % of the explained energy is missed. A start is passed over only where no
    waveform whatever, repeated from there, could explain as much.
-2. *polish*: every pair of start and omega within 3 % of the best is refined by compass search over (tau, omega), all
-   lengths at each point.
-3. *settle*: the ends of the window become times. Where T_d is no whole number of samples (the scan then interpolates)
-   or windows may overlap, they are refined on the signal itself; there alone the result is no more than the best of
-   many searches.
+2. *polish*: every pair of start and omega near the best is refined by compass search over (tau, omega), all lengths
+   at each point.
+3. *settle*: the ends of the window become times. Where T_d is no whole number of samples (the scan then
+   interpolates), they are refined on the signal itself; there alone the result is no more than the best of many
+   searches.
+
+A window longer than T_d overlaps the next one; the sums then hold the products of what is laid one over the other.
 
 Nothing here is random. It is no optimizer plug-in: those see the objective alone, and this sees the formula.
 """
@@ -38,6 +40,7 @@ from problems.signature.projection import (
     largest_phase,
     largest_t1,
     limits,
+    overlap,
     profile,
     solve_cell,
 )
@@ -47,17 +50,23 @@ Floats = NDArray[np.float64]
 TAUS, OMEGAS = 6, 79
 """Lines of the scan's grid."""
 
-MARGIN = 0.03
-"""Pairs whose share of the explained energy is this near to the best one's are polished."""
+MARGIN, SETTLED = 0.03, 12
+"""Pairs that explain an energy this near to the best one's are polished, and so many of them settled."""
 
-POLISHED, SETTLED = 400, 12
-"""At most so many pairs are polished, and settled."""
+MARGIN_BETWEEN, SETTLED_BETWEEN = 0.1, 40
+"""The same where T_d lies between samples, and the scan is not exact."""
+
+POLISHED = 400
+"""At most so many pairs are polished."""
 
 ROUGH, FINEST = 1e-3, 1e-7
 """Where a compass search ends, in units of its first steps: that of all pairs, and that of the best."""
 
 ROUNDS = 60
-"""The last search, on the signal itself, takes so many rounds of eight points."""
+"""The last search, on the signal itself, takes at most so many rounds of eight points."""
+
+SWEEPS = 6
+"""At most so many times the ends of its window are tried anew, and the rest refined again."""
 
 ROUNDING = 1e-13
 """A relative gain below this is none."""
@@ -79,27 +88,27 @@ def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bo
     length = _longest(recording, limit)
     sums = fold_sums(recording, length)
     taus, omegas = np.geomspace(*limit.tau, TAUS), np.linspace(*limit.omega, OMEGAS)
-    ceiling = _ceiling(sums, length)
+    ceiling = _ceiling(recording.signal, sums, length)
     grid = np.zeros((sums.n, OMEGAS, 2))
     for base in range(1, limit.last + 1, 2 * length):
         count = min(2 * length, limit.last + 1 - base)
         if (ceiling[base : base + count] > grid[..., 0].max()).any():
             grid[base : base + count] = _scan(base, count, taus, omegas, sums, limit, length)
     energy = grid[..., 0]
-    near = np.argwhere(energy >= (1 - MARGIN) * energy.max())
+    margin, most = (MARGIN, SETTLED) if recording.shift else (MARGIN_BETWEEN, SETTLED_BETWEEN)
+    near = np.argwhere(energy >= (1 - margin) * energy.max())
     near = near[np.argsort(-energy[tuple(near.T)], kind="stable")][:POLISHED]
     steps = np.array([1.0, (omegas[1] - omegas[0]) / 2])
     windows = [
         _polish(np.array([grid[start, column, 1], omegas[column]]), steps, start, sums, limit, length, ROUGH)
         for start, column in near
     ]
-    windows = sorted(windows, key=lambda each: -each.energy)[:SETTLED]
+    windows = sorted(windows, key=lambda each: -each.energy)[:most]
     windows = [
         _polish(np.array([each.tau, each.omega]), 10 * ROUGH * steps, each.start, sums, limit, length, FINEST)
         for each in windows
     ]
-    searched = not recording.shift or limit.t2 > recording.delay
-    settled = [_settle(each, recording, sums, limit, searched=searched) for each in windows]
+    settled = [_settle(each, recording, sums, limit, searched=not recording.shift) for each in windows]
     return np.clip(max(settled, key=lambda each: each[0])[1], lower, upper)
 
 
@@ -120,9 +129,8 @@ def fit_near(recording: Folded, lower: Floats, upper: Floats, near: Floats, *, c
 
 
 def _longest(recording: Folded, limit: Limits) -> int:
-    """Return the samples of the longest window that does not overlap the next."""
-    longest = math.floor(recording.delay / recording.dt + EDGE) if recording.replicas > 1 else len(recording.signal)
-    return min(math.ceil(limit.t2 / recording.dt), longest)
+    """Return the samples of the longest window."""
+    return min(math.ceil(limit.t2 / recording.dt), len(recording.signal))
 
 
 class Window(NamedTuple):
@@ -137,16 +145,33 @@ class Window(NamedTuple):
     cosine: float
 
 
-def _ceiling(sums: Sums, length: int) -> Floats:
-    """Return for each start (N,) the energy that the best of all waveforms of that many samples would explain."""
+def _ceiling(signal: Floats, sums: Sums, length: int) -> Floats:
+    """Return for each start (N,) the energy that the best of all waveforms of that many samples would explain.
 
-    def window(values: Floats) -> Floats:
-        total = np.concatenate([[0.0], np.cumsum(values)])
-        reached: Floats = total[length : sums.n + length] - total[: sums.n]
+    Each sample of a waveform that is at most a half turn long stands for itself, in all half turns. The samples that
+    are laid over a longer one's begin, in the next half turn, change what these add up to everywhere but in the first
+    half turn, and are alone in what follows the last.
+    """
+    if length > 2 * sums.lag:
+        return np.full(sums.n, np.inf)
+    laid = max(length - math.floor(sums.lag), 0)
+
+    def window(apart: Floats, usual: Floats) -> Floats:
+        first, rest = (np.concatenate([[0.0], np.cumsum(each)]) for each in (apart, usual))
+        start = np.arange(sums.n)
+        reached: Floats = first[start + laid] - first[start] + rest[start + length - laid] - rest[start + laid]
         return reached
 
-    terms = np.maximum(sums.terms, 1.0)
-    ff, fg, gg = window(sums.f**2 / terms), window(sums.f * sums.g / terms), window(sums.g**2 / terms)
+    r, inside = np.zeros_like(sums.f), np.zeros_like(sums.f)
+    r[: sums.n], inside[: sums.n] = signal, 1.0
+    after, after_inside = np.zeros_like(r), np.zeros_like(r)
+    if (end := math.floor(sums.replicas * sums.lag)) < sums.n:
+        after[: len(r) - end], after_inside[: len(r) - end] = r[end:], inside[end:]
+    terms, others = np.maximum(sums.terms, 1.0), np.maximum(sums.terms - 1.0, 1.0)
+    f, g = sums.f - r, sums.g - inside
+    ff = window(r**2 + f**2 / others + after**2, sums.f**2 / terms)
+    fg = window(r + f * g / others + after, sums.f * sums.g / terms)
+    gg = window(inside + g**2 / others + after_inside, sums.g**2 / terms)
     ceiling: Floats = ff + (sums.s1 - fg) ** 2 / np.maximum(sums.n - gg, 1e-9 * sums.n)
     return ceiling
 
@@ -170,6 +195,13 @@ def _scan(base: int, count: int, taus: Floats, omegas: Floats, sums: Sums, limit
             m_gs, m_gc, m_fs, m_fc = np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count)
             for j in range(min(length, limit.last - base + 1)):
                 f, g, terms = sums.f[base + j :], sums.g[base + j :], sums.terms[base + j :]
+                for turns in range(1, math.floor(j / sums.lag) + 1):
+                    ss, sc, cc = overlap(tau, omegas[w], im, re, j, turns, sums)
+                    for k in range(np.uintp(count)):
+                        pairs = min(terms[k], float(sums.replicas - turns))
+                        m_ss[k] += pairs * ss
+                        m_sc[k] += pairs * sc
+                        m_cc[k] += pairs * cc
                 for k in range(np.uintp(count)):
                     m_ss[k] += terms[k] * (im * im)
                     m_sc[k] += terms[k] * (im * re)
@@ -240,12 +272,49 @@ def _settle(window: Window, recording: Folded, sums: Sums, limit: Limits, *, sea
     first = recording.start + start * dt
     at = np.array([window.tau, omega, first - since + t1, first - since + t2])
     if searched:
-        at = _refine(at, np.array([1.0, 1.0, dt, dt]), recording, limit)
+        at = _search_signal(at, recording, limit)
     energy, sine, cosine, offset = explained(at, recording, limit)
     angle, size = math.atan2(cosine, sine), math.hypot(sine, cosine)
     phase, a = (angle, size) if angle >= 0.0 else (angle + math.pi, -size)
     t1, t0 = phase / at[1], at[2] - phase / at[1]
     return energy, np.array([a, t0, at[0], at[1], offset, t1, at[3] - t0])
+
+
+@njit(cache=True, error_model="numpy")
+def _search_signal(at: Floats, recording: Folded, limit: Limits) -> Floats:
+    """Return the (4,) tau, omega, begin and end of a local maximum on the signal itself.
+
+    As begin or end moves, samples enter and leave one half turn after the other; all these places nearby are tried.
+    """
+    dt = recording.dt
+    marks = np.unique(np.round(-np.arange(recording.replicas) * recording.delay % dt / CLEARANCE)) * CLEARANCE
+    steps = np.array([1.0, 1.0, dt, dt])
+    energy = 0.0
+    for _ in range(SWEEPS):
+        at = _refine(
+            _sweep(_sweep(at, 2, marks, recording, limit), 3, marks, recording, limit), steps, recording, limit
+        )
+        before, energy = energy, explained(at, recording, limit)[0]
+        if energy <= before * (1 + ROUNDING):
+            break
+    return at
+
+
+@njit(cache=True, error_model="numpy")
+def _sweep(at: Floats, which: int, marks: Floats, recording: Folded, limit: Limits) -> Floats:
+    """Return the (4,) point with the best begin (2) or end (3) of all within ``NEAR`` samples, the rest as it is."""
+    best, dt = explained(at, recording, limit)[0], recording.dt
+    sample = recording.start + math.floor((at[which] - recording.start) / dt) * dt
+    found = at.copy()
+    for i in range(-NEAR, NEAR + 1):
+        for mark in marks:
+            for side in (-2 * CLEARANCE, 2 * CLEARANCE):
+                trial = at.copy()
+                trial[which] = sample + i * dt + mark + side
+                energy = explained(trial, recording, limit)[0]
+                if energy > best * (1 + ROUNDING):
+                    best, found = energy, trial
+    return found
 
 
 @njit(cache=True, error_model="numpy")
@@ -264,4 +333,6 @@ def _refine(at: Floats, steps: Floats, recording: Folded, limit: Limits) -> Floa
                 best, at, moved = energy, trial, True
         if not moved:
             scale /= 2
+        if scale < FINEST:
+            break
     return at
