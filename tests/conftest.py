@@ -1,3 +1,4 @@
+import gc
 import os
 from pathlib import Path
 
@@ -8,6 +9,8 @@ from hypothesis import settings
 settings.register_profile("suite", deadline=None, derandomize=True)
 settings.load_profile("suite")
 
+# Looking for garbage among the million objects of numba, pandas and matplotlib takes a sixth of the suite's time.
+gc.set_threshold(20_000, 50, 100)
 
 SLOWEST = (
     "test_distributions.py", "test_plugin_example.py", "test_reference_results.py", "test_hostile.py", "test_crash.py",

@@ -14,7 +14,9 @@ EXAMPLE = ROOT / "tests" / "plugin_example"
 
 
 def call(*command, cwd=None):
-    clean = {key: value for key, value in os.environ.items() if key not in ("PYTHONPATH", "VIRTUAL_ENV")}
+    """Run a program as in a shell that knows nothing of this environment."""
+    ours = ("PYTHONPATH", "VIRTUAL_ENV", "PYTHONDONTWRITEBYTECODE")
+    clean = {key: value for key, value in os.environ.items() if key not in ours}
     done = subprocess.run(
         list(map(str, command)), cwd=cwd, env=clean, capture_output=True, text=True, timeout=400, check=False
     )
