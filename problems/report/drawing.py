@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from bench.plots import style
 
 LEFT, ACROSS = 0.45, 0.1  # inches
+LABEL = 18  # characters of a dataset's name, such as "noisy-02 high"
 
 
 def dataset_panels(
@@ -25,7 +26,7 @@ def dataset_panels(
         columns: panels in a row.
         height: the height of a panel in inches.
     """
-    names = [style.plain(short(problem), 12) for problem in problems]
+    names = [style.plain(short(problem), LABEL) for problem in problems]
     longest, digits = style.text_width(names), style.text_width(["00"])
     upright, columns = longest <= digits, min(columns, len(titles))
     figure, axes = style.grid(
