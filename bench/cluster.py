@@ -22,7 +22,7 @@ from uuid import uuid4
 from joblib.parallel import ParallelBackendBase
 
 from bench import environment, guard
-from bench.errors import BenchError
+from bench.errors import BenchError, require
 from bench.guard import Task
 from bench.pool import Answer, Pool, WorkerDiedError
 from bench.study import Trial
@@ -51,12 +51,7 @@ def cluster(scheduler: str) -> Iterator[Pool]:
         BenchError: when the extra "dask" is not installed, the scheduler cannot be reached, it has no workers, or they
             run another version of this package.
     """
-    try:
-        import distributed
-    except ImportError as error:
-        raise BenchError(
-            "the dask backend needs dask.distributed; install it with: pip install 'backlash-bench[dask]'"
-        ) from error
+    distributed = require("distributed", "dask", "the dask backend needs")
     with _quiet():
         client = _connect(distributed.Client, scheduler)
         try:

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from importlib import import_module
+from typing import Any
 
 
 class BenchError(ValueError):
@@ -9,6 +11,25 @@ class BenchError(ValueError):
 
     The command line prints it without a traceback and exits with code 2.
     """
+
+
+def require(module: str, extra: str, needed: str) -> Any:
+    """Return a module that comes with an extra.
+
+    Args:
+        module: its name, such as "pyarrow".
+        extra: the extra of this package that installs it.
+        needed: the begin of the sentence without it, such as "the parquet format needs".
+
+    Raises:
+        BenchError: where it is not installed.
+    """
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as error:
+        if error.name not in (module, module.partition(".")[0]):
+            raise
+        raise BenchError(f"{needed} {module}; install it with: pip install 'backlash-bench[{extra}]'") from error
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -8,12 +8,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from typing import Any, ClassVar
 
 import numpy as np
 
-from bench.errors import BenchError, nearest
+from bench.errors import BenchError, nearest, require
 from bench.objective import Objective
 from bench.optimizer import Optimizer, build
 from bench.problem import Floats
@@ -80,14 +79,7 @@ class Library(ABC):
 
     def require(self) -> Any:
         """Return the library's module; raises BenchError, naming the extra, where it is missing."""
-        try:
-            return import_module(self.module)
-        except ModuleNotFoundError as error:
-            if error.name != self.module.partition(".")[0]:
-                raise
-            raise BenchError(
-                f"the {self.name} optimizers need the extra {self.extra!r}: pip install 'backlash-bench[{self.extra}]'"
-            ) from error
+        return require(self.module, self.extra, f"the {self.name} optimizers need")
 
 
 @cache

@@ -5,12 +5,11 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Callable, Iterator
-from importlib.util import find_spec
 
 import numpy as np
 import pandas as pd
 
-from bench.errors import BenchError
+from bench.errors import require
 from bench.results import Results
 
 TEXTS = ("study", "problem", "optimizer", "status", "stop", "error")
@@ -28,8 +27,7 @@ def parquet_files(results: Results) -> Iterator[tuple[str, str | bytes]]:
     Raises:
         BenchError: when pyarrow is not installed.
     """
-    if find_spec("pyarrow") is None:
-        raise BenchError("the parquet format needs pyarrow; install it with pip install 'backlash-bench[parquet]'")
+    require("pyarrow", "parquet", "the parquet format needs")
     return _files(results, "parquet", _parquet)
 
 

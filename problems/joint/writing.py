@@ -6,14 +6,13 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
+from bench.errors import BenchError, require
 
 Floats = NDArray[np.float64]
 
@@ -34,10 +33,8 @@ def check_output(path: Path, kinds: tuple[str, ...], *, force: bool) -> None:
         raise BenchError(
             f"{path} must end in {' or '.join(', '.join(kinds).rsplit(', ', 1))}, as that is what is written"
         )
-    if kind == ".parquet" and find_spec("pyarrow") is None:
-        raise BenchError(
-            f"{path} needs pyarrow; install it with pip install 'backlash-bench[parquet]', or write a .csv"
-        )
+    if kind == ".parquet":
+        require("pyarrow", "parquet", f"{path} needs")
     if path.exists() and not force:
         raise BenchError(f"{path} is there already; choose another name, or replace it with --force")
     if not path.parent.is_dir():

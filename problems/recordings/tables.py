@@ -3,7 +3,6 @@
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from io import StringIO
 from itertools import islice, takewhile
 from math import isfinite
@@ -14,7 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.errors import BenchError
+from bench.errors import BenchError, require
 from problems.recordings.units import is_unit
 
 Floats = NDArray[np.float64]
@@ -51,10 +50,8 @@ def load(path: Path) -> Table:
         raise BenchError(
             f"recording {path}: unknown kind of file {path.suffix!r}; give a .csv, .txt, .xlsx or .parquet file"
         )
-    if kind == ".parquet" and find_spec("pyarrow") is None:
-        raise BenchError(
-            f"recording {path}: parquet files need pyarrow; install it with pip install 'backlash-bench[parquet]'"
-        )
+    if kind == ".parquet":
+        require("pyarrow", "parquet", f"recording {path}: parquet files need")
     try:
         return READERS[kind](path)
     except FileNotFoundError as error:

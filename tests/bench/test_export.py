@@ -226,7 +226,7 @@ def test_more_problems_than_the_ioh_format_numbers_are_refused(tmp_path, monkeyp
 
 
 def test_parquet_without_pyarrow_names_the_extra(tmp_path, monkeypatch):
-    monkeypatch.setattr(tabular, "find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(BenchError, match=re.escape("pip install 'backlash-bench[parquet]'")):
         export(make(tmp_path / "s", trials=1), "parquet", tmp_path / "out")
     assert not (tmp_path / "out").exists()

@@ -1,5 +1,6 @@
 """Joints in TOML files, and files that are written whole or not at all."""
 
+import sys
 from dataclasses import fields
 from math import pi
 
@@ -115,6 +116,6 @@ def test_after_an_error_nothing_is_left_and_the_old_file_is_there(tmp_path, erro
 
 
 def test_parquet_without_pyarrow_is_said_before_any_work(tmp_path, monkeypatch):
-    monkeypatch.setattr(writing, "find_spec", lambda name: None)
-    with pytest.raises(BenchError, match=r"needs pyarrow; install it with pip install 'backlash-bench\[parquet\]'"):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(BenchError, match=r"needs pyarrow; install it with: pip install 'backlash-bench\[parquet\]'"):
         writing.check_output(tmp_path / "a.parquet", writing.KINDS, force=False)

@@ -1,5 +1,7 @@
 """Reading speed and position recordings, in the shapes that loggers and spreadsheets write."""
 
+import sys
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -66,7 +68,7 @@ def test_spreadsheets_and_parquet_are_read_by_their_headings(tmp_path, kind):
 
 
 def test_parquet_without_pyarrow_names_the_extra(tmp_path, monkeypatch):
-    monkeypatch.setattr(tables_module, "find_spec", lambda _: None)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(BenchError, match=r"pip install 'backlash-bench\[parquet\]'"):
         read(tmp_path / "a.parquet")
 
