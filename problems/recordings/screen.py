@@ -49,12 +49,13 @@ def screen(recording: Recording, *, nominal_rps: float | None = None, period: fl
         nominal_rps: the motor's nominal speed, where it is known; its sign is of no matter.
         period: T_f, the time of one load turn, s; None where it is not known, or a single oscillation is to be fitted.
     """
-    _screen_numbers(recording)
+    screen_values(recording)
     _screen_unit(recording, nominal_rps)
     _screen_steadiness(recording)
     _screen_clipping(recording)
     if period is not None:
-        _screen_period(recording, period)
+        screen_length(recording, period)
+        screen_sampling(recording, period)
 
 
 def warnings(recording: Recording, *, period: float | None = None) -> list[str]:
@@ -99,7 +100,8 @@ def steady_window(recording: Recording) -> tuple[float, float] | None:
     return float(time[first]), float(time[end - 1])
 
 
-def _screen_numbers(recording: Recording) -> None:
+def screen_values(recording: Recording) -> None:
+    """Raise BenchError for a speed that is no number somewhere, or constant."""
     bad = ~np.isfinite(recording.speed)
     if bad.any():
         where = recording.start + recording.dt * int(np.argmax(bad))
@@ -167,12 +169,17 @@ def _screen_clipping(recording: Recording) -> None:
             )
 
 
-def _screen_period(recording: Recording, period: float) -> None:
+def screen_length(recording: Recording, period: float) -> None:
+    """Raise BenchError for less than one load turn of ``period`` s."""
     if recording.duration < period * (1.0 - 1e-9):
         raise BenchError(
             f"the recording lasts {recording.duration:.4g} s, less than one load turn of {period:g} s; record longer, "
             "give the right period, or fit a single oscillation"
         )
+
+
+def screen_sampling(recording: Recording, period: float) -> None:
+    """Raise BenchError for too few samples in a load turn of ``period`` s."""
     if recording.dt > period / SAMPLES_A_TURN * (1.0 + 1e-9):
         raise BenchError(
             f"a sample every {recording.dt:.4g} s is too coarse for a load turn of {period:g} s; sample at "

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from bench.errors import BenchError
 from bench.problem import Problem
 from problems.recordings import Recording
+from problems.recordings.screen import screen_length, screen_sampling, screen_values
 from problems.signature import kernel
 from problems.signature.calibration import default_calibration
 from problems.signature.model import VARIABLES, A, box, signature
@@ -82,20 +83,7 @@ class SignatureFit(Problem):
         half_gap: float | None = None,
     ) -> None:
         _check_options(name, period, turns, single, unit, amplitude_factor)
-        length = recording.dt * (len(recording.speed) - 1)
-        if length < period and not single:
-            raise BenchError(
-                f"problem {name!r}: the recording lasts {length:.4g} s, less than one load turn of {period:g} s; "
-                "record longer or set the option period"
-            )
-        if recording.dt > period / 20:
-            raise BenchError(
-                f"problem {name!r}: a sample every {recording.dt:.4g} s is too coarse for a load turn of {period:g} s"
-            )
-        if np.abs(recording.speed).max() > 1e6:
-            raise BenchError(f"problem {name!r}: a speed of more than 1e6 rps is none; give the speed in rps")
-        if np.ptp(recording.speed) == 0.0:
-            raise BenchError(f"problem {name!r}: the speed is constant, so there is no disturbance to fit")
+        _check_recording(name, recording, period, single=single)
         self._references: dict[bool, Fit] = {}
         self.name = name
         self.unit = unit
@@ -177,6 +165,19 @@ def _expected(peak: float | None, half_gap: float | None) -> dict[str, tuple[flo
     if half_gap is not None:
         expected["backlash_rad"] = (half_gap, TOLERANCE_RAD)
     return expected
+
+
+def _check_recording(name: str, recording: Recording, period: float, *, single: bool) -> None:
+    """Raise BenchError for a recording to which no signature can be fitted, be it good or bad as one of a joint."""
+    try:
+        screen_values(recording)
+        screen_sampling(recording, period)
+        if not single:
+            screen_length(recording, period)
+    except BenchError as error:
+        raise BenchError(f"problem {name!r}: {error}") from error
+    if np.abs(recording.speed).max() > 1e6:
+        raise BenchError(f"problem {name!r}: a speed of more than 1e6 rps is none; give the speed in rps")
 
 
 def _check_options(name: str, period: float, turns: int, single: bool, unit: str, amplitude_factor: float) -> None:
