@@ -341,12 +341,17 @@ def _git(home: Path) -> dict[str, Any] | None:
     unknown = _ask_git(home, "ls-files", "--others", "--exclude-standard", "-z")
     if commit is None or changed is None or unknown is None:
         return None
-    new = [name for name in map(os.fsdecode, unknown.split(b"\0")) if name.endswith(SOURCES)]
+    new = [name for name in map(os.fsdecode, unknown.split(b"\0")) if _is_code(name)]
     names = sorted({*filter(None, map(os.fsdecode, changed.split(b"\0"))), *new})
     digest = hashlib.sha256()
     for name in names:
         digest.update(os.fsencode(name) + b"\0" + _content(home / name))
     return {"commit": commit.decode().strip(), "dirty": bool(names), "diff": digest.hexdigest() if names else None}
+
+
+def _is_code(name: str) -> bool:
+    """Return whether a file that git does not know may change what runs; kept bytecode follows its source."""
+    return name.endswith(SOURCES) and "__pycache__" not in name.split("/")
 
 
 def _content(path: Path) -> bytes:

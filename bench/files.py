@@ -6,9 +6,10 @@ import hashlib
 import inspect
 import sys
 from functools import cache
+from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 
 from bench.derived import derive, of_function
 from bench.errors import BenchError, nearest
@@ -53,11 +54,18 @@ def _optimizer(name: str, attribute: str, path: Path, fingerprint: str) -> type[
     raise BenchError(f"{path} holds no optimizer called {attribute!r}{nearest(attribute, own)}")
 
 
+class _Unkept(SourceFileLoader):
+    """Compiles the source each time: kept bytecode may be that of another version of the same second and size."""
+
+    def get_code(self, fullname: str) -> CodeType:  # noqa: ARG002 - a loader's signature
+        return self.source_to_code(self.get_data(self.path), self.path)
+
+
 @cache
 def _module(path: Path, fingerprint: str) -> ModuleType:
     """Run the file as a module of its own; modules that lie beside it can be imported from it."""
     name = f"bench_file_{path.stem}_{fingerprint}"  # an edited file is loaded anew
-    spec = spec_from_file_location(name, path)
+    spec = spec_from_file_location(name, path, loader=_Unkept(name, str(path)))
     if spec is None or spec.loader is None:
         raise BenchError(f"the optimizer file {path} cannot be read as Python")
     module = module_from_spec(spec)

@@ -96,6 +96,8 @@ class TestCheckouts:
         assert len(clean["commit"]) == 40
         os.utime(git.repo / "inner" / "mine.py", (1, 1))
         (git.repo / "ignored.py").write_text("1")
+        (git.repo / "inner" / "__pycache__").mkdir()
+        (git.repo / "inner" / "__pycache__" / "helper.cpython-311.pyc").write_bytes(b"kept")
         (git.repo / "run.log").write_text("a run may write beside the code that it runs")
         assert git.state() == clean
 
