@@ -43,6 +43,11 @@ def study(tmp_path_factory):
     return path
 
 
+def hear_interrupts():
+    """Undo what a shell does to its background jobs, of which these tests may be one."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 class Run:
     """The command line in a group of its own, as a shell starts it, with a mark on all that belongs to it."""
 
@@ -53,7 +58,7 @@ class Run:
         self.process = subprocess.Popen(
             [sys.executable, "-m", "bench", "run", study, "--output", folder, "--no-report",
              "--jobs", str(jobs), "--trials", str(trials)],
-            start_new_session=True, stdout=subprocess.DEVNULL, stderr=self._said,
+            start_new_session=True, preexec_fn=hear_interrupts, stdout=subprocess.DEVNULL, stderr=self._said,
             env=os.environ | {MARK: self.mark, "SLOW": str(slow)},
         )  # fmt: skip
 
