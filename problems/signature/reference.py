@@ -65,8 +65,11 @@ ROUGH, FINEST = 1e-3, 1e-7
 ROUNDS = 60
 """The last search, on the signal itself, takes at most so many rounds of eight points."""
 
-SWEEPS = 6
-"""At most so many times the ends of its window are tried anew, and the rest refined again."""
+SWEPT, SWEEPS, PLACES = 16, 6, 24
+"""Of so many windows, at most so often, the ends are tried at so many places a sample, and the rest refined again."""
+
+SHORT = 10_000
+"""Samples up to which so many windows are settled and swept; the longer a recording, the fewer."""
 
 ROUNDING = 1e-13
 """A relative gain below this is none."""
@@ -95,7 +98,8 @@ def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bo
         if (ceiling[base : base + count] > grid[..., 0].max()).any():
             grid[base : base + count] = _scan(base, count, taus, omegas, sums, limit, length)
     energy = grid[..., 0]
-    margin, most = (MARGIN, SETTLED) if recording.shift else (MARGIN_BETWEEN, SETTLED_BETWEEN)
+    share = min(SHORT / sums.n, 1.0)
+    margin, most = (MARGIN, SETTLED) if recording.shift else (MARGIN_BETWEEN, math.ceil(share * SETTLED_BETWEEN))
     near = np.argwhere(energy >= (1 - margin) * energy.max())
     near = near[np.argsort(-energy[tuple(near.T)], kind="stable")][:POLISHED]
     steps = np.array([1.0, (omegas[1] - omegas[0]) / 2])
@@ -108,7 +112,10 @@ def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bo
         _polish(np.array([each.tau, each.omega]), 10 * ROUGH * steps, each.start, sums, limit, length, FINEST)
         for each in windows
     ]
-    settled = [_settle(each, recording, sums, limit, searched=not recording.shift) for each in windows]
+    if not recording.shift:
+        windows = sorted(windows, key=lambda each: -_settle(each, recording, sums, limit, sweeps=0)[0])
+        windows = windows[: math.ceil(share * SWEPT)]
+    settled = [_settle(each, recording, sums, limit, sweeps=SWEEPS) for each in windows]
     return np.clip(max(settled, key=lambda each: each[0])[1], lower, upper)
 
 
@@ -125,7 +132,7 @@ def fit_near(recording: Folded, lower: Floats, upper: Floats, near: Floats, *, c
     at, steps = near[[TAU, OMEGA]], np.array([1.0, 2.0])
     windows = [_polish(at, steps, start, sums, limit, length, NEAR_ENOUGH) for start in starts]
     best = max(windows, key=lambda each: each.energy)
-    return np.clip(_settle(best, recording, sums, limit, searched=False)[1], lower, upper)
+    return np.clip(_settle(best, recording, sums, limit, sweeps=None)[1], lower, upper)
 
 
 def _longest(recording: Folded, limit: Limits) -> int:
@@ -254,9 +261,12 @@ def _polish(at: Floats, steps: Floats, start: int, sums: Sums, limit: Limits, le
     return Window(energy, tau, omega, int(start), samples, sine, cosine)
 
 
-def _settle(window: Window, recording: Folded, sums: Sums, limit: Limits, *, searched: bool) -> tuple[float, Floats]:
-    """Return a window with its ends as times, refined on the signal itself.
+def _settle(
+    window: Window, recording: Folded, sums: Sums, limit: Limits, *, sweeps: int | None
+) -> tuple[float, Floats]:
+    """Return the energy that a window explains and its (7,) point, its ends as times.
 
+    Where T_d lies between samples, it is searched for on the signal itself, unless ``sweeps`` is None.
     Any begin between two samples, and any end, is the same fit; the middle of what is allowed is taken.
     """
     dt, omega = sums.dt, window.omega
@@ -271,8 +281,8 @@ def _settle(window: Window, recording: Folded, sums: Sums, limit: Limits, *, sea
     t2 = (last + min(last + dt, limit.t2)) / 2
     first = recording.start + start * dt
     at = np.array([window.tau, omega, first - since + t1, first - since + t2])
-    if searched:
-        at = _search_signal(at, recording, limit)
+    if not recording.shift and sweeps is not None:
+        at = _search_signal(at, _places(recording), recording, limit, sweeps)
     energy, sine, cosine, offset = explained(at, recording, limit)
     angle, size = math.atan2(cosine, sine), math.hypot(sine, cosine)
     phase, a = (angle, size) if angle >= 0.0 else (angle + math.pi, -size)
@@ -280,20 +290,30 @@ def _settle(window: Window, recording: Folded, sums: Sums, limit: Limits, *, sea
     return energy, np.array([a, t0, at[0], at[1], offset, t1, at[3] - t0])
 
 
+def _places(recording: Folded) -> Floats:
+    """Return where between two samples, in s, the end of a window passes over a sample of some half turn.
+
+    Of a long recording, where one sample is of little weight, as many places as are tried, evenly.
+    """
+    dt = recording.dt
+    turns = min(recording.replicas, int(len(recording.signal) * dt / recording.delay) + 1)
+    places = np.unique(np.round(-np.arange(turns) * recording.delay / dt % 1.0, 6) % 1.0)
+    return dt * (places if len(places) <= PLACES else np.arange(PLACES) / PLACES)
+
+
 @njit(cache=True, error_model="numpy")
-def _search_signal(at: Floats, recording: Folded, limit: Limits) -> Floats:
+def _search_signal(at: Floats, places: Floats, recording: Folded, limit: Limits, sweeps: int) -> Floats:
     """Return the (4,) tau, omega, begin and end of a local maximum on the signal itself.
 
     As begin or end moves, samples enter and leave one half turn after the other; all these places nearby are tried.
     """
-    dt = recording.dt
-    marks = np.unique(np.round(-np.arange(recording.replicas) * recording.delay % dt / CLEARANCE)) * CLEARANCE
-    steps = np.array([1.0, 1.0, dt, dt])
-    energy = 0.0
-    for _ in range(SWEEPS):
-        at = _refine(
-            _sweep(_sweep(at, 2, marks, recording, limit), 3, marks, recording, limit), steps, recording, limit
-        )
+    steps = np.array([1.0, 1.0, recording.dt, recording.dt])
+    at = _refine(at, steps, recording, limit)
+    energy = explained(at, recording, limit)[0]
+    for _ in range(sweeps):
+        for end in (2, 3):
+            at = _sweep(at, end, places, recording, limit)
+        at = _refine(at, steps, recording, limit)
         before, energy = energy, explained(at, recording, limit)[0]
         if energy <= before * (1 + ROUNDING):
             break
@@ -301,16 +321,16 @@ def _search_signal(at: Floats, recording: Folded, limit: Limits) -> Floats:
 
 
 @njit(cache=True, error_model="numpy")
-def _sweep(at: Floats, which: int, marks: Floats, recording: Folded, limit: Limits) -> Floats:
+def _sweep(at: Floats, which: int, places: Floats, recording: Folded, limit: Limits) -> Floats:
     """Return the (4,) point with the best begin (2) or end (3) of all within ``NEAR`` samples, the rest as it is."""
     best, dt = explained(at, recording, limit)[0], recording.dt
     sample = recording.start + math.floor((at[which] - recording.start) / dt) * dt
     found = at.copy()
     for i in range(-NEAR, NEAR + 1):
-        for mark in marks:
+        for place in places:
             for side in (-2 * CLEARANCE, 2 * CLEARANCE):
                 trial = at.copy()
-                trial[which] = sample + i * dt + mark + side
+                trial[which] = sample + i * dt + place + side
                 energy = explained(trial, recording, limit)[0]
                 if energy > best * (1 + ROUNDING):
                     best, found = energy, trial

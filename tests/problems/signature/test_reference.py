@@ -13,7 +13,7 @@ from problems.signature.kernel import fold
 from problems.signature.noise import noisy
 from problems.signature.problem import SignatureFit
 from problems.signature.projection import fold_sums, limits, weights
-from problems.signature.reference import _ceiling
+from problems.signature.reference import _ceiling, _places
 
 X = np.array([-0.9, 0.0153, 15.5, 134.0, 0.02, 0.0107, 0.19])
 CLOSE = 1e-7  # rps
@@ -94,6 +94,16 @@ def test_a_period_between_samples_is_fitted_as_well_as_by_long_runs():
     assert problem._folded.shift == 0
     found = assert_is_a_fit(problem, constrained=False)
     assert best_run(problem, constrained=False) >= found.value - CLOSE
+
+
+@pytest.mark.parametrize(
+    ("period", "turns", "count"), [(0.39, 12, 2), (0.4068, 12, 10), (0.4068, 100_000, 10), (0.41113, 50, 24)]
+)
+def test_places_between_samples_are_those_of_the_recording_s_half_turns_and_not_too_many(period, turns, count):
+    folded = fold(np.zeros(10_000), start=0.0, dt=0.002, period=period, replicas=2 * turns)
+    places = _places(folded)
+    assert len(places) == count
+    assert ((places >= 0) & (places < 0.002)).all()
 
 
 @pytest.mark.parametrize("period", [0.3, 0.2, 0.1])
