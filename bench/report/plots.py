@@ -66,18 +66,11 @@ def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figur
         curves: of :func:`bench.analysis.convergence`.
         optimizers: all of the study's, in its order, so that each looks as in every other figure.
     """
-    looks = style.looks(optimizers)
-    figure, axes = _multiples(
-        curves, looks, lambda problem, ax: convergence(curves, problem, looks=looks, legend=False, ax=ax), across=0.46
-    )
-    for ax in axes:
-        style.span(ax, curves["evaluations"])
     caption = (
         "Median best-so-far objective value over evaluations, with the quartiles as a band (log axes where the "
         "values are positive and wide). A trial that ended early keeps its last value; failed trials count as infinite."
     )
-    shown = _at_round_numbers(curves, ["problem", "evaluations"], "median", (1, 2, 5))
-    return Figure("convergence", caption, figure, curves, shown)
+    return _over_evaluations("convergence", caption, convergence, curves, optimizers)
 
 
 def regret_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
@@ -87,18 +80,25 @@ def regret_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
         curves: of :func:`bench.analysis.convergence`, counted from the optimum (:func:`bench.analysis.regret`).
         optimizers: all of the study's, in its order.
     """
-    looks = style.looks(optimizers)
-    figure, axes = _multiples(
-        curves, looks, lambda problem, ax: regret(curves, problem, looks=looks, legend=False, ax=ax), across=0.46
-    )
-    for ax in axes:
-        style.span(ax, curves["evaluations"])
     caption = (
         "Median regret, the best-so-far objective value less the problem’s optimum, over evaluations, with the "
         f"quartiles as a band (log axes). A curve ends where its median is at the optimum, to a relative {NEAR:g}."
     )
+    return _over_evaluations("regret-curves", caption, regret, curves, optimizers)
+
+
+def _over_evaluations(
+    name: str, caption: str, draw: Callable[..., Axes], curves: pd.DataFrame, optimizers: Sequence[str]
+) -> Figure:
+    """Return medians over evaluations, a panel a problem, each drawn by ``draw``."""
+    looks = style.looks(optimizers)
+    figure, axes = _multiples(
+        curves, looks, lambda problem, ax: draw(curves, problem, looks=looks, legend=False, ax=ax), across=0.46
+    )
+    for ax in axes:
+        style.span(ax, curves["evaluations"])
     shown = _at_round_numbers(curves, ["problem", "evaluations"], "median", (1, 2, 5))
-    return Figure("regret-curves", caption, figure, curves, shown)
+    return Figure(name, caption, figure, curves, shown)
 
 
 def ert_figure(table: pd.DataFrame, optimizers: Sequence[str]) -> Figure:

@@ -100,9 +100,8 @@ def resampled(
     blocks = residual[: whole * block].reshape(whole, -1)
     signs = (-1.0) ** np.arange(whole) if problem.replicas > 1 else np.ones(whole)
     signed = blocks * signs[:, np.newaxis]
-    begun = (x[T0] + x[T1] - problem.time[0]) / (
-        block * problem.dt
-    )  # before it there may be half an oscillation, unfitted
+    # Before the first window there may be half an oscillation, unfitted.
+    begun = (x[T0] + x[T1] - problem.time[0]) / (block * problem.dt)
     if problem.replicas > 1 and (after := math.ceil(begun)) <= whole - FEWEST:
         signed = signed[after:]
     fits = np.empty((resamples, len(x)))

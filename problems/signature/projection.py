@@ -237,9 +237,8 @@ def explained(at: Floats, recording: Folded, limit: Limits) -> tuple[float, floa
     """
     tau, omega, begin, end = at[0], at[1], at[2], at[3]
     n, dt, start = len(recording.signal), recording.dt, recording.start
-    since = min(
-        begin - start, largest_t1(omega, limit), limit.t2 - (end - begin)
-    )  # the longest time from t0 to the begin
+    # The longest time from t0 to the begin.
+    since = min(begin - start, largest_t1(omega, limit), limit.t2 - (end - begin))
     if since < 0.0 or end <= begin or end > start + (limit.last + 1) * dt:
         return -1.0, 0.0, 0.0, 0.0
     sine, cosine = np.zeros(n), np.zeros(n)

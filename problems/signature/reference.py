@@ -92,11 +92,12 @@ def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bo
     sums = fold_sums(recording, length)
     taus, omegas = np.geomspace(*limit.tau, TAUS), np.linspace(*limit.omega, OMEGAS)
     ceiling = _ceiling(recording.signal, sums, length)
-    grid = np.zeros((sums.n, OMEGAS, 2))
+    grid, most_yet = np.zeros((sums.n, OMEGAS, 2)), 0.0
     for base in range(1, limit.last + 1, 2 * length):
         count = min(2 * length, limit.last + 1 - base)
-        if (ceiling[base : base + count] > grid[..., 0].max()).any():
-            grid[base : base + count] = _scan(base, count, taus, omegas, sums, limit, length)
+        if (ceiling[base : base + count] > most_yet).any():
+            found = _scan(base, count, taus, omegas, sums, limit, length)
+            grid[base : base + count], most_yet = found, max(most_yet, found[..., 0].max())
     energy = grid[..., 0]
     share = min(SHORT / sums.n, 1.0)
     margin, most = (MARGIN, SETTLED) if recording.shift else (MARGIN_BETWEEN, math.ceil(share * SETTLED_BETWEEN))
