@@ -27,7 +27,7 @@ SINGULAR = 1e-12
 NEWTON = 50
 """The most steps to the length that A's bound allows; five are usual."""
 
-CLEARANCE = 4 * EDGE
+CLEARANCE = 1.01 * EDGE
 """s; how far a window's end is kept from a sample that it must include."""
 
 

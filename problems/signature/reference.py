@@ -277,9 +277,9 @@ def _settle(
         since, start, samples = since + dt, start + 1, samples - 1
     latest = min(since - CLEARANCE, largest_t1(omega, limit))
     growth = math.log(max(limit.reach / math.hypot(window.sine, window.cosine), 1.0)) / window.tau  # A's own bound
-    t1 = (max(since - min(dt, growth), 0.0) + latest) / 2
+    t1 = (min(max(since - min(dt, growth), 0.0), latest) + latest) / 2
     last = since + (samples - 1) * dt
-    t2 = (last + min(last + dt, limit.t2)) / 2
+    t2 = min(last + dt / 2, limit.t2)
     first = recording.start + start * dt
     at = np.array([window.tau, omega, first - since + t1, first - since + t2])
     if not recording.shift and sweeps is not None:
@@ -298,7 +298,7 @@ def _places(recording: Folded) -> Floats:
     """
     dt = recording.dt
     turns = min(recording.replicas, int(len(recording.signal) * dt / recording.delay) + 1)
-    places = np.unique(np.round(-np.arange(turns) * recording.delay / dt % 1.0, 6) % 1.0)
+    places = np.unique(np.round(-np.arange(turns) * recording.delay / dt % 1.0, 9) % 1.0)
     return dt * (places if len(places) <= PLACES else np.arange(PLACES) / PLACES)
 
 
