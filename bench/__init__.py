@@ -9,19 +9,19 @@ reads what it wrote; ``bench.write_report`` makes tables, figures and a page of 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from bench.errors import BenchError
-from bench.objective import BudgetExhausted, Objective, Trace
-from bench.optimizer import Optimizer, parameter
-from bench.plugins import load_optimizer, load_problem
-from bench.problem import FunctionProblem, Problem
-from bench.runner import run
-from bench.study import Study
-from bench.trial import Result, solve
-
 if TYPE_CHECKING:
     from bench.check import check_optimizer
+    from bench.errors import BenchError
+    from bench.execution.runner import run
+    from bench.execution.solve import solve
+    from bench.objective import BudgetExhausted, Objective, Trace
+    from bench.optimizer import Optimizer, parameter
+    from bench.plugins.loading import load_optimizer, load_problem
+    from bench.problem import FunctionProblem, Problem
     from bench.report import write_report
-    from bench.results import Results, load_results
+    from bench.storage.results import Results, load_results
+    from bench.study import Study
+    from bench.trial import Result
 
 __all__ = [
     "BenchError",
@@ -44,22 +44,28 @@ __all__ = [
     "write_report",
 ]
 
-# Only checks, reading results and reporting need pandas and matplotlib, whose import takes longer than many a trial.
-_ON_DEMAND = {
-    "Results": "bench.results", "check_optimizer": "bench.check", "load_results": "bench.results",
-    "write_report": "bench.report",
+# Every name is imported when it is first used: pandas or numba take longer to import than many a command to run.
+_HOMES = {
+    "BenchError": "errors", "BudgetExhausted": "objective", "FunctionProblem": "problem", "Objective": "objective",
+    "Optimizer": "optimizer", "Problem": "problem", "Result": "trial", "Results": "storage.results", "Study": "study",
+    "Trace": "objective", "check_optimizer": "check", "load_optimizer": "plugins.loading",
+    "load_problem": "plugins.loading", "load_results": "storage.results", "parameter": "optimizer",
+    "run": "execution.runner", "solve": "execution.solve", "write_report": "report",
 }  # fmt: skip
+_PACKAGES = ("analysis", "plots")
 
 
 def __dir__() -> list[str]:
     """Name what is imported on demand too, so that it completes in a notebook."""
-    return sorted([*__all__, "analysis", "plots"])
+    return sorted([*__all__, *_PACKAGES])
 
 
 def __getattr__(name: str) -> Any:
     """Import what is needed on demand."""
-    if name in _ON_DEMAND:
-        return getattr(import_module(_ON_DEMAND[name]), name)
-    if name in ("analysis", "plots"):
+    if name in _HOMES:
+        value = getattr(import_module(f"bench.{_HOMES[name]}"), name)
+        globals()[name] = value
+        return value
+    if name in _PACKAGES:
         return import_module(f"bench.{name}")
     raise AttributeError(f"module 'bench' has no attribute {name!r}")

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bench.errors import BenchError
-from bench.names import printable
 from bench.problem import Floats, Problem
+from bench.text import printable
 
 _LONGEST_REASON = 200  # characters
 

@@ -15,11 +15,12 @@ from typing import Any
 
 import tomli_w
 
-from bench import files, plugins
 from bench.errors import BenchError, nearest
 from bench.optimizer import Optimizer
+from bench.plugins import from_file, loading, registry
 from bench.problem import Problem
 from bench.seeds import trial_seed
+from bench.trial import Trial
 
 
 @dataclass(frozen=True)
@@ -34,21 +35,6 @@ class Entry:
         """Return the entry as it stands in a study file."""
         label = {} if self.label == self.name else {"label": self.label}
         return {"name": self.name, **label, **self.options}
-
-
-@dataclass(frozen=True, slots=True)
-class Trial:
-    """One run to be made: a cell of the study (problem label, optimizer label), its number from 0, and its seed."""
-
-    problem: str
-    optimizer: str
-    number: int
-    seed: int
-
-    @property
-    def key(self) -> tuple[str, str, int]:
-        """What identifies the trial within its study."""
-        return self.problem, self.optimizer, self.number
 
 
 @dataclass(frozen=True)
@@ -143,12 +129,12 @@ class Study:
     def problem(self, label: str) -> Problem:
         """Load the problem of that label."""
         entry = _named(self.problems, label, "problem", self.name)
-        return plugins.load_problem(entry.name, **entry.options)
+        return loading.load_problem(entry.name, **entry.options)
 
     def optimizer(self, label: str) -> Optimizer:
         """Load the optimizer of that label."""
         entry = _named(self.optimizers, label, "optimizer", self.name)
-        return plugins.load_optimizer(entry.name, **entry.options)
+        return loading.load_optimizer(entry.name, **entry.options)
 
     def check(self) -> tuple[dict[str, str], dict[str, str]]:
         """Load every problem and optimizer once and check the budget against the largest generation.
@@ -198,9 +184,9 @@ class Study:
 
 def _read(source: str | os.PathLike[str]) -> tuple[str, str]:
     """Return the text of a study and how to call it in a message."""
-    installed = plugins.entries("studies")
+    installed = registry.entries("studies")
     if str(source) in installed:
-        text: str = plugins.load("studies", str(source)).read_text(encoding="utf-8")
+        text: str = registry.load("studies", str(source)).read_text(encoding="utf-8")
         return text, repr(str(source))
     path = Path(source)
     if path.suffix != ".toml" and not os.path.exists(path):  # noqa: PTH110 - unlike Path.exists, it never raises
@@ -229,7 +215,7 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         if not texts or not (label is None or (isinstance(label, str) and label.strip())):
             raise BenchError(f"study {where}: a [[{key}]] table needs a name (or a list of names), all of them texts")
         if key == "optimizers":
-            names = [each for name in names for each in plugins.matching(name)]
+            names = [each for name in names for each in loading.matching(name)]
         entries += [Entry(name, label or _label(name), options) for name in names]
         if not all(entry.label.isprintable() for entry in entries):
             raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
@@ -239,7 +225,7 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
 
 def _label(name: str) -> str:
     """Return what results are labelled by without a word from the study: of a file's optimizer, its class's name."""
-    parts = files.split(name)
+    parts = from_file.split(name)
     return parts[1] if parts and parts[1] else name
 
 

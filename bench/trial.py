@@ -1,4 +1,4 @@
-"""One trial: an optimizer on a problem, within a budget, from a seed."""
+"""One trial: an optimizer on a problem, within a budget, from a seed; and what it found."""
 
 import inspect
 from collections.abc import Callable
@@ -6,20 +6,31 @@ from dataclasses import dataclass
 from time import perf_counter, process_time
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
-from bench import plugins
-from bench.errors import BenchError
 from bench.objective import BudgetExhausted, Objective, Trace
 from bench.optimizer import Optimizer
 from bench.problem import Floats, Problem
-from bench.seeds import check_seed, streams
+from bench.seeds import streams
 
 FRAME_COLUMNS = (
     "study", "problem", "optimizer", "trial", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s",
     "stop", "outside_box", "error",
 )  # fmt: skip
 """The tidy frame's own columns; one ``x_<variable>`` each and the problem's domain figures follow."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One run to be made: a cell of the study (problem label, optimizer label), its number from 0, and its seed."""
+
+    problem: str
+    optimizer: str
+    number: int
+    seed: int
+
+    @property
+    def key(self) -> tuple[str, str, int]:
+        """What identifies the trial within its study."""
+        return self.problem, self.optimizer, self.number
 
 
 @dataclass(frozen=True)
@@ -56,30 +67,6 @@ class Result:
     def overhead_time(self) -> float:
         """Wall seconds that the optimizer itself took."""
         return self.time - self.objective_time
-
-
-def solve(problem: str | Problem, optimizer: str | Optimizer, *, budget: int, seed: int = 0) -> Result:
-    """Run one optimizer once on one problem.
-
-    Example:
-        >>> bench.solve("signature-12", "gwo", budget=60_000, seed=1).fun
-
-    Args:
-        problem: a problem or the name of one.
-        optimizer: an optimizer or the name of one.
-        budget: evaluations it may spend; a budget below one generation is spent and then ends.
-        seed: repeats the run exactly; the ``seed`` of a study's row repeats that trial.
-
-    Raises:
-        BenchError: for an unknown name or a budget below 1.
-    """
-    problem = plugins.load_problem(problem) if isinstance(problem, str) else problem
-    optimizer = plugins.load_optimizer(optimizer) if isinstance(optimizer, str) else optimizer
-    if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
-        raise BenchError("solve needs a problem and an optimizer, or their names")
-    check_seed(seed)
-    with threadpool_limits(limits=1):  # results and times must not depend on how many threads a BLAS finds
-        return search(problem, optimizer, budget, seed)
 
 
 def search(
@@ -130,7 +117,7 @@ def search(
 
 
 def as_row(result: Result, variables: tuple[str, ...]) -> dict[str, Any]:
-    """Return the result as the columns of its store row (see bench.store).
+    """Return the result as the columns of its store row (see bench.storage.store).
 
     Raises:
         ValueError: when the problem's variables or domain figures make no columns: not one name a variable, a name

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers._population import Population, compiled
+from optimizers.common.population import Population, compiled
 
 Words = NDArray[np.uint64]
 
@@ -37,10 +37,10 @@ class ALO(Population):
 
     Attributes:
         agents: N, the number of ants and of antlions.
-        handling: see :class:`~optimizers._population.Population`.
+        handling: see :class:`~optimizers.common.population.Population`.
         variant: ``"code"`` follows ALO.m; ``"paper"`` refreshes the antlions' fitness every generation (eq. 2.12) and
             is in all else the same. On five functions (d = 7, 30 agents, 200 generations, 200 seeds; ``python
-            benchmarks/variants.py``) the median of the final bests is then 1.8e-4 against 4.2e-4 on Ackley's function
+            performance/variants.py``) the median of the final bests is then 1.8e-4 against 4.2e-4 on Ackley's function
             (exact KS, p = 7e-9), 11 against 13 on Rastrigin's (p = .001), 3.1e3 against 2.5e3 on a rotated ellipsoid
             (p = .004), and the same on the sphere (5e-10) and, as far as these runs tell, on Rosenbrock's.
     """

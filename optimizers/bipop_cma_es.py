@@ -11,8 +11,8 @@ import numpy as np
 
 from bench.objective import Objective
 from bench.optimizer import parameter
-from optimizers._cma import BoxedCMA, BoxMap
 from optimizers.cma_es_fast import CMAESFast, Strategy
+from optimizers.common.cma import BoxedCMA, BoxMap
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class BIPOPCMAES(BoxedCMA):
 
     Attributes:
         agents: the population size of the first run, at least 6; None is 4 + floor(3 ln d).
-        handling: see :class:`~optimizers._cma.BoxedCMA`.
+        handling: see :class:`~optimizers.common.cma.BoxedCMA`.
         start: the initial mean of the first run; every restart begins at a point of ``objective.initial``.
         sigma: the initial standard deviation of the first run and of the large populations, in units of the box's
             width; the paper's 2 in a box of width 10 is 0.2.

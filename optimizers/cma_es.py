@@ -11,8 +11,8 @@ import numpy as np
 
 from bench.objective import Objective
 from bench.problem import Floats
-from optimizers._cma import BoxedCMA, BoxMap
-from optimizers._works import HANSEN
+from optimizers.common.cma import BoxedCMA, BoxMap
+from optimizers.common.works import HANSEN
 
 UNLIMITED: dict[str, Any] = {"maxiter": np.inf, "maxfevals": np.inf}
 """pycma's own limits on length are off: the harness's budget ends a trial, or a tolerance of pycma does."""
@@ -37,7 +37,7 @@ class CMAES(BoxedCMA):
     each point as its own image.
 
     Attributes:
-        agents, handling, start, sigma: see :class:`~optimizers._cma.BoxedCMA`.
+        agents, handling, start, sigma: see :class:`~optimizers.common.cma.BoxedCMA`.
     """
 
     code: ClassVar[str] = "pycma (N. Hansen's cma), run by this package"

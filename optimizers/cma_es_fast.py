@@ -12,9 +12,9 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers._cma import BoxedCMA, BoxMap
-from optimizers._population import compiled
-from optimizers._works import HANSEN
+from optimizers.common.cma import BoxedCMA, BoxMap
+from optimizers.common.population import compiled
+from optimizers.common.works import HANSEN
 
 TOLFUN, TOLFUNHIST, TOLX, TOLFACUPX, TOLUPSIGMA, TOLCONDITIONCOV = 1e-11, 1e-12, 1e-11, 1e3, 1e20, 1e14
 TOLXSTAGNATION = (1e-9, 20, 0.1)  # distance, generations, share of the generations so far
@@ -38,8 +38,8 @@ class CMAESFast(BoxedCMA):
     rule from 300 variables on are left out. Eigenvectors come from numpy's LAPACK: another LAPACK moves last digits.
 
     Attributes:
-        agents: as in :class:`~optimizers._cma.BoxedCMA`, at least 6.
-        handling, start, sigma: see :class:`~optimizers._cma.BoxedCMA`.
+        agents: as in :class:`~optimizers.common.cma.BoxedCMA`, at least 6.
+        handling, start, sigma: see :class:`~optimizers.common.cma.BoxedCMA`.
     """
 
     code: ClassVar[str] = "written here after the thesis's eqs. 6.1-6.6 and Hansen's tutorial"

@@ -11,7 +11,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers._population import Population, compiled
+from optimizers.common.population import Population, compiled
 
 BETA = 1.5  # (below eq. 3.9)
 SIGMA = gamma(1 + BETA) * sin(pi * BETA / 2) / (gamma((1 + BETA) / 2) * BETA * 2 ** ((BETA - 1) / 2))  # (eq. 3.10)
@@ -33,7 +33,8 @@ class DA(Population):
 
     Attributes:
         agents: N, the number of dragonflies; at least 3, so that one can have the two neighbours of a swarm.
-        handling: see :class:`~optimizers._population.Population`. Each is clipped as it moves, all are repaired after.
+        handling: see :class:`~optimizers.common.population.Population`. Each is clipped as it moves, and all are
+            repaired afterwards.
     """
 
     bibtex: ClassVar[str] = """

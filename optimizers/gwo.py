@@ -10,7 +10,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers._population import Population, compiled
+from optimizers.common.population import Population, compiled
 
 
 @dataclass(frozen=True)
@@ -27,10 +27,10 @@ class GWO(Population):
 
     Attributes:
         agents: N, the number of wolves; at least 3, one for each leader.
-        handling: see :class:`~optimizers._population.Population`.
+        handling: see :class:`~optimizers.common.population.Population`.
         variant: ``"code"`` follows GWO.m; ``"cascade"`` demotes a beaten alpha to beta and a beaten beta to delta, as
             EvoloPy does, so that the leaders are nearly the three best points so far. On five functions (d = 7, 30
-            agents, 200 generations, 200 seeds; ``python benchmarks/variants.py``) that changes little: the median of
+            agents, 200 generations, 200 seeds; ``python performance/variants.py``) that changes little: the median of
             the final bests is 2.1e-3 against 2.8e-3 on the sphere, 3.8 against 4.0 on Rosenbrock's function, where the
             two samples differ most (exact KS, p = .02; the other four p > .1).
     """

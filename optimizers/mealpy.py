@@ -13,13 +13,13 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from bench.derived import derive
 from bench.errors import BenchError
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
+from bench.plugins.derived import derive
 from bench.problem import Floats
-from optimizers._library import Adapter, Library, global_random_state
 from optimizers.alo import ALO
+from optimizers.common.library import Adapter, Library, global_random_state
 from optimizers.da import DA
 from optimizers.goa import GOA
 from optimizers.gwo import GWO
@@ -200,7 +200,7 @@ class Mealpy(Library):
             parameters["mode"] = (Literal["single", "swarm"], "single")
         unmapped = tuple(sentence for names, sentence in REMARKS if member in names)
         return derive(
-            MealpyOptimizer, f"mealpy:{member}", parameters, __doc__=describe(solver), unmapped=unmapped,
+            MealpyOptimizer, f"mealpy:{member}", parameters, self.load, __doc__=describe(solver), unmapped=unmapped,
             code=f"mealpy {version('mealpy')}", bibtex=WORKS.get(member, "") + LIBRARY, solver=solver, own=own,
         )  # fmt: skip
 

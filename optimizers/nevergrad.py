@@ -17,13 +17,13 @@ from typing import Any, ClassVar, Literal, Union, get_args, get_origin
 
 import numpy as np
 
-from bench.derived import derive
 from bench.errors import BenchError
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
-from optimizers._library import Adapter, Library, global_random_state
-from optimizers._works import STORN
+from bench.plugins.derived import derive
 from optimizers.cma_es import CMAES
+from optimizers.common.library import Adapter, Library, global_random_state
+from optimizers.common.works import STORN
 
 LIBRARY = """
     @misc{rapin2018,
@@ -273,6 +273,7 @@ class Nevergrad(Library):
             NevergradOptimizer,
             f"{self.name}:{member}",
             parameters,
+            self.load,
             member=member,
             mapped={key: "popsize" if key == "agents" else key for key in parameters},
             code=f"nevergrad {version('nevergrad')}",

@@ -13,14 +13,14 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from bench.derived import derive
 from bench.errors import BenchError
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
+from bench.plugins.derived import derive
 from bench.problem import Floats
-from optimizers._library import Adapter, Library, global_random_state
-from optimizers._works import JONES, STORN
 from optimizers.cma_es import CMAES, SILENT, UNLIMITED
+from optimizers.common.library import Adapter, Library, global_random_state
+from optimizers.common.works import JONES, STORN
 
 FOLDER = "pymoo.algorithms.soo.nonconvex"
 
@@ -266,7 +266,7 @@ class Pymoo(Library):
         own = tuple(names.split())
         return derive(
             PymooOptimizer, f"pymoo:{member}", {AGENTS.get(name, name): declared(solver, name) for name in own},
-            __doc__=text, bibtex=WORKS.get(member, "") + LIBRARY, code=f"pymoo {version('pymoo')}",
+            self.load, __doc__=text, bibtex=WORKS.get(member, "") + LIBRARY, code=f"pymoo {version('pymoo')}",
             unmapped=UNMAPPED.get(member, ()), solver=solver, own=own,
         )  # fmt: skip
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.objective import Objective
-from optimizers._population import Population
+from optimizers.common.population import Population
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class RandomSearch(Population):
 
     Attributes:
         agents: the points evaluated at once; it changes the speed and not the law.
-        handling: see :class:`~optimizers._population.Population`.
+        handling: see :class:`~optimizers.common.population.Population`.
     """
 
     bibtex: ClassVar[str] = """

@@ -18,8 +18,8 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
-from optimizers._library import CEILING, Adapter, Library
-from optimizers._works import JONES, STORN
+from optimizers.common.library import CEILING, Adapter, Library
+from optimizers.common.works import JONES, STORN
 
 LIBRARY = """
     @article{virtanen2020,

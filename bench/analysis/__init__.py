@@ -44,17 +44,7 @@ from bench.analysis.cells import (
 from bench.analysis.compare import comparison_matrix, medians, ranking, table
 from bench.analysis.integrity import integrity
 from bench.analysis.letters import compact_letters
-from bench.analysis.pairwise import (
-    ALPHA,
-    CUTOFFS,
-    RESAMPLES,
-    TIED,
-    a12,
-    effect_size,
-    holm,
-    pairwise_tests,
-    tied_share,
-)
+from bench.analysis.pairwise import ALPHA, CUTOFFS, RESAMPLES, TIED, a12, effect_size, holm, pairwise_tests, tied_share
 from bench.analysis.power import critical_distance, detectable_shift, power_table
 from bench.analysis.targets import (
     data_profiles,

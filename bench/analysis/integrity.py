@@ -108,8 +108,8 @@ def integrity(
         boxes: the lower and upper bound of each variable, by problem and by variable.
         diagnoses: what ``bench check`` found of each optimizer, by label: check, passed and, where there is one,
             figure.
-        verifications: what ``bench verify`` noted in each folder (:meth:`bench.folder.Folder.verification`), empty
-            where it did not.
+        verifications: what ``bench verify`` noted in each folder
+            (:meth:`bench.storage.folder.Folder.verification`), empty where it did not.
     """
     evidence = Evidence(frame, study_budget, planned_trials, traces or {}, boxes or {}, diagnoses or {}, verifications)
     findings = {name: check(evidence) for name, check in OF_ALL.items()}

@@ -15,7 +15,7 @@ from bench.check.fault import FaultError, UnmadeError
 from bench.check.searching import START
 from bench.check.subject import Subject
 from bench.check.verdict import Verdict
-from bench.words import spell
+from bench.sandbox.messages import spell
 
 PATIENCE = 30.0  # seconds without a sign of life that are allowed once everything is imported and compiled
 

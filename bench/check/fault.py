@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from bench.check.probe import Run
-from bench.process import DiedError, Process, SilentError
-from bench.worker import STILL_ASKING
+from bench.execution.trial_process import STILL_ASKING
+from bench.sandbox.process import DiedError, Process, SilentError
 
 LET_IT_PASS = "let BudgetExhausted pass: catch Exception, never BaseException or everything (a bare except)"
 

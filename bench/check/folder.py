@@ -5,7 +5,7 @@ from __future__ import annotations
 from bench.check.bias import diagnose
 from bench.check.verdict import Verdict
 from bench.errors import BenchError
-from bench.folder import Folder
+from bench.storage.folder import Folder
 
 
 def diagnose_folder(folder: Folder, n_jobs: int = -1) -> tuple[dict[str, list[Verdict]], dict[str, str]]:

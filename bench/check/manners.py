@@ -18,7 +18,7 @@ import numpy as np
 from bench.check import landscapes
 from bench.check.fault import FaultError, expect_same
 from bench.check.subject import Subject
-from bench.words import spell
+from bench.sandbox.messages import spell
 
 
 def check_contract(subject: Subject) -> str:

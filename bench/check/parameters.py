@@ -12,7 +12,7 @@ from bench.check.fault import FaultError
 from bench.check.subject import Subject
 from bench.errors import BenchError
 from bench.optimizer import Optimizer, is_frozen
-from bench.words import spell
+from bench.sandbox.messages import spell
 
 
 def check_parameters(subject: Subject) -> str:

@@ -13,8 +13,8 @@ from bench.check.fault import LET_IT_PASS, FaultError, UnmadeError, describe, ex
 from bench.check.probe import Run
 from bench.check.subject import Subject, ordinary_budget, pack, parameters, unpack
 from bench.problem import FunctionProblem
-from bench.process import DiedError, Process, Pulse, SilentError
-from bench.words import spell
+from bench.sandbox.messages import spell
+from bench.sandbox.process import DiedError, Process, Pulse, SilentError
 
 CLIP = (
     "clip to objective.lower and objective.upper, or call objective.repair(x), as the last step before objective(x): "

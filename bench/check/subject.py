@@ -16,9 +16,9 @@ import cloudpickle
 from bench.check.probe import Run, run
 from bench.errors import BenchError
 from bench.optimizer import Optimizer, build, settings
-from bench.plugins import load_optimizer
+from bench.plugins.loading import load_optimizer
 from bench.problem import Problem
-from bench.process import Pulse
+from bench.sandbox.process import Pulse
 from bench.seeds import check_seed
 
 

@@ -12,8 +12,8 @@ from bench.check.searching import START
 from bench.check.subject import Subject, make_subject, pack, unpack
 from bench.check.verdict import Verdict
 from bench.optimizer import Optimizer
-from bench.process import DiedError, Process, Pulse, RemoteError, SilentError
-from bench.words import spell
+from bench.sandbox.messages import spell
+from bench.sandbox.process import DiedError, Process, Pulse, RemoteError, SilentError
 
 PICKLING = next(check for check in CHECKS if check.name == "pickling")
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from bench.errors import BenchError, nearest
 from bench.export import coco, ioh, tabular
 from bench.export.runs import left_out
-from bench.results import Results
+from bench.storage.results import Results
 
 __all__ = ["FORMATS", "Export", "Format", "export"]
 

@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 from bench import analysis
 from bench.errors import BenchError
 from bench.export.runs import Cell, Run, cells
-from bench.names import file_name, unique
 from bench.problem import Floats
-from bench.results import Results
+from bench.storage.results import Results
+from bench.text import file_name, unique
 
 SUITE = "bbob-constrained"
 FUNCTIONS = 54

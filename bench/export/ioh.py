@@ -16,8 +16,8 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.export.runs import Cell, Run, cells
-from bench.names import file_name, unique
-from bench.results import Results
+from bench.storage.results import Results
+from bench.text import file_name, unique
 
 VERSION = "0.3.22"  # of the format
 LARGEST_FUNCTION = 2**16 - 1  # readers keep a function's number in 16 bits

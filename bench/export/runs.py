@@ -14,7 +14,7 @@ from bench.analysis.cells import Traces, variables
 from bench.errors import BenchError
 from bench.objective import Trace
 from bench.problem import Floats
-from bench.results import Results
+from bench.storage.results import Results
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from bench.errors import require
-from bench.results import Results
+from bench.storage.results import Results
 
 TEXTS = ("study", "problem", "optimizer", "status", "stop", "error")
 COUNTS = ("trial", "seed", "nfev", "outside_box")

@@ -10,7 +10,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.report.methods import Methods, MethodsFacts, methods
-from bench.results import Known, Results
+from bench.storage.results import Known, Results
 from bench.study import Study
 
 

@@ -7,6 +7,7 @@ import string
 import unicodedata
 from collections.abc import Iterable, Sequence
 
+from bench.bibtex import ACCENTS, LETTERS
 from bench.report.parts import Cell, Table
 
 LINE = 84  # characters that a line of an article holds in a table's small type
@@ -22,18 +23,6 @@ SPECIAL = {
     "|": r"\textbar{}", '"': "''", "`": r"\`{}",
 }  # fmt: skip
 """The characters of ASCII that LaTeX does not show as they are."""
-
-LETTERS = {
-    "ß": r"\ss{}", "æ": r"\ae{}", "Æ": r"\AE{}", "œ": r"\oe{}", "Œ": r"\OE{}", "ø": r"\o{}", "Ø": r"\O{}",
-    "ł": r"\l{}", "Ł": r"\L{}", "ı": r"\i{}",
-}  # fmt: skip
-
-ACCENTS = {
-    "\u0300": r"\`", "\u0301": r"\'", "\u0302": r"\^", "\u0303": r"\~", "\u0304": r"\=", "\u0306": r"\u",
-    "\u0307": r"\.", "\u0308": r"\"", "\u030a": r"\r", "\u030b": r"\H", "\u030c": r"\v", "\u0323": r"\d",
-    "\u0327": r"\c", "\u0331": r"\b",
-}  # fmt: skip
-"""Combining marks that every font encoding has; the ogonek, for one, is not among them."""
 
 _GREEK = "αβγδεζηθικλμνξπρστυφχψωΓΔΘΛΞΠΣΥΦΨΩ"
 _GREEK_NAMES = (

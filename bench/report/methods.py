@@ -10,10 +10,11 @@ from typing import Any
 from bench.analysis import ALPHA
 from bench.analysis.cells import NEAR
 from bench.analysis.pairwise import RESAMPLES, TIED
+from bench.bibtex import Work, parse
 from bench.errors import BenchError
 from bench.report.prose import LATEX, MARKDOWN, TEXT, Cite, Sentence, keys, say, series
-from bench.report.references import Reference, library, parse, united
-from bench.report.words import count, listing, options
+from bench.report.references import library, united
+from bench.report.wording import count, listing, options
 from bench.study import Entry, Study
 
 BIBLIOGRAPHY = "references.bib"
@@ -47,7 +48,7 @@ class MethodsFacts:
         empty: cells without any trial.
         failed: trials that failed, of all.
         bibtex: each optimizer's BibTeX by label; an optimizer without any is not cited.
-        environments: what each run noted of itself and its machine (:mod:`bench.environment`).
+        environments: what each run noted of itself and its machine (:mod:`bench.storage.provenance`).
         tests: pairs of optimizers compared by a test, over all problems.
         permutation_tests: those of them whose p is that of the permutation distribution given the ties.
         alpha: the significance level.
@@ -302,7 +303,7 @@ def _targets(facts: MethodsFacts) -> Iterator[Sentence]:
 # the parts of a sentence
 
 
-def _bibliography(facts: MethodsFacts) -> tuple[dict[str, Reference], dict[str, tuple[str, ...]], tuple[str, ...]]:
+def _bibliography(facts: MethodsFacts) -> tuple[dict[str, Work], dict[str, tuple[str, ...]], tuple[str, ...]]:
     """Return all works by key, each optimizer's keys by label, and what could not be read."""
     works, own, warnings = list(library().values()), {}, []
     for entry in facts.study.optimizers:

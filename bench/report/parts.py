@@ -10,7 +10,7 @@ import matplotlib.figure
 import pandas as pd
 from pandas.api.types import is_bool_dtype, is_numeric_dtype
 
-from bench.report.words import cell_text, usual_decimals
+from bench.report.wording import cell_text, usual_decimals
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from bench.analysis.cells import NEAR, labels, scores
 from bench.plots import a12_forest, box_plot, cd_diagram, convergence, data_profile, ecdf, ert, regret, style, timing
 from bench.plots.ranks import RANK_NAME, cd_height, forest_names
 from bench.report.parts import Figure
-from bench.report.words import listing
+from bench.report.wording import listing
 
 SHOWN_ROWS = 300  # of the table behind a figure
 COLUMNS = 3  # panels beside each other

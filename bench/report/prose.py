@@ -6,8 +6,8 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from bench.bibtex import Work
 from bench.report.latex import escape
-from bench.report.references import Reference
 
 
 @dataclass(frozen=True)
@@ -55,13 +55,13 @@ class Style:
     """A way to write sentences: how plain text is shown and how works are cited (one or more)."""
 
     plain: Callable[[str], str]
-    cite: Callable[[list[Reference]], str]
+    cite: Callable[[list[Work]], str]
 
-    def write(self, paragraph: Iterable[Sentence], works: Mapping[str, Reference]) -> str:
+    def write(self, paragraph: Iterable[Sentence], works: Mapping[str, Work]) -> str:
         """Return a paragraph; ``works`` are those it may cite, by key."""
         return " ".join("".join(self._show(piece, works) for piece in sentence) for sentence in paragraph)
 
-    def _show(self, piece: str | Cite, works: Mapping[str, Reference]) -> str:
+    def _show(self, piece: str | Cite, works: Mapping[str, Work]) -> str:
         if isinstance(piece, str):
             return self.plain(piece)
         return self.cite([works[key] for key in piece.keys]) if piece.keys else ""

@@ -11,17 +11,17 @@ from os import PathLike
 from pathlib import Path
 from types import ModuleType
 
-from bench import plugins
 from bench.errors import BenchError
-from bench.names import file_name, free
 from bench.plots import style
-from bench.report.files import FIGURES, TABLES, save_csv, save_figure, save_table
+from bench.plugins import registry
 from bench.report.findings import Findings
+from bench.report.output import FIGURES, TABLES, save_csv, save_figure, save_table
 from bench.report.page import Item, View, inline, render
 from bench.report.parts import Part, Section, Table
 from bench.report.sections import CLOSING, OPENING
-from bench.report.words import count
-from bench.results import Results
+from bench.report.wording import count
+from bench.storage.results import Results
+from bench.text import file_name, free
 
 PAGE, MANIFEST = "report.html", ".report.json"
 COMPARISONS = Path("results") / "comparisons"
@@ -110,7 +110,7 @@ class _Report:
         study = self.results.study
         if not (self.folder / MANIFEST).exists():  # from here on the folder is ours, also if this is interrupted
             (self.folder / MANIFEST).write_text("[]", encoding="utf-8")
-        plugged = sorted(plugins.entries("report_sections"))
+        plugged = sorted(registry.entries("report_sections"))
         self._steps = len(OPENING) + len(plugged) + len(CLOSING) + len(study.problems) + 1
         with style.context(), _collector_at_rest():
             for part in OPENING:
@@ -141,7 +141,7 @@ class _Report:
         views, files = list(self.views), dict(self.files)
         self.step(f"Section {name}")
         try:
-            sections: Callable[[Results], list[Section]] = plugins.load("report_sections", name)
+            sections: Callable[[Results], list[Section]] = registry.load("report_sections", name)
             for section in sections(self.results):
                 self.append(section)
         except Exception as error:

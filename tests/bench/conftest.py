@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from bench import cli, plugins
+from bench.cli import app
+from bench.plugins import registry
 
 INSTALLED = Path(__file__).parent / "installed"
 
@@ -16,13 +17,13 @@ def testing_plugins():
     sys.path.append(str(INSTALLED))
     before = os.environ.get("PYTHONPATH")
     os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [before, str(INSTALLED)]))
-    plugins.entries.cache_clear()
+    registry.entries.cache_clear()
     yield
     sys.path.remove(str(INSTALLED))
     os.environ.pop("PYTHONPATH")
     if before is not None:
         os.environ["PYTHONPATH"] = before
-    plugins.entries.cache_clear()
+    registry.entries.cache_clear()
 
 
 @pytest.fixture(scope="session")
@@ -49,7 +50,7 @@ def bench_here(monkeypatch, capsys):
         monkeypatch.setattr(sys, "argv", ["bench", *map(str, arguments)])
         capsys.readouterr()
         with pytest.raises(SystemExit) as ended:
-            cli.main()
+            app.main()
         done = subprocess.CompletedProcess(sys.argv, ended.value.code or 0, *capsys.readouterr())
         assert "Traceback" not in done.stderr + done.stdout, done.stderr
         return done

@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 import pytest
 
 from bench import BenchError, Study, load_results, run
-from bench.merge import merge
+from bench.storage.merge import merge
 
 LABELS = [
     "../../escaped", "/etc/escaped", "..", "<script>alert(1)</script>", "\\input{/etc/passwd}", "$(touch escaped)",

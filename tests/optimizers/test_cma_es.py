@@ -8,8 +8,8 @@ import pytest
 
 from bench import BudgetExhausted, FunctionProblem, Objective, load_problem, solve
 from bench.seeds import streams
-from optimizers._cma import BoxMap
 from optimizers.cma_es import CMAES
+from optimizers.common.cma import BoxMap
 
 
 def boxes(seed):

@@ -10,7 +10,7 @@ from bench.analysis import ALPHA, average_ranks, cliques, critical_difference
 from bench.report.findings import Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import forest_figure, rank_figure
-from bench.report.words import count, p_text
+from bench.report.wording import count, p_text
 
 TITLE = "Across problems"
 

@@ -20,7 +20,7 @@ from bench.analysis import (
 from bench.report.findings import Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import convergence_figure, ecdf_figure, ert_figure, regret_figure
-from bench.report.words import count, shares
+from bench.report.wording import count, shares
 
 TITLE = "Convergence and targets"
 PROFILE = 1e-2  # Moré and Wild (2009) draw data profiles at 1e-1 to 1e-7; here the middle of the ladder

@@ -7,7 +7,7 @@ import pandas as pd
 from bench.analysis import ALPHA, NEAR, comparison_matrix, regret, table
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
-from bench.report.words import count, listing, shares
+from bench.report.wording import count, listing, shares
 
 TITLE = "Comparison"
 VALUES = ("mean", "median", "median_low", "median_high", "q1", "q3", "best", "worst")

@@ -10,7 +10,7 @@ from bench.analysis import ALPHA, CUTOFFS, TIED, effect_size
 from bench.report.findings import Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import distribution_figure
-from bench.report.words import count, interval, listing, usual_decimals
+from bench.report.wording import count, interval, listing, usual_decimals
 
 TITLE = "Problem by problem"
 TAU = 1e-2  # one of those of the success rates

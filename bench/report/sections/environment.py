@@ -9,10 +9,10 @@ from typing import Any
 
 import pandas as pd
 
-from bench.environment import differences
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
-from bench.report.words import count, listing, options
+from bench.report.wording import count, listing, options
+from bench.storage.provenance import differences
 from bench.study import Study
 
 TITLE = "Environment, seeds and data"

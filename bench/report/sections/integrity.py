@@ -7,7 +7,7 @@ import pandas as pd
 from bench.analysis.traits import TRAITS
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
-from bench.report.words import count, listing, losses
+from bench.report.wording import count, listing, losses
 
 TITLE = "Integrity checks"
 TROUBLE = ("error", "warning")

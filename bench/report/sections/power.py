@@ -9,7 +9,7 @@ import pandas as pd
 from bench.analysis import power_table
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
-from bench.report.words import count
+from bench.report.wording import count
 
 TITLE = "Power"
 

@@ -10,7 +10,7 @@ from bench.analysis import CONTENTION, HIDDEN_THREADS
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
 from bench.report.plots import timing_figure
-from bench.report.words import interval, listing, seconds, usual_decimals
+from bench.report.wording import interval, listing, seconds, usual_decimals
 
 TITLE = "Time"
 

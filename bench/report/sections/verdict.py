@@ -11,7 +11,7 @@ from bench.report.findings import Findings
 from bench.report.parts import Card, Section, Table
 from bench.report.sections import integrity
 from bench.report.sections.power import missed
-from bench.report.words import count, listing, losses, p_text
+from bench.report.wording import count, listing, losses, p_text
 
 TITLE = "Verdict"
 

@@ -11,7 +11,7 @@ from bench.check.bias import diagnose
 from bench.check.folder import diagnose_folder
 from bench.check.functions import FUNCTIONS
 from bench.check.verdict import Verdict
-from bench.folder import Folder
+from bench.storage.folder import Folder
 
 
 @pytest.fixture(autouse=True)

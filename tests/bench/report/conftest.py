@@ -16,9 +16,9 @@ import pandas as pd
 import pytest
 
 from bench import Trace
-from bench.folder import Folder
 from bench.report.page import Item, View, inline, render
 from bench.report.parts import Card, Figure, Section, Table
+from bench.storage.folder import Folder
 from bench.study import Entry, Study
 
 SVG = """<?xml version="1.0" encoding="utf-8"?>

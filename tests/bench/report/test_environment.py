@@ -165,7 +165,7 @@ class TestTime:
 
 
 def test_every_table_is_written_as_latex_and_csv(told, tmp_path):
-    from bench.report.files import save_table
+    from bench.report.output import save_table
 
     section = told([RECORD, NEWER, OLD], [1, 2, 3] * 8)
     for name, table in section.tables.items():

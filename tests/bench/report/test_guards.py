@@ -69,7 +69,7 @@ def test_a_section_that_fails_half_way_leaves_no_download(folder, monkeypatch, t
         raise ValueError("later")
 
     monkeypatch.setattr(
-        write, "plugins", SimpleNamespace(entries=lambda group: {"half": 1}, load=lambda group, name: sections)
+        write, "registry", SimpleNamespace(entries=lambda group: {"half": 1}, load=lambda group, name: sections)
     )
     page = text_of(write_report(folder, output=tmp_path / "out"))
     assert "The report section &#39;half&#39; failed and is left out: ValueError: later" in page

@@ -9,10 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bench import BenchError, plugins
+from bench import BenchError
+from bench.bibtex import parse
+from bench.plugins import registry
 from bench.report.methods import SCALES, MethodsFacts, methods
 from bench.report.prose import LATEX, MARKDOWN, TEXT, Cite, say, series
-from bench.report.references import library, parse, united
+from bench.report.references import library, united
 from bench.study import Entry, Study
 
 ENVIRONMENT = {
@@ -32,7 +34,7 @@ def full(**changes):
     """Return facts of which every sentence can be said."""
     facts = MethodsFacts(
         study(optimizers=[Entry("gwo", "gwo", {"agents": 7, "handling": "box"}), "alo", "cma-es"]), (28, 30), failed=2,
-        bibtex={name: plugins.load("optimizers", name).bibtex for name in ("gwo", "alo", "cma-es")},
+        bibtex={name: registry.load("optimizers", name).bibtex for name in ("gwo", "alo", "cma-es")},
         environments=[ENVIRONMENT], tests=9, permutation_tests=1, ranked_problems=2, known_optima=1, targets=3,
         early={"cma-es": 3, "gwo": 0}, centre_bias={"gwo": True, "alo": False, "cma-es": False},
         structural_bias={"gwo": True, "alo": True},
@@ -215,7 +217,7 @@ class TestMethods:
 
     def test_built_in_optimizers_cite_themselves(self):
         for name in ("alo", "cma-es", "da", "goa", "gwo"):
-            optimizer = plugins.load("optimizers", name)
+            optimizer = registry.load("optimizers", name)
             assert all("doi = {10." in work.fields for work in parse(optimizer.bibtex))
             assert optimizer() == optimizer()
             assert "bibtex" not in [field.name for field in fields(optimizer)]
@@ -232,7 +234,7 @@ def run(folder, *command):
 @pytest.mark.skipif(not (shutil.which("pdflatex") and shutil.which("bibtex")), reason="pdflatex or bibtex is missing")
 def test_latex_and_bibtex_compile_without_a_warning(tmp_path):
     names = [Entry("gwo", "50% of_$wölves$ & 日本 #1 {~^\\}", {"agents": "[x]"}), "alo", "cma-es", "da", "goa"]
-    bibtex = {name: plugins.load("optimizers", name).bibtex for name in ("alo", "cma-es", "da", "goa")}
+    bibtex = {name: registry.load("optimizers", name).bibtex for name in ("alo", "cma-es", "da", "goa")}
     found = methods(full(study=study(names), bibtex=bibtex))
     (tmp_path / "methods.tex").write_text(found.latex, encoding="utf-8")
     (tmp_path / "references.bib").write_text(found.bibtex, encoding="utf-8")

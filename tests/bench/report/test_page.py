@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from bench.plots import style
-from bench.report.files import save_figure
+from bench.report.output import save_figure
 from bench.report.page import MOST_ROWS, by_folder, grid, inline, render
 from bench.report.parts import Card, Figure, Section, Table
 

@@ -10,9 +10,10 @@ import pytest
 
 from bench.plots import style
 from bench.report import Figure, Table
-from bench.report.files import file_name, save_figure, save_table
+from bench.report.output import save_figure, save_table
 from bench.report.page import inline
-from bench.report.words import cell_text, count, listing, seconds, usual_decimals
+from bench.report.wording import cell_text, count, listing, seconds, usual_decimals
+from bench.text import file_name
 
 HOSTILE = [
     "../../etc/passwd",

@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import pytest
 
 from bench import BenchError, Results
-from bench.folder import Folder
 from bench.report import Section, write, write_report
 from bench.report.findings import Findings
 from bench.report.sections import anytime, comparison, integrity
+from bench.storage.folder import Folder
 
 PARTS = [
     "Verdict", "Integrity checks", "Comparison", "Across problems", "Convergence and targets", "Problem by problem",
@@ -22,7 +22,7 @@ def numbered(titles):
 
 def patch_plugins(monkeypatch, **sections):
     plugins = SimpleNamespace(entries=lambda group: sections, load=lambda group, name: sections[name])
-    monkeypatch.setattr(write, "plugins", plugins)
+    monkeypatch.setattr(write, "registry", plugins)
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -1,0 +1,130 @@
+"""Works as BibTeX: read their entries, and name them as a text does."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from dataclasses import dataclass
+from inspect import cleandoc
+
+from bench.errors import BenchError
+
+LETTERS = {
+    "ß": r"\ss{}", "æ": r"\ae{}", "Æ": r"\AE{}", "œ": r"\oe{}", "Œ": r"\OE{}", "ø": r"\o{}", "Ø": r"\O{}",
+    "ł": r"\l{}", "Ł": r"\L{}", "ı": r"\i{}",
+}  # fmt: skip
+
+ACCENTS = {
+    "\u0300": r"\`", "\u0301": r"\'", "\u0302": r"\^", "\u0303": r"\~", "\u0304": r"\=", "\u0306": r"\u",
+    "\u0307": r"\.", "\u0308": r"\"", "\u030a": r"\r", "\u030b": r"\H", "\u030c": r"\v", "\u0323": r"\d",
+    "\u0327": r"\c", "\u0331": r"\b",
+}  # fmt: skip
+"""Combining marks that every font encoding has; the ogonek, for one, is not among them."""
+
+_ENTRY = re.compile(r"@([A-Za-z]+)\s*\{")
+_KEY = re.compile(r"\s*([A-Za-z0-9][A-Za-z0-9.:_+/-]*)\s*,")
+_ACCENT = re.compile(r"""\\(?:([`'^"~=.])|([uvHcdbr])(?=[\s{]))\s*\{?\\?([A-Za-z])\}?""")
+_NO_ENTRIES = ("comment", "preamble", "string")
+
+
+@dataclass(frozen=True)
+class Work:
+    """A BibTeX entry.
+
+    Attributes:
+        key: what it is cited by.
+        kind: such as ``article``.
+        fields: the text of its fields, as written.
+    """
+
+    key: str
+    kind: str
+    fields: str
+
+    @property
+    def bibtex(self) -> str:
+        """The entry as BibTeX."""
+        return f"@{self.kind}{{{self.key},\n  {self.fields}\n}}"
+
+    @property
+    def author_year(self) -> str:
+        """The entry as named in a text: ``"Holm, 1979"``, with two authors or with ``"et al."``."""
+        authors = re.split(r"\s+and\s+", self._field("author") or self._field("editor") or self.key)
+        names = [_family_name(author) for author in authors]
+        joined = f"{names[0]} et al." if len(names) > 2 or names[1:] == ["others"] else " and ".join(names)
+        return f"{joined}, {_plain(self._field('year')) or 'no year'}"
+
+    def is_same(self, other: Work) -> bool:
+        """Return whether both say the same, however their lines are broken and indented."""
+        return [self.key, self.kind, *self.fields.split()] == [other.key, other.kind, *other.fields.split()]
+
+    @property
+    def title(self) -> str:
+        """The work's title as a text, "" where the entry has none."""
+        return _plain(self._field("title"))
+
+    @property
+    def doi(self) -> str:
+        """The work's DOI, "" where the entry has none."""
+        return self._field("doi").strip()
+
+    def _field(self, name: str) -> str:
+        """Return a field's value without its delimiters, "" where the entry has none."""
+        found = re.search(rf"(?:^|[\s,]){name}\s*=\s*([{{\"]?)", self.fields, re.IGNORECASE)
+        if not found:
+            return ""
+        if found[1] == "{":
+            return self.fields[found.end() : _closing(self.fields, found.end()) - 1]
+        return re.split(r'"' if found[1] else r"[,\s]", self.fields[found.end() :], maxsplit=1)[0]
+
+
+def parse(bibtex: str) -> list[Work]:
+    """Return the entries of a BibTeX text.
+
+    What stands between the entries is comment, as in BibTeX; macros (``@string``) are not read.
+
+    Raises:
+        BenchError: for a text without entries, and for an entry with unbalanced braces or without a key of ASCII
+            letters, digits and ``.:_+/-``.
+    """
+    works, start, bibtex = [], 0, cleandoc(bibtex)
+    while entry := _ENTRY.search(bibtex, start):
+        start = _closing(bibtex, entry.end())
+        if entry[1].lower() in _NO_ENTRIES:
+            continue
+        body = bibtex[entry.end() : start - 1]
+        if not (key := _KEY.match(body)):
+            raise BenchError(f"a BibTeX entry needs a plain key and a comma after it: {entry[0]}{body[:40]!r}")
+        works.append(Work(key[1], entry[1], body[key.end() :].strip()))
+    if not works and bibtex.strip():
+        raise BenchError(f"a BibTeX text holds no entry: {bibtex.strip()[:40]!r}")
+    return works
+
+
+def _closing(text: str, start: int) -> int:
+    """Return where the brace that was opened before ``start`` has been closed; raises BenchError where it never is."""
+    depth = 1
+    for brace in re.finditer(r"[{}]", text[start:]):
+        depth += 1 if brace[0] == "{" else -1
+        if depth == 0:
+            return start + brace.end()
+    raise BenchError(f"a BibTeX entry has unbalanced braces: {text[max(start - 20, 0) : start + 20]!r}")
+
+
+def _family_name(author: str) -> str:
+    """Return the family name of ``Family, Jr., Given`` or ``Given von Family``, with its particles."""
+    if "," in author:
+        return _plain(author.split(",")[0])
+    words = re.findall(r"(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|[^\s{}])+", author)
+    particles = [i for i, word in enumerate(words[:-1]) if word[0].islower()]
+    return _plain(" ".join(words[particles[0] if particles else -1 :]))
+
+
+def _plain(tex: str) -> str:
+    """Return the text that a field's TeX shows, its accents as letters."""
+    marks = {command[1:]: mark for mark, command in ACCENTS.items()}
+    text = _ACCENT.sub(lambda found: found[3] + marks[found[1] or found[2]], tex)
+    for letter, command in LETTERS.items():
+        text = re.sub(re.escape(command[:-2]) + r"(?![A-Za-z])\s*", letter, text)
+    text = re.sub(r"\\([&%$#_])", r"\1", text).replace("~", " ")
+    return unicodedata.normalize("NFC", " ".join(re.sub(r"[{}]", "", text).split()))

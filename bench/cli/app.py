@@ -1,0 +1,63 @@
+"""The command line. Bad input is one sentence and exit code 2; failed trials end a run with 1, Ctrl-C with 130."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from bench.cli import check, export, merge, report, rm, run, solve, status, verify
+from bench.cli import list as list_
+from bench.cli.console import print_error
+from bench.errors import BenchError
+from bench.plugins import registry
+
+app = typer.Typer(
+    help="Compare metaheuristics: run studies, and report what may be claimed from them.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+)
+for _name, _command in (
+    ("list", list_.list_plugins), ("run", run.run), ("status", status.status), ("report", report.report),
+    ("export", export.export), ("check", check.check), ("solve", solve.solve), ("verify", verify.verify),
+    ("merge", merge.merge), ("rm", rm.remove),
+):  # fmt: skip
+    app.command(_name)(_command)
+
+
+def main() -> None:
+    """Run the command line and turn bad input into a sentence on standard error."""
+    try:
+        for name in registry.entries("commands"):  # refuses foreign modules of the distribution's generic names
+            _add_command(name)
+        sys.exit(app(standalone_mode=False))
+    except BenchError as error:
+        print_error(str(error))
+        sys.exit(2)
+    except (KeyboardInterrupt, typer.Abort):
+        print_error("interrupted")
+        sys.exit(130)
+    except Exception as error:
+        if not hasattr(error, "format_message"):  # a usage error of click, or of typer's own copy of it
+            raise
+        print_error(error.format_message().rstrip())
+        sys.exit(2)
+
+
+def _add_command(name: str) -> None:
+    """Add a plug-in's sub-command; one that fails to load says so when it is called, and breaks nothing else."""
+    try:
+        command = registry.load("commands", name)
+    except BenchError as error:
+        message = str(error)
+
+        def command() -> None:
+            raise BenchError(message)
+
+        command.__doc__ = "(failed to load)"
+    if isinstance(command, typer.Typer):
+        app.add_typer(command, name=name)
+    else:
+        app.command(name)(command)

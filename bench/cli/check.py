@@ -1,0 +1,72 @@
+"""bench check: whether an optimizer keeps the contract, and which biases it has."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from bench.cli.console import Jobs, Parameters, pairs, print_error, print_line
+from bench.errors import BenchError
+from bench.plugins import registry
+
+if TYPE_CHECKING:
+    from bench.check.verdict import Verdict
+
+
+def check(
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="An optimizer (gwo, mealpy:OriginalGWO, path/to/file.py:Class), or a folder that 'bench run' wrote."
+        ),
+    ],
+    option: Parameters = None,
+    bias: Annotated[bool, typer.Option(help="Also look for biases, which takes longer.")] = True,
+    jobs: Jobs = -1,
+) -> None:
+    """Check that an optimizer keeps the contract, and whether it favours places of the box by itself.
+
+    Every check says what it saw and, where it failed, how to mend it. A breach of the contract ends the command with 1;
+    a bias is a trait of the method, and is told. Given a study's folder, all its optimizers are checked for biases with
+    their own options; what is found is noted there for the study's report.
+    """
+    from bench.check import check_optimizer
+
+    console = Console()
+    if name not in registry.entries("optimizers") and (Path(name) / "study.toml").exists():
+        if option:
+            raise BenchError("--set is for an optimizer given by name; a study's optimizers have their own options")
+        sys.exit(0 if check_folder(Path(name), console, jobs) else 1)
+    checkup = check_optimizer(
+        name, bias=bias, n_jobs=jobs, on_check=lambda each: show_verdict(name, each, console), **pairs(option)
+    )
+    print_line(checkup.summary, console=console)
+    if not checkup.conforms:
+        sys.exit(1)
+
+
+def check_folder(path: Path, console: Console, jobs: int) -> bool:
+    """Check the optimizers of a study's folder; return whether all could be checked, biased or not."""
+    from bench.check.folder import diagnose_folder
+    from bench.storage.folder import Folder
+
+    found, failed = diagnose_folder(Folder(path), jobs)
+    for label, verdicts in found.items():
+        for each in verdicts:
+            show_verdict(label, each, console, mend=False)  # said once by 'bench check NAME'
+    for label, reason in failed.items():
+        print_error(f"{label} could not be checked: {reason}")
+    return not failed
+
+
+def show_verdict(label: str, verdict: Verdict, console: Console, mend: bool = True) -> None:
+    """Print a check's outcome: a breach of the contract in red, a bias in yellow; with how to ``mend`` it."""
+    lines = [f"{verdict.outcome}: {label}, {verdict.check}: {verdict.finding}"]
+    lines += [f"    to mend it: {verdict.mend}"] if mend and verdict.mend else []
+    style = {"passed": None, "BIASED": "yellow", "FAILED": "red"}[verdict.outcome]
+    for line in lines:
+        print_line(line, style, console)

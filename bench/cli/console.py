@@ -1,0 +1,53 @@
+"""What the commands share: lines on the terminal, and arguments and options that several of them take."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from bench.errors import BenchError
+
+Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.")]
+Jobs = Annotated[int, typer.Option(help="Worker processes; -1 takes every core.")]
+Parameters = Annotated[list[str] | None, typer.Option("--set", help="A parameter of the optimizer, as agents=300.")]
+
+
+def print_line(text: str, style: str | None = None, console: Console | None = None) -> None:
+    """Print a text as it stands: its lines are not wrapped, and brackets in it are no markup."""
+    (console or Console()).print(text, style=style, markup=False, highlight=False, soft_wrap=True)
+
+
+def print_error(message: str) -> None:
+    """Print one red line on standard error."""
+    print_line(f"bench: {message}", "red", Console(stderr=True))
+
+
+def pairs(items: list[str] | None) -> dict[str, Any]:
+    """Return KEY=VALUE texts as options; a value that is no TOML value is taken as a text."""
+    options: dict[str, Any] = {}
+    for item in items or []:
+        key, equals, value = item.partition("=")
+        if not equals or not key.strip():
+            raise BenchError(f"{item!r} is no KEY=VALUE, as in agents=300")
+        try:
+            options[key.strip()] = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            options[key.strip()] = value
+    return options
+
+
+def duration(seconds: float) -> str:
+    """Return a time in words, to two units: "8 s", "12 min", "3 h 5 min", "2 d 4 h"."""
+    whole = round(seconds)
+    if whole < 120:
+        return f"{whole} s"
+    minutes, hours = round(whole / 60), round(whole / 3600)
+    if minutes < 120:
+        return f"{minutes} min"
+    if hours < 48:
+        return f"{minutes // 60} h {minutes % 60} min"
+    return f"{hours // 24} d {hours % 24} h"

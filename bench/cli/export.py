@@ -1,0 +1,27 @@
+"""bench export: write results in the formats of other tools."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bench.cli.console import Output, print_line
+
+
+def export(
+    output: Output,
+    kind: Annotated[str, typer.Option("--format", help="ioh, coco, csv or parquet (which needs the extra parquet).")],
+    folder: Annotated[
+        Path | None, typer.Option("--output", help="Folder to write; default: OUTPUT/export/FORMAT.")
+    ] = None,
+) -> None:
+    """Write a study's results for other tools: IOHanalyzer, COCO's cocopp, or as plain tables."""
+    from bench.export import export as export_results
+    from bench.storage.results import Results
+
+    made = export_results(Results(output), kind, folder or output / "export" / kind)
+    for note in made.notes:
+        print_line(f"note: {note}", "yellow")
+    print_line(f"export: {made.folder}")

@@ -1,0 +1,119 @@
+"""What a person sees while a study runs: live bars on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from time import monotonic
+from types import TracebackType
+from typing import Any
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TaskID,
+    TextColumn,
+    TimeRemainingColumn,
+)
+
+from bench.cli.console import duration, print_line
+from bench.execution.plan import Plan
+from bench.trial import Trial
+
+SHOWN = 20  # failures of an optimizer that are printed as they happen
+
+
+class Display:
+    """Trials done, in all and per optimizer, and the time left."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._live = console.is_terminal
+        self._progress = Progress(
+            TextColumn("{task.description}", markup=False),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+            console=console,
+            disable=not self._live,
+        )
+        self._bars: dict[str, TaskID] = {}
+        self._told: dict[str, int] = {}  # failures of each optimizer
+        self._made = self._left = 0
+        self._started = self._spoken = monotonic()
+
+    def __enter__(self) -> Display:
+        self._progress.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._progress.stop()
+
+    def plan(self, plan: Plan) -> None:
+        """Show the plan: how many trials there are, how many an earlier run already made, and what to know before."""
+        counts = plan.counts()
+        show_plan(plan, counts, self._console)
+        total, present = (sum(each) for each in zip(*counts.values(), strict=True))
+        self._left = total - present
+        self._started = monotonic()
+        self._bars["all"] = self._progress.add_task("all", total=total, completed=present)
+        for entry in plan.study.optimizers:
+            mine = [count for (_, label), count in counts.items() if label == entry.label]
+            total, present = (sum(each) for each in zip(*mine, strict=True)) if mine else (0, 0)
+            self._bars[f"of {entry.label}"] = self._progress.add_task(entry.label, total=total, completed=present)
+
+    def trial(self, trial: Trial, row: dict[str, Any]) -> None:
+        """Count one finished trial; a failed one is said at once."""
+        self._made += 1
+        if row["status"] != "ok":
+            reason = str(row["error"]).partition("\n")[0]
+            told = self._told[trial.optimizer] = self._told.get(trial.optimizer, 0) + 1
+            more = "; more of them are counted, not shown" if told == SHOWN else ""
+            if told <= SHOWN:
+                where = f"{trial.optimizer} on {trial.problem}, trial {trial.number}"
+                print_line(f"{row['status']}: {where}: {reason}{more}", "red", self._console)
+        self._progress.advance(self._bars["all"])
+        self._progress.advance(self._bars[f"of {trial.optimizer}"])
+        if not self._live and (monotonic() - self._spoken > 15 or self._made == self._left):
+            self._spoken = monotonic()
+            rest = (self._spoken - self._started) / self._made * (self._left - self._made)
+            left = f", about {duration(rest)} left" if self._made < self._left else ""
+            print_line(f"{self._made} of {self._left} runs done{left}", console=self._console)
+
+
+def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], console: Console) -> None:
+    """Print the size of a plan, how much of it is done, and what to know before it begins."""
+    study = plan.study
+    total, present = (sum(each) for each in zip(*counts.values(), strict=True))
+    size = f"{len(study.problems)} problems x {len(study.optimizers)} optimizers x {study.trials} trials"
+    part = f"; shard {plan.shard} of them: {total} runs" if plan.shard else f" = {total} runs"
+    done = f", {present} of them already done" if present else ""
+    print_line(f"study {study.name}: {size}{part} of {study.budget} evaluations{done}", console=console)
+    for note in plan.notes:
+        print_line(note, "yellow", console)
+
+
+@contextmanager
+def steps(console: Console, name: str) -> Iterator[Callable[[str, int, int], None]]:
+    """Show a bar for work in known steps; yields what to call before each: its title, steps done, steps in all."""
+    progress = Progress(
+        TextColumn("{task.fields[name]}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.description}", markup=False),
+        console=console,
+        disable=not console.is_terminal,
+        transient=True,
+    )
+    with progress:
+        task = progress.add_task("", name=name, total=None)
+
+        def show(title: str, done: int, total: int) -> None:
+            progress.update(task, description=title, completed=done, total=total)
+
+        yield show

@@ -1,0 +1,37 @@
+"""bench report: write the report of one or several study folders."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from bench.cli.console import print_line
+
+
+def report(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="OUTPUT…", help="A folder that 'bench run' wrote, or several to compare.")
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(help="Folder to write; default: OUTPUT itself, and results/comparisons/NAMES for several."),
+    ] = None,
+) -> None:
+    """Write the report of a study's folder: a page, tables (CSV, LaTeX), figures (SVG, PDF) and a methods paragraph.
+
+    Several folders, such as those of two versions of an optimizer, are compared as one study.
+    """
+    report_on(folders, Console(), output)
+
+
+def report_on(folders: list[Path], console: Console, output: Path | None = None) -> None:
+    """Write the report and say where it is."""
+    from bench.cli.progress import steps
+    from bench.report import write_report
+
+    with steps(console, "report") as on_progress:
+        page = write_report(*folders, output=output, on_progress=on_progress)
+    print_line(f"report: {page}", console=console)

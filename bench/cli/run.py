@@ -1,0 +1,113 @@
+"""bench run: run a study, continue one, or extend one; then write its report."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from bench.cli.check import check_folder
+from bench.cli.console import Jobs, duration, print_error, print_line
+from bench.cli.report import report_on
+
+if TYPE_CHECKING:
+    from bench.execution.plan import Plan
+
+
+def run(
+    study: Annotated[str, typer.Argument(help="An installed study's name (see 'bench list studies') or a TOML file.")],
+    output: Annotated[Path | None, typer.Option(help="Folder to write; default: results/runs/STUDY.")] = None,
+    jobs: Jobs = -1,
+    backend: Annotated[str, typer.Option(help="Where trials are made: loky (this machine) or dask.")] = "loky",
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Of dask's scheduler, as tcp://10.0.0.1:8786.")
+    ] = None,
+    trials: Annotated[
+        int | None, typer.Option(help="Trials of each optimizer on each problem, instead of the study's.")
+    ] = None,
+    budget: Annotated[int | None, typer.Option(help="Evaluations a trial, instead of the study's.")] = None,
+    seed: Annotated[int | None, typer.Option(help="The root of all seeds, instead of the study's.")] = None,
+    optimizer: Annotated[
+        list[str] | None,
+        typer.Option(help="Another optimizer beside the study's: a name, or path/to/file.py:ClassName; repeatable."),
+    ] = None,
+    timeout: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="Wall-clock limit of a trial; one that exceeds it is lost.")
+    ] = None,
+    memory: Annotated[
+        float | None,
+        typer.Option(metavar="GB", help="Memory a trial may take; default: its share of the machine's."),
+    ] = None,
+    shard: Annotated[
+        str | None, typer.Option(metavar="K/N", help="Only the K-th of N parts, one a machine; see 'bench merge'.")
+    ] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and about how long it takes.")] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="Also check the optimizers (see 'bench check') before the report.")
+    ] = False,
+    report: Annotated[bool, typer.Option(help="Write the report when the run ends.")] = True,
+) -> None:
+    """Run a study, continue one that was interrupted, or extend one; then write its report.
+
+    The same command continues where the last one ended: every finished trial is kept. An optimizer that raises, hangs
+    or crashes costs its own trials only: they are counted as failed, and tried again by the next run.
+    """
+    from bench.cli.progress import Display
+    from bench.execution.pool import WorkerDiedError
+    from bench.execution.runner import plan as plan_study
+    from bench.execution.runner import run as run_study
+    from bench.study import Study
+
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # a polite kill ends like Ctrl-C, and stops the workers
+
+    console = Console()
+    chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed).beside(optimizer or [])
+    if dry_run:
+        _show_estimate(plan_study(chosen, output, shard=shard), jobs, console)
+        return
+    try:
+        with Display(console) as display:
+            outcome = run_study(
+                chosen, output, n_jobs=jobs, backend=backend, scheduler=scheduler, timeout=timeout, memory=memory,
+                shard=shard, on_plan=display.plan, on_trial=display.trial,
+            )  # fmt: skip
+    except KeyboardInterrupt:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)  # once is enough
+        print_error("interrupted; every finished trial is kept: run the same command again to continue")
+        sys.exit(130)
+    except WorkerDiedError as error:
+        print_error(str(error))
+        sys.exit(1)
+    unchecked = check and not check_folder(outcome.folder, console, jobs)
+    if report and shard is None:  # of a part there is nothing to claim yet
+        report_on([outcome.folder], console)
+    else:
+        print_line(f"results in {outcome.folder}", console=console)
+    if outcome.failed:
+        print_error(f"{outcome.failed} trials failed; see the report or 'bench status {outcome.folder}'")
+    if outcome.failed or unchecked:
+        sys.exit(1)
+
+
+def _show_estimate(plan: Plan, jobs: int, console: Console) -> None:
+    """Print a plan, each optimizer's part of it, and the time that it takes by the trials that are there."""
+    from joblib import cpu_count
+
+    from bench.cli.progress import show_plan
+
+    counts = plan.counts()
+    show_plan(plan, counts, console)
+    for entry in plan.study.optimizers:
+        mine = [planned - done for (_, label), (planned, done) in counts.items() if label == entry.label]
+        print_line(f"  {entry.label}: {sum(mine)} to run", console=console)
+    seconds, workers = plan.seconds(), cpu_count() if jobs == -1 else jobs
+    if seconds is None:
+        said = "no trial is there to tell the time by; run some first, as with --trials 1"
+    else:
+        said = f"about {duration(seconds / workers)} with {workers} jobs, by the trials that are there"
+    print_line(said, console=console)

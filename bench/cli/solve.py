@@ -1,0 +1,58 @@
+"""bench solve: run one optimizer once on one problem."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from bench.cli.console import Parameters, pairs, print_error
+from bench.errors import BenchError
+
+if TYPE_CHECKING:
+    from bench.problem import Problem
+    from bench.trial import Result
+
+
+def solve(
+    problem: Annotated[str, typer.Argument(help="A problem's name, such as signature-12 or recording:joint2.csv.")],
+    optimizer: Annotated[str, typer.Argument(help="An optimizer's name, such as gwo.")],
+    budget: Annotated[int, typer.Option(help="Evaluations to spend.")] = 60_000,
+    seed: Annotated[int, typer.Option(help="Repeats the run; the seed of a study's row repeats that trial.")] = 0,
+    option: Parameters = None,
+    problem_option: Annotated[list[str] | None, typer.Option(help="An option of the problem, as unit=rpm.")] = None,
+) -> None:
+    """Run one optimizer once on one problem and print what it found."""
+    from bench.execution.solve import solve as solve_once
+    from bench.plugins import loading
+
+    loaded = loading.load_problem(problem, **pairs(problem_option))
+    chosen = loading.load_optimizer(optimizer, **pairs(option))
+    chosen.check_budget(budget, optimizer)
+    try:
+        result = solve_once(loaded, chosen, budget=budget, seed=seed)
+    except BenchError:
+        raise
+    except Exception as error:  # a plug-in may raise anything
+        print_error(f"{optimizer} failed on {problem}: {type(error).__name__}: {error}")
+        sys.exit(1)
+    show_result(result, loaded, Console())
+
+
+def show_result(result: Result, problem: Problem, console: Console) -> None:
+    """Print one run's best value, point, domain figures and times."""
+    table = Table(show_header=False, box=None, pad_edge=False)
+    table.add_row("best value", repr(result.fun))
+    for name, value in zip(problem.variables, result.x, strict=True):
+        table.add_row(Text(f"  {name}"), f"{value:.10g}")
+    for name, value in result.figures.items():
+        table.add_row(Text(name), f"{value:.6g}")
+    table.add_row("evaluations", f"{result.nfev} (stopped by: {result.stop})")
+    table.add_row(
+        "time", f"{result.objective_time:.3f} s in the objective and {result.overhead_time:.3f} s in the optimizer"
+    )
+    console.print(table)

@@ -1,0 +1,130 @@
+"""How far a study's folder is, what failed in it, and where it was run; read while a run writes to it, too."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from time import sleep
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console, Group, RenderableType
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from bench.cli.console import Output, duration, print_line
+
+if TYPE_CHECKING:
+    from bench.storage.folder import Folder
+
+SHOWN = 20  # lines of failures
+HASHES = 20  # of data and code; environment.json holds all
+
+
+def status(
+    output: Output,
+    watch: Annotated[bool, typer.Option("--watch", help="Show it anew every two seconds until the run ends.")] = False,
+) -> None:
+    """Show how far a study's folder is, what failed, and where it ran; also while a run writes to it."""
+    from bench.storage.folder import Folder
+
+    console, folder = Console(), Folder(output)
+    if watch:
+        with Live(summary(folder), console=console, auto_refresh=False) as live:
+            while folder.running():
+                sleep(2)
+                live.update(summary(folder), refresh=True)
+        return
+    show_status(folder, console)
+
+
+def show_status(folder: Folder, console: Console) -> None:
+    """Print a folder's summary, its failures by reason, what verified it, and the runs that made it."""
+    console.print(summary(folder))
+    for line in _failures(folder):
+        print_line(line, "red", console)
+    if verified := folder.verification():
+        style = "red" if verified.get("different") else None
+        line = f"verified {verified.get('verified')}: {verified.get('sentence')}"
+        print_line(line, style, console)
+    made = folder.store.made()
+    for number, record in folder.store.environments().items():
+        for line in _environment(record, made.get(number, 0)):
+            print_line(line, console=console)
+
+
+def summary(folder: Folder) -> Group:
+    """Return the trials that are done and lost, by optimizer, and the run that is under way."""
+    study = folder.study()
+    cells = folder.store.cells()
+    table = Table("optimizer", "done", "failed", "of", "s a trial", box=None, pad_edge=False)
+    for entry in study.optimizers:
+        mine = [cell for cell in cells if cell.optimizer == entry.label]
+        done, lost = sum(cell.done for cell in mine), sum(cell.lost for cell in mine)
+        mean = f"{sum(cell.wall_s for cell in mine) / done:.3g}" if done else ""
+        planned = len(study.problems) * study.trials
+        table.add_row(Text(entry.label), str(done), Text(str(lost), style="red" if lost else ""), str(planned), mean)
+    lines: list[RenderableType] = [
+        Text(f"study {study.name}: {study.title}"),
+        Text(f"study hash {study.identity()}"),
+        table,
+    ]
+    if running := folder.running():
+        left = len(study.problems) * len(study.optimizers) * study.trials - sum(cell.done for cell in cells)
+        lines.append(Text(_progress(folder, running, left)))
+    return Group(*lines)
+
+
+def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
+    """Return who is running, how fast, and how long it may take."""
+    said = f"running: process {running['pid']} on {running['host']} since {running['started']}"
+    made = folder.store.made()
+    own = [number for number, record in folder.store.environments().items() if record["started"] >= running["started"]]
+    count = sum(made.get(number, 0) for number in own)
+    if not count:
+        return said
+    elapsed = (datetime.now(UTC) - datetime.fromisoformat(running["started"])).total_seconds()
+    rest = f", about {duration(elapsed / count * left)} for the {left} left" if left else ""
+    return f"{said}; {count} trials made, {count / max(elapsed, 1):.3g} a second{rest}"
+
+
+def _failures(folder: Folder) -> list[str]:
+    """Return a line for each optimizer and reason for which trials were lost, as far as there is room."""
+    reasons: dict[tuple[str, str, str], list[dict[str, Any]]] = {}
+    for row in folder.store.rows("status != 'ok'") if folder.store.path.exists() else ():
+        key = row["status"], row["optimizer"], str(row["error"]).partition("\n")[0]
+        reasons.setdefault(key, []).append(row)
+    lines = []
+    for (status, optimizer, reason), rows in reasons.items():
+        first = rows[0]
+        more = f" and {len(rows) - 1} more" if len(rows) > 1 else ""
+        lines.append(f"{status}: {optimizer} on {first['problem']}, trial {first['trial']}{more}: {reason}")
+    hidden = len(lines) - SHOWN
+    return [*lines[:SHOWN], *([f"… and {hidden} more reasons"] if hidden > 0 else [])]
+
+
+def _environment(record: dict[str, Any], made: int) -> list[str]:
+    """Return what one run on one machine was, in lines."""
+    git = record.get("git") or {}
+    dirty = f" with changes {git['diff'][:10]}" if git.get("diff") else " with changes" if git.get("dirty") else ""
+    commit = f", commit {git['commit'][:10]}{dirty}" if git.get("commit") else ""
+    blas = ", ".join(
+        f"{e.get('library')} {e.get('version')}, threads: {e.get('threads')}" for e in record.get("blas") or ()
+    )
+    packages = ", ".join(f"{name} {version}" for name, version in (record.get("packages") or {}).items())
+    ended = f", ended {record['ended']}" if record.get("ended") else ", not ended"
+    workers = f"{record.get('jobs')} jobs ({record.get('backend')})"
+    machine = ", ".join(f"{record.get(key)}" for key in ("host", "processor", "system"))
+    hashes = [
+        f"{label} {value[:10]}"
+        for kind in ("data", "code")
+        for label, value in (record.get(kind) or {}).items()
+        if value
+    ]
+    more = f" and {len(hashes) - HASHES} more" if len(hashes) > HASHES else ""
+    return [
+        f"ran {record.get('started')}{ended}: {made} trials with {workers} on {machine}, {record.get('cores')} cores",
+        f"    Python {record.get('python')}{commit}; {packages}" + (f"; BLAS {blas}" if blas else ""),
+        *([f"    data and code: {', '.join(hashes[:HASHES])}{more}"] if hashes else []),
+        f"    study {record.get('study')}: {record.get('command')}",
+    ]

@@ -1,0 +1,366 @@
+"""Many machines: trials made by the workers of a dask.distributed cluster, which joblib hands them to.
+
+The parent's side is :func:`cluster`, the workers' side :func:`work`. Batches that fail, are cancelled or lose their
+scheduler all come back through joblib's documented interface for backends: its own backend for dask never hears of
+some of them and waits for ever, and it makes the trials of a cluster with a single thread in the parent.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import CancelledError, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from math import inf
+from threading import Event, Lock, Thread, get_ident
+from time import monotonic, sleep
+from typing import Any
+from uuid import uuid4
+
+from joblib.parallel import ParallelBackendBase
+
+from bench.errors import BenchError, require
+from bench.execution import supervisor
+from bench.execution.pool import Answer, Pool, WorkerDiedError
+from bench.execution.supervisor import Task
+from bench.storage import provenance
+from bench.trial import Trial
+
+CONNECT = 10.0  # seconds that a scheduler has to answer
+ARRIVE = 20.0  # seconds that the first worker has to arrive
+RETURN = 600.0  # seconds that a cluster may be without any worker before a run gives up
+LOOK = 1.0  # seconds between looks at what is going on
+IDLE = 60.0  # seconds after which trial processes end that have nothing to do
+BATCH, MOST = 0.5, 100  # seconds of a thread, and trials, that travel together
+AHEAD = 500  # batches under way at least, so that workers which come later find something to do
+
+_LOGGERS = ("distributed", "tornado", "asyncio")
+
+Introduction = tuple[str, str]  # a worker's name and host, and its package
+
+
+@contextmanager
+def cluster(scheduler: str) -> Iterator[Pool]:
+    """Yield the workers of a cluster; nothing of the run is left on them when the context ends.
+
+    Args:
+        scheduler: its address, such as "tcp://10.0.0.1:8786".
+
+    Raises:
+        BenchError: when the extra "dask" is not installed, the scheduler cannot be reached, it has no workers, or they
+            run another version of this package.
+    """
+    distributed = require("distributed", "dask", "the dask backend needs")
+    with _quiet():
+        client = _connect(distributed.Client, scheduler)
+        try:
+            jobs = _wait_for_workers(client, scheduler)
+            _refuse_strangers(client)
+            pool = Cluster(client, scheduler, jobs)
+            try:
+                yield pool
+            finally:
+                pool.close()
+        finally:
+            with suppress(Exception):
+                if client.status == "running":
+                    client.run(rest, on_error="ignore")
+                client.close(timeout=CONNECT)
+
+
+class Cluster(Pool):
+    """The workers of a dask cluster.
+
+    Attributes:
+        jobs: threads of all workers together, as they are at the start.
+    """
+
+    def __init__(self, client: Any, scheduler: str, jobs: int) -> None:
+        from distributed import KilledWorker
+        from distributed.comm import CommClosedError
+
+        self._client, self._scheduler = client, scheduler
+        self._hands = _Hands(client, jobs)
+        super().__init__(jobs, backend=self._hands)
+        self.work, self.window, self.deaths = work, max(3 * jobs, AHEAD), (KilledWorker,)
+        self._gone = (CancelledError, CommClosedError)
+
+    def close(self) -> None:
+        """Wait for nothing any more."""
+        self._hands.close()
+
+    def _map(self, task: Task, trials: Iterable[Trial]) -> Iterator[Answer]:
+        ended = Event()
+        watch = Thread(target=self._watch, args=(ended,), daemon=True)
+        watch.start()
+        try:
+            yield from super()._map(task, trials)
+        except self._gone as error:
+            raise self._lost("is gone, or has dropped this run") from error
+        except (BenchError, ImportError):  # a worker that came later
+            _refuse_strangers(self._client)
+            raise
+        finally:
+            ended.set()
+            watch.join()
+
+    def _watch(self, ended: Event) -> None:
+        """End the run when the scheduler or all workers are lost for good."""
+        seen = monotonic()
+        while not ended.wait(LOOK):
+            if self._client.status != "running":
+                return self._hands.fail(self._lost("is gone"))
+            with suppress(Exception):  # a scheduler that is gone is seen above
+                if threads := sum(self._client.nthreads().values()):
+                    seen, self._hands.threads = monotonic(), threads
+            if monotonic() - seen > RETURN:
+                return self._hands.fail(self._lost(f"has had no workers for {RETURN / 60:g} minutes"))
+        return None
+
+    def _lost(self, what: str) -> WorkerDiedError:
+        return WorkerDiedError(
+            f"the scheduler {self._scheduler} {what}; every finished trial is kept: run the same command again to "
+            "continue"
+        )
+
+
+class _Hands(ParallelBackendBase):  # type: ignore[misc]
+    """What joblib asks of a backend, by dask's futures."""
+
+    supports_retrieve_callback = True
+
+    def __init__(self, client: Any, jobs: int) -> None:
+        super().__init__()
+        self._client, self.threads = client, jobs
+        self._flying: dict[str, tuple[Any, Callable[[Any], None]]] = {}
+        self._caller = ThreadPoolExecutor(1)  # joblib's callbacks take their time, which is not the event loop's
+        self._since, self._made, self._size = monotonic(), 0, 1
+
+    def effective_n_jobs(self, n_jobs: int) -> int:  # noqa: ARG002 - the cluster's own number
+        """Return how many batches are made at a time; two at least, for joblib makes a single job's in this process."""
+        return max(2, self.threads)
+
+    def submit(self, func: Any, callback: Callable[[Any], None]) -> Any:
+        """Have a batch made; the callback is called once with what it returned or raised, whatever becomes of it."""
+        key = f"bench-{uuid4().hex}"
+        try:
+            future = self._client.submit(func, key=key, pure=False)
+        except Exception:  # the client was closed meanwhile
+            callback(CancelledError())
+            return None
+        self._flying[key] = future, callback
+        self._client.loop.add_callback(self._fetch, key, future)
+        return future
+
+    def retrieve_result_callback(self, out: Any) -> Any:
+        """Return what a batch returned, or raise what ended it."""
+        if isinstance(out, BaseException):
+            raise out
+        return out
+
+    def compute_batch_size(self) -> int:
+        """Return how many trials travel together."""
+        return self._size
+
+    def batch_completed(self, batch_size: int, duration: float) -> None:  # noqa: ARG002 - nearly all of it in a queue
+        """Have as many short trials travel together as take half a second, by how many are made in one."""
+        self._made += batch_size
+        passed = monotonic() - self._since
+        if passed > LOOK:
+            self._size = min(max(1, int(BATCH * self._made / (passed * self.threads))), MOST)
+            self._since, self._made = monotonic(), 0
+
+    def abort_everything(self, ensure_ready: bool = True) -> None:  # noqa: ARG002 - it always is
+        """Let go of all batches: the workers drop them, see :func:`work`."""
+        while self._flying:
+            with suppress(KeyError, RuntimeError):
+                self._flying.popitem()[1][0].release()
+
+    def fail(self, error: Exception) -> None:
+        """Have whoever waits for a batch see an error."""
+        while self._flying:
+            with suppress(KeyError, RuntimeError):
+                future, callback = self._flying.popitem()[1]
+                future.release()
+                callback(error)
+
+    def close(self) -> None:
+        """End what calls back."""
+        self._caller.shutdown(wait=False, cancel_futures=True)
+
+    async def _fetch(self, key: str, future: Any) -> None:
+        """Wait for a batch beside the others: a worker may be lost with what it made, which is then made again."""
+        out: Any
+        try:
+            (out,) = await self._client.gather([future], asynchronous=True)
+        except Exception as error:
+            out = error
+        except asyncio.CancelledError:
+            out = CancelledError()
+        with suppress(RuntimeError):  # closed: nobody waits
+            self._caller.submit(self._land, key, out)
+
+    def _land(self, key: str, out: Any) -> None:
+        _, callback = self._flying.pop(key, (None, None))
+        if callback is not None:
+            callback(out)
+
+
+# before the first trial
+
+
+def _connect(client: Callable[..., Any], scheduler: str) -> Any:
+    """Return a client of the scheduler."""
+    if not scheduler.strip():
+        raise BenchError("the address of the dask scheduler is empty; it is such as tcp://10.0.0.1:8786")
+    answer: list[Any] = []
+
+    def connect() -> None:
+        try:
+            answer.append(client(scheduler, timeout=CONNECT, set_as_default=False))
+        except Exception as error:
+            answer.append(error)
+
+    # In a thread, since a server that accepts and says nothing would be waited for without end.
+    thread = Thread(target=connect, daemon=True)
+    with warnings.catch_warnings(action="ignore"):
+        thread.start()
+        thread.join(CONNECT + LOOK)
+    found = answer[0] if answer else TimeoutError()
+    if isinstance(found, Exception):
+        raise BenchError(
+            f"no dask scheduler answers at {scheduler!r} ({type(found).__name__}); start one with 'dask scheduler' and "
+            "give the address that it prints, such as tcp://10.0.0.1:8786"
+        ) from found
+    return found
+
+
+def _wait_for_workers(client: Any, scheduler: str) -> int:
+    """Return the number of threads of all workers."""
+    with suppress(TimeoutError):
+        client.wait_for_workers(1, timeout=ARRIVE)
+    threads = sum(client.nthreads().values())
+    if not threads:
+        raise BenchError(
+            f"the dask cluster at {scheduler} has no workers; start some with 'dask worker {scheduler}' and run the "
+            "same command again"
+        )
+    return int(threads)
+
+
+def _refuse_strangers(client: Any) -> None:
+    """Raise BenchError where a worker runs another package than this process."""
+    own = provenance.package()
+
+    def introduce(dask_worker: Any) -> Introduction:  # sent as code: the worker may have no such module
+        import socket
+
+        try:
+            from bench.storage.provenance import package
+
+            runs = package()
+        except Exception as error:
+            runs = f"no usable backlash-bench ({type(error).__name__}: {error})"
+        return f"{dask_worker.name} on {socket.gethostname()}", runs
+
+    found = {f"the worker {address}": said for address, said in client.run(introduce, on_error="return").items()}
+    others = {who: said for who, said in found.items() if not isinstance(said, Exception) and said[1] != own}
+    if others:
+        who, (name, runs) = next(iter(others.items()))
+        more = f" ({len(others) - 1} others differ too)" if len(others) > 1 else ""
+        raise BenchError(
+            f"{who} ({name}) runs {runs}{more}, this process {own}; install the same version on all and restart them"
+        )
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep dask's own log off the terminal: what matters to a run is said in sentences."""
+    names = [*_LOGGERS, *(each for each in logging.root.manager.loggerDict if each.startswith(_LOGGERS))]
+    levels = {logging.getLogger(name): logging.getLogger(name).level for name in names}
+    try:
+        for logger in levels:
+            logger.setLevel(logging.CRITICAL + 1)
+        yield
+    finally:
+        for logger, level in levels.items():
+            logger.setLevel(level)
+
+
+# in a worker
+
+
+def work(task: Task, trial: Trial) -> Answer:
+    """Have one trial made by a process of this thread's own, for as long as somebody waits for it.
+
+    Dask cannot end what a thread is at. When the parent has let go, was killed or has lost the scheduler, the trial's
+    process is ended here, and so are those that have had nothing to do for a while.
+
+    Raises:
+        CancelledError: when nobody waits.
+        BenchError: as :func:`bench.execution.supervisor.work`.
+    """
+    from distributed import get_worker
+
+    worker = get_worker()
+    key = worker.get_current_task()
+
+    def is_wanted() -> bool:
+        state = worker.state.tasks.get(key)
+        return state is not None and state.state == "executing"
+
+    _desk.begin(is_wanted)
+    try:
+        return supervisor.work(task, trial)
+    finally:
+        _desk.end()
+
+
+def rest() -> None:
+    """End the trial processes of this worker soon, unless there is something to do for them."""
+    _desk.rest()
+
+
+class _Desk:
+    """What the threads of this worker are at."""
+
+    def __init__(self) -> None:
+        self._lock, self._busy, self._used = Lock(), dict[int, Callable[[], bool]](), 0.0
+        self._looking = False
+
+    def begin(self, is_wanted: Callable[[], bool]) -> None:
+        """Note that this thread has a trial made."""
+        with self._lock:
+            if not is_wanted():
+                raise CancelledError
+            self._busy[get_ident()] = is_wanted
+            if not self._looking:
+                self._looking = True
+                Thread(target=self._look, daemon=True).start()
+
+    def end(self) -> None:
+        """Note that it is done."""
+        with self._lock:
+            del self._busy[get_ident()]
+            self._used = monotonic()
+
+    def rest(self) -> None:
+        """Note that there may be no more to do."""
+        self._used = -inf
+
+    def _look(self) -> None:
+        """End trial processes that nobody waits for, until all threads are idle."""
+        while self._looking:
+            sleep(LOOK)
+            with self._lock:
+                if self._busy:
+                    if not any(is_wanted() for is_wanted in self._busy.values()):
+                        supervisor.close()  # as often as it takes: a trial whose process is killed is begun once more
+                elif monotonic() - self._used > IDLE:
+                    supervisor.close()
+                    self._looking = False
+
+
+_desk = _Desk()

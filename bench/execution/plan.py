@@ -1,0 +1,103 @@
+"""What a run is about to do: which trials of a study are missing, how many there are, and how long they may take."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+
+from bench.errors import BenchError
+from bench.storage.store import Cell, Keys
+from bench.study import Study
+from bench.trial import Trial
+
+
+@dataclass(frozen=True)
+class Shard:
+    """One part of a study that several machines share: every ``of``-th trial of its plan, from the ``number``-th on."""
+
+    number: int
+    of: int
+
+    @classmethod
+    def parse(cls, text: str) -> Shard:
+        """Return the shard of a text such as ``"3/20"``; raises BenchError for any other."""
+        found = re.fullmatch(r"(\d{1,9})/(\d{1,9})", text.strip())
+        if not found or not 1 <= int(found[1]) <= int(found[2]):
+            raise BenchError(f"a shard is a number from 1 and their number, as in 3/20, not {text!r}")
+        return cls(int(found[1]), int(found[2]))
+
+    def __str__(self) -> str:
+        return f"{self.number}/{self.of}"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The trials of a study, or of one shard of it, and those of them that are finished.
+
+    Attributes:
+        study: the study as frozen in its folder.
+        shard: the part that is run here, None for all of it.
+        finished: the trials that need not be made; a run puts its own in.
+        cells: what the folder holds already.
+        notes: what is worth a warning before it begins.
+    """
+
+    study: Study
+    shard: Shard | None
+    finished: Keys
+    cells: Sequence[Cell] = ()
+    notes: Sequence[str] = ()
+
+    def trials(self) -> Iterator[Trial]:
+        """Yield every trial, finished or not, in the order in which they are to be made."""
+        plan = self.study.plan()
+        return plan if self.shard is None else islice(plan, self.shard.number - 1, None, self.shard.of)
+
+    def missing(self) -> Iterator[Trial]:
+        """Yield the trials that are not finished when their turn comes."""
+        return (trial for trial in self.trials() if trial.key not in self.finished)
+
+    def counts(self) -> dict[tuple[str, str], tuple[int, int]]:
+        """Return how many trials each cell (problem, optimizer) has, and how many of them are finished."""
+        study = self.study
+        if self.shard is None:
+            return {
+                (problem.label, optimizer.label): (
+                    study.trials,
+                    self.finished.count(problem.label, optimizer.label, study.trials),
+                )
+                for problem in study.problems
+                for optimizer in study.optimizers
+            }
+        counts: dict[tuple[str, str], tuple[int, int]] = {}
+        for trial in self.trials():
+            planned, done = counts.get(trial.key[:2], (0, 0))
+            counts[trial.key[:2]] = planned + 1, done + (trial.key in self.finished)
+        return counts
+
+    def seconds(self) -> float | None:
+        """Return the seconds of one processor that the missing trials will take, going by those that are stored.
+
+        A cell without any counts as the mean of its optimizer's others, and else of all.
+
+        Returns:
+            None where no trial is stored to go by.
+        """
+        groups: dict[tuple[str, ...], list[Cell]] = defaultdict(list)
+        for cell in self.cells:
+            if cell.done:
+                for group in ((cell.problem, cell.optimizer), (cell.optimizer,), ()):
+                    groups[group].append(cell)
+        if not groups:
+            return None
+        means = {
+            group: sum(cell.wall_s for cell in cells) / sum(cell.done for cell in cells)
+            for group, cells in groups.items()
+        }
+        return sum(
+            (planned - finished) * means.get((problem, optimizer), means.get((optimizer,), means[()]))
+            for (problem, optimizer), (planned, finished) in self.counts().items()
+        )

@@ -1,0 +1,175 @@
+"""Run a study's missing trials with joblib and commit each as it finishes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from bench.errors import BenchError
+from bench.execution import supervisor
+from bench.execution.interrupts import Interrupts, deferred
+from bench.execution.plan import Plan, Shard
+from bench.execution.pool import Answer, open_pool
+from bench.execution.supervisor import Task
+from bench.storage import provenance
+from bench.storage.folder import Folder
+from bench.study import Study
+from bench.trial import Trial
+
+Listener = Callable[[Trial, dict[str, Any]], None]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended: where its results are, how many trials it made, and how many of the study's failed."""
+
+    folder: Path
+    made: int
+    failed: int
+
+
+def run(
+    study: Study | str | PathLike[str],
+    output: str | PathLike[str] | None = None,
+    *,
+    n_jobs: int = -1,
+    backend: str = "loky",
+    scheduler: str | None = None,
+    timeout: float | None = None,
+    memory: float | None = None,
+    shard: str | None = None,
+    on_plan: Callable[[Plan], None] | None = None,
+    on_trial: Listener | None = None,
+) -> Outcome:
+    """Run every trial of a study that its folder does not hold yet.
+
+    Rerunning the same call continues where the last one ended; failed trials are tried again. Results depend on the
+    study alone: not on the number of workers, on the order of trials or on the other optimizers. Every trial is made
+    in a process of the worker's own, so that an optimizer that hangs or crashes costs only its own trials.
+
+    Args:
+        study: a study, the name of an installed one, or a TOML file's path.
+        output: the folder to write, ``results/runs/<study name>`` by default.
+        n_jobs: worker processes; -1 takes every core. A dask cluster has its own number.
+        backend: where trials are made, "loky" (this machine) or "dask" (a cluster).
+        scheduler: the address of dask's scheduler, such as "tcp://10.0.0.1:8786".
+        timeout: wall seconds that a trial may take before it is stopped.
+        memory: gigabytes that a trial's process may hold; by default its share of nine tenths of the machine's.
+        shard: "3/20" for the third of twenty parts, each of which one machine runs into a folder of its own.
+        on_plan: called once with what is to be done.
+        on_trial: called with every finished trial and its row.
+
+    Raises:
+        BenchError: for a study that cannot be run or a folder that cannot take it.
+        WorkerDiedError: when worker processes end again and again, whatever they are given.
+        KeyboardInterrupt: on Ctrl-C, once what has finished is committed.
+    """
+    _check_limits(n_jobs, timeout, memory)
+    part = Shard.parse(shard) if shard is not None else None
+    study = study if isinstance(study, Study) else Study.load(study)
+    folder = _folder(study, output)
+    with deferred() as interrupts, ExitStack() as held:
+        with interrupts.welcome():  # plug-ins or a cluster may keep one waiting
+            held.callback(supervisor.close)
+            data, code = supervisor.check(Task(study.to_toml()), keep=n_jobs == 1)
+            pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
+        held.enter_context(folder.lock())
+        study = folder.claim(study)
+        folder.check_data(data)
+        folder.check_code(code)
+        plan = _plan(study, folder, part)
+        if on_plan is not None:
+            on_plan(plan)
+        about = provenance.run(study, data, code, pool.jobs, backend, timeout=timeout, shard=shard)
+        task = Task(study.to_toml(), timeout, _bytes(memory, pool.jobs, backend))
+        made = _make(plan, folder, pool.answers(task, plan.missing), about, interrupts, on_trial)
+        return Outcome(folder.path, made, sum(cell.lost for cell in folder.store.cells()))
+
+
+def plan(
+    study: Study | str | PathLike[str], output: str | PathLike[str] | None = None, *, shard: str | None = None
+) -> Plan:
+    """Return what :func:`run` would do, and write nothing.
+
+    Raises:
+        BenchError: for a study that cannot be run, or a folder that holds another one.
+    """
+    part = Shard.parse(shard) if shard is not None else None
+    study = study if isinstance(study, Study) else Study.load(study)
+    data, code = supervisor.check(Task(study.to_toml()))
+    folder = _folder(study, output)
+    folder.refuse_changes(data, code)
+    return _plan(folder.extended(study), folder, part)
+
+
+def _folder(study: Study, output: str | PathLike[str] | None) -> Folder:
+    return Folder(output if output is not None else Path("results") / "runs" / study.name)
+
+
+def _plan(study: Study, folder: Folder, shard: Shard | None) -> Plan:
+    """Return the plan of a study in its folder, with what changed since it was last run there."""
+    changed = folder.differences(provenance.machine())
+    note = (
+        f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): those to come may "
+        "differ in their last digits and their times; the report tells them apart"
+    )
+    store = folder.store
+    return Plan(study, shard, store.keys(finished_only=True), store.cells(), [note] if changed else [])
+
+
+def _make(
+    plan: Plan,
+    folder: Folder,
+    answers: Iterator[Answer],
+    about: dict[str, Any],
+    interrupts: Interrupts,
+    on_trial: Listener | None,
+) -> int:
+    """Commit the missing trials as they are made; return their number."""
+    numbers: dict[str, int] = {}  # of the environments, by their machine's text
+    made = 0
+    with folder.store.writer() as writer:
+        try:
+            while True:
+                with interrupts.welcome():
+                    answer = next(answers, None)
+                if answer is None:
+                    return made
+                trial, row, machine = answer
+                if machine not in numbers:
+                    numbers[machine] = writer.environment(json.loads(machine) | about)
+                    folder.write_environments()
+                writer.add(trial, row, numbers[machine])
+                plan.finished.add(*trial.key)
+                made += 1
+                if on_trial is not None:
+                    on_trial(trial, row)
+        finally:
+            answers.close()  # type: ignore[attr-defined]
+            ended = provenance.now()
+            for machine, number in numbers.items():
+                writer.change(number, json.loads(machine) | about | {"ended": ended})
+            if numbers:
+                folder.write_environments()
+
+
+def _check_limits(n_jobs: object, timeout: object, memory: object) -> None:
+    if isinstance(n_jobs, bool) or not isinstance(n_jobs, int) or n_jobs == 0 or n_jobs < -1:
+        raise BenchError(f"the number of jobs must be at least 1, or -1 for every core, not {n_jobs!r}")
+    for name, value, unit in (("timeout", timeout, "seconds"), ("memory", memory, "gigabytes")):
+        if value is not None and (
+            isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < float("inf")
+        ):
+            raise BenchError(f"the {name} of a trial must be more than 0 {unit}, not {value!r}")
+
+
+def _bytes(memory: float | None, jobs: int, backend: str) -> int | None:
+    """Return how many bytes of memory one trial's process may hold; a cluster's workers have their own limits."""
+    if memory is not None:
+        return int(memory * 1e9)
+    return int(0.9 * provenance.memory() / jobs) if backend == "loky" else None

@@ -1,0 +1,194 @@
+"""Inside a trial process: load the plug-ins, warm up, make one trial after another."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+import tomllib
+import traceback
+from collections.abc import Iterator
+from functools import lru_cache
+from importlib.abc import MetaPathFinder
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from bench.errors import BenchError
+from bench.problem import Problem
+from bench.sandbox import side_effects
+from bench.sandbox.messages import spell
+from bench.sandbox.process import Pulse
+from bench.sandbox.side_effects import Leftovers
+from bench.storage import provenance
+from bench.study import Study
+from bench.text import printable
+from bench.trial import Trial, as_row, search
+
+STILL_ASKING = 87
+"""The exit code of a process that an optimizer held up, asking on and on after its budget was spent."""
+
+_REFUSALS = 10  # one is all that an optimizer needs to see
+
+Row = dict[str, Any]
+
+
+def failed(reason: str) -> Row:
+    """Return the row of a trial that failed."""
+    return {"status": "failed", "error": printable(reason, 4000)}
+
+
+def check(study_text: str, *, pulse: Pulse) -> tuple[dict[str, str], dict[str, str]] | str:
+    """Return what :meth:`bench.study.Study.check` does, or in words why the study cannot be run.
+
+    Pulses while modules are imported.
+    """
+    try:
+        with _signs_of_life(pulse):
+            return _study(study_text).check()
+    except BenchError as error:
+        return printable(str(error), 4000)
+
+
+def describe(study_text: str, *, pulse: Pulse) -> tuple[str, bool]:
+    """Load all the study's plug-ins and tell what :func:`bench.storage.provenance.machine` then says of this process.
+
+    Returns:
+        that as JSON, and whether the process may go on to make trials.
+    """
+    study = _study(study_text)
+    plugins: list[object] = []
+    with _signs_of_life(pulse):
+        for load, entries in ((study.optimizer, study.optimizers), (study.problem, study.problems)):
+            for entry in entries:
+                pulse(0, 1)
+                with contextlib.suppress(BaseException):  # its trials will say what is wrong
+                    plugins.append(load(entry.label))
+    threadpool_limits(limits=1)
+    return json.dumps(provenance.machine(provenance.modules(plugins))), side_effects.accept()
+
+
+def load(study_text: str, problem: str, optimizer: str, *, pulse: Pulse) -> None:
+    """Load what a cell's trials are made of; pulses while modules are imported."""
+    with contextlib.suppress(BaseException), _signs_of_life(pulse):  # the trial itself will say what is wrong
+        _problem(study_text, problem)
+        pulse(0, 1)
+        _study(study_text).optimizer(optimizer)
+    threadpool_limits(limits=1)  # of what was loaded only now; the environment has told the others
+    side_effects.accept()  # or a trial will find that it cannot be
+
+
+def warm_up(study_text: str, problem: str, optimizer: str, *, pulse: Pulse) -> None:
+    """Make one discarded, short trial for each kind of problem and optimizer: no trial shall wait for a compiler.
+
+    Pulses while modules are imported and numba compiles, which may take longer than a trial is allowed to.
+    """
+    with contextlib.suppress(BaseException):  # the trial itself will say what is wrong
+        study = _study(study_text)
+        loaded, chosen = _problem(study_text, problem), study.optimizer(optimizer)
+        key = study_text, type(loaded), optimizer
+        if key in _warm:
+            return
+        _warm.add(key)
+        with _signs_of_life(pulse), Leftovers():
+            budget = min(study.budget, 3 * chosen.minimum_budget)
+            search(loaded, chosen, budget, 0, _refuse)
+    threadpool_limits(limits=1)  # of what only a run loads
+
+
+def make(study_text: str, trial: Trial, *, pulse: Pulse) -> tuple[Row, bool]:  # noqa: ARG001 - a trial is not disturbed
+    """Make one trial; whatever it raises becomes its row.
+
+    Returns:
+        the trial's row, and whether the process may go on to make others.
+    """
+    left = Leftovers()
+    try:
+        study = _study(study_text)
+        problem, optimizer = _problem(study_text, trial.problem), study.optimizer(trial.optimizer)
+        with left:
+            result = search(problem, optimizer, study.budget, trial.seed, _refuse)
+        row = as_row(result, problem.variables)
+    except BaseException as error:  # a plug-in may raise anything, and it costs only its own cell
+        row = failed(f"{spell(error)}\n{traceback.format_exc(limit=-3)}")
+    if row["status"] == "ok" and (reason := _breach(left)):
+        row = failed(reason)
+    return row, not left.lasting
+
+
+def _breach(left: Leftovers) -> str:
+    """Return why a trial cannot stand for what it left behind, "" where it can."""
+    running = [kind for count, kind in ((left.threads, "threads"), (left.processes, "processes")) if count]
+    if running:
+        return (
+            f"left {' and '.join(running)} running, in the time of the trials after it; have them ended before "
+            "minimize returns or its budget is spent"
+        )
+    if left.random:
+        return (
+            f"used the global random state of {' and '.join(left.random)}, so its seed does not repeat it; draw from "
+            "the rng that minimize is given"
+        )
+    return ""
+
+
+@lru_cache(maxsize=4)
+def _study(text: str) -> Study:
+    return Study.from_dict(tomllib.loads(text))
+
+
+@lru_cache(maxsize=256)
+def _problem(study_text: str, label: str) -> Problem:
+    return _study(study_text).problem(label)
+
+
+_warm: set[tuple[str, type, str]] = set()
+
+
+def _refuse(number: int) -> None:
+    """End this process when an optimizer does not take the end of its budget for an answer: nothing else stops it."""
+    if number > _REFUSALS:
+        os._exit(STILL_ASKING)
+
+
+@contextlib.contextmanager
+def _signs_of_life(pulse: Pulse) -> Iterator[None]:
+    """Pulse with every module that is looked for, and with every step of whatever numba compiles."""
+    finder = _Finder(pulse)
+    sys.meta_path.insert(0, finder)
+    try:
+        with _compilations(pulse):
+            yield
+    finally:
+        with contextlib.suppress(ValueError):
+            sys.meta_path.remove(finder)
+
+
+class _Finder(MetaPathFinder):
+    """Finds no module, but tells that one is looked for."""
+
+    def __init__(self, pulse: Pulse) -> None:
+        self._pulse = pulse
+
+    def find_spec(self, *_: Any) -> None:
+        """Pulse."""
+        self._pulse(0, 1)
+
+
+@contextlib.contextmanager
+def _compilations(pulse: Pulse) -> Iterator[None]:
+    """Pulse at the start and the end of every step of whatever numba compiles, where it is in use."""
+    if "numba" not in sys.modules:
+        yield
+        return
+    from numba.core import event
+
+    class Listener(event.Listener):  # type: ignore[misc]
+        def on_start(self, event: Any) -> None:  # noqa: ARG002
+            pulse(0, 1)
+
+        on_end = on_start
+
+    with event.install_listener("numba:run_pass", Listener()):
+        yield

@@ -1,0 +1,140 @@
+"""Make stored trials again, under other circumstances, and compare them bit by bit."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from os import PathLike
+
+from joblib import cpu_count
+
+from bench.errors import BenchError
+from bench.execution import supervisor
+from bench.execution.pool import open_pool
+from bench.execution.supervisor import Task
+from bench.execution.trial_process import Row
+from bench.storage import provenance
+from bench.storage.folder import Folder
+from bench.storage.store import Keys, Store, disagreement, stored
+from bench.trial import Trial
+
+HASH_SEED = 4242  # a run's processes have 0
+
+OnProgress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What came of making trials again.
+
+    Attributes:
+        cells: the cells (problem, optimizer) that trials were taken from.
+        trials: the trials made again.
+        jobs: the workers that made them.
+        different: the trials that came out otherwise, and in what.
+        notes: how this machine and its versions differ from those that made the trials.
+    """
+
+    cells: int
+    trials: int
+    jobs: int
+    different: dict[Trial, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    @property
+    def sentence(self) -> str:
+        """All of it in one sentence."""
+        same = self.trials - len(self.different)
+        workers = f"{self.jobs} worker{'s' if self.jobs > 1 else ''}"
+        said = f"{same:,} of {self.trials:,} trials of {self.cells:,} cells are the same bit by bit"
+        other = f", though in another environment ({'; '.join(self.notes)})" if self.notes else ""
+        return f"{said} with {workers} and another PYTHONHASHSEED{other}"
+
+    def lines(self) -> Iterator[str]:
+        """Yield a line for every trial that came out otherwise."""
+        for trial, what in self.different.items():
+            yield f"different: {trial.optimizer} on {trial.problem}, trial {trial.number}: {what}"
+
+
+def verify(
+    path: str | PathLike[str],
+    *,
+    trials: int = 2,
+    n_jobs: int | None = None,
+    on_progress: OnProgress | None = None,
+) -> Verification:
+    """Make some finished trials of every cell again and note in the folder whether they are the same.
+
+    Args:
+        path: the folder that ``bench.run`` wrote.
+        trials: how many of each cell, chosen by chance.
+        n_jobs: worker processes; None for another number than the run's.
+        on_progress: called with a title, trials made and trials in all.
+
+    Raises:
+        BenchError: when the folder holds no finished trial, or its data or code changed.
+    """
+    folder = Folder(path)
+    study = folder.study()
+    data, code = supervisor.check(Task(study.to_toml()))
+    chosen = _chosen(folder, trials, study.seed)
+    folder.refuse_changes(data, code)
+    jobs = n_jobs or _other_number(folder)
+    noted = Keys()
+    different: dict[Trial, str] = {}
+    done = 0
+    with open_pool("loky", jobs, None) as pool:
+        task = Task(study.to_toml(), hash_seed=HASH_SEED)
+        for trial, row, _ in pool.answers(task, lambda: (each for each in chosen if each.key not in noted)):
+            noted.add(*trial.key)
+            done += 1
+            if what := _difference(folder.store, trial, row):
+                different[trial] = what
+            if on_progress is not None:
+                on_progress(f"{trial.optimizer} on {trial.problem}", done, len(chosen))
+        jobs = pool.jobs
+    cells = len({trial.key[:2] for trial in chosen})
+    notes = tuple(folder.differences(provenance.machine()))
+    found = Verification(cells, len(chosen), jobs, different, notes)
+    folder.note_verification(
+        {"verified": provenance.now(), "cells": cells, "trials": len(chosen), "sentence": found.sentence,
+         "different": [*found.lines()]}
+    )  # fmt: skip
+    return found
+
+
+def _chosen(folder: Folder, trials: int, seed: int) -> list[Trial]:
+    """Return so many finished trials of each cell, by chance."""
+    if isinstance(trials, bool) or not isinstance(trials, int) or trials < 1:
+        raise BenchError(f"the number of trials to verify must be at least 1, not {trials!r}")
+    cells: dict[tuple[str, str], list[Trial]] = {}
+    for row in folder.store.rows("status = 'ok'"):
+        cell = cells.setdefault((row["problem"], row["optimizer"]), [])
+        cell.append(Trial(row["problem"], row["optimizer"], row["trial"], row["seed"]))
+    if not cells:
+        raise BenchError(f"{folder.path} holds no finished trial to verify")
+    choice = random.Random(seed)
+    return [trial for cell in cells.values() for trial in choice.sample(cell, min(trials, len(cell)))]
+
+
+def _other_number(folder: Folder) -> int:
+    """Return a number of workers that the last run did not have."""
+    noted = [record.get("jobs") for record in folder.environments()]
+    cores = int(cpu_count())
+    if not noted or noted[-1] != cores:
+        return cores
+    return cores - 1 or 2
+
+
+def _difference(store: Store, trial: Trial, row: Row) -> str:
+    """Return in what a trial made again differs from the stored one, "" where in nothing."""
+    before, again = store.find(*trial.key), stored(trial, row)
+    if before is None:
+        return "it is no longer stored"
+    if row["status"] != "ok":
+        return str(row["error"]).partition("\n")[0]
+    name = disagreement(before, again)
+    if name in ("", "trace"):
+        return name and "another course, the same end"
+    return f"{name} was {before[name]} and is {again.get(name)}"

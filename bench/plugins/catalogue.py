@@ -1,0 +1,110 @@
+"""What is known of an installed optimizer: where it comes from, whose code it is, and which parameters it takes."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import types
+from dataclasses import dataclass
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+
+from bench.bibtex import parse
+from bench.errors import BenchError
+from bench.optimizer import Optimizer
+from bench.plugins import from_file, loading, registry
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of an optimizer: its default, what it may be, and the closed range it must lie in."""
+
+    name: str
+    default: Any
+    kind: str
+    minimum: float | None
+    maximum: float | None
+
+    def __str__(self) -> str:
+        low, high = self.minimum, self.maximum
+        span = f"{low} to {high}" if None not in (low, high) else f">= {low}" if low is not None else f"<= {high}"
+        bounds = "" if low is None and high is None else f" ({span})"
+        return f"{self.name}={self.default!r}{bounds or (f' ({self.kind})' if '|' in self.kind else '')}"
+
+
+@dataclass(frozen=True)
+class Record:
+    """An optimizer's lineage and parameters.
+
+    Attributes:
+        name: the name it is loaded by.
+        family: the family it belongs to, "" for a plug-in of its own.
+        about: one line.
+        paper: authors, year, title and DOI of each work it comes from.
+        code: whose implementation runs.
+        parameters: its parameters.
+        extra: the optional extra of this distribution that it needs, "" for none.
+        unmapped: what its adapter could not carry over from its library, one sentence each.
+        package: the package that offers it.
+    """
+
+    name: str
+    family: str
+    about: str
+    paper: list[str]
+    code: str
+    parameters: list[Parameter]
+    extra: str
+    unmapped: list[str]
+    package: str
+
+
+def record(name: str) -> Record:
+    """Return what is known of the optimizer of that name; raises BenchError where it cannot be loaded."""
+    family, colon, _ = name.partition(":")
+    own = from_file.split(name) is None
+    entry = registry.entries("optimizers").get(family) if own else None
+    kind = type(loading.load_optimizer(name))
+    return Record(
+        name=name,
+        family=family if colon and own else "",
+        about=first_line(kind),
+        paper=_papers(kind.bibtex),
+        code=kind.code,
+        parameters=_parameters(kind),
+        extra=str(getattr(registry.load("optimizers", family), "extra", "")) if colon and own else "",
+        unmapped=list(kind.unmapped),
+        package=f"{entry.dist.name} {entry.dist.version}" if entry is not None and entry.dist is not None else "",
+    )
+
+
+def first_line(thing: Any) -> str:
+    """Return the first line of a docstring, without the marks of reStructuredText."""
+    return (inspect.getdoc(thing) or "").partition("\n")[0].replace("``", "")
+
+
+def _papers(bibtex: str) -> list[str]:
+    """Return each work as ``Mirjalili et al., 2014, Grey Wolf Optimizer, doi:…``."""
+    try:
+        works = parse(bibtex)
+    except BenchError:
+        return []
+    return [", ".join(filter(None, (work.author_year, work.title, work.doi and f"doi:{work.doi}"))) for work in works]
+
+
+def _parameters(kind: type[Optimizer]) -> list[Parameter]:
+    hints = get_type_hints(kind)
+    return [
+        Parameter(
+            field.name, field.default, _spell(hints[field.name]),
+            field.metadata.get("minimum"), field.metadata.get("maximum"),
+        )
+        for field in dataclasses.fields(kind)  # type: ignore[arg-type]
+    ]  # fmt: skip
+
+
+def _spell(hint: Any) -> str:
+    if get_origin(hint) is Literal:
+        return " | ".join(repr(choice) for choice in get_args(hint))
+    if get_origin(hint) in (Union, types.UnionType):
+        return " | ".join(_spell(option) for option in get_args(hint))
+    return "None" if hint is type(None) else str(getattr(hint, "__name__", hint))

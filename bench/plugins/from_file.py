@@ -1,0 +1,94 @@
+"""Optimizers from a Python file that nobody installed, named ``path/to/file.py:ClassName``."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import sys
+from functools import cache
+from importlib.machinery import SourceFileLoader
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import CodeType, ModuleType
+from typing import Any
+
+from bench.errors import BenchError, nearest
+from bench.optimizer import Optimizer, build, is_frozen
+from bench.plugins.derived import derive
+from bench.plugins.from_function import of_function
+
+
+def split(name: str) -> tuple[Path, str] | None:
+    """Return file and attribute of a name such as ``"my/file.py:Mine"``, or None for a name of another form."""
+    path, colon, attribute = name.rpartition(":")
+    return (Path(path), attribute) if colon and path.endswith(".py") else None
+
+
+def load_optimizer(name: str, /, **options: Any) -> Optimizer:
+    """Return the optimizer of that file with the given parameters; raises BenchError as :func:`load` and for these."""
+    return build(load(name), name, options)
+
+
+def load(name: str) -> type[Optimizer]:
+    """Return the optimizer class of that file; a plain function becomes one.
+
+    Raises:
+        BenchError: where the file is missing or fails to run, or holds no such class or function.
+    """
+    parts = split(name)
+    if parts is None:
+        raise BenchError(f"{name!r} is not of the form path/to/file.py:ClassName")
+    path, attribute = parts
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise BenchError(f"the optimizer file {path} cannot be read: {error.strerror}") from error
+    return _optimizer(name, attribute, path.resolve(), hashlib.sha256(content).hexdigest()[:16])
+
+
+@cache
+def _optimizer(name: str, attribute: str, path: Path, fingerprint: str) -> type[Optimizer]:
+    module = _module(path, fingerprint)
+    found = vars(module).get(attribute)
+    if isinstance(found, type) and issubclass(found, Optimizer):
+        same = {"__doc__": found.__doc__, "fingerprint": fingerprint}
+        return (
+            derive(found, name, {}, load_optimizer, **same) if is_frozen(found) else found
+        )  # build() refuses what is not
+    if inspect.isfunction(found):
+        return of_function(found, name, load_optimizer, fingerprint=fingerprint)
+    if attribute in vars(module):
+        raise BenchError(f"{attribute!r} of {path} is neither an Optimizer subclass nor a function")
+    own = [key for key, value in vars(module).items() if _offers(module, value)]
+    raise BenchError(f"{path} holds no optimizer called {attribute!r}{nearest(attribute, own)}")
+
+
+class _Unkept(SourceFileLoader):
+    """Compiles the source each time: kept bytecode may be that of another version of the same second and size."""
+
+    def get_code(self, fullname: str) -> CodeType:  # noqa: ARG002 - a loader's signature
+        return self.source_to_code(self.get_data(self.path), self.path)
+
+
+@cache
+def _module(path: Path, fingerprint: str) -> ModuleType:
+    """Run the file as a module of its own; modules that lie beside it can be imported from it."""
+    name = f"bench_file_{path.stem}_{fingerprint}"  # an edited file is loaded anew
+    spec = spec_from_file_location(name, path, loader=_Unkept(name, str(path)))
+    if spec is None or spec.loader is None:
+        raise BenchError(f"the optimizer file {path} cannot be read as Python")
+    module = module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses look their annotations up there
+    if str(path.parent) not in sys.path:
+        sys.path.append(str(path.parent))
+    try:
+        spec.loader.exec_module(module)
+    except (Exception, SystemExit) as error:  # a stranger's file may raise anything
+        del sys.modules[name]
+        raise BenchError(f"the optimizer file {path} failed to load: {type(error).__name__}: {error}") from error
+    return module
+
+
+def _offers(module: ModuleType, value: object) -> bool:
+    mine = getattr(value, "__module__", None) == module.__name__
+    return mine and (inspect.isfunction(value) or (isinstance(value, type) and issubclass(value, Optimizer)))

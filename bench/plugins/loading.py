@@ -1,0 +1,100 @@
+"""Load an optimizer or a problem by its name: an installed plug-in, a member of a family, or a file's class."""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Callable
+from typing import Any
+
+from bench.errors import BenchError, nearest
+from bench.optimizer import Optimizer, build
+from bench.plugins import from_file, registry
+from bench.problem import Problem
+
+
+def load_optimizer(name: str, /, **options: Any) -> Optimizer:
+    """Return the optimizer of that name, such as ``load_optimizer("gwo", agents=300)``.
+
+    Args:
+        name: an installed optimizer, a member of a family (``"mealpy:OriginalGWO"``), or a class or function of a file
+            (``"path/to/file.py:ClassName"``).
+        options: its parameters.
+
+    Raises:
+        BenchError: for an unknown name or parameter (with the nearest one) or a value out of its range.
+    """
+    if from_file.split(name):
+        return from_file.load_optimizer(name, **options)
+    family, colon, _ = name.partition(":")
+    if name not in registry.entries("optimizers") and not (colon and family in registry.entries("optimizers")):
+        raise BenchError(f"unknown optimizer {name!r}{nearest(name, registry.entries('optimizers'))}")
+    plugin = registry.load("optimizers", family if name not in registry.entries("optimizers") else name)
+    if isinstance(plugin, type) and issubclass(plugin, Optimizer) and not colon:
+        return build(plugin, name, options)
+    if isinstance(plugin, registry.Family) and colon:
+        loaded = _ask(plugin.load, name, options)
+        if isinstance(loaded, Optimizer):
+            return loaded
+    if registry.is_family(plugin):
+        raise BenchError(
+            f"{name!r} is a family; name one of its optimizers, as in '{family}:<name>' (see 'bench list')"
+        )
+    raise BenchError(f"the plug-in behind {name!r} is no Optimizer subclass, nor a family named as '{family}:<name>'")
+
+
+def load_problem(name: str, /, **options: Any) -> Problem:
+    """Return the problem of that name, such as ``load_problem("signature-12", unit="rpm")``.
+
+    Raises:
+        BenchError: for an unknown name or option (with the nearest one) or data that cannot be read.
+    """
+    prefix, colon, _ = name.partition(":")
+    families = registry.entries("problems")
+    if colon and prefix in families:
+        return _problem(_ask(registry.load("problems", prefix).load, name, options), name)
+    for family in sorted(families, key=lambda family: not name.startswith(family)):
+        try:
+            plugin = registry.load("problems", family)
+            mine = name in plugin.names()
+        except Exception as error:  # a broken family must not stand in the way of another's problem
+            if name.startswith(family):
+                raise BenchError(f"problem {name!r} cannot be looked up: {_first_line(error)}") from error
+            continue
+        if mine:
+            return _problem(_ask(plugin.load, name, options), name)
+    raise BenchError(f"unknown problem {name!r}{nearest(name, registry.problem_names())}")
+
+
+def _ask(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:
+    """Call a family's loader; what a stranger's code raises becomes one sentence."""
+    try:
+        return loader(name, **options)
+    except BenchError:
+        raise
+    except Exception as error:
+        raise BenchError(f"{name!r} cannot be loaded: {type(error).__name__}: {_first_line(error)}") from error
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error) or type(error).__name__).splitlines()[0]
+
+
+def _problem(loaded: Any, name: str) -> Problem:
+    if isinstance(loaded, Problem):
+        return loaded
+    raise BenchError(f"the plug-in behind {name!r} did not return a Problem but a {type(loaded).__name__}")
+
+
+def matching(pattern: str) -> list[str]:
+    """Return the members of a family that a pattern such as ``"mealpy:*GWO"`` stands for; another name is itself.
+
+    Raises:
+        BenchError: where no member fits, or the family's library is missing.
+    """
+    family, colon, member = pattern.partition(":")
+    if not (colon and "*" in member) or from_file.split(pattern) or family not in registry.entries("optimizers"):
+        return [pattern]
+    names: list[str] = fnmatch.filter(registry.load("optimizers", family).names(), pattern)
+    if not names:
+        raise BenchError(f"no optimizer fits {pattern!r}; 'bench list {family}' shows those there are")
+    return names

@@ -1,0 +1,134 @@
+"""Inside a :class:`bench.sandbox.process.Process`: answer calls until the owner ends."""
+
+from __future__ import annotations
+
+import faulthandler
+import os
+import pickle
+import signal
+import struct
+import sys
+from contextlib import suppress
+from pathlib import Path
+from queue import SimpleQueue
+from threading import Lock, Thread
+from time import monotonic
+
+from bench.sandbox.messages import spell
+
+UNANSWERABLE = 88
+"""The exit code of a process that cannot answer, as what it called has closed the pipe."""
+
+_HEAD = struct.Struct("<QQ")  # the number of the call, and of the bytes that follow
+_CHUNK = 1 << 20
+_PULSE = 0.5  # seconds between the pulses that are passed on
+
+_PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36  # linux/prctl.h
+
+
+def send(pipe: int, number: int, payload: bytes) -> None:
+    """Write what belongs to the call of this number."""
+    rest = memoryview(_HEAD.pack(number, len(payload)) + payload)
+    while rest:
+        rest = rest[os.write(pipe, rest) :]
+
+
+def receive(pipe: int) -> tuple[int, bytes]:
+    """Read what :func:`send` wrote; raises EOFError where there is no more."""
+    number, length = _HEAD.unpack(_read(pipe, _HEAD.size))
+    return number, _read(pipe, length)
+
+
+def _read(pipe: int, length: int) -> bytes:
+    read = bytearray()
+    while len(read) < length:
+        chunk = os.read(pipe, min(length - len(read), _CHUNK))
+        if not chunk:
+            raise EOFError
+        read += chunk
+    return bytes(read)
+
+
+def serve(calls: int, answers: int, owner: int) -> None:
+    """Answer calls for ever.
+
+    Args:
+        calls: the pipe of calls, at whose end this process ends.
+        answers: the pipe of answers and pulses.
+        owner: the number of the process whose main thread started this one; 0 where another thread did.
+    """
+    faulthandler.enable(all_threads=False)
+    _bind(owner)
+    channel, made = _Channel(answers), SimpleQueue[tuple[int, bytes]]()
+    Thread(target=_listen, args=(calls, made), daemon=True).start()
+    while True:  # in the main thread, where plug-ins expect to be imported and run
+        number, call = made.get()
+        channel.answer(number, _answer(call, _Pulse(channel, number)))
+
+
+def _answer(call: bytes, pulse: _Pulse) -> bytes:
+    try:
+        function, arguments = pickle.loads(call)
+        return pickle.dumps(("answer", function(*arguments, pulse=pulse)))
+    except BaseException as error:  # a plug-in may raise KeyboardInterrupt or GeneratorExit too
+        return pickle.dumps(("error", spell(error)))
+
+
+def _bind(owner: int) -> None:
+    """Have the kernel end this process before its owner, and with it even where native code keeps the interpreter."""
+    with suppress(OSError):  # the first to go where the machine is out of memory
+        Path("/proc/self/oom_score_adj").write_text("1000")
+    if sys.platform != "linux":
+        return
+    import ctypes
+
+    prctl = ctypes.CDLL(None).prctl
+    prctl(_PR_SET_CHILD_SUBREAPER, ctypes.c_ulong(1))  # so that processes which lose their parent are found and ended
+    if owner:  # the signal comes at the end of the thread that started this process, which must be the last to end
+        prctl(_PR_SET_PDEATHSIG, ctypes.c_ulong(signal.SIGKILL))
+        if os.getppid() != owner:  # it has ended meanwhile
+            os._exit(1)
+
+
+def _listen(calls: int, made: SimpleQueue[tuple[int, bytes]]) -> None:
+    """Take calls in; at the end of the pipe, which is the owner's, end this process and its group in mid-call."""
+    with suppress(EOFError, OSError):
+        while True:
+            made.put(receive(calls))
+    if hasattr(os, "killpg") and os.getpgrp() == os.getpid():
+        os.killpg(0, signal.SIGKILL)
+    os._exit(1)
+
+
+class _Channel:
+    """The way back to the owner; closed to forks of this process, which have the pipe too."""
+
+    def __init__(self, pipe: int) -> None:
+        self._pipe, self._process, self._lock = pipe, os.getpid(), Lock()
+
+    def answer(self, number: int, payload: bytes) -> None:
+        """Send an answer; a fork that comes so far, back out of its call, has no business here."""
+        if os.getpid() != self._process:
+            os._exit(0)
+        try:
+            self.tell(number, payload)
+        except OSError:
+            os._exit(UNANSWERABLE)
+
+    def tell(self, number: int, payload: bytes) -> None:
+        """Send anything, from any thread."""
+        if os.getpid() == self._process:
+            with self._lock:
+                send(self._pipe, number, payload)
+
+
+class _Pulse:
+    """Passes evaluations made on, at most every half second but for the budget's end."""
+
+    def __init__(self, channel: _Channel, number: int) -> None:
+        self._channel, self._number, self._next = channel, number, 0.0
+
+    def __call__(self, made: int, budget: int) -> None:
+        if made == budget or monotonic() >= self._next:
+            self._next = monotonic() + _PULSE
+            self._channel.tell(self._number, pickle.dumps(("pulse", (int(made), int(budget)))))

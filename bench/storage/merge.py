@@ -1,0 +1,93 @@
+"""Unite stores of one study that were run on different machines."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any
+
+from bench.errors import BenchError
+from bench.storage.folder import Folder
+from bench.storage.store import Writer, disagreement
+from bench.study import Study
+
+
+@dataclass(frozen=True)
+class Merged:
+    """How many trials the united store holds, how many of them were added, and how many were there already."""
+
+    rows: int
+    added: int
+    same: int
+
+
+def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -> Merged:
+    """Write the trials of all folders into one, with the environments that they come from.
+
+    The output may hold some of them already: a merge that was interrupted is continued by the same call.
+
+    Args:
+        folders: two or more that hold the same study; their numbers of trials may differ.
+        output: the folder to write.
+
+    Raises:
+        BenchError: when the folders hold different studies, data or code, or a trial with different outcomes.
+    """
+    sources, target = [Folder(each) for each in folders], Folder(output)
+    if len({source.path.resolve() for source in sources} | {target.path.resolve()}) < len(sources) + 1:
+        raise BenchError("a folder is given twice; give folders that differ, and another one to write")
+    study = _common([(source, source.study()) for source in sources])
+    with target.lock():
+        target.claim(study)
+        added = same = 0
+        with target.store.writer() as writer:
+            for source in sources:
+                target.check_data(source.fingerprints())
+                target.check_code(source.code())
+                new, old = _copy(source, writer)
+                added, same = added + new, same + old
+        target.write_environments()
+        rows = sum(cell.done + cell.lost for cell in target.store.cells())
+    return Merged(rows, added, same)
+
+
+def _common(studies: list[tuple[Folder, Study]]) -> Study:
+    """Return the study of all folders, with the most trials of any."""
+    first, study = studies[0]
+    for folder, other in studies[1:]:
+        if other.identity() != study.identity():
+            raise BenchError(
+                f"{folder.path} holds another study than {first.path} ({other.name!r}, budget {other.budget}, seed "
+                f"{other.seed}, or other problems or options); only parts of one study can be merged"
+            )
+    return dataclasses.replace(study, trials=max(other.trials for _, other in studies))
+
+
+def _copy(source: Folder, writer: Writer) -> tuple[int, int]:
+    """Add a folder's trials; return how many were added, and how many were there."""
+    numbers = {number: writer.environment(record) for number, record in source.store.environments().items()}
+    added = same = 0
+    with writer.at_once():
+        for row in source.store.rows(traces=True):
+            present = writer.find(row["problem"], row["optimizer"], row["trial"])
+            if present is None or (present["status"] != "ok" and row["status"] == "ok"):
+                writer.put(row | {"environment": numbers.get(row["environment"])})
+                added += 1
+            else:
+                _compare(present, row, source)
+                same += 1
+    return added, same
+
+
+def _compare(present: dict[str, Any], row: dict[str, Any], source: Folder) -> None:
+    """Raise BenchError where a finished trial came out in two ways."""
+    if row["status"] != "ok":
+        return
+    if different := disagreement(present, row):
+        raise BenchError(
+            f"trial {row['trial']} of {row['optimizer']} on {row['problem']} has another {different} in {source.path} "
+            "than in the folders before it, though both were made from one seed; find out which is right "
+            "('bench verify') and remove the other ('bench rm')"
+        )

@@ -1,0 +1,371 @@
+"""The store of a study's folder: one committed SQLite row a trial, written by one process, read by any."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import sqlite3
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench.errors import BenchError
+from bench.objective import Trace
+from bench.trial import Trial
+
+FILE = "trials.sqlite"
+VERSION = 1
+MEASURED = (
+    "environment", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s", "stop", "outside_box", "error",
+    "x", "figures",
+)  # fmt: skip
+"""What is stored of a trial beside its key and its trace."""
+
+KEY = ("problem", "optimizer", "trial")
+REPEATABLE = tuple(
+    name for name in (*MEASURED, "trace") if name not in ("environment", "wall_s", "cpu_s", "objective_s")
+)
+"""What a trial that is made twice must agree in."""
+
+# Times and points are apart from traces, which are ten times as large and of which most readers need none.
+SCHEMA = f"""
+BEGIN;
+CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL);
+CREATE TABLE cells (
+    id INTEGER PRIMARY KEY, problem TEXT NOT NULL, optimizer TEXT NOT NULL, UNIQUE (problem, optimizer)
+);
+CREATE TABLE results (
+    cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, environment INTEGER REFERENCES environments,
+    seed INTEGER NOT NULL, status TEXT NOT NULL, fun REAL, nfev INTEGER, wall_s REAL, cpu_s REAL, objective_s REAL,
+    stop TEXT, outside_box INTEGER, error TEXT, x TEXT, figures TEXT,
+    PRIMARY KEY (cell, trial)
+) WITHOUT ROWID;
+CREATE TABLE traces (
+    cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, trace BLOB, PRIMARY KEY (cell, trial)
+) WITHOUT ROWID;
+CREATE VIEW trials AS
+    SELECT problem, optimizer, trial, {", ".join(MEASURED)}, trace
+    FROM results JOIN cells ON cells.id = results.cell LEFT JOIN traces USING (cell, trial);
+PRAGMA user_version = {VERSION};
+COMMIT;
+"""
+
+Key = tuple[str, str, int]
+
+_ONE = "problem = ? AND optimizer = ? AND trial = ?"
+
+
+class Keys:
+    """A set of trials, a byte each: a study may have millions."""
+
+    def __init__(self) -> None:
+        self._cells: dict[tuple[str, str], bytearray] = {}
+
+    def add(self, problem: str, optimizer: str, number: int) -> None:
+        """Put a trial in."""
+        marks = self._cells.setdefault((problem, optimizer), bytearray())
+        if number >= len(marks):
+            marks.extend(bytes(number + 1 - len(marks)))
+        marks[number] = 1
+
+    def __contains__(self, key: Key) -> bool:
+        marks = self._cells.get(key[:2], b"")
+        return key[2] < len(marks) and marks[key[2]] == 1
+
+    def count(self, problem: str, optimizer: str, trials: int) -> int:
+        """Return how many of the first ``trials`` of a cell are in."""
+        return self._cells.get((problem, optimizer), bytearray()).count(1, 0, trials)
+
+
+@dataclass
+class Cell:
+    """What is stored of one optimizer on one problem.
+
+    Attributes:
+        problem: the problem's label.
+        optimizer: the optimizer's label.
+        status: rows by status.
+        wall_s: wall seconds of all its finished trials together.
+    """
+
+    problem: str
+    optimizer: str
+    status: dict[str, int] = field(default_factory=dict)
+    wall_s: float = 0.0
+
+    @property
+    def done(self) -> int:
+        """Trials that did not fail."""
+        return self.status.get("ok", 0)
+
+    @property
+    def lost(self) -> int:
+        """Trials that failed or ran out of time."""
+        return sum(self.status.values()) - self.done
+
+
+class Store:
+    """The trials of one study, in ``trials.sqlite`` of its folder; the view ``trials`` in it shows them all.
+
+    Values are stored as SQLite's 8-byte floats or as JSON with all digits, traces as raw little-endian arrays:
+    nothing is rounded and nothing is ever unpickled.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / FILE
+
+    @contextmanager
+    def _open(self) -> Iterator[sqlite3.Connection]:
+        try:
+            with _place(self.path) as place, closing(sqlite3.connect(place, timeout=30, uri=True)) as connection:
+                version = connection.execute("PRAGMA user_version").fetchone()[0]
+                if version != VERSION and connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+                    raise BenchError(
+                        f"the store {self.path} was written by another version of this package; read it with that one, "
+                        "or run the study into another folder"
+                    )
+                yield connection
+        except sqlite3.Error as error:
+            raise BenchError(f"the store {self.path} cannot be used: {error}; what it holds is kept") from error
+
+    @contextmanager
+    def writer(self) -> Iterator[Writer]:
+        """Open the store for writing, made where it is missing; every row is committed as it is added."""
+        with self._open() as connection:
+            connection.execute("PRAGMA journal_mode=WAL")
+            connection.execute("PRAGMA synchronous=NORMAL")  # safe against a killed process; a power cut may cost rows
+            if not connection.execute("PRAGMA user_version").fetchone()[0]:
+                connection.executescript(SCHEMA)
+            yield Writer(connection)
+
+    def keys(self, *, finished_only: bool = False) -> Keys:
+        """Return which trials are stored, or which of them did not fail."""
+        keys = Keys()
+        query = "SELECT problem, optimizer, trial FROM results JOIN cells ON cells.id = cell"
+        for key in self._select(query + (" WHERE status = 'ok'" if finished_only else "")):
+            keys.add(*key)
+        return keys
+
+    def cells(self) -> list[Cell]:
+        """Return what is stored of each cell, in numbers."""
+        cells: dict[tuple[str, str], Cell] = {}
+        for problem, optimizer, status, count, wall in self._select(
+            "SELECT problem, optimizer, status, count(*), coalesce(sum(wall_s), 0)"
+            " FROM results JOIN cells ON cells.id = cell GROUP BY cell, status"
+        ):
+            cell = cells.setdefault((problem, optimizer), Cell(problem, optimizer))
+            cell.status[status] = count
+            cell.wall_s += wall
+        return list(cells.values())
+
+    def rows(self, where: str = "", *, traces: bool = False) -> Iterator[dict[str, Any]]:
+        """Yield every row, cell by cell; ``x`` and ``figures`` are their JSON texts, a trace its bytes.
+
+        Args:
+            where: an SQL condition on the columns, for some of the rows only.
+            traces: whether to read the traces, too.
+
+        Raises:
+            BenchError: when there is no store.
+        """
+        if not self.path.exists():
+            raise BenchError(f"there is no {FILE} in {self.path.parent}; give the folder that 'bench run' wrote")
+        query, names = _query(where, traces=traces)
+        return (dict(zip(names, row, strict=True)) for row in self._select(query))
+
+    def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
+        """Return the row of one trial with its trace, as :meth:`rows` gives it, or None."""
+        query, names = _query(_ONE, traces=True)
+        found = list(self._select(query, (problem, optimizer, trial)))
+        return dict(zip(names, found[0], strict=True)) if found else None
+
+    def traces(self) -> dict[Key, Trace]:
+        """Return the anytime traces by (problem, optimizer, trial); failed trials have none."""
+        query = "SELECT problem, optimizer, trial, trace FROM traces JOIN cells ON cells.id = cell ORDER BY cell, trial"
+        try:
+            return {
+                (problem, optimizer, trial): unpack(blob) for problem, optimizer, trial, blob in self._select(query)
+            }
+        except (TypeError, ValueError) as error:
+            raise self._damaged("a trace") from error
+
+    def made(self) -> dict[int, int]:
+        """Return how many rows each environment made, by its number."""
+        query = "SELECT environment, count(*) FROM results WHERE environment IS NOT NULL GROUP BY environment"
+        return {int(number): int(count) for number, count in self._select(query)}
+
+    def environments(self) -> dict[int, dict[str, Any]]:
+        """Return the environments that rows refer to, by their numbers, oldest first."""
+        records = {
+            number: self.parse(text, f"environment {number}")
+            for number, text in self._select("SELECT id, record FROM environments ORDER BY id")
+        }
+        for number, record in records.items():
+            if not isinstance(record, dict):
+                raise self._damaged(f"environment {number}")
+        return records
+
+    def parse(self, text: str, what: str) -> Any:
+        """Return the content of a JSON text of the store; raises BenchError, naming ``what``, for a damaged one."""
+        try:
+            return json.loads(text)
+        except (TypeError, ValueError, RecursionError) as error:
+            raise self._damaged(what) from error
+
+    def _damaged(self, what: str) -> BenchError:
+        return BenchError(f"the store {self.path} is damaged: {what} cannot be read; restore it from a copy")
+
+    def _select(self, query: str, values: Sequence[object] = ()) -> Iterator[tuple[Any, ...]]:
+        """Yield a query's rows; a store that is missing, or whose run was killed before it made tables, has none."""
+        if not self.path.exists():
+            return
+        with self._open() as connection:
+            if connection.execute("PRAGMA user_version").fetchone()[0]:
+                yield from connection.execute(query, values)
+
+
+class Writer:
+    """The one open hand that adds and removes rows."""
+
+    def __init__(self, connection: sqlite3.Connection) -> None:
+        self._connection = connection
+        self._cells = self._stored_cells()
+
+    def add(self, trial: Trial, row: Mapping[str, Any], environment: int | None = None) -> None:
+        """Commit one trial's row; a failed row of the same trial is replaced, a finished one never is.
+
+        Args:
+            trial: whose row it is.
+            row: its columns, as :func:`bench.trial.as_row` gives them; those that are missing are unknown.
+            environment: the number of what made it.
+        """
+        with self.at_once():
+            self.put(stored(trial, row) | {"environment": environment})
+
+    @contextmanager
+    def at_once(self) -> Iterator[None]:
+        """Commit what is put within in one go, or nothing of it."""
+        try:
+            with self._connection:
+                yield
+        except BaseException:
+            self._cells = self._stored_cells()  # without those of the rows that were not committed
+            raise
+
+    def put(self, row: Mapping[str, Any]) -> None:
+        """Add a row as :meth:`Store.rows` gives it, within :meth:`at_once`."""
+        cell, number = self._cell(row["problem"], row["optimizer"]), row["trial"]
+        self._connection.execute("DELETE FROM results WHERE cell = ? AND trial = ? AND status != 'ok'", (cell, number))
+        self._connection.execute(
+            f"INSERT INTO results (cell, trial, {', '.join(MEASURED)}) VALUES (?, ?{', ?' * len(MEASURED)})",
+            [cell, number, *(row.get(name) for name in MEASURED)],
+        )
+        if row.get("trace") is not None:
+            self._connection.execute("INSERT INTO traces VALUES (?, ?, ?)", (cell, number, row["trace"]))
+
+    def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
+        """Return the row of one trial with its trace, as :meth:`Store.rows` gives it, or None."""
+        query, names = _query(_ONE, traces=True)
+        found = self._connection.execute(query, (problem, optimizer, trial)).fetchone()
+        return dict(zip(names, found, strict=True)) if found else None
+
+    def environment(self, record: Mapping[str, Any]) -> int:
+        """Commit what made rows, or is about to, and return its number; the same record has one number."""
+        text = json.dumps(record)
+        with self._connection:
+            known = self._connection.execute("SELECT id FROM environments WHERE record = ?", (text,)).fetchone()
+            if known is not None:
+                return int(known[0])
+            made = self._connection.execute("INSERT INTO environments (record) VALUES (?)", (text,))
+        return int(made.lastrowid or 0)
+
+    def change(self, number: int, record: Mapping[str, Any]) -> None:
+        """Commit another record of an environment."""
+        with self._connection:
+            self._connection.execute("UPDATE environments SET record = ? WHERE id = ?", (json.dumps(record), number))
+
+    def remove(self, problems: list[str], optimizers: list[str], *, lost_only: bool = False) -> int:
+        """Remove the rows of all cells of these problems and optimizers, or the failed ones; return how many."""
+        cells = [(self._cells.get((problem, optimizer)),) for problem in problems for optimizer in optimizers]
+        with self._connection:
+            if lost_only:  # these have no traces
+                done = self._connection.executemany("DELETE FROM results WHERE cell = ? AND status != 'ok'", cells)
+            else:
+                self._connection.executemany("DELETE FROM traces WHERE cell = ?", cells)
+                done = self._connection.executemany("DELETE FROM results WHERE cell = ?", cells)
+        return int(done.rowcount)
+
+    def _stored_cells(self) -> dict[tuple[str, str], int]:
+        """Return the numbers of the cells."""
+        rows = self._connection.execute("SELECT id, problem, optimizer FROM cells")
+        return {(problem, optimizer): number for number, problem, optimizer in rows}
+
+    def _cell(self, problem: str, optimizer: str) -> int:
+        key = problem, optimizer
+        if key not in self._cells:
+            made = self._connection.execute("INSERT INTO cells (problem, optimizer) VALUES (?, ?)", key)
+            self._cells[key] = int(made.lastrowid or 0)
+        return self._cells[key]
+
+
+def stored(trial: Trial, row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a trial's row as :meth:`Store.rows` gives it, from the columns of :func:`bench.trial.as_row`."""
+    return {
+        **row,
+        "problem": trial.problem, "optimizer": trial.optimizer, "trial": trial.number, "seed": trial.seed,
+        **{name: json.dumps(row[name]) for name in ("x", "figures") if name in row},
+        **({"trace": pack(row["trace"])} if "trace" in row else {}),
+    }  # fmt: skip
+
+
+def disagreement(one: Mapping[str, Any], other: Mapping[str, Any]) -> str:
+    """Return the first of ``REPEATABLE`` in which two rows of one trial, with their traces, differ; "" for none."""
+    return next((name for name in REPEATABLE if one.get(name) != other.get(name)), "")
+
+
+def _query(where: str, *, traces: bool) -> tuple[str, tuple[str, ...]]:
+    """Return the query of the rows of a condition, and the names of its columns."""
+    names = (*KEY, *MEASURED, "trace") if traces else (*KEY, *MEASURED)
+    query = f"SELECT {', '.join(names)} FROM results JOIN cells ON cells.id = cell"
+    query += " LEFT JOIN traces USING (cell, trial)" if traces else ""
+    return query + (f" WHERE {where}" if where else "") + " ORDER BY cell, trial", names
+
+
+@contextmanager
+def _place(path: Path) -> Iterator[str]:
+    """Yield the URI by which SQLite opens a store.
+
+    SQLite writes beside a store even to read it. Where it may not, it can read what a run that is there, or was killed,
+    left beside it; without that it must be told that nothing there can change. Rows in a write-ahead log whose index is
+    missing, as of a copy made by hand, are only found by writing, so such a store is read from a copy.
+    """
+    uri = path.resolve().as_uri()
+    log, index = (path.with_name(f"{path.name}-{beside}") for beside in ("wal", "shm"))
+    if not path.exists() or os.access(path.parent, os.W_OK):
+        yield uri
+    elif index.exists():
+        yield f"{uri}?mode=ro"
+    elif not log.exists() or not log.stat().st_size:
+        yield f"{uri}?immutable=1"
+    else:
+        with tempfile.TemporaryDirectory() as folder:
+            for each in (path, log):
+                shutil.copy(each, folder)
+            yield (Path(folder) / path.name).as_uri()
+
+
+def pack(trace: Trace) -> bytes:
+    """Return a trace as the bytes that are stored."""
+    return trace.evaluations.astype("<i8").tobytes() + trace.values.astype("<f8").tobytes()
+
+
+def unpack(blob: bytes) -> Trace:
+    """Return the trace of :func:`pack`."""
+    half = len(blob) // 2
+    return Trace(np.frombuffer(blob[:half], dtype="<i8"), np.frombuffer(blob[half:], dtype="<f8"))

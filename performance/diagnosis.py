@@ -1,0 +1,53 @@
+"""What the built-in optimizers favour by themselves, as ``bench check`` finds it, as a table in Markdown.
+
+Run with ``python performance/diagnosis.py``; names after it pick optimizers. To diagnose another, add it to OPTIMIZERS.
+"""
+
+import sys
+from typing import Any
+
+from bench import load_optimizer
+from bench.check.bias import diagnose
+from bench.check.verdict import Verdict
+
+OPTIMIZERS: list[tuple[str, dict[str, Any]]] = [
+    ("random-search", {}),
+    ("gwo", {}),
+    ("gwo", {"agents": 300}),
+    ("gwo", {"variant": "cascade"}),
+    ("alo", {}),
+    ("alo", {"agents": 300}),
+    ("alo", {"variant": "paper"}),
+    ("goa", {}),
+    ("goa", {"agents": 300}),
+    ("goa", {"variant": "full-distance"}),
+    ("da", {}),
+    ("da", {"agents": 300}),
+    ("cma-es", {}),
+    ("cma-es", {"agents": 300, "handling": "box", "start": "midpoint"}),
+    ("cma-es-fast", {}),
+    ("bipop-cma-es", {}),
+]
+
+
+def cell(verdict: Verdict) -> str:
+    """Return the figure that a verdict was judged by, in bold where the optimizer did not pass."""
+    figure = "-" if verdict.figure is None else f"{verdict.figure:.2g}"
+    return figure if verdict.passed else f"**{figure}**"
+
+
+def main() -> None:
+    print("| optimizer | centre bias: ratio | structural bias: p | on a bound: share | starts: p |")
+    print("|-|-:|-:|-:|-:|")
+    for name, options in OPTIMIZERS:
+        if sys.argv[1:] and name not in sys.argv[1:]:
+            continue
+        label = ", ".join([f"`{name}`", *(f"{key} = {value}" for key, value in options.items())])
+        verdicts = diagnose(load_optimizer(name, **options))
+        print(f"| {label} | {' | '.join(map(cell, verdicts))} |", flush=True)
+        for verdict in verdicts:
+            print(f"{label}: {verdict.check}: {verdict.finding}", file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Backlash of a robot joint: simulator, recordings, signature fit, virtual sensor, and their commands and reports."""

@@ -1,0 +1,118 @@
+"""bench calibrate: the half-gap of a joint by the amplitude of its disturbance, by simulation."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from dataclasses import replace
+from math import isfinite
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bench.errors import BenchError
+
+
+def calibrate(
+    joint: Annotated[
+        Path | None, typer.Option(help="A joint's TOML file, as 'bench simulate joint.toml' writes one to edit.")
+    ] = None,
+    levels: Annotated[
+        str | None, typer.Option(help="Backlash levels FIRST:LAST of the thesis's 1 to 20.", show_default="2:11")
+    ] = None,
+    gaps: Annotated[
+        str | None, typer.Option(help="Half-gaps in rad, FROM:TO:COUNT, such as 0:0.004:21, instead of levels.")
+    ] = None,
+    method: Annotated[
+        str, typer.Option(help="cubic, by least squares as eq. 4.7, or monotone, a growing curve through every pair.")
+    ] = "cubic",
+    fits: Annotated[
+        bool,
+        typer.Option("--fits", help="Also find how strong the fits to each gap are; takes some seconds a gap."),
+    ] = False,
+    jobs: Annotated[int, typer.Option(help="Worker processes for the fits; -1 takes every core.")] = -1,
+    output: Annotated[Path | None, typer.Option(help="The .toml file to write the calibration to.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="A folder for the thesis's Figs. 4.7, 4.8 and 7.3 of this joint, as svg.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace the output if it is there.")] = False,
+) -> None:
+    """Calibrate a joint: simulate it with growing gaps, and map the disturbance's amplitude to the backlash.
+
+    The default, the thesis's joint at its levels 2 to 11, gives eq. 4.7 again. What the best fit to a recording
+    gives is some per cent off that amplitude; with --fits the calibration knows by how much.
+    """
+    from problems.backlash.joint import Joint, load_joint
+    from problems.backlash.joint.writing import check_output
+    from problems.backlash.signature import calibration
+
+    if levels is not None and gaps is not None:
+        raise BenchError("give either --levels or --gaps")
+    half_gaps = _gaps(gaps) if gaps is not None else _levels(levels or "2:11")
+    if output is not None:
+        check_output(output, (".toml",), force=force)
+    own = load_joint(joint)
+    made = calibration.calibrate(own, half_gaps, method=method)
+    if fits:
+        from problems.backlash.sensor.response import response
+
+        fitted, scatter = response(own, half_gaps, jobs=jobs, shown=True)
+        made = replace(made, fitted=fitted, scatter=scatter)
+    typer.echo(made.name)
+    columns = {"amplitude in rpm": made.amplitude, "half-gap in rad": made.half_gap}
+    if made.fitted is not None and made.scatter is not None:
+        columns |= {"fit in rpm": made.fitted, "its scatter": made.scatter}
+    typer.echo("   ".join(columns))
+    for row in zip(*columns.values(), strict=True):
+        texts = (
+            f"{value:.{6 if 'rad' in title else 4}f}".rjust(len(title))
+            for title, value in zip(columns, row, strict=True)
+        )
+        typer.echo("   ".join(texts))
+    if method == "cubic":
+        typer.echo(f"{made.formula()}; at most {made.residual:.2g} rad from the pairs")
+    typer.echo(f"range: {made.range[0]:.4g} to {made.range[1]:.4g} rpm; no backlash is told outside")
+    if own == Joint() and isfinite(made.deviation):
+        typer.echo(f"from eq. 4.7 of the thesis: at most {made.deviation:.3%}")
+    if plot is not None:
+        from problems.backlash.signature.figures import save_figures
+
+        for path in save_figures(plot, own, made):
+            typer.echo(path)
+    if output is not None:
+        made.save(output, command=_command(joint, levels, gaps, method, fits=fits))
+        typer.echo(output)
+
+
+def _command(joint: Path | None, levels: str | None, gaps: str | None, method: str, *, fits: bool) -> str:
+    """Return the command that makes the same calibration."""
+    options = {"--joint": joint, "--levels": levels, "--gaps": gaps, "--method": method}
+    given = (str(each) for pair in options.items() if pair[1] is not None for each in pair)
+    return shlex.join(["bench", "calibrate", *given, *(["--fits"] if fits else [])])
+
+
+def _levels(text: str) -> list[float]:
+    from problems.backlash.joint import half_gap
+
+    found = re.fullmatch(r"(\d{1,3}):(\d{1,3})", text)
+    if not found or int(found[1]) >= int(found[2]):
+        raise BenchError(f"--levels must be FIRST:LAST, such as 2:11, not {text!r}")
+    return [half_gap(level) for level in range(int(found[1]), int(found[2]) + 1)]
+
+
+def _gaps(text: str) -> list[float]:
+    import numpy as np
+
+    from problems.backlash.signature.calibration import MOST_GAPS
+
+    try:
+        first, last, count = text.split(":")
+        low, high, number = float(first), float(last), int(count)
+    except ValueError:
+        raise BenchError(f"--gaps must be FROM:TO:COUNT, such as 0:0.004:21, not {text!r}") from None
+    if not (0 <= low < high < 1) or not 2 <= number <= MOST_GAPS:
+        raise BenchError(
+            f"--gaps must rise from at least 0 to less than 1 rad in 2 to {MOST_GAPS} half-gaps, not {text!r}"
+        )
+    return [float(gap) for gap in np.linspace(low, high, number)]

@@ -1,0 +1,192 @@
+"""bench simulate: write recordings of the simulated joint, its parameters, or those of its wear over months."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from bench.errors import BenchError
+
+if TYPE_CHECKING:
+    from problems.backlash.joint import Joint
+
+# The heavy imports wait until they are needed: no other command should wait for numba.
+
+NEW_GAP, WORN_GAP, MONTHLY_NOISE = 0.0003, 0.0039, 0.2  # rad, rad, rps: where a wear curve is not told otherwise
+TRUTH = "truth.csv"
+
+
+def simulate(
+    output: Annotated[
+        Path,
+        typer.Argument(
+            help="The .csv, .xlsx or .parquet file to write: time in s, motor speed in rps. A .toml file is given the "
+            "joint's parameters instead, to edit; with --wear, it is a folder."
+        ),
+    ],
+    level: Annotated[int | None, typer.Option(min=1, max=20, help="A level 1 … 20 of the thesis's datasets.")] = None,
+    half_gap: Annotated[
+        float | None, typer.Option(min=0.0, help="The half-gap delta in rad, instead of a level.")
+    ] = None,
+    joint: Annotated[
+        Path | None, typer.Option(help="A TOML file with parameters of the joint.", rich_help_panel="Joint")
+    ] = None,
+    payload: Annotated[
+        float | None,
+        typer.Option(help="A point mass in kg on the joint's lever; motor and gains stay.", rich_help_panel="Joint"),
+    ] = None,
+    speed: Annotated[
+        float | None, typer.Option(help="The motor's reference speed in rps.", rich_help_panel="Joint")
+    ] = None,
+    gravity_angle: Annotated[
+        float | None,
+        typer.Option(
+            help="The angle in degrees between the axis and the vertical: 0 feels no gravity.", rich_help_panel="Joint"
+        ),
+    ] = None,
+    friction: Annotated[
+        float | None, typer.Option(help="Coulomb friction at the load, N m.", rich_help_panel="Joint")
+    ] = None,
+    viscous: Annotated[
+        float | None, typer.Option(help="Viscous friction at the load, N m s/rad.", rich_help_panel="Joint")
+    ] = None,
+    duration: Annotated[
+        float | None,
+        typer.Option(help="Seconds to record.", show_default="12 load turns", rich_help_panel="Recording"),
+    ] = None,
+    rate: Annotated[float, typer.Option(help="Samples a second.", rich_help_panel="Recording")] = 500.0,
+    settle: Annotated[float, typer.Option(help="Seconds before the recording.", rich_help_panel="Recording")] = 1.2,
+    start_angle: Annotated[
+        float | None,
+        typer.Option(
+            help="The load's angle in rad when the recording starts.",
+            show_default="0.141; random with --wear",
+            rich_help_panel="Recording",
+        ),
+    ] = None,
+    encoder_bits: Annotated[
+        int | None, typer.Option(min=8, max=32, help="Read the speed through an encoder.", rich_help_panel="Recording")
+    ] = None,
+    noise: Annotated[
+        float | None,
+        typer.Option(
+            help="Peak-to-peak value in rps of uniform white noise (eqs. 7.1, 7.2).",
+            show_default="0; 0.2 with --wear",
+            rich_help_panel="Recording",
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Decides the noise.", rich_help_panel="Recording")] = 0,
+    wear: Annotated[
+        int | None,
+        typer.Option(
+            metavar="MONTHS",
+            rich_help_panel="Wear",
+            help="Write a recording a month, with a growing gap, and truth.csv into a folder. The gap given is that of "
+            "the first month (0.0003 rad without one).",
+        ),
+    ] = None,
+    worn: Annotated[
+        float | None,
+        typer.Option(
+            help="With --wear: the half-gap in rad of the last month.", show_default="0.0039", rich_help_panel="Wear"
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace the output if it is there.")] = False,
+) -> None:
+    """Simulate a joint with backlash turning at constant speed, and write its recording.
+
+    With --wear 24 it is a recording a month instead, of a gap that grows by a three-phase wear curve.
+    """  # fmt: skip
+    from problems.backlash.joint import half_gap as half_gap_of
+    from problems.backlash.joint import load_joint
+    from problems.backlash.joint.parameter_files import joint_text
+    from problems.backlash.joint.writing import KINDS, check_output, whole
+
+    if level is not None and half_gap is not None:
+        raise BenchError("give either --level 1 … 20 or --half-gap in rad, not both")
+    gap = half_gap_of(level) if level is not None else half_gap
+    if worn is not None and wear is None:
+        raise BenchError("--worn is the gap of the last month of --wear MONTHS; give that too")
+    made = load_joint(
+        joint, payload_kg=payload, speed_rps=speed, gravity_angle_deg=gravity_angle, coulomb_friction=friction,
+        viscous_friction=viscous,
+    )  # fmt: skip
+    options: dict[str, Any] = {
+        "duration": duration if duration is not None else 12 * made.turn,
+        "rate": rate, "settle": settle, "encoder_bits": encoder_bits,
+    }  # fmt: skip
+    if start_angle is not None:
+        options["start_angle"] = start_angle
+    if wear is not None:
+        curve = {"new": NEW_GAP if gap is None else gap, "worn": WORN_GAP if worn is None else worn, "months": wear}
+        noise = MONTHLY_NOISE if noise is None else noise
+        _write_months(output, force, made, {**curve, "noise": noise, "seed": seed, **options})
+    elif output.suffix.lower() == ".toml":
+        if gap is not None:
+            raise BenchError(
+                f"{output} is given the joint's parameters, which hold no gap; leave --level and --half-gap"
+            )
+        check_output(output, (".toml",), force=force)
+        with whole(output) as temporary:
+            temporary.write_text(joint_text(made), encoding="utf-8")
+        typer.echo(f"{output}: the joint's parameters, for --joint")
+    else:
+        check_output(output, KINDS, force=force)
+        if gap is None:
+            raise BenchError("give either --level 1 … 20 or --half-gap in rad")
+        _write_one(output, made, gap, noise or 0.0, seed, options)
+
+
+def _write_one(output: Path, joint: Joint, gap: float, noise: float, seed: int, options: dict[str, Any]) -> None:
+    import numpy as np
+
+    from problems.backlash.joint import simulate as run
+    from problems.backlash.joint import with_noise
+    from problems.backlash.joint.writing import write_recording
+
+    made = run(joint, half_gap=gap, **options)
+    write_recording(output, made.time, with_noise(made.speed, noise, np.random.default_rng(seed)))
+    typer.echo(
+        f"{output}: {len(made.time)} samples, half-gap {gap:.4g} rad, peak disturbance {made.peak:.4f} rps"
+        + (" in less than one load turn" if made.fine.time[-1] < 0.999 * joint.turn else "")
+        + (f", noise of {noise:g} rps peak to peak" if noise else "")
+    )
+
+
+def _write_months(folder: Path, force: bool, joint: Joint, options: dict[str, Any]) -> None:
+    """Write the folder of a wear curve, whole or not at all."""
+    from problems.backlash.joint.wear import monthly_recordings
+    from problems.backlash.joint.writing import whole, write_recording
+
+    _check_folder(folder, force)
+    months = list(monthly_recordings(joint, **options))
+    rows = [f"{month.name},{month.half_gap!r},{month.peak!r}" for month in months]
+    with whole(folder.resolve()) as temporary:  # the name of "." and ".." is known then
+        temporary.mkdir()
+        for month in months:
+            write_recording(temporary / f"{month.name}.csv", month.time, month.speed)
+        (temporary / TRUTH).write_text("\n".join(["month,half_gap_rad,amplitude_rps", *rows, ""]), encoding="utf-8")
+    typer.echo(
+        f"{folder}: {len(months)} months of {len(months[0].time)} samples, half-gap {months[0].half_gap:.4g} to "
+        f"{months[-1].half_gap:.4g} rad, peak disturbance {months[0].peak:.4f} to {months[-1].peak:.4f} rps, noise of "
+        f"{options['noise']:g} rps peak to peak; the truth is in {TRUTH}"
+    )
+
+
+def _check_folder(folder: Path, force: bool) -> None:
+    """Raise BenchError for a folder that may not be replaced: only one with nothing but a wear curve's files may."""
+    if not folder.resolve().parent.is_dir():
+        raise BenchError(f"{folder} cannot be written: there is no folder {folder.parent}")
+    if folder.exists() and not folder.is_dir():
+        raise BenchError(f"{folder} is a file; --wear writes a folder")
+    try:
+        found = [path.name for path in folder.iterdir()] if folder.is_dir() else []
+    except OSError as error:
+        raise BenchError(f"{folder} cannot be written: {error.strerror}") from error
+    if foreign := [name for name in found if name != TRUTH and not re.fullmatch(r"\d{4}-\d\d\.csv", name)]:
+        raise BenchError(f"{folder} holds other files, such as {foreign[0]}; choose another folder")
+    if found and not force:
+        raise BenchError(f"{folder} holds a wear curve already; choose another folder, or replace it with --force")

@@ -1,0 +1,7 @@
+"""The simulated robot joint of thesis chapter 4: where the home problem's signals come from."""
+
+from problems.backlash.joint.parameter_files import load_joint
+from problems.backlash.joint.parameters import Joint, half_gap
+from problems.backlash.joint.simulator import Simulation, simulate, with_noise
+
+__all__ = ["Joint", "Simulation", "half_gap", "load_joint", "simulate", "with_noise"]

@@ -1,0 +1,255 @@
+"""The joint simulator (thesis chapter 4): a two-mass model with backlash, driven at constant speed, integrated by RK4.
+
+    >>> from problems.backlash.joint import half_gap, simulate
+    >>> simulation = simulate(half_gap=half_gap(12))
+    >>> simulation.time, simulation.speed    # 2401 samples at 500 Hz: s, rps
+
+The motion is written as deviations from the uniform rotation at the reference speed, q = theta_m - omega_ref t of the
+motor and p = theta_l - omega_ref t / N of the load: small numbers, which lose no digits to ever-growing angles.
+"""
+
+from dataclasses import astuple, dataclass
+from math import ceil, isfinite, pi, sin
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from problems.backlash.joint.parameters import Joint
+
+Array = NDArray[np.float64]
+Value = Any  # a number or an array
+
+STEP = 5e-5  # s; the largest step taken where none is asked for
+LARGEST_STEP = 1e-3  # s; beyond it RK4 is unstable on the default joint's fast poles
+MOST_STEPS = 4_000_000  # 200 s at STEP; they take some 600 MB
+DEFAULT = Joint()
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """The recorded motion at every integration step; arrays of shape (m,), m = duration / step + 1."""
+
+    time: Array
+    """s, from 0."""
+
+    speed: Array
+    """True motor speed, rps."""
+
+    load_angle: Array
+    """theta_l, rad, without reduction to one turn; 0 hangs down."""
+
+    dtheta: Array
+    """Angle across the transmission, seen from the load, rad (eq. 4.1). The gap is open where |dtheta| < half_gap."""
+
+    domega: Array
+    """Speed across the transmission, seen from the load, rad/s (eq. 4.2)."""
+
+    load_torque: Array
+    """tau_l, the torque that the transmission applies to the load, N m (eq. 4.6)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """What `simulate` returns."""
+
+    time: Array
+    """(n,) sampling instants, s, from 0."""
+
+    speed: Array
+    """(n,) motor speed, rps: exact, or as the encoder gives it."""
+
+    peak: float
+    """Positive peak of the true speed's deviation from the reference, rps: the "expected A" of thesis Table 7.3.
+
+    It is that of the last load turn, where the start has died away, before sampling, which loses up to 3.4 % of it.
+    """
+
+    fine: Trajectory
+    """The motion before sampling."""
+
+
+@njit(cache=True, error_model="numpy")
+def gap_torque(dtheta: Value, domega: Value, delta: float, Ks: float, Ds: float, alpha: float) -> Value:
+    """Return tau_l in N m of the modified dead zone; dtheta (rad) and domega (rad/s) are scalars or arrays."""
+    K = Ks / np.pi * (np.pi + np.arctan(alpha * (dtheta - delta)) - np.arctan(alpha * (dtheta + delta)))  # (4.5)
+    return (dtheta - delta * np.sign(dtheta) + Ds / Ks * domega) * K  # (4.6)
+
+
+@njit(cache=True, error_model="numpy")
+def derivative(t: float, state: Array, joint: tuple[float, ...], delta: float, theta0: float, out: Array) -> None:
+    """Write the time derivative of state = (q, q', p, p', z) at t (s) to out, both of shape (5,).
+
+    joint is `astuple(Joint(...))`, all floats; theta0 is the load angle of the uniform rotation at t = 0, rad.
+    """
+    N, omega_ref, Jm, Jl, mgl, Ks, Ds, alpha, Kv, ki, kpp, viscous, coulomb = joint
+    q, dq, p, dp, z = state
+    dtheta = q / N - p  # (4.1)
+    domega = dq / N - dp  # (4.2)
+    tau_l = gap_torque(dtheta, domega, delta, Ks, Ds, alpha)
+    e = -(dq + kpp * q)  # a P position loop around ...
+    tau_m = Kv * (e + ki * z)  # ... a PI speed loop
+    omega_l = omega_ref / N + dp
+    tau_g = mgl * np.sin(theta0 + omega_ref / N * t + p)
+    friction = viscous * omega_l + coulomb * np.sign(omega_l)
+    out[0] = dq
+    out[1] = (tau_m - tau_l / N) / Jm
+    out[2] = dp
+    out[3] = (tau_l - tau_g - friction) / Jl
+    out[4] = e
+
+
+@njit(cache=True, error_model="numpy")
+def integrate(
+    start: Array, joint: tuple[float, ...], delta: float, theta0: float, step: float, skip: int, keep: int
+) -> Array:
+    """Return the states (keep, 5) after skip, skip + 1, … steps of the classical Runge-Kutta method from start (5,)."""
+    states = np.empty((keep, 5))
+    state = start.copy()
+    stage, k1, k2, k3, k4 = np.empty(5), np.empty(5), np.empty(5), np.empty(5), np.empty(5)
+    for i in range(skip + keep):
+        if i >= skip:
+            states[i - skip] = state
+        t = i * step
+        derivative(t, state, joint, delta, theta0, k1)
+        for j in range(5):
+            stage[j] = state[j] + step / 2 * k1[j]
+        derivative(t + step / 2, stage, joint, delta, theta0, k2)
+        for j in range(5):
+            stage[j] = state[j] + step / 2 * k2[j]
+        derivative(t + step / 2, stage, joint, delta, theta0, k3)
+        for j in range(5):
+            stage[j] = state[j] + step * k3[j]
+        derivative(t + step, stage, joint, delta, theta0, k4)
+        for j in range(5):
+            state[j] += step / 6 * (k1[j] + 2 * k2[j] + 2 * k3[j] + k4[j])
+    return states
+
+
+def resting_state(joint: Joint, delta: float, theta0: float) -> Array:
+    """Return the state (5,) of uniform rotation with the load at angle theta0 (rad), resting on a flank of the gap."""
+    omega_l = joint.omega_ref / joint.gear_ratio
+    tau = joint.gravity_torque * sin(theta0) + joint.viscous_friction * omega_l + joint.coulomb_friction
+    p = -(np.sign(tau) * delta + tau / joint.stiffness)
+    z = tau / (joint.gear_ratio * joint.speed_gain * joint.integral_gain) if joint.integral_gain else 0.0
+    return np.array([0.0, 0.0, p, 0.0, z])
+
+
+def simulate(
+    joint: Joint = DEFAULT,
+    *,
+    half_gap: float,
+    duration: float = 4.8,
+    rate: float = 500.0,
+    settle: float = 1.2,
+    step: float | None = None,
+    start_angle: float = 0.141,
+    encoder_bits: int | None = None,
+) -> Simulation:
+    """Simulate the motor speed of a joint that turns at constant reference speed (thesis chapter 4).
+
+    Args:
+        joint: the joint and its controller.
+        half_gap: delta, half the backlash gap, rad.
+        duration: length of the recording, s; the default gives 2401 samples, as the published datasets have.
+        rate: sampling rate, Hz.
+        settle: time simulated before the recording, s, taken to the nearest step. The transient decays at 15.6 1/s,
+            so the default leaves none.
+        step: integration step, s; None takes the largest up to 5e-5 s that divides the sampling period. On the twenty
+            datasets the samples are then within 2e-3 rps (2e-4 rms) of those at 2e-6 s: an impact is shorter than a
+            step, so the error falls with the step, not with its fourth power.
+        start_angle: load angle at which the recording starts, rad; the default is that of the published datasets.
+        encoder_bits: resolution of the motor encoder, 2**bits counts a turn. The speed is then the difference of
+            two quantised angles over the sampling period, and lags by half of it. None: the exact speed.
+
+    Raises:
+        BenchError: an argument out of its range, or an integration that diverges.
+
+    """
+    step, skip, stride, samples = _steps(duration, rate, settle, step)
+    if not (isfinite(half_gap) and half_gap >= 0):
+        raise BenchError(f"simulate: half_gap must be finite and not negative, but it is {half_gap!r} rad.")
+    if not isfinite(start_angle):
+        raise BenchError(f"simulate: start_angle must be finite, but it is {start_angle!r} rad.")
+    if encoder_bits is not None and encoder_bits not in range(1, 33):
+        raise BenchError(f"simulate: encoder_bits must be a whole number from 1 to 32, but it is {encoder_bits!r}.")
+    if encoder_bits is not None and skip < stride:
+        raise BenchError(
+            f"simulate: with an encoder, settle must be at least one sampling period, but it is {settle!r} s."
+        )
+
+    lead = 0 if encoder_bits is None else stride  # the encoder's first difference reaches one sample back
+    omega_l = joint.omega_ref / joint.gear_ratio
+    theta0 = start_angle - omega_l * (skip * step)
+    keep = lead + (samples - 1) * stride + 1
+    constants = tuple(map(float, astuple(joint)))  # a parameter given as an int would compile the kernel anew
+    start = resting_state(joint, half_gap, theta0)
+    states = integrate(start, constants, float(half_gap), float(theta0), float(step), skip - lead, keep)
+    if not np.isfinite(states).all():
+        raise BenchError(
+            f"simulate: the integration diverges with a step of {step!r} s: take a smaller one, or a less stiff joint."
+        )
+
+    fine = _trajectory(joint, half_gap, start_angle, step, states[lead:])
+    if encoder_bits is None:
+        speed = fine.speed[::stride].copy()
+    else:
+        turns = joint.nominal_speed * step * np.arange(-lead, keep - lead, stride) + states[::stride, 0] / (2 * pi)
+        speed = np.diff(np.floor(turns * 2**encoder_bits)) / 2**encoder_bits * rate
+    last_turn = fine.time > fine.time[-1] - joint.turn
+    peak = float(np.max(fine.speed[last_turn])) - joint.nominal_speed
+    return Simulation(np.arange(samples) / rate, speed, peak, fine)
+
+
+def with_noise(speed: Array, noise: float, rng: np.random.Generator) -> Array:
+    """Return the (n,) speed in rps with uniform white noise of a peak-to-peak value in rps (eqs. 7.1 and 7.2).
+
+    Raises:
+        BenchError: for a noise that is negative or not finite.
+    """
+    if not (isfinite(noise) and noise >= 0):
+        raise BenchError(f"simulate: the noise must be finite and not negative, but it is {noise!r} rps.")
+    return speed + noise * rng.uniform(-0.5, 0.5, len(speed))
+
+
+def _steps(duration: float, rate: float, settle: float, step: float | None) -> tuple[float, int, int, int]:
+    """Return the step, the number of steps before the recording, of steps per sample, and of samples."""
+    for name, value in {"duration": duration, "rate": rate, "step": STEP if step is None else step}.items():
+        if not (isfinite(value) and value > 0):
+            raise BenchError(f"simulate: {name} must be finite and positive, but it is {value!r}.")
+    if not (isfinite(settle) and settle >= 0):
+        raise BenchError(f"simulate: settle must be finite and not negative, but it is {settle!r} s.")
+    if step is None:
+        stride = max(ceil(1 / (rate * STEP) - 1e-9), 1)
+        step = 1 / (rate * stride)
+    else:
+        stride = round(1 / (rate * step))
+    if step > LARGEST_STEP:
+        raise BenchError(f"simulate: step must be at most {LARGEST_STEP} s, to be stable, but it is {step!r} s.")
+    if stride < 1 or abs(stride * rate * step - 1) > 1e-6:
+        raise BenchError(f"simulate: step must divide the sampling period {1 / rate:g} s, but it is {step!r} s.")
+    if not settle + duration <= MOST_STEPS * step:
+        raise BenchError(
+            f"simulate: settle and duration together must be at most {MOST_STEPS * step:g} s "
+            f"({MOST_STEPS:,} steps of {step:g} s), but they are {settle + duration:g} s."
+        )
+    return step, round(settle / step), stride, int(duration * rate + 1e-6) + 1
+
+
+def _trajectory(joint: Joint, delta: float, start_angle: float, step: float, states: Array) -> Trajectory:
+    """Turn the states (m, 5) into physical signals."""
+    q, dq, p, dp, _ = states.T
+    N = joint.gear_ratio
+    time = step * np.arange(len(states), dtype=np.float64)
+    dtheta = q / N - p  # (4.1)
+    domega = dq / N - dp  # (4.2)
+    return Trajectory(
+        time=time,
+        speed=joint.nominal_speed + dq / (2 * pi),
+        load_angle=start_angle + joint.omega_ref / N * time + p,
+        dtheta=dtheta,
+        domega=domega,
+        load_torque=gap_torque(dtheta, domega, delta, joint.stiffness, joint.damping, joint.sharpness),
+    )

@@ -1,0 +1,159 @@
+"""Which files the authors published, where they are kept here, and how they come there."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from urllib.parse import quote, urlsplit
+
+from platformdirs import user_data_dir
+
+from bench.errors import BenchError
+
+REPOSITORY = "ElianaGiovannitti/Backlash-estimation"
+COMMIT = "7c81edefe3e61479d234d5080d4627dbbf584733"
+SOURCE = f"https://github.com/{REPOSITORY}/tree/{COMMIT}"
+BASE_URL = f"https://raw.githubusercontent.com/{REPOSITORY}/{COMMIT}/"
+LICENCE = "EUPL-1.2, the European Union Public Licence (https://eupl.eu/1.2/en/)"
+VARIABLE = "BENCH_PUBLISHED_DATA"
+TIMEOUT = 30  # s without an answer
+
+
+@dataclass(frozen=True)
+class File:
+    """A published file: its path in the authors' repository and the SHA-256 of its bytes."""
+
+    path: str
+    sha256: str
+
+    @property
+    def name(self) -> str:
+        """The last part of the path, which no two of the files share."""
+        return self.path.rpartition("/")[2]
+
+
+@cache
+def registry() -> dict[str, File]:
+    """Return the published files by name, the eleven small ones without noise first."""
+    lines = files("problems.backlash.published").joinpath("registry.txt").read_text(encoding="utf-8").splitlines()
+    known = [File(path, sha256) for sha256, _, path in (line.partition("  ") for line in lines if line[0] != "#")]
+    return {file.name: file for file in sorted(known, key=lambda file: "/" in file.path)}
+
+
+def data_folder() -> Path:
+    """Return the folder with the published recordings: ``$BENCH_PUBLISHED_DATA``, or one among the user's data."""
+    return Path(os.environ.get(VARIABLE) or Path(user_data_dir("backlash-bench")) / "published")
+
+
+def look_up(file: File, folder: Path) -> tuple[Path | None, bool]:
+    """Return where a folder holds a file, itself or anywhere below, and whether that is whole; None where it does not.
+
+    Raises:
+        BenchError: for a file that cannot be read.
+    """
+    found = None
+    for path in _named(file.name, folder):
+        if _sha256(path) == file.sha256:
+            return path, True
+        found = found or path
+    return found, False
+
+
+def _named(name: str, folder: Path) -> Iterator[Path]:
+    """Yield the files of that name, the folder's own first: those of a clone lie deeper."""
+    own = folder / name
+    if own.is_file():
+        yield own
+    yield from (path for path in sorted(folder.rglob(name)) if path != own and path.is_file())
+
+
+def _sha256(path: Path) -> str:
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError as error:
+        raise BenchError(f"{path} cannot be read: {error.strerror}") from error
+
+
+def require(name: str) -> Path:
+    """Return where a published file is, whole; raises BenchError that tells how to get it."""
+    folder = data_folder()
+    path, whole = look_up(registry()[name], folder)
+    if path is None:
+        raise BenchError(f"the published recording {name} is not in {folder}; get it with 'bench data fetch'")
+    if not whole:
+        raise BenchError(
+            f"{path} is not the published recording, as its SHA-256 differs; get it anew with 'bench data fetch'"
+        )
+    return path
+
+
+Told = Callable[[str], None]
+
+
+def download(to: Path, base_url: str, *, on_file: Told = lambda _: None) -> None:
+    """Download what a folder does not hold whole, from below a URL; each file is checked before it takes its name.
+
+    Raises:
+        BenchError: for a connection that fails, a file that is not the published one, and a folder that cannot be
+            written; the files before it stay.
+    """
+    import pooch  # its import takes longer than that of every other command's needs
+
+    pooch.get_logger().setLevel("WARNING")
+    known = registry()
+    urls = {name: base_url + quote(file.path) for name, file in known.items()}
+    hashes = {name: f"sha256:{file.sha256}" for name, file in known.items()}
+    store = pooch.create(path=to, base_url=base_url, registry=hashes, urls=urls)
+    downloader = pooch.HTTPDownloader(timeout=TIMEOUT, chunk_size=2**16)
+    for name, file in known.items():
+        if look_up(file, to)[1]:
+            continue
+        try:
+            store.fetch(name, downloader=downloader)
+        except ValueError as error:
+            raise BenchError(
+                f"{urls[name]} is not the published file, as its SHA-256 differs; try again, or give a folder that has "
+                "it with --from"
+            ) from error
+        except OSError as error:  # what requests raises is one, too
+            if not hasattr(error, "response"):
+                raise BenchError(f"{to / name} cannot be written: {error.strerror or 'permission denied'}") from error
+            answer = error.response
+            why = "the connection failed" if answer is None else f"the server answers {answer.status_code}"
+            raise BenchError(
+                f"{name} cannot be downloaded from {urlsplit(base_url).netloc}: {why}; try again, which goes on from "
+                "here, or give a folder that has it with --from"
+            ) from error
+        on_file(name)
+
+
+def copy(source: Path, to: Path, *, on_file: Told = lambda _: None) -> None:
+    """Copy from a folder, such as a clone of the repository, what it has and ``to`` does not hold whole.
+
+    Raises:
+        BenchError: for a folder with none of the files, for files that only share a name with a published one (once
+            all others are copied), and for a folder that cannot be written.
+    """
+    found = {file: look_up(file, source) for file in registry().values()}
+    if not any(path for path, _ in found.values()):
+        raise BenchError(f"{source} holds none of the published files, such as Speeddata3.xlsx, nor a folder below it")
+    for file, (path, whole) in found.items():
+        if path is None or not whole or look_up(file, to)[1]:
+            continue
+        try:
+            to.mkdir(parents=True, exist_ok=True)
+            with TemporaryDirectory(dir=to) as place:  # so that a copy that ends half-way is no published file
+                shutil.copyfile(path, Path(place) / file.name).replace(to / file.name)
+        except OSError as error:
+            raise BenchError(f"{to / file.name} cannot be written: {error.strerror}") from error
+        on_file(file.name)
+    refused = [str(path) for path, whole in found.values() if path is not None and not whole]
+    if refused:
+        raise BenchError(f"not copied, as their SHA-256 is not that of the published files: {', '.join(refused)}")

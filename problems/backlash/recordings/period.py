@@ -1,0 +1,199 @@
+"""The time of one load turn, T_f, from the gear ratio or from the disturbance itself.
+
+    >>> find_period(recording, gear_ratio=40)  # from the mean speed, where the ratio is known
+    >>> find_period(recording)  # from the signal, None where it has no period
+
+The second half of a load turn repeats the first with the opposite sign (thesis section 3.3): f(t + T_f/2) = -f(t), so
+f has the odd harmonics of 1/T_f alone. That tells T_f from its multiples and parts: the odd harmonics of 1/(2 T_f) and
+2/T_f are no harmonics of f's at all, those of 3/T_f are a third of them, and those of 1/(3 T_f) are three times as many
+as are needed. A period's odd harmonics are fitted to the signal; of all periods, the one of the best fit by Schwarz's
+criterion (Annals of Statistics 6, 1978, doi:10.1214/aos/1176344136) is the nearest, and least squares in T_f and the
+harmonics together make it exact (Quinn and Hannan, The Estimation and Tracking of Frequency, 2001, chapter 4).
+"""
+
+from dataclasses import dataclass
+from math import isfinite, log, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from problems.backlash.recordings.recording import Recording
+from problems.backlash.recordings.screen import SAMPLES_A_TURN
+
+Floats = NDArray[np.float64]
+
+RATE = 250.0
+"""Hz; to this sampling rate at least a signal is averaged, and no more is needed for the harmonics up to BAND."""
+
+BAND = 50.0
+"""Hz; the disturbance rings at up to 40 Hz (Table 7.1)."""
+
+LONGEST = 8_192
+"""The averaged samples that are looked at, from the start, where the fit begins: 33 s at least."""
+
+LONGEST_PERIOD = 20.0
+"""s; the longest load turn looked for."""
+
+FEWEST_TURNS = 2.0
+"""The load turns that a recording must hold for its period to be seen."""
+
+STRONGEST = 24
+"""The harmonics by which a period is made exact."""
+
+CLAIM = 12.0
+"""The gain in log-likelihood, after Schwarz's allowance, from which a period is claimed."""
+
+FLOOR = 0.02
+"""The part of the signal's energy that counts as noise at least: what the steps of the search miss of a period."""
+
+
+@dataclass(frozen=True)
+class Period:
+    """The time of one load turn.
+
+    Attributes:
+        seconds: T_f, s.
+        uncertainty: its standard error, s.
+        confidence: the part of the signal's energy up to 50 Hz, from 0 to 1, that repeats with the opposite sign after
+            half of T_f, above what a random signal's would.
+        source: "gear ratio" or "signal".
+        whole: whether T_f was set to one of which half is a whole number of samples.
+    """
+
+    seconds: float
+    uncertainty: float
+    confidence: float
+    source: str
+    whole: bool
+
+
+def find_period(
+    recording: Recording, *, gear_ratio: float | None = None, nominal: float | None = None
+) -> Period | None:
+    """Return the time of one load turn, or None where the signal shows none.
+
+    With the gear ratio, motor turns per load turn, it is the ratio over the mean speed: always known, and exact where
+    no disturbance is seen. Otherwise it is the period of the disturbance, of which the recording must hold two turns.
+    Either is set to the nearest one with a whole number of samples in half a turn, with which the fit is faster, where
+    that is within two standard errors or shifts the last turn by less than a quarter of a sample.
+
+    Args:
+        recording: the recording, at a steady speed.
+        gear_ratio: motor turns per load turn.
+        nominal: about the period in s, if the signal's is looked for within 20 % of it only.
+
+    Raises:
+        BenchError: for a gear ratio or a nominal period that is not a positive number, and for a motor that stands.
+    """
+    for name, value in (("gear ratio", gear_ratio), ("nominal period", nominal)):
+        if value is not None and not (isfinite(value) and value > 0):
+            raise BenchError(f"the {name} must be a positive number, not {value!r}")
+    spectrum = _Spectrum(recording)
+    if gear_ratio is not None:
+        seconds, error, source = *_from_speed(recording, gear_ratio), "gear ratio"
+    else:
+        limits = (SAMPLES_A_TURN * recording.dt, LONGEST_PERIOD)
+        if nominal is not None:
+            limits = (nominal / 1.2, nominal * 1.2)
+        frequency = spectrum.search(*limits)
+        if frequency is None:
+            return None
+        seconds, error, source = *spectrum.refine(frequency), "signal"
+    confidence = float(spectrum.explained(np.array([1 / seconds]))[1][0])
+    nearest = 2 * recording.dt * max(1, round(seconds / (2 * recording.dt)))
+    whole = abs(nearest - seconds) <= max(2 * error, 0.25 * recording.dt * seconds / recording.duration)
+    return Period(nearest if whole else seconds, error, confidence, source, whole)
+
+
+def _from_speed(recording: Recording, gear_ratio: float) -> tuple[float, float]:
+    """Return the period (s) by the mean speed, and its standard error; the mean is that of whole load turns."""
+    speed = recording.speed
+    mean = abs(float(speed.mean()))
+    if mean == 0.0:
+        raise BenchError("the mean speed is 0 rps, which gives no time of a load turn; cut out a steady part")
+    turn = gear_ratio / mean / recording.dt  # in samples
+    if turn <= len(speed):
+        speed = speed[: round(int(len(speed) / turn) * turn)]
+    mean = abs(float(speed.mean()))
+    seconds = gear_ratio / mean
+    return seconds, seconds * float(speed.std()) / mean / len(speed) ** 0.5
+
+
+class _Spectrum:
+    """The spectrum of a signal up to BAND, and the fit of a period's odd harmonics by it."""
+
+    def __init__(self, recording: Recording) -> None:
+        every = max(1, int(1 / (recording.dt * RATE)))
+        count = min(len(recording.speed) // every, LONGEST)
+        self._dt = recording.dt * every
+        self._time = self._dt * (np.arange(count) - (count - 1) / 2)
+        means = recording.speed[: count * every].reshape(count, every).mean(axis=1)
+        self._signal: Floats = means - np.polynomial.Polynomial.fit(self._time, means, 1)(self._time)
+        self._duration = self._dt * count
+        self._band = min(BAND, 0.4 / self._dt)
+
+        window = np.hanning(count + 2)[1:-1]  # so that a strong harmonic does not spread over its neighbours
+        padded = 1 << int(np.ceil(np.log2(16 * count)))
+        spectrum = np.abs(np.fft.rfft(window * self._signal, padded)) ** 2
+        self._step = 1 / (padded * self._dt)
+        self._power = spectrum * 2 * count / window.sum() ** 2  # the energy of a sinusoid there
+        inside = spectrum[: int(self._band / self._step) + 1]
+        self._energy = float(2 * inside.sum() / padded * count / (window**2).sum())
+        self._values = 2 * self._band * self._duration / 1.5  # as many independent ones are in the band, by this window
+
+    def explained(self, frequency: Floats) -> tuple[Floats, Floats]:
+        """Return, of (m,) ascending 1/T_f, the gain in log-likelihood over noise and the part of the energy, (m,).
+
+        Both are after an allowance: Schwarz's for the gain, and for the part what a random signal would give.
+        """
+        odd, harmonics = self._comb(frequency, 1)
+        part = np.minimum(odd / self._energy, 1.0)
+        gain = -self._values / 2 * np.log((1 - part + FLOOR) / (1 + FLOOR)) - harmonics * log(self._values)
+        chance = np.minimum(2 * harmonics / self._values, 0.99)
+        likely = gain > CLAIM
+        if likely.any():
+            even, _ = self._comb(frequency[likely], 2)
+            gain[likely] = np.where(odd[likely] > 3 * even, gain[likely], -np.inf)  # slow noise has both
+        return gain, np.clip((part - chance) / (1 - chance), 0.0, 1.0)
+
+    def search(self, shortest: float, longest: float) -> float | None:
+        """Return 1/T_f, Hz, of the best period between two, s, or None where none is better than noise."""
+        longest = min(longest, self._duration / FEWEST_TURNS)
+        shortest = max(shortest, 3 / self._band)
+        if not shortest < longest:
+            return None
+        fine = 8 * self._duration * self._band  # at the band's end, two steps are an eighth of the resolution
+        frequency = np.geomspace(1 / longest, 1 / shortest, int(fine * log(longest / shortest)) + 2)
+        gain, _ = self.explained(frequency)
+        best = int(np.argmax(gain))
+        return float(frequency[best]) if gain[best] > CLAIM else None
+
+    def refine(self, frequency: float) -> tuple[float, float]:
+        """Return the period, s, that fits best near a frequency, Hz, by Gauss-Newton steps, and its standard error."""
+        k = np.arange(1, int(self._band / frequency) + 1, 2)
+        strongest = np.argsort(self._power[np.rint(k * frequency / self._step).astype(int)])[-STRONGEST:]
+        k = k[strongest]
+        line = np.column_stack([np.ones_like(self._time), self._time])
+        for _ in range(3):
+            phase = 2 * pi * frequency * np.outer(self._time, k)
+            cos, sin = np.cos(phase), np.sin(phase)
+            waves = np.hstack([line, cos, sin])
+            a, b = np.split(np.linalg.solve(waves.T @ waves, waves.T @ self._signal)[2:], 2)
+            slope = 2 * pi * self._time * ((cos * b - sin * a) @ k)  # of the fit, with the frequency
+            design = np.column_stack([waves, slope])
+            inverse = np.linalg.inv(design.T @ design)
+            solution = inverse @ (design.T @ self._signal)
+            frequency += float(solution[-1])
+        rest = self._signal - design @ solution
+        variance = float(rest @ rest) / max(1, len(rest) - len(solution)) * float(inverse[-1, -1])
+        return 1 / frequency, variance**0.5 / frequency**2
+
+    def _comb(self, frequency: Floats, first: int) -> tuple[Floats, Floats]:
+        """Return the energy at every second harmonic from ``first``, and their number, of (m,) ascending 1/T_f."""
+        energy, count = np.zeros_like(frequency), np.zeros_like(frequency)
+        for k in range(first, int(self._band / frequency[0]) + 1, 2):
+            inside = int(np.searchsorted(frequency, self._band / k, side="right"))
+            energy[:inside] += self._power[(frequency[:inside] * (k / self._step) + 0.5).astype(np.int64)]
+            count[:inside] += 1
+        return energy, count

@@ -1,0 +1,273 @@
+"""Find what makes a recording unfit for the signature fit, and what its user should know of it.
+
+>>> screen(recording, nominal_rps=100, period=0.4)  # raises BenchError where the recording cannot be used
+>>> warnings(recording, period=0.4)  # sentences on what can
+"""
+
+from collections.abc import Iterator
+from math import floor
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import median_filter
+
+from bench.errors import BenchError
+from problems.backlash.recordings.recording import Recording, spell
+from problems.backlash.recordings.units import POSITION, SPEED
+
+Floats = NDArray[np.float64]
+
+FASTEST = 1000.0
+"""rps; no joint's motor turns at 60,000 rpm."""
+
+STEADY = 0.2
+"""The part of the mean speed by which a steady speed may depart from it: the disturbance is some percent of it."""
+
+FAR = 1.25
+"""The factor by which the mean speed may differ from the nominal one."""
+
+SAMPLES_A_TURN = 20
+"""The fewest samples in one load turn: the disturbance rings several times a turn."""
+
+RUN = 3
+"""Successive samples at the extreme, from which a run may be a clipped peak."""
+
+DROP = 6.0
+"""Steps of resolution by which a clipped peak's neighbours lie below it. A round peak, of which n >= 3 samples are
+rounded to one value, falls by at most ((n + 1) / (n - 1))**2 + 1 <= 5 steps beside them."""
+
+
+def screen(recording: Recording, *, nominal_rps: float | None = None, period: float | None = None) -> None:
+    """Raise BenchError, in one sentence, for the first thing that makes a recording unfit.
+
+    In this order: values that are no numbers, a constant speed, a speed in another unit, one that is not steady (a
+    start, a stop, a reversal), one that is clipped, less than one load turn, and a sampling that is too coarse.
+    A lack of samples in time is told where a recording is read.
+
+    Args:
+        recording: the recording.
+        nominal_rps: the motor's nominal speed, where it is known; its sign is of no matter.
+        period: T_f, the time of one load turn, s; None where it is not known, or a single oscillation is to be fitted.
+    """
+    screen_values(recording)
+    _screen_unit(recording, nominal_rps)
+    _screen_steadiness(recording)
+    _screen_clipping(recording)
+    if period is not None:
+        screen_length(recording, period)
+        screen_sampling(recording, period)
+
+
+def warnings(recording: Recording, *, period: float | None = None) -> list[str]:
+    """Return a sentence on everything that is no error but may spoil an estimate; of a screened recording."""
+    return [*_warn_of_ends(recording), *_warn_of_samples(recording), *_warn_of_turns(recording, period)]
+
+
+def drift(recording: Recording) -> float:
+    """Return by how much (rps) the mean speed drifts from the first sample to the last; 0 where that is little.
+
+    Little is up to half of the range that the speed has about a straight line.
+    """
+    speed = _without_spikes(recording.speed)
+    time = np.linspace(-0.5, 0.5, len(speed))
+    change = float(np.polynomial.polynomial.polyfit(time, speed, 1)[1])
+    low, high = np.quantile(speed - change * time, (0.05, 0.95))
+    return change if abs(change) > 0.5 * (high - low) else 0.0
+
+
+def steady_window(recording: Recording) -> tuple[float, float] | None:
+    """Return the ends (s) of the longest part in which the speed is steady, without a transient at its ends, or None.
+
+    Steady is a speed that stays within 20 % of its level. The ends are cut back to where the speed does not leave the
+    range of the part's middle half by more than that range itself.
+    """
+    speed = _without_spikes(recording.speed)
+    best = (0, 0)
+    for level in np.quantile(speed, np.linspace(0.025, 0.975, 20)):
+        run = _longest_run(np.abs(speed - level) <= STEADY * abs(level))
+        best = max(best, run, key=lambda ends: ends[1] - ends[0])
+    first, end = best
+    quarter = (end - first) // 4
+    middle = speed[first + quarter : end - quarter]
+    if len(middle) < 2:
+        return None
+    low, high = middle.min(), middle.max()
+    margin = max(high - low, 0.01 * abs(high))
+    ok = (speed[first:end] >= low - margin) & (speed[first:end] <= high + margin)
+    before, after = ~ok[: quarter + 1], ~ok[::-1][: quarter + 1]
+    first, end = first + _last(before), end - _last(after)
+    time = recording.time
+    return float(time[first]), float(time[end - 1])
+
+
+def screen_values(recording: Recording) -> None:
+    """Raise BenchError for a speed that is no number somewhere, or constant."""
+    bad = ~np.isfinite(recording.speed)
+    if bad.any():
+        where = recording.start + recording.dt * int(np.argmax(bad))
+        raise BenchError(f"the speed at {where:.6g} s is no number; mend the recording or cut out a part without it")
+    if np.ptp(recording.speed) <= 1e-9 * np.abs(recording.speed).max():  # rounding, after a change of unit
+        raise BenchError(
+            f"the speed is constant at {recording.speed[0]:.6g} rps, so there is no disturbance to fit; record with "
+            "more digits, or a joint that turns"
+        )
+
+
+def _screen_unit(recording: Recording, nominal_rps: float | None) -> None:
+    speed = float(np.median(np.abs(recording.speed)))
+    units = next(units for units in (SPEED, POSITION) if recording.unit in units)
+    if nominal_rps is None:
+        if speed > FASTEST:
+            raise BenchError(
+                f"a speed of {speed:.6g} rps is more than a motor has; say in which unit the recording is "
+                f"({', '.join(units)}), which was read as {recording.unit}"
+            )
+        return
+    nominal = abs(nominal_rps)
+    if not 0.0 < nominal < np.inf:
+        raise BenchError(f"the nominal speed must be a finite number of rps other than 0, not {nominal_rps!r}")
+    if nominal / FAR <= speed <= nominal * FAR:
+        return
+    fits = {unit: speed * units[recording.unit] / factor for unit, factor in units.items()}
+    likely = min(fits, key=lambda unit: abs(np.log(max(fits[unit], 1e-300) / nominal)))
+    if likely != recording.unit and nominal / FAR <= fits[likely] <= nominal * FAR:
+        advice = f"its values look like {likely}, not {recording.unit}: give that unit"
+    else:
+        advice = f"no unit makes up for that; give the nominal speed of this recording, or a part at {nominal:g} rps"
+    raise BenchError(f"the recording's speed of {speed:.6g} rps is far from the nominal {nominal:g} rps; {advice}")
+
+
+def _screen_steadiness(recording: Recording) -> None:
+    speed = _without_spikes(recording.speed)
+    level = float(np.median(speed))
+    off = np.abs(speed - level) > STEADY * abs(level)
+    if not off.any():
+        return
+    if speed.min() < 0.0 < speed.max():
+        what = "reverses"
+    elif np.abs(speed).min() < STEADY * np.abs(speed).max():
+        what = "starts or stops"
+    else:
+        what = "leaves its speed by more than a fifth"
+    window = steady_window(recording)
+    if window is None or window[1] - window[0] < 0.02 * recording.duration:
+        advice = "record at a constant speed, which must be many times the disturbance"
+    else:
+        advice = f"take its longest steady part, --window {spell(*window)}"
+    raise BenchError(f"the motor {what} (its speed is {speed.min():.4g} to {speed.max():.4g} rps); {advice}")
+
+
+def _screen_clipping(recording: Recording) -> None:
+    for name, side in (("highest", 1.0), ("lowest", -1.0)):
+        clipped = _clipped(side * recording.speed)
+        if clipped is not None:
+            count, first = clipped
+            raise BenchError(
+                f"the speed is clipped: {count} samples lie in flat runs at its {name} value, "
+                f"{recording.speed[first]:.6g} rps, the first at {recording.start + recording.dt * first:.6g} s; "
+                "record with a larger range"
+            )
+
+
+def screen_length(recording: Recording, period: float) -> None:
+    """Raise BenchError for less than one load turn of ``period`` s."""
+    if recording.duration < period * (1.0 - 1e-9):
+        raise BenchError(
+            f"the recording lasts {recording.duration:.4g} s, less than one load turn of {period:g} s; record longer, "
+            "give the right period, or fit a single oscillation"
+        )
+
+
+def screen_sampling(recording: Recording, period: float) -> None:
+    """Raise BenchError for too few samples in a load turn of ``period`` s."""
+    if recording.dt > period / SAMPLES_A_TURN * (1.0 + 1e-9):
+        raise BenchError(
+            f"a sample every {recording.dt:.4g} s is too coarse for a load turn of {period:g} s; sample at "
+            f"{SAMPLES_A_TURN / period:.4g} Hz at least"
+        )
+
+
+def _clipped(speed: Floats) -> tuple[int, int] | None:
+    """Return how many samples lie in runs at a clipped maximum and where the first begins, or None for a natural one.
+
+    A sensor at its limit gives the same value in many successive samples, which are entered and left by a jump, and
+    more often than the values just below. None of these alone is a sign: a rounded smooth peak is flat, one period
+    may repeat another to the last digit, and a coarse quantisation leaves few values.
+    """
+    top = float(speed.max())
+    near = speed[speed > (top + float(np.median(speed))) / 2]  # 99.987 and 100.12 have five digits, and unequal steps
+    gaps = np.diff(np.unique(near))
+    tiny = 1e-9 * max(abs(top), 1.0)  # one value after a change of unit
+    gaps = gaps[gaps > tiny]
+    if not len(gaps):  # the next value is too far down to tell a jump from a step
+        return None
+    step = float(gaps.min())
+    at_top = speed >= top - tiny
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], at_top, [False]))))
+    starts, ends = edges[::2], edges[1::2]
+    padded = np.concatenate(([-np.inf], speed, [-np.inf]))
+    jumps = top - np.maximum(padded[starts], padded[ends + 1])  # of the nearer neighbour
+    flat = (ends - starts >= RUN) & (jumps > DROP * step)
+    longest = int((ends - starts)[flat].max(initial=0))
+    count = int((ends - starts)[flat].sum())
+    below = int(((speed < top - tiny) & (speed > top - (DROP + 0.5) * step)).sum())
+    if (flat.sum() >= 2 or longest > RUN + 1) and count > below:
+        return count, int(starts[flat][0])
+    return None
+
+
+def _warn_of_ends(recording: Recording) -> Iterator[str]:
+    window = steady_window(recording)
+    slack = 2 * recording.dt
+    end = recording.start + recording.duration
+    if window is not None and (window[0] > recording.start + slack or window[1] < end - slack):
+        yield f"the speed is not yet, or no longer, steady at the ends; think of --window {spell(*window)}"
+    if line := drift(recording):
+        yield f"the mean speed drifts by {line:.3g} rps over the recording; a straight line is taken off"
+
+
+def _warn_of_samples(recording: Recording) -> Iterator[str]:
+    speed = recording.speed
+    rest = np.abs(speed - median_filter(speed, size=3, mode="nearest"))  # of five, ringing at 21 Hz would not pass
+    low, high = np.quantile(speed, (0.01, 0.99))
+    spikes = rest > max(high - low, 12.0 * float(np.median(rest)))
+    if 0 < spikes.sum() <= max(3.0, 0.002 * len(speed)):  # more of them are part of the signal
+        where = recording.start + recording.dt * int(np.argmax(spikes))
+        count = int(spikes.sum())
+        yield f"{count} lone {'samples stick' if count > 1 else 'sample sticks'} far out, the first at {where:.6g} s"
+    values = np.unique(speed)
+    steps = np.diff(values)
+    step = float(np.median(steps[steps > 1e-9 * np.abs(values).max()])) if len(steps) else 0.0
+    if step > 0.1 * np.ptp(speed):
+        yield (
+            f"the speed comes in steps of {step:.3g} rps, a large part of its range of {np.ptp(speed):.3g} rps: small "
+            "disturbances are lost in them; use a finer encoder or a lower sampling rate"
+        )
+
+
+def _warn_of_turns(recording: Recording, period: float | None) -> Iterator[str]:
+    turns = recording.duration / period if period else np.inf
+    if turns < 3:
+        held = floor(10 * turns) / 10
+        yield f"the recording holds {held:g} load turn{'s' * (held != 1)}; three or more make an estimate firmer"
+
+
+def _without_spikes(speed: Floats) -> Floats:
+    """Return the running median of five samples, which no lone pair of bad samples gets through."""
+    smooth: Floats = median_filter(speed, size=5, mode="nearest")
+    return smooth
+
+
+def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return the first index of the longest run of true flags, and the index after its last."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False]))))
+    starts, ends = edges[::2], edges[1::2]
+    if not len(starts):
+        return 0, 0
+    longest = int(np.argmax(ends - starts))
+    return int(starts[longest]), int(ends[longest])
+
+
+def _last(flags: NDArray[np.bool_]) -> int:
+    """Return the number of flags up to the last true one."""
+    return int(np.flatnonzero(flags)[-1]) + 1 if flags.any() else 0

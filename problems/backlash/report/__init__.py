@@ -1,0 +1,23 @@
+"""The thesis's own views of a study, Figs. 7.3 to 7.5, Tables 7.2 and 7.3, and the best fit there is, beside them."""
+
+from bench import Results
+from bench.analysis import in_study_order
+from bench.report import Section
+from problems.backlash.report import amplitudes, fitting_errors, levels, noise, reference, times
+from problems.backlash.report.estimates import expected_values
+
+
+def sections(results: Results) -> list[Section]:
+    """Return the sections on backlash, none for a study whose problems give no amplitude."""
+    if "amplitude_rpm" not in results.frame:
+        return []
+    frame = in_study_order(results.frame, results.study)
+    truths, unknown = expected_values(results)
+    return [
+        *levels.sections(frame, truths, unknown),
+        *fitting_errors.sections(frame, results.study),
+        *reference.sections(results, frame),
+        *amplitudes.sections(frame, truths, results.study),
+        *noise.sections(results, frame, truths),
+        *times.sections(frame),
+    ]

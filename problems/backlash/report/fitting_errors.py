@@ -1,0 +1,202 @@
+"""Table 7.2: the mean fitting error in rpm, and how it compares with the published one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from importlib.resources import files
+from typing import Literal
+
+import pandas as pd
+
+from bench import Study
+from bench.analysis import ALPHA, comparison_matrix, pairwise_tests, summarise, table
+from bench.report import Section, Table
+from bench.report.wording import count, listing, shares
+
+TITLE = "Fitting error (thesis Table 7.2)"
+SWARMS = ("alo", "goa", "da", "gwo")  # the columns of Table 7.2
+EXTRA = "cma-es"
+ORDER = ("gwo", "alo", "da", "goa")  # from the best to the worst, as published
+NEAR = 0.35  # an independent implementation lands within about a third of the published means
+PUBLISHED_TRIALS, PUBLISHED_BUDGET = 30, 60_000
+
+
+def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
+    """Return the section on Table 7.2, none without one of its algorithms or with errors in another unit than rpm."""
+    columns, rows = algorithms(study), datasets(study)
+    swarms = [columns[name] for name in SWARMS if name in columns]
+    if not swarms or not rows:
+        return []
+    pairs = pairwise_tests(_part(frame, rows, swarms))
+    means, table = table_7_2(frame, pairs, columns, rows)
+    text, items = tests_in_words(pairs), (table,)
+    if not re.search("thesis|published", study.name.lower()):
+        return [Section(TITLE, text, items)]
+    beside = beside_published(means, published())
+    text = (*in_words(means, beside), conditions(study), *text)
+    return [Section(TITLE, text, (*items, side_by_side(means, beside)) if len(beside) else items)]
+
+
+def algorithms(study: Study) -> dict[str, str]:
+    """Return the label of each of the thesis's algorithms in the study, by plug-in name; the first of several."""
+    labels: dict[str, str] = {}
+    for entry in study.optimizers:
+        labels.setdefault(entry.name, entry.label)
+    return {name: labels[name] for name in (*SWARMS, EXTRA) if name in labels}
+
+
+def datasets(study: Study) -> dict[str, int]:
+    """Return the dataset number of each problem label that is a signature-NN or published-NN in rpm."""
+    numbers = {entry.label: re.fullmatch(r"(?:signature|published)-(\d+)", entry.name) for entry in study.problems}
+    in_rpm = {entry.label for entry in study.problems if entry.options.get("unit") == "rpm"}
+    return {label: int(match[1]) for label, match in numbers.items() if match and label in in_rpm}
+
+
+def published() -> pd.DataFrame:
+    """Return the thesis's Table 7.2: mean RMSE in rpm over 30 runs, datasets 3 to 20 by algorithm."""
+    with files("problems.backlash.report").joinpath("table_7_2.csv").open(encoding="utf-8") as file:
+        return pd.read_csv(file, index_col="dataset")
+
+
+def table_7_2(
+    frame: pd.DataFrame, pairs: pd.DataFrame, columns: dict[str, str], rows: dict[str, int]
+) -> tuple[pd.DataFrame, Table]:
+    """Return the mean errors by dataset and plug-in name, and the table with the thesis's marks.
+
+    Args:
+        frame: the tidy frame, in the study's order.
+        pairs: the tests of the swarms; as in the thesis, bold and italics compare the swarms alone.
+        columns: from :func:`algorithms`.
+        rows: from :func:`datasets`.
+    """
+    summary = summarise(_part(frame, rows, columns.values()))
+    matrix = comparison_matrix(summary[summary["optimizer"] != columns.get(EXTRA)], pairs, statistic="mean")
+    named = {label: name for name, label in columns.items()}
+    means, bold, italic = (
+        _by_dataset(part, named, rows)
+        for part in (table(summary, "mean"), table(matrix, "best"), table(matrix, "alike"))
+    )
+    shown = [part.rename(columns=str.upper) for part in (means, bold, italic)]
+    marked = Table(
+        "table-7-2",
+        "Mean fitting error in rpm by dataset (thesis Table 7.2).",
+        shown[0],
+        bold=shown[1],
+        italic=shown[2],
+        decimals=3,
+        note="Bold: the lowest mean of the four swarms. Italics: an exact Kolmogorov-Smirnov test at "
+        f"{ALPHA:g} (raw p, as in the thesis) cannot tell it from the best swarm’s distribution. CMA-ES, where "
+        "present, is shown beside them and not marked.",
+    )
+    return means, marked
+
+
+def _part(frame: pd.DataFrame, problems: Iterable[str], optimizers: Iterable[str]) -> pd.DataFrame:
+    """Return the trials of these problems and optimizers, which stay the categories of the frame even without any."""
+    kept = {"problem": set(problems), "optimizer": set(optimizers)}
+    for column, labels in kept.items():
+        frame = frame[frame[column].isin(labels)]
+        order = [label for label in frame[column].cat.categories if label in labels]
+        frame = frame.assign(**{column: frame[column].cat.set_categories(order)})
+    return frame
+
+
+def _by_dataset(table: pd.DataFrame, named: dict[str, str], rows: dict[str, int]) -> pd.DataFrame:
+    """Return a matrix of labels as dataset numbers by plug-in names, in the thesis's order."""
+    table = table.rename(index=rows, columns=named).rename_axis(index="dataset").sort_index()
+    return table[[name for name in (*SWARMS, EXTRA) if name in table]]
+
+
+def beside_published(means: pd.DataFrame, reference: pd.DataFrame) -> pd.DataFrame:
+    """Return dataset, algorithm, mean, published and difference ((mean - published) / published) of shared cells."""
+    ours = means.rename_axis(index="dataset").melt(ignore_index=False, var_name="algorithm", value_name="mean")
+    theirs = reference.melt(ignore_index=False, var_name="algorithm", value_name="published")
+    cells = ours.reset_index().merge(theirs.reset_index(), on=["dataset", "algorithm"])
+    return cells.assign(difference=(cells["mean"] - cells["published"]) / cells["published"])
+
+
+def ordered(means: pd.DataFrame) -> int:
+    """Return in how many rows GWO < ALO < DA < GOA holds."""
+    better_to_worse = means[list(ORDER)].diff(axis=1).iloc[:, 1:]
+    return int((better_to_worse > 0).all(axis=1).sum())
+
+
+def _holders(means: pd.DataFrame, extreme: Literal["min", "max"]) -> str:
+    """Return in words in how many rows each algorithm has the lowest or the highest mean."""
+    whole = means.dropna().rename(columns=str.upper)
+    return shares(whole.eq(whole.agg(extreme, axis=1), axis=0))
+
+
+def in_words(means: pd.DataFrame, cells: pd.DataFrame) -> list[str]:
+    """Return what the comparison found, in sentences."""
+    known = cells.dropna()
+    if known.empty:
+        return ["No cell of the published Table 7.2 can be compared."]
+    near = int((known["difference"].abs() <= NEAR).sum())
+    typical, size = known["difference"].median(), known["difference"].abs().median()
+    found = (
+        f"Of {count(len(known), 'cell')} shared with the published Table 7.2, {near} lie within {NEAR:.0%} of the "
+        f"published mean. The median relative difference is {typical:+.1%}, its median size {size:.1%}."
+    )
+    text = [found]
+    if set(ORDER) <= set(means.columns):
+        own, theirs = means[list(ORDER)], published().reindex(means.index)[list(ORDER)].dropna()
+        text.append(
+            f"The order {' < '.join(name.upper() for name in ORDER)} holds in {ordered(own)} of {len(own)} rows; "
+            f"in the published table it holds in {ordered(theirs)} of these."
+        )
+        text.append(
+            f"The lowest mean of the swarms is {_holders(own, 'min')} (published: {_holders(theirs, 'min')}), the "
+            f"highest {_holders(own, 'max')} (published: {_holders(theirs, 'max')}). The thesis calls GWO the best of "
+            "the four and DA the least effective."
+        )
+    missing = cells[cells["mean"].isna()]
+    lost = [
+        f"{str(name).upper()} on dataset {k}" for name, k in zip(missing["algorithm"], missing["dataset"], strict=True)
+    ]
+    if lost:
+        text.append(f"Without a mean, as trials failed or are missing: {listing(lost)}.")
+    return text
+
+
+def tests_in_words(pairs: pd.DataFrame) -> tuple[str, ...]:
+    """Return how many pairs of swarms a test tells apart, which the thesis finds to be most."""
+    if pairs.empty:
+        return ()
+    apart, most = int((pairs["p"] <= ALPHA).sum()), (pairs["p"] <= ALPHA).mean() > 0.5
+    text = (
+        f"A Kolmogorov-Smirnov test at {ALPHA:g} (raw p) tells the two swarms of a pair apart in {apart} of "
+        f"{count(len(pairs), 'pair')}. The thesis finds so in the majority of cases: "
+        f"{'this run agrees' if most else 'this run does not agree'}."
+    )
+    return (text,)
+
+
+def conditions(study: Study) -> str:
+    """Return how the study's conditions stand to the published ones."""
+    asked = f"{PUBLISHED_TRIALS} trials of {PUBLISHED_BUDGET:,} evaluations"
+    if (study.trials, study.budget) == (PUBLISHED_TRIALS, PUBLISHED_BUDGET):
+        return f"Both are means over {asked}."
+    return (
+        f"The published means are over {asked}; these are over {count(study.trials, 'trial')} of "
+        f"{count(study.budget, 'evaluation')}, so they need not agree."
+    )
+
+
+def side_by_side(means: pd.DataFrame, cells: pd.DataFrame) -> Table:
+    """Return the table with each algorithm's mean, its published mean and their relative difference in percent."""
+    columns: dict[str, pd.Series] = {}
+    for name in [name for name in SWARMS if name in means]:
+        own = cells[cells["algorithm"] == name].set_index("dataset")
+        title = name.upper()
+        columns[title] = own["mean"]
+        columns[f"{title} published"] = own["published"]
+        columns[f"{title} diff. %"] = 100 * own["difference"]
+    frame = pd.DataFrame(columns).rename_axis(index="dataset")
+    return Table(
+        "table-7-2-published",
+        "Mean fitting error in rpm beside the published one, and the relative difference in percent.",
+        frame,
+        decimals={column: 1 if column.endswith("%") else 3 for column in columns},
+    )

@@ -1,0 +1,146 @@
+"""Fig. 7.3: the backlash of each dataset and the amplitude of its disturbance, and what the trials found of both."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from bench.analysis import labels
+from bench.plots import style
+from bench.report import Figure, Section, Table
+from bench.report.wording import count, listing
+from problems.backlash.report.axes import dataset_panels
+from problems.backlash.report.estimates import errors_by, estimates, expected_by_problem, with_truth, within_in_words
+from problems.backlash.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM
+
+TITLE = "Backlash and amplitude of the datasets (thesis Fig. 7.3)"
+SHOWN = {"backlash_rad": ("Backlash δ", "1e-6 rad", 1e6), "amplitude_rpm": ("Amplitude |A|", "rpm", 1.0)}
+WIDTH = 0.84  # of the place of a dataset
+EXPECTED, BAND = "expected", "accuracy band"
+
+
+def sections(frame: pd.DataFrame, truths: pd.DataFrame, unknown: dict[str, str]) -> list[Section]:
+    """Return the section on Fig. 7.3, which also says of which problems no truth is known, and why."""
+    every = [with_truth(estimates(frame, truths, figure)) for figure in SHOWN if figure in frame]
+    known = {data["figure"].iloc[0]: data for data in every if len(data)}
+    warnings = _warnings(unknown)
+    if not known:
+        return [Section(TITLE, warnings=warnings)] if warnings else []
+    text, items = smallest_step(truths), (_figure(known),)
+    if "backlash_rad" not in known:
+        return [Section(TITLE, text, items, warnings)]
+    backlash = known["backlash_rad"]
+    text = (*text, f"Within ±{TOLERANCE_RAD:g} rad of the true backlash lie {within_in_words(backlash)}.")
+    return [Section(TITLE, (*text, *_without_estimate(backlash)), (*items, _table(backlash)), warnings)]
+
+
+def smallest_step(truths: pd.DataFrame) -> tuple[str, ...]:
+    """Return in words the smallest step of the amplitude between neighbouring datasets, none where there are none.
+
+    It is the accuracy asked of A, as the step in backlash is the accuracy asked of delta (section 7.2.3).
+    """
+    table = truths.pivot(index="problem", columns="figure", values="expected")
+    if not set(SHOWN) <= set(table):
+        return ()
+    steps = table.dropna().sort_values("backlash_rad").diff()
+    neighbours = steps.loc[np.isclose(steps["backlash_rad"], 2 * TOLERANCE_RAD), "amplitude_rpm"]
+    if neighbours.empty:
+        return ()
+    text = (
+        f"Between datasets {2 * TOLERANCE_RAD:g} rad apart the expected amplitude grows by at least "
+        f"{neighbours.min():.4f} rpm ({neighbours.max():.4f} rpm at most). On the thesis’s own datasets the smallest "
+        f"step is {2 * TOLERANCE_RPM:.4f} rpm, and half of it is the accuracy asked of A."
+    )
+    return (text,)
+
+
+def found_by_cell(data: pd.DataFrame) -> pd.DataFrame:
+    """Return problem, optimizer, figure, expected, tolerance, trials, found (how many have a value), q1, median, q3."""
+    keys = ["problem", "optimizer"]
+    groups = data.groupby(keys, observed=True)
+    quartiles = groups["found"].quantile(np.array([0.25, 0.5, 0.75])).unstack()
+    table = groups.agg(
+        figure=("figure", "first"), expected=("expected", "first"), tolerance=("tolerance", "first"),
+        trials=("trial", "size"), found=("found", "count"),
+    )  # fmt: skip
+    return table.assign(q1=quartiles[0.25], median=quartiles[0.5], q3=quartiles[0.75]).reset_index()
+
+
+def _warnings(unknown: dict[str, str]) -> tuple[str, ...]:
+    """Return one warning a reason, as a plug-in that is missing gives the same one for all its problems."""
+    reasons: dict[str, list[str]] = {}
+    for problem, reason in unknown.items():
+        reasons.setdefault(reason, []).append(problem)
+    return tuple(
+        f"The expected values of {listing(problems)} are not known here and left out: {reason}."
+        for reason, problems in reasons.items()
+    )
+
+
+def _without_estimate(data: pd.DataFrame) -> tuple[str, ...]:
+    lost = int(data["found"].isna().sum())
+    why = "they failed, or the amplitude is outside the range in which backlash can be told from it"
+    return (f"{count(lost, 'trial')} of {len(data):,} gave no backlash: {why}.",) if lost else ()
+
+
+def _table(data: pd.DataFrame) -> Table:
+    errors = errors_by(data, ["optimizer"])
+    columns = ["mean error", "median error"]
+    return Table(
+        "backlash-errors",
+        f"Backlash error in 1e-6 rad (found less true), and the percentage of trials within ±{TOLERANCE_RAD:g} rad.",
+        errors.assign(**{column: 1e6 * errors[column] for column in columns}),
+        decimals={"mean error": 1, "median error": 1, "within band %": 1},
+        note="Errors are over the trials that gave a backlash, the percentage is over all.",
+    )
+
+
+def _figure(known: dict[str, pd.DataFrame]) -> Figure:
+    cells = pd.concat([found_by_cell(data) for data in known.values()], ignore_index=True)
+    first = next(iter(known.values()))
+    optimizers, problems = labels(first, "optimizer"), labels(first, "problem")
+    titles = ["{} in {}".format(*SHOWN[name]) for name in known]
+    names = [style.plain(optimizer) for optimizer in optimizers]
+    figure, axes = dataset_panels(titles, problems, [EXPECTED, BAND, *names], columns=1, height=1.7)
+    looks = style.looks(optimizers).values()
+    for ax, (name, data) in zip(axes, known.items(), strict=True):
+        scale = SHOWN[name][2]
+        _truth(ax, expected_by_problem(data).reindex(problems) * scale)
+        own = cells[cells["figure"] == name].astype({"problem": object, "optimizer": object})
+        for number, (optimizer, look, label) in enumerate(zip(optimizers, looks, names, strict=True)):
+            table = scale * own[own["optimizer"] == optimizer].set_index("problem")[["q1", "median", "q3"]]
+            at = np.arange(len(problems)) + 0.9 * WIDTH * ((number + 0.5) / len(optimizers) - 0.5)
+            _quartiles(ax, at, table.reindex(problems), label, look)
+    style.legend_above(figure, axes[0].get_legend_handles_labels()[0])
+    caption = (
+        "The true backlash of each dataset and the amplitude expected of it (lines; shaded: the accuracy bands), as in "
+        "thesis Fig. 7.3, with the median (marker) and the quartiles (bar) of what the trials of each optimizer found."
+    )
+    return Figure("backlash-and-amplitude", caption, figure, cells, _abridged(cells))
+
+
+def _truth(ax: Axes, truth: pd.DataFrame) -> None:
+    """Draw each truth as wide as the marks beside it, in grey, as the colours are the optimizers'."""
+    at, expected, tolerance = np.arange(len(truth)), truth["expected"], truth["tolerance"]
+    ax.use_sticky_edges = False  # the end of a bar is no limit of the axis
+    ax.bar(at, 2 * tolerance, WIDTH, expected - tolerance, color="0.85", label=BAND)
+    ax.hlines(expected, at - WIDTH / 2, at + WIDTH / 2, color="0.2", linewidth=0.9, label=EXPECTED)
+
+
+def _quartiles(ax: Axes, at: np.ndarray, table: pd.DataFrame, label: str, look: style.Look) -> None:
+    ax.vlines(at, table["q1"], table["q3"], color=look.color, linewidth=0.9)
+    ax.plot(at, table["median"], look.marker, color=look.color, markersize=3, markeredgewidth=0, label=label)
+
+
+def _abridged(cells: pd.DataFrame) -> pd.DataFrame:
+    """Return the truths and the medians, a row a problem."""
+    columns: dict[str, pd.Series[float]] = {}
+    for name, (title, unit, scale) in SHOWN.items():
+        own = cells[cells["figure"] == name]
+        if own.empty:
+            continue
+        columns[f"{title} in {unit}"] = scale * own.groupby("problem", observed=True)["expected"].first()
+        medians = scale * own.pivot(index="problem", columns="optimizer", values="median")
+        columns |= {f"{title}, {optimizer}": medians[optimizer] for optimizer in medians}
+    return pd.DataFrame(columns).rename_axis("problem")

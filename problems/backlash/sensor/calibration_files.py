@@ -1,0 +1,171 @@
+"""Which recordings are meant, of which joint each is, and when it was made, by the names of files and folders.
+
+>>> paths, notes = find(["cell7", "spare/*.xlsx"])
+>>> [(one.name, one.unit, one.at) for one in series(paths)]
+
+A folder stands for the recordings in it and in its subfolders. A name with a date (``joint4_2024-01.csv``,
+``2024-01-15.csv``, ``20240115_joint4.csv``) tells when its recording was made; what is left of the name, with the
+folder, tells the joint. Where there is no date a number that is not the joint's own does (``joint4_003.csv``); where
+there is none either, the order of the files.
+"""
+
+from __future__ import annotations
+
+import re
+from calendar import monthrange
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from os.path import commonpath
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from problems.backlash.recordings.tables import READERS
+
+Floats = NDArray[np.float64]
+
+TRUTH = "truth.csv"
+"""What 'bench simulate --wear' writes beside the recordings."""
+
+MAGIC = set("*?[")
+
+DATE = re.compile(
+    r"(?<!\d)(?P<year>(?:19|20)\d\d)(?P<by>[-_.]?)(?P<month>0[1-9]|1[0-2])(?:(?P=by)(?P<day>0[1-9]|[12]\d|3[01]))?"
+    r"(?:[T_ -](?P<hour>[01]\d|2[0-3])[-:h.]?(?P<minute>[0-5]\d)(?:[-:.]?[0-5]\d)?)?(?!\d)"
+)
+JOINT = re.compile(r"(?<![^\W\d_])(?:joint|axis|achse|gelenk|giunto|asse|axe|j)[ _-]?\d+", re.IGNORECASE)
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """Recordings of one joint in the order of their time.
+
+    Attributes:
+        name: what the names of its files share, "" where that is nothing.
+        members: (n,) positions in the list of files.
+        at: (n,) when each was made, not decreasing: months since the year 0, the number in the name, or 1, 2, ….
+        unit: "month", "number" or "file", by which ``at`` counts.
+        days: whether a name tells the day, too.
+    """
+
+    name: str
+    members: tuple[int, ...]
+    at: Floats
+    unit: str
+    days: bool = False
+
+    def label(self, at: float) -> str:
+        """Return a time as a person writes it, such as ``2024-01``, ``2024-01-15``, or the number."""
+        if self.unit != "month":
+            return f"{at:.4g}"
+        year, month = divmod(int(at), 12)
+        day = 1 + int(at % 1 * monthrange(year, month + 1)[1] + 1e-6)
+        return f"{year}-{month + 1:02d}" + (f"-{day:02d}" if self.days else "")
+
+
+@dataclass(frozen=True)
+class _Name:
+    """What a file's name tells: the joint, and when it was made by a date or a number."""
+
+    joint: str
+    at: float | None = None
+    unit: str = "file"
+    days: bool = False
+
+
+def find(arguments: Sequence[str | Path]) -> tuple[list[Path], list[str]]:
+    """Return the files that paths, folders and patterns stand for, each once, and a sentence on what was left out.
+
+    Raises:
+        BenchError: for a folder without recordings and a pattern that nothing matches.
+    """
+    found: dict[Path, None] = {}
+    notes = []
+    for argument in map(Path, arguments):
+        if argument.is_dir():
+            inside = [path for path in (*argument.iterdir(), *argument.glob("*/*")) if _is_recording(path)]
+            files = sorted((path for path in inside if path.name != TRUTH), key=natural)
+            notes += [f"{path} is no recording but a wear curve's truth; it was left out" for path in inside
+                      if path.name == TRUTH]  # fmt: skip
+            if not files:
+                raise BenchError(f"there is no recording in the folder {argument}; give {', '.join(READERS)} files")
+        elif MAGIC & set(str(argument)) and not argument.exists():
+            pattern = argument.relative_to(argument.anchor)
+            files = sorted(filter(Path.is_file, Path(argument.anchor).glob(str(pattern))), key=natural)
+            if not files:
+                raise BenchError(f"no file matches {argument}; give the recordings, or the folder that holds them")
+        else:
+            files = [argument]
+        found |= dict.fromkeys(files)
+    return list(found), notes
+
+
+def natural(path: Path) -> list[tuple[str, int, str]]:
+    """Return a key by which ``a2.csv`` sorts before ``a10.csv``, and a folder's own files before its subfolders'."""
+    parts = re.split(r"(\d+)", str(path.parent).lower() + "\0" + path.name.lower())
+    return [("", int(part), part) if part.isdecimal() else (part, 0, "") for part in parts]
+
+
+def short_names(paths: Sequence[Path]) -> list[str]:
+    """Return the files' names without the folders that all of them share."""
+    if len(paths) < 2:
+        return [path.name for path in paths]
+    parents = [path.absolute().parent for path in paths]
+    if len({parent.anchor for parent in parents}) > 1:
+        return [str(path) for path in paths]
+    shared = commonpath(parents)
+    return [(parent / path.name).relative_to(shared).as_posix() for parent, path in zip(parents, paths, strict=True)]
+
+
+def series(paths: Sequence[Path]) -> list[Series]:
+    """Return the files joint by joint, in the order in which the joints first appear."""
+    names = [_parse(Path(name)) for name in short_names(paths)]
+    groups: dict[tuple[str, str], list[int]] = {}
+    for i, name in enumerate(names):
+        groups.setdefault((name.joint, name.unit), []).append(i)
+    made = []
+    for (joint, unit), members in groups.items():
+        at = np.array([float(n + 1) if (told := names[i].at) is None else told for n, i in enumerate(members)])
+        order = np.argsort(at, kind="stable")
+        made.append(
+            Series(joint, tuple(members[i] for i in order), at[order], unit, any(names[i].days for i in members))
+        )
+    return made
+
+
+def _is_recording(path: Path) -> bool:
+    return path.suffix.lower() in READERS and not path.name.startswith((".", "~$")) and path.is_file()
+
+
+def _parse(path: Path) -> _Name:
+    stem, folder = path.stem, "" if path.parent == Path() else path.parent.as_posix()
+    if (date := DATE.search(stem)) and (at := _months(date)) is not None:
+        rest = re.sub(r"^[\W_]*\d+$", "", stem[date.end() :])  # repeated on one day
+        return _Name(_joined(folder, stem[: date.start()], rest), at, "month", date["day"] is not None)
+    joint = JOINT.search(stem)
+    numbers = [m for m in re.finditer(r"\d+", stem) if joint is None or not joint.start() <= m.start() < joint.end()]
+    if numbers:
+        last = numbers[-1]
+        return _Name(_joined(folder, stem[: last.start()], stem[last.end() :]), float(last[0]), "number")
+    return _Name(_joined(folder, joint[0] if joint else "", ""))
+
+
+def _joined(folder: str, before: str, after: str) -> str:
+    name = " ".join(part for text in (before, after) if (part := text.strip(" _-.")))
+    return "/".join(part for part in (folder, name) if part)
+
+
+def _months(date: re.Match[str]) -> float | None:
+    """Return the months since the year 0, the day and the hour as parts of one, or None for 31 February."""
+    try:
+        when = datetime(
+            int(date["year"]), int(date["month"]), int(date["day"] or 1), int(date["hour"] or 0),
+            int(date["minute"] or 0),
+        )  # fmt: skip
+    except ValueError:
+        return None
+    length = monthrange(when.year, when.month)[1]
+    return when.year * 12 + when.month - 1 + (when.day - 1 + (when.hour * 60 + when.minute) / 1440) / length

@@ -1,0 +1,118 @@
+"""Whether a fit is more than noise, and how well its amplitude is known.
+
+The reference fit is the best of millions, so its share of the signal's energy must be judged as that: the p-value of
+an F test, for the three weights that are solved for, is multiplied by the number of fits that were looked at
+(Bonferroni). Noise is seldom white; its first autocorrelation lessens the number of samples that count (Bartlett 1946).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import f as fisher
+
+from problems.backlash.signature.model import T0, T1
+from problems.backlash.signature.problem import SignatureFit
+from problems.backlash.signature.reference import OMEGAS, TAUS
+
+Floats = NDArray[np.float64]
+
+SOLVED = 3
+"""Weights of sine, cosine and offset."""
+
+OTHERS = 3
+"""Oscillations beside the one that was asked for: so many are taken off before the rest is noise."""
+
+FEWEST = 4
+"""Half turns to draw residuals from."""
+
+SIGNIFICANT = 1e-3
+"""The largest adjusted p-value at which a disturbance is said to be there."""
+
+BENCH = (0.0, 15.6, 133.5, np.pi / 2 / 133.5)
+"""t0, tau, omega and T1 of the thesis's test bench, by the poles of its closed transmission: a usual signature."""
+
+
+def p_value(problem: SignatureFit, fitted: Floats) -> float:
+    """Return the adjusted p-value of a fit (N,) to the problem's signal, from 0 to 1."""
+    residual = problem.signal - fitted
+    energy = float(problem.signal @ problem.signal - residual @ residual)
+    p = _p_value(problem, energy, residual)
+    for _ in range(OTHERS if problem.replicas == 1 else 0):
+        if p <= SIGNIFICANT:
+            break
+        other = problem.beside(residual)
+        residual = residual - other.model(other.reference().x)
+        p = _p_value(problem, energy, residual)
+    return p
+
+
+def _p_value(problem: SignatureFit, energy: float, residual: Floats) -> float:
+    """Return the adjusted p-value of an energy explained beside a residual (N,) that is noise."""
+    noise, counted = float(residual @ residual), effective(residual) - SOLVED - len(problem.variables)
+    if counted < 1 or energy <= 0.0:
+        return 1.0
+    statistic = energy / SOLVED / (max(noise, 1e-12 * energy) / counted)
+    return float(min(1.0, fisher.sf(statistic, SOLVED, counted) * _looked_at(problem)))
+
+
+def detectable(problem: SignatureFit) -> float:
+    """Return the smallest amplitude, in the problem's unit, that a usual signature would be told from the noise by.
+
+    The signal is taken for noise alone.
+    """
+    t0, tau, omega, t1 = BENCH
+    wave = problem.model(np.array([1.0, problem.time[0] + t0, tau, omega, 0.0, t1, problem.period / 2]))
+    counted = effective(problem.signal) - SOLVED - len(problem.variables)
+    if counted < 1:
+        return np.inf
+    threshold = SOLVED * fisher.isf(SIGNIFICANT / _looked_at(problem), SOLVED, counted) / counted
+    noise = float(problem.signal @ problem.signal)
+    return float(np.sqrt(threshold * noise / (wave @ wave)))
+
+
+def effective(residual: Floats) -> float:
+    """Return the number of independent samples that tell as much of their mean as these (N,)."""
+    centred = residual - residual.mean()
+    total = float(centred @ centred)
+    if total == 0.0:
+        return float(len(residual))
+    correlation = max(float(centred[1:] @ centred[:-1]) / total, 0.0)
+    return len(residual) * (1 - correlation) / (1 + correlation)
+
+
+def resampled(
+    problem: SignatureFit, x: Floats, resamples: int, rng: np.random.Generator, *, constrained: bool = False
+) -> Floats:
+    """Return (resamples, 7) fits to the fit plus its residuals, drawn anew by half load turns (residual bootstrap).
+
+    Whole half turns are drawn, so that the noise keeps its colour, each with the sign of its place, so that what the
+    signature misses of every oscillation stays with them all (Efron and Tibshirani 1993, section 9.5; Künsch 1989).
+    A single oscillation has no half turns; its blocks are a tenth of the signal.
+    """
+    fitted = problem.model(x)
+    residual = problem.signal - fitted
+    n = len(residual)
+    block = max(round(problem.period / 2 / problem.dt) if problem.replicas > 1 else n // 10, 1)
+    whole, places = max(n // block, 1), -(-n // block)
+    blocks = residual[: whole * block].reshape(whole, -1)
+    signs = (-1.0) ** np.arange(whole) if problem.replicas > 1 else np.ones(whole)
+    signed = blocks * signs[:, np.newaxis]
+    # Before the first window there may be half an oscillation, unfitted.
+    begun = (x[T0] + x[T1] - problem.time[0]) / (block * problem.dt)
+    if problem.replicas > 1 and (after := math.ceil(begun)) <= whole - FEWEST:
+        signed = signed[after:]
+    fits = np.empty((resamples, len(x)))
+    for number in range(resamples):
+        drawn = signed[rng.integers(len(signed), size=places)]
+        if problem.replicas > 1:
+            drawn = drawn * (-1.0) ** np.arange(places)[:, np.newaxis]
+        fits[number] = problem.beside(fitted + drawn.ravel()[:n]).near(x, constrained=constrained)
+    return fits
+
+
+def _looked_at(problem: SignatureFit) -> float:
+    """Return how many fits a reference fit is the best of: every start and length, tau and omega of its scan."""
+    return len(problem.time) * max(problem.period / 2 / problem.dt, 1.0) * TAUS * OMEGAS

@@ -1,0 +1,214 @@
+"""Pictures of estimates: the fit of one recording, and the backlash of joints over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, MultipleLocator
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.plots import style
+from bench.text import file_name, unique
+from problems.backlash.joint.writing import whole
+from problems.backlash.sensor.batch import Estimated
+from problems.backlash.sensor.calibration_files import Series
+from problems.backlash.sensor.estimate import Estimate, Settings
+from problems.backlash.sensor.output import BY, UNIT
+from problems.backlash.sensor.trend import Trend
+from problems.backlash.signature.model import VARIABLES, oscillation
+
+Floats = NDArray[np.float64]
+
+METADATA: dict[str, dict[str, Any]] = {
+    ".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None},
+}  # fmt: skip
+"""By the kinds of picture, so that the same estimate gives the same file."""
+
+SIGNAL, FIT = "#9A9A9A", style.REFERENCE
+TREND = "trend"
+MONTHS = (1, 2, 3, 6, 12, 24, 60)  # between the ticks of a time
+FEW_MONTHS = 3
+ASIDE = 0.05  # s, shown before and after a single oscillation
+
+
+def check_output(path: Path) -> None:
+    """Raise BenchError for a file that is no picture, or whose folder is missing."""
+    if path.is_dir():
+        return
+    if not path.suffix and path.exists():
+        raise BenchError(f"{path} is a file without a picture's ending; give a folder, or a .svg, .png or .pdf file")
+    if path.suffix and path.suffix.lower() not in METADATA:
+        raise BenchError(f"{path} must end in {', '.join(METADATA)}, as that is what is drawn, or be a folder")
+    if not path.parent.is_dir():
+        raise BenchError(f"{path} cannot be written: there is no folder {path.parent}")
+
+
+def save_figures(
+    path: Path, outcomes: Sequence[Estimated], trends: Sequence[Trend], settings: Settings, *, alone: bool
+) -> list[Path]:
+    """Draw estimates and return the pictures' paths.
+
+    Args:
+        path: a picture, of one recording's fit or of many recordings' trend; or a folder for all of them, as svg.
+        outcomes: the files that could be estimated.
+        trends: of their joints.
+        settings: by which they were estimated.
+        alone: whether only one recording was asked for.
+
+    Raises:
+        BenchError: where they cannot be written.
+    """
+    one = bool(path.suffix) and not path.is_dir()
+    made = []
+    with style.context():
+        names = unique(file_name(outcome.path.stem) for outcome in outcomes)
+        for name, outcome in zip(names, outcomes, strict=True) if alone or not one else ():
+            figure = fit_figure(outcome.estimate, single=settings.single)
+            made.append(_save(figure, path if one else path / f"{name}.svg"))
+        if trends:
+            figure = trend_figure(trends, limit_rad=settings.limit_rad)
+            made.append(_save(figure, path if one else path / f"{TREND}.svg"))
+    return made
+
+
+def fit_figure(estimate: Estimate, *, single: bool) -> Figure:
+    """Return the fit of a recording: speed and fit; the mean half turn, or the oscillation, larger; what is left."""
+    figure = Figure(figsize=(style.TEXT, 5.6), layout="constrained")
+    above, middle, below = figure.subplots(3, height_ratios=(2.0, 2.4, 1.0))
+    recording, time = estimate.recording, estimate.recording.time
+    dense = len(time) > style.MANY_POINTS  # kept as an image then
+    above.plot(time, recording.speed, color=SIGNAL, linewidth=0.5, label="recording", rasterized=dense)
+    above.plot(time, estimate.fitted, color=FIT, linewidth=0.8, label="fit", rasterized=dense)
+    above.set_ylabel("motor speed in rps")
+    above.set_xlabel("time in s")
+    if single:
+        _draw_oscillation(middle, estimate)
+    else:
+        _draw_half_turn(middle, estimate)
+    below.plot(time, recording.speed - estimate.fitted, color=SIGNAL, linewidth=0.5, rasterized=dense)
+    below.axhline(0.0, color=FIT, linewidth=0.8)
+    below.set_ylabel("rest in rps")
+    below.set_xlabel("time in s")
+    for ax in (above, below):
+        ax.set_xlim(time[0], time[-1])
+        ax.margins(y=0.08)
+    _legend(figure)
+    figure.align_ylabels()
+    return figure
+
+
+def trend_figure(trends: Sequence[Trend], *, limit_rad: float) -> Figure:
+    """Return what became of joints, a line each: half-gaps with their intervals, the trend's line, the limit.
+
+    Joints whose times or quantities are of different kinds have a panel for each kind.
+    """
+    kinds: dict[tuple[str, str], list[Trend]] = {}
+    for each in trends:
+        kinds.setdefault((each.quantity, each.series.unit), []).append(each)
+    figure = Figure(figsize=(style.TEXT, 0.3 + 2.9 * len(kinds)), layout="constrained")
+    looks = style.looks(each.series.name for each in trends)
+    names = style.names(looks)
+    for ax, ((quantity, unit), alike) in zip(np.ravel(figure.subplots(len(kinds))), kinds.items(), strict=True):
+        factor, shown = UNIT[quantity]
+        for each in alike:
+            _draw_trend(ax, each, factor, looks[each.series.name], names[each.series.name] or "estimate")
+        if any(each.significant for each in alike):
+            ax.plot([], [], color="black", linewidth=0.9, linestyle="--", label="trend")
+        if quantity == "backlash":
+            ax.axhline(factor * limit_rad, color=style.REFERENCE, linewidth=1.0, linestyle=":", label="limit")
+        what = "half-gap δ" if quantity == "backlash" else "amplitude A"
+        ax.set_ylabel(f"{what} in {shown}")
+        ax.set_xlabel("month" if unit == "month" else BY[unit])
+        ax.xaxis.set_major_locator(_locator(alike))
+        ax.xaxis.set_major_formatter(FuncFormatter(partial(_label, alike[0].series)))
+        ax.set_ylim(bottom=0.0)
+    _legend(figure)
+    return figure
+
+
+def _draw_half_turn(ax: Axes, estimate: Estimate) -> None:
+    """Draw all half turns over one another, every other one upside down, their mean and the fit's oscillation."""
+    x = np.array([estimate.variables[name] for name in VARIABLES])
+    half, dt = estimate.period_s / 2, estimate.recording.dt
+    since = estimate.recording.time - estimate.variables["t0"]
+    number = np.floor(since / half)
+    sign = math.copysign(1.0, estimate.variables["A"]) * np.where(number % 2 == 0, 1.0, -1.0)
+    phase = since - number * half
+    folded = sign * (estimate.recording.speed - estimate.mean_rps - estimate.variables["v_t"])
+    ax.plot(
+        phase, folded, ".", color=SIGNAL, markersize=1.5, rasterized=len(phase) > style.MANY_POINTS,
+        label="its half turns over one another",
+    )  # fmt: skip
+    bins = np.minimum((phase / dt).astype(int), max(round(half / dt) - 1, 0))
+    count = np.maximum(np.bincount(bins), 1)
+    ax.plot(
+        np.bincount(bins, phase) / count, np.bincount(bins, folded) / count, color="black", linewidth=0.9,
+        label="their mean",
+    )  # fmt: skip
+    fine = np.linspace(0.0, half, 1001)[1:-1]
+    wave = oscillation(fine, x) - oscillation(fine + half, x)  # the one before may last into this half turn
+    ax.plot(fine, math.copysign(1.0, estimate.variables["A"]) * wave, color=FIT, linewidth=1.0)
+    ax.set_xlim(0.0, half)
+    ax.set_xlabel("time in s since the half turn's beginning; every other half turn upside down")
+    ax.set_ylabel("disturbance in rps")
+
+
+def _draw_oscillation(ax: Axes, estimate: Estimate) -> None:
+    """Draw the samples about the one oscillation, and the fit between them."""
+    x = np.array([estimate.variables[name] for name in VARIABLES])
+    t0, end = estimate.variables["t0"], estimate.variables["t0"] + estimate.variables["T2"]
+    time = estimate.recording.time
+    near = (time >= t0 - ASIDE) & (time <= end + ASIDE)
+    base = estimate.mean_rps + estimate.variables["v_t"]
+    ax.plot(time[near], estimate.recording.speed[near] - base, ".-", color=SIGNAL, markersize=2.5, linewidth=0.5)
+    fine = np.linspace(t0 - ASIDE, end + ASIDE, 1001)
+    ax.plot(fine, oscillation(fine - t0, x), color=FIT, linewidth=1.0)
+    ax.set_xlim(fine[0], fine[-1])
+    ax.set_xlabel("time in s")
+    ax.set_ylabel("disturbance in rps")
+
+
+def _draw_trend(ax: Axes, trend: Trend, factor: float, look: style.Look, name: str) -> None:
+    at, values = trend.series.at, factor * trend.values
+    ax.vlines(at, *(factor * trend.intervals.T), color=look.color, linewidth=0.8)
+    ax.plot(at, values, color=look.color, marker=look.marker, markersize=3.5, linestyle="none", label=name)
+    if trend.line is not None and trend.significant:
+        ends = np.array([at[0], at[-1]])
+        ax.plot(ends, factor * trend.line.at(ends), color=look.color, linewidth=0.9, linestyle="--")
+
+
+def _locator(trends: Sequence[Trend]) -> Locator:
+    """Return ticks at whole months that divide years, or at round numbers; between months where there are few."""
+    span = np.ptp(np.concatenate([each.series.at for each in trends]))
+    if trends[0].series.unit != "month" or span < FEW_MONTHS:
+        return MaxNLocator(8, integer=trends[0].series.unit != "month")
+    return MultipleLocator(next((months for months in MONTHS if span <= 8 * months), MONTHS[-1]))
+
+
+def _label(series: Series, at: float, _: int) -> str:
+    return series.label(at)
+
+
+def _legend(figure: Figure) -> None:
+    """Put a legend of all that is drawn, once each, above all panels, unless it would tell nobody anything."""
+    entries: dict[str, Any] = {}
+    for ax in figure.axes:
+        handles, labels = ax.get_legend_handles_labels()
+        entries |= dict(zip(labels, handles, strict=True))
+    if len(entries) <= style.MANY_NAMES:
+        figure.legend(entries.values(), entries.keys(), loc="outside upper left", ncols=5)
+
+
+def _save(figure: Figure, path: Path) -> Path:
+    with whole(path) as temporary:
+        temporary.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(temporary, metadata=METADATA[path.suffix.lower()])
+    return path

@@ -1,0 +1,279 @@
+"""How estimates are told: in words, as a table, and as JSON."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+from rich.text import Text
+
+from problems.backlash.sensor.batch import Estimated, Failed
+from problems.backlash.sensor.calibration_files import Series
+from problems.backlash.sensor.estimate import Estimate, Settings, may_hide
+from problems.backlash.sensor.repeated import Repeated
+from problems.backlash.sensor.trend import Trend
+from problems.backlash.signature.problem import FOUND
+
+ARC_MINUTES = 60 * 180 / math.pi
+"""So many in a rad."""
+
+UNIT = {"backlash": (1e3, "mrad"), "amplitude": (1.0, "rps")}
+"""By which a quantity is multiplied to be shown, and its unit then."""
+
+PER = {"month": "a month", "number": "for each 1 of the number in the names", "file": "a recording"}
+BY = {"month": "month", "number": "number in the file's name", "file": "recording"}
+WORD = {"month": "", "number": "number ", "file": "recording "}
+SHOWN = 5  # files that are named with a note
+
+
+def words(outcome: Estimated, settings: Settings) -> list[str]:
+    """Return the lines that tell a maintenance engineer of one estimate."""
+    found = outcome.estimate
+    rows = [*(_amount(found, settings) if found.amplitude_rps else _hidden(found, settings))]
+    chance = f"p = {found.p_value:.1g}" if found.p_value >= 1e-6 else "p < 1e-6"
+    explained = f"explains {found.explained:.1%} of the signal's variance ({chance} for noise alone)"
+    rows += [
+        ("fit", f"RMSE {found.rmse_rps:.4f} rps; {explained}"),
+        ("load turn", f"{found.period_s:.6g} s ({_source(found)}); {_length(found)} at {found.mean_rps:.4g} rps"),
+    ]
+    if found.calibration:
+        rows.append(("calibration", found.calibration))
+    if outcome.repeated:
+        rows += [(outcome.repeated.plan.name, line) for line in repeated_words(outcome.repeated, found)]
+    rows += [("note", note) for note in found.notes]
+    width = max(len(name) for name, _ in rows)
+    return [f"{outcome.path}: {_verdict(found, settings)}", *(f"  {name:{width}}  {said}" for name, said in rows)]
+
+
+def repeated_words(repeated: Repeated, estimate: Estimate) -> list[str]:
+    """Return the lines that tell of an optimizer's runs."""
+    plan, sizes, gaps = repeated.plan, repeated.sizes_rps, repeated.backlashes_rad
+    best = abs(estimate.variables["A"])
+    size = f"fitted |A| {sizes.mean():.4f} rps, standard deviation {_deviation(sizes):.4f} (the best fit's: {best:.4f})"
+    lines = [f"{plan.runs} runs of {plan.budget} evaluations: {size}"]
+    known = gaps[np.isfinite(gaps)]  # the others are outside the calibration
+    if len(known):
+        outside = f", {len(gaps) - len(known)} runs outside the calibration left out" if len(known) < len(gaps) else ""
+        lines.append(
+            f"half-gap {1e3 * known.mean():.3f} mrad, standard deviation {1e3 * _deviation(known):.3f}{outside}"
+        )
+    lines.append(f"the best fit was found, within {FOUND:.0%} of its RMSE, in {repeated.found} of {plan.runs} runs")
+    return lines
+
+
+def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], settings: Settings) -> Table:
+    """Return a row a file under its name: amplitude and half-gap with their intervals, verdict, RMSE."""
+    made = Table(box=None, pad_edge=False)
+    made.add_column("file", overflow="fold")
+    for heading in ("amplitude, rps", "interval", "half-gap, mrad", "interval"):
+        made.add_column(heading, justify="right", no_wrap=True)
+    made.add_column("verdict")
+    made.add_column("RMSE, rps", justify="right", no_wrap=True)
+    if any(isinstance(outcome, Estimated) and outcome.repeated for outcome in outcomes):
+        for heading in ("fitted |A| of the runs, rps", "half-gap of the runs, mrad", "best fit found"):
+            made.add_column(heading, justify="right")
+    for name, outcome in zip(names, outcomes, strict=True):
+        if isinstance(outcome, Failed):
+            made.add_row(Text(name), *4 * ("",), Text("failed", style="red"))
+            continue
+        found = outcome.estimate
+        cells = [
+            f"{found.amplitude_rps:.4f}",
+            _range(found.amplitude_interval_rps, ".4f"),
+            _number(1e3 * found.backlash_rad),
+            _range(found.interval_rad, ".3f", 1e3),
+            "undecided" if _undecided(found, settings) else found.verdict,
+            f"{found.rmse_rps:.4f}",
+        ]
+        if each := outcome.repeated:
+            sizes, gaps = each.sizes_rps, 1e3 * each.backlashes_rad
+            cells += [
+                f"{sizes.mean():.4f} ± {_deviation(sizes):.4f}",
+                f"{gaps.mean():.3f} ± {_deviation(gaps):.3f}" if not math.isnan(gaps.mean()) else "",
+                f"{each.found} of {each.plan.runs}",
+            ]
+        made.add_row(Text(name), *cells)
+    return made
+
+
+def notes(outcomes: Sequence[Estimated | Failed], names: Sequence[str]) -> list[str]:
+    """Return every note on the files once, with the files that it is of."""
+    of: dict[str, list[str]] = {}
+    for name, outcome in zip(names, outcomes, strict=True):
+        for note in outcome.estimate.notes if isinstance(outcome, Estimated) else ():
+            of.setdefault(note, []).append(name)
+    lines = []
+    for note, files in of.items():
+        more = f" and {len(files) - SHOWN} more" if len(files) > SHOWN else ""
+        lines.append(f"note on {', '.join(files[:SHOWN])}{more}: {note}")
+    return lines
+
+
+def trend_words(trend: Trend, settings: Settings) -> list[str]:
+    """Return the lines that tell how the backlash of a joint has changed, and when it reaches the limit."""
+    series, (factor, unit) = trend.series, UNIT[trend.quantity]
+    first, last = _when(series, series.at[0]), _when(series, series.at[-1])
+    what = "half-gap" if trend.quantity == "backlash" else "amplitude (not all have a half-gap)"
+    lines = [
+        f"{series.name or 'trend'}: {what} {factor * trend.values[0]:.3f} {unit} in {first}, "
+        f"{factor * trend.values[-1]:.3f} in {last}: a change of {factor * trend.change:+.3f}"
+        + (f" ({change})" if (change := _range(trend.change_interval, "+.3f", factor)) else "")
+    ]
+    if trend.line is None:
+        return [*lines, "  a slope takes three recordings of different times"]
+    slope = factor * trend.line.slope
+    low, high = (factor * end for end in trend.line.interval)
+    chance = f"p = {trend.line.p_value:.2g}" if trend.line.p_value >= 1e-3 else "p < 0.001"
+    if trend.significant:
+        lines.append(
+            f"  it {'grows' if slope > 0 else 'falls'} by {abs(slope):.3g} {unit} {PER[series.unit]} "
+            f"({100 * settings.confidence:g} % interval {min(abs(low), abs(high)):.3g} to "
+            f"{max(abs(low), abs(high)):.3g}, {chance})"
+        )
+    else:
+        lines.append(f"  no trend: {slope:+.3g} {unit} {PER[series.unit]} ({low:+.3g} to {high:+.3g}) may be chance "
+                     f"({chance})")  # fmt: skip
+    if trend.quantity == "backlash":
+        lines.append(f"  the limit of {1e3 * settings.limit_rad:g} mrad {_limit(trend)}")
+    return lines
+
+
+def record(outcome: Estimated | Failed) -> dict[str, Any]:
+    """Return an outcome as a JSON object; what is not known is null."""
+    if isinstance(outcome, Failed):
+        return {"file": str(outcome.path), "error": outcome.error}
+    found = outcome.estimate
+    content = {
+        "file": str(outcome.path),
+        "amplitude_rps": found.amplitude_rps,
+        "backlash_rad": found.backlash_rad,
+        "interval_rad": list(found.interval_rad),
+        "rmse_rps": found.rmse_rps,
+        "verdict": found.verdict,
+        **found.variables,
+        "amplitude_interval_rps": list(found.amplitude_interval_rps),
+        "period_s": found.period_s,
+        "period_source": found.period_source,
+        "mean_rps": found.mean_rps,
+        "explained": found.explained,
+        "p_value": found.p_value,
+        "calibration": found.calibration,
+        "notes": list(found.notes),
+    }
+    if each := outcome.repeated:
+        content["runs"] = {
+            "optimizer": each.plan.name,
+            "budget": each.plan.budget,
+            "amplitudes_rps": each.sizes_rps.tolist(),
+            "backlashes_rad": each.backlashes_rad.tolist(),
+            "rmses_rps": each.values_rps.tolist(),
+            "found": each.found,
+        }
+    return {key: _finite(value) for key, value in content.items()}
+
+
+def _finite(value: Any) -> Any:
+    """Return a value with null for every number that JSON does not know."""
+    if isinstance(value, dict):
+        return {key: _finite(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_finite(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _amount(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
+    """Return the rows that tell the size of a disturbance and of the gap behind it."""
+    percent = f"{100 * settings.confidence:g} %"
+    span = _span(found.amplitude_interval_rps, ".4f", percent)
+    rows = [("amplitude", f"{found.amplitude_rps:.4f} rps of the motor{span}")]
+    if math.isnan(found.backlash_rad):
+        why = "not told from this amplitude" if settings.calibration else "not told: that takes a calibration"
+        return [*rows, ("half-gap", why)]
+    gap, ends = found.backlash_rad, found.interval_rad
+    return [
+        *rows,
+        ("half-gap", f"{1e3 * gap:.3f} mrad at the joint{_span(ends, '.3f', percent, 1e3)}"),
+        ("", f"{gap * ARC_MINUTES:.2f} arc minutes{_span(ends, '.2f', percent, ARC_MINUTES)}"),
+        ("total gap", f"twice the half-gap: {2e3 * gap:.3f} mrad, {2 * gap * ARC_MINUTES:.2f} arc minutes"),
+    ]
+
+
+def _hidden(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
+    """Return the rows that tell what might still be there where nothing is seen."""
+    most, gap, calibration = found.amplitude_interval_rps[1], found.interval_rad[1], settings.calibration
+    rows = [("amplitude", f"none that stands out of the noise; one of {most:.4f} rps or more would")]
+    if calibration and 60 * most > calibration.range[1]:
+        rows.append(("half-gap", "any that the calibration knows would not be seen"))
+    elif calibration:
+        gap = calibration.half_gap[0] if math.isnan(gap) else gap  # below the calibration
+        rows.append(("half-gap", f"up to {1e3 * gap:.3f} mrad ({gap * ARC_MINUTES:.2f} arc minutes) would not be seen"))
+    return rows
+
+
+def _verdict(found: Estimate, settings: Settings) -> str:
+    limit = f"the limit of {1e3 * settings.limit_rad:g} mrad"
+    if _undecided(found, settings):
+        return f"UNDECIDED: in so much noise not even a backlash above {limit} would be seen"
+    return {
+        "no backlash": "no backlash is seen",
+        "early": f"early backlash, up to {limit}",
+        "progressed": f"PROGRESSED BACKLASH, above {limit}",
+        "backlash": "backlash is seen; how much takes a calibration",
+    }[found.verdict]
+
+
+def _undecided(found: Estimate, settings: Settings) -> bool:
+    """Return whether nothing is seen in a noise that may hide a backlash above the limit."""
+    most, largest = found.amplitude_interval_rps[1], found.interval_rad[1]
+    return not found.amplitude_rps and may_hide(most, largest, settings)
+
+
+def _source(found: Estimate) -> str:
+    return {"given": "given", "gear ratio": "by the gear ratio", "signal": "found in the signal",
+            "assumed": "assumed"}[found.period_source]  # fmt: skip
+
+
+def _length(found: Estimate) -> str:
+    turns = found.recording.duration / found.period_s
+    return f"{found.recording.duration:.4g} s, {turns:.3g} load turns, {len(found.recording.speed)} samples"
+
+
+def _limit(trend: Trend) -> str:
+    """Return when the limit is reached, to follow on its name."""
+    series = trend.series
+    if trend.since is not None:
+        return f"has been passed in {_when(series, trend.since)}"
+    if trend.reached is None:
+        return f"is not foreseen to be reached: the latest {trend.latest} recordings show no growth beyond chance"
+    when, (early, late) = trend.reached
+    until = f"to {series.label(late)}" if math.isfinite(late) else "or never"
+    return (
+        f"is reached in {_when(series, when)} ({series.label(early)} {until}) if it grows on as in the latest "
+        f"{trend.latest} recordings"
+    )
+
+
+def _when(series: Series, at: float) -> str:
+    return WORD[series.unit] + series.label(at)
+
+
+def _deviation(values: Any) -> float:
+    return float(values.std(ddof=1)) if len(values) > 1 else 0.0
+
+
+def _number(value: float) -> str:
+    return "" if math.isnan(value) else f"{value:.3f}"
+
+
+def _range(ends: Iterable[float], digits: str, factor: float = 1.0) -> str:
+    """Return an interval times a factor, with … for an end outside the calibration, "" where there is none."""
+    low, high = ("…" if math.isnan(end) else f"{factor * end:{digits}}" for end in ends)
+    return f"{low} to {high}" if (low, high) != ("…", "…") else ""
+
+
+def _span(ends: Iterable[float], digits: str, percent: str, factor: float = 1.0) -> str:
+    spelled = _range(ends, digits, factor)
+    return f", {percent} interval {spelled}" if spelled else ""

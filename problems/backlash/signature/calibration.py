@@ -1,0 +1,310 @@
+"""From an amplitude to a backlash: the mapping delta = f(A) of section 4.4, made with the simulator.
+
+>>> from problems.backlash.joint import half_gap, load_joint
+>>> made = calibrate(load_joint("joint.toml"), [half_gap(level) for level in range(2, 12)], method="cubic")
+>>> made.save("calibration.toml")
+>>> load_calibration("calibration.toml").backlash(42.0)    # rpm -> rad
+
+The amplitude is the peak of the disturbance. What a fit gives differs from it by what a fit makes of a joint's own
+disturbances, which can be simulated as well: see :mod:`problems.backlash.sensor.response`.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomli_w
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from bench.errors import BenchError, nearest
+from problems.backlash.joint import Joint, half_gap
+from problems.backlash.joint.parameter_files import described
+from problems.backlash.joint.writing import whole
+from problems.backlash.signature import LEVELS
+from problems.backlash.signature.datasets import DEFAULT, simulated
+
+Floats = NDArray[np.float64]
+
+EQUATION_4_7 = (-0.0018, 0.4323, 9.2524, 34.0313)
+"""The thesis's own cubic of levels 2 to 11, in 1e-6 rad by powers of the amplitude in rpm, the third one first."""
+
+EQUATION_4_7_RANGE = (60 * 0.2769, 60 * 1.1385)
+"""rpm; the amplitudes of those levels in Table 7.3."""
+
+MOST_GAPS = 100
+FEWEST = {"monotone": 2, "cubic": 4}
+
+FAINTEST = 0.06
+"""rpm; what one count of a 19-bit encoder makes of a speed sampled at 500 Hz (60 x 500 / 2**19)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """A growing curve through, or near, pairs of amplitude and half-gap.
+
+    "monotone" is a shape-preserving interpolation, "cubic" the least-squares polynomial of section 4.4. The thesis's
+    cubic was fitted on small gaps, and is 2.6e-4 rad off at the largest of its datasets.
+
+    Attributes:
+        amplitude: (m,) expected amplitudes in rpm, increasing.
+        half_gap: (m,) rad, increasing.
+        method: how the pairs become a curve.
+        name: of which joint this is the calibration, and where it comes from.
+        fitted: (m,) rpm, increasing: the mean strength of the fits to a half-gap's recordings; None where not known.
+        scatter: (m,) rpm: the standard deviation of those strengths, by where the samples fall; None likewise.
+
+    Raises:
+        BenchError: for pairs that do not increase or are too few, for a cubic that does not grow between them, and
+            for fitted amplitudes that do not grow with the half-gap or come without their scatter.
+    """
+
+    amplitude: Floats
+    half_gap: Floats
+    method: str = "monotone"
+    name: str = ""
+    fitted: Floats | None = None
+    scatter: Floats | None = None
+
+    def __post_init__(self) -> None:
+        if self.method not in FEWEST:
+            raise BenchError(f"the method of a calibration must be 'monotone' or 'cubic', not {self.method!r}")
+        if self.amplitude.shape != self.half_gap.shape or self.amplitude.ndim != 1:
+            raise BenchError(
+                f"a calibration pairs each amplitude with a half-gap, but there are {self.amplitude.size} amplitudes "
+                f"and {self.half_gap.size} half-gaps"
+            )
+        if len(self.amplitude) < FEWEST[self.method]:
+            raise BenchError(
+                f"a {self.method} calibration needs at least {FEWEST[self.method]} pairs of amplitude and half-gap, "
+                f"not {len(self.amplitude)}"
+            )
+        self._check_growing(self.half_gap, "half-gap", "rad")
+        self._check_growing(self.amplitude, "amplitude", "rpm")
+        self._check_fits()
+        if self.method == "cubic" and not self._cubic_grows():
+            raise BenchError(
+                f"no calibration: the cubic through these pairs does not grow all the way from {self.range[0]:.4g} to "
+                f"{self.range[1]:.4g} rpm; take a smaller range of half-gaps, or the method 'monotone'"
+            )
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The smallest and the largest amplitude in rpm from which a backlash is told."""
+        return float(self.amplitude[0]), float(self.amplitude[-1])
+
+    def in_range(self, amplitude: float) -> bool:
+        """Return whether a backlash is told from an amplitude in rpm of either sign."""
+        return self.range[0] <= abs(amplitude) <= self.range[1]
+
+    def backlash(self, amplitude: float) -> float:
+        """Return the half-gap delta in rad of an amplitude in rpm; NaN outside the simulated range, never a guess."""
+        if self.method == "monotone":
+            return float(self._curve(abs(amplitude)))
+        return 1e-6 * float(np.polyval(self.coefficients, abs(amplitude))) if self.in_range(amplitude) else np.nan
+
+    @property
+    def fitted_range(self) -> tuple[float, float]:
+        """The smallest and the largest strength of a fit in rpm from which an amplitude is told."""
+        return self.range if self.fitted is None else (float(self.fitted[0]), float(self.fitted[-1]))
+
+    def expected(self, fitted: float) -> float:
+        """Return the amplitude in rpm that a fit's strength in rpm tells of; NaN outside the fitted range.
+
+        A calibration that knows of no fits takes it for the amplitude.
+        """
+        return fitted if self._response is None else float(self._response(fitted))
+
+    def relative_scatter(self, fitted: float) -> float:
+        """Return the standard deviation of fits about a fit's strength in rpm, relative to it; 0 where none is known.
+
+        Outside the fitted range it is that of the nearest end.
+        """
+        if self.fitted is None or self.scatter is None:
+            return 0.0
+        return float(np.interp(fitted, self.fitted, self.scatter / self.fitted))
+
+    @cached_property
+    def coefficients(self) -> Floats:
+        """(4,) of the least-squares cubic in the form of eq. 4.7: 1e-6 rad by powers of the amplitude in rpm."""
+        return np.polyfit(self.amplitude, 1e6 * self.half_gap, 3)
+
+    @property
+    def residual(self) -> float:
+        """The largest distance in rad of a pair's half-gap from the curve; 0 for an interpolation."""
+        return float(max(abs(self.backlash(a) - gap) for a, gap in zip(self.amplitude, self.half_gap, strict=True)))
+
+    @property
+    def deviation(self) -> float:
+        """The largest relative deviation from eq. 4.7, within the amplitudes that it was made for; NaN for none."""
+        low, high = np.clip(EQUATION_4_7_RANGE, *self.range)
+        if low == high:
+            return np.nan
+        between = np.linspace(low, high, 1001)
+        thesis = 1e-6 * np.polyval(EQUATION_4_7, between)
+        return float(np.max(np.abs([self.backlash(a) for a in between] / thesis - 1)))
+
+    def formula(self) -> str:
+        """Return the cubic in the form of eq. 4.7, in words that may be read aloud."""
+        return f"delta = 1e-6 ({polynomial(self.coefficients)}) rad, A in rpm"
+
+    def save(self, path: str | Path, *, command: str = "bench calibrate") -> None:
+        """Write the calibration as TOML, as :func:`load_calibration` reads it; raises BenchError where it cannot.
+
+        The file begins with the ``command`` that makes it again.
+        """
+        content: dict[str, Any] = {
+            "name": self.name,
+            "method": self.method,
+            "amplitude_rpm": self.amplitude.tolist(),
+            "half_gap_rad": self.half_gap.tolist(),
+        }
+        if self.fitted is not None and self.scatter is not None:
+            content |= {"fitted_rpm": self.fitted.tolist(), "scatter_rpm": self.scatter.tolist()}
+        remark = f"# {self.formula()}\n" if self.method == "cubic" else ""
+        with whole(Path(path)) as temporary:
+            temporary.write_text(
+                f"# {command}\n"
+                "# The half-gap of a joint by the amplitude of the disturbance it makes.\n"
+                f"{remark}{tomli_w.dumps(content)}",
+                encoding="utf-8",
+            )
+
+    def _check_growing(self, values: Floats, what: str, unit: str) -> None:
+        """Raise BenchError for (m,) values that are not finite, negative, or do not grow."""
+        if not (np.isfinite(values).all() and values[0] >= 0):
+            raise BenchError(f"every {what} of a calibration must be finite and not negative")
+        if (np.diff(values) <= 0).any():
+            at = int(np.argmax(np.diff(values) <= 0))
+            raise BenchError(
+                f"no calibration: after the half-gap of {self.half_gap[at]:g} rad the {what} does not grow, but "
+                f"goes from {values[at]:.6g} to {values[at + 1]:.6g} {unit}; take half-gaps between which it grows"
+            )
+
+    def _check_fits(self) -> None:
+        """Raise BenchError for fitted amplitudes that are no column, or have no scatter to them."""
+        if self.fitted is None and self.scatter is None:
+            return
+        if (
+            self.fitted is None
+            or self.scatter is None
+            or not (self.fitted.shape == self.scatter.shape == self.half_gap.shape)
+        ):
+            raise BenchError(
+                "fitted amplitudes and their scatter come together, one of each a half-gap; "
+                "'bench calibrate --fits' makes them"
+            )
+        self._check_growing(self.fitted, "fitted amplitude", "rpm")
+        if not (np.isfinite(self.scatter).all() and (self.scatter >= 0).all() and self.fitted[0] > 0):
+            raise BenchError(
+                "every scatter of a calibration must be finite and not negative, and every fitted amplitude positive"
+            )
+
+    def _cubic_grows(self) -> bool:
+        """Return whether the cubic's slope, a parabola, is positive from end to end."""
+        slope = np.polyder(self.coefficients)
+        vertex = -slope[1] / (2 * slope[0]) if slope[0] else self.range[0]
+        return bool((np.polyval(slope, [*self.range, np.clip(vertex, *self.range)]) > 0).all())
+
+    @cached_property
+    def _curve(self) -> PchipInterpolator:
+        return PchipInterpolator(self.amplitude, self.half_gap, extrapolate=False)
+
+    @cached_property
+    def _response(self) -> PchipInterpolator | None:
+        return None if self.fitted is None else PchipInterpolator(self.fitted, self.amplitude, extrapolate=False)
+
+
+def polynomial(coefficients: Sequence[float] | Floats) -> str:
+    """Return a cubic in A with four decimals, as eq. 4.7 is printed."""
+    first, *others = coefficients
+    powers = (" A^2", " A", "")
+    rest = (f" {'-' if c < 0 else '+'} {abs(c):.4f}{power}" for c, power in zip(others, powers, strict=True))
+    return f"{first:.4f} A^3{''.join(rest)}"
+
+
+def calibrate(joint: Joint, half_gaps: Sequence[float], *, method: str = "monotone") -> Calibration:
+    """Return the calibration of a joint by one simulation for each half-gap in rad.
+
+    Args:
+        joint: the joint and its controller.
+        half_gaps: 2 to 100 half-gaps in rad, increasing.
+        method: "monotone" or "cubic", see :class:`Calibration`.
+
+    Raises:
+        BenchError: for half-gaps that are too few, too many or do not increase, and for a joint whose disturbance
+            cannot be seen or does not grow with the gap.
+    """
+    if not 2 <= len(half_gaps) <= MOST_GAPS:
+        raise BenchError(f"a calibration takes from 2 to {MOST_GAPS} simulated half-gaps, not {len(half_gaps)}")
+    gaps = np.array(half_gaps, dtype=np.float64)
+    amplitude = np.array([60 * simulated(gap, joint).peak for gap in gaps.tolist()])
+    if amplitude.max() < FAINTEST:
+        raise BenchError(
+            f"no calibration: the disturbance of the {described(joint)} stays below {FAINTEST} rpm whatever the "
+            "half-gap; without gravity about its axis nothing opens the gap (robot joint 1), so turn it or load it"
+        )
+    extent = f"half-gaps {gaps.min():g} … {gaps.max():g} rad"
+    return Calibration(amplitude, gaps, method, f"{described(joint)}, simulated, {extent}")
+
+
+@cache
+def default_calibration() -> Calibration:
+    """Return the calibration of the default joint, from no gap past level 20, whose fits scatter to both sides.
+
+    The joint's own disturbance without backlash is its lower end.
+    """
+    beyond = (half_gap(LEVELS[-1]) + 0.0004 * step for step in range(1, 6))  # past 6e-3 rad the motion is irregular
+    return calibrate(DEFAULT, [0.0, *map(half_gap, LEVELS), *beyond])
+
+
+@cache
+def sensor_calibration() -> Calibration:
+    """Return the calibration by which a recording is told from: the default joint's, with the fits' own response."""
+    return load_calibration(Path(str(files("problems.backlash.sensor"))) / "default.toml")
+
+
+def load_calibration(path: str | Path) -> Calibration:
+    """Return the calibration of a TOML file: its name and method, amplitudes in rpm and half-gaps in rad.
+
+    ``fitted_rpm`` and ``scatter_rpm``, which 'bench calibrate --fits' writes, may be left out.
+
+    Raises:
+        BenchError: for a file that cannot be read or is no calibration.
+    """
+    where = f"calibration {path}"
+    try:
+        content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BenchError(f"{where} cannot be read: {error.strerror}") from error
+    except (ValueError, RecursionError) as error:
+        raise BenchError(f"{where} is not valid TOML: {error}") from error
+    known = {"name", "method", "amplitude_rpm", "half_gap_rad", "fitted_rpm", "scatter_rpm"}
+    for key in content:
+        if key not in known:
+            raise BenchError(f"{where} has no entry {key!r}{nearest(key, known)}")
+    amplitude, gaps = (_numbers(content, key, where) for key in ("amplitude_rpm", "half_gap_rad"))
+    fitted, scatter = (
+        _numbers(content, key, where) if key in content else None for key in ("fitted_rpm", "scatter_rpm")
+    )
+    try:
+        method, name = content.get("method", "monotone"), str(content.get("name", path))
+        return Calibration(amplitude, gaps, method, name, fitted, scatter)
+    except BenchError as error:
+        raise BenchError(f"{where}: {error}") from error
+
+
+def _numbers(content: dict[str, Any], key: str, where: str) -> Floats:
+    values = content.get(key)
+    if not isinstance(values, list) or any(
+        isinstance(value, bool) or not isinstance(value, (int, float)) or abs(value) > 1e100 for value in values
+    ):
+        raise BenchError(f"{where}: {key} must be a list of numbers; 'bench calibrate --output' writes such files")
+    return np.array(values, dtype=np.float64)

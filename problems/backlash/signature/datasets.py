@@ -1,0 +1,105 @@
+"""Simulated recordings, the twenty of section 7.2.1 among them, made on first use and kept in the user's cache.
+
+The cache is content-addressed: a file's name is a hash of all that decides its content, the simulator's source
+included, so a changed simulator never meets old signals. A file that was damaged is noticed by its checksum and
+made again.
+"""
+
+import hashlib
+import json
+import os
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from platformdirs import user_cache_dir
+
+from problems.backlash.joint import Joint, half_gap, simulate
+from problems.backlash.joint import parameters as joint_parameters
+from problems.backlash.joint import simulator as joint_simulator
+
+Floats = NDArray[np.float64]
+
+DEFAULT = Joint()
+
+
+@dataclass(frozen=True, eq=False)
+class Dataset:
+    """A simulated recording and the truth behind it.
+
+    Attributes:
+        time: (n,) s, from 0; 2401 samples at 500 Hz, or two load turns where these take longer.
+        speed: (n,) motor speed in rps.
+        peak: expected amplitude in rps: the positive peak of the undecimated disturbance.
+        half_gap: delta in rad.
+    """
+
+    time: Floats
+    speed: Floats
+    peak: float
+    half_gap: float
+
+
+def cache_folder() -> Path:
+    """Return the folder of cached signals: ``$BENCH_CACHE``, or the user's cache directory."""
+    return Path(os.environ.get("BENCH_CACHE") or user_cache_dir("backlash-bench"))
+
+
+@cache
+def dataset(level: int) -> Dataset:
+    """Return the recording of a level 1 … 20; raises BenchError outside."""
+    return simulated(half_gap(level))
+
+
+def simulated(gap: float, joint: Joint = DEFAULT) -> Dataset:
+    """Return a joint's recording at a half-gap in rad, from the cache where it is there and whole.
+
+    Raises:
+        BenchError: as :func:`problems.backlash.joint.simulate`.
+    """
+    path = cache_folder() / f"joint-{_address(gap, joint)}.npz"
+    stored = _read(path)
+    if stored is None:
+        simulation = simulate(joint, half_gap=gap, duration=max(4.8, 2 * joint.turn))
+        stored = {"time": simulation.time, "speed": simulation.speed, "peak": np.array([simulation.peak])}
+        _write(path, stored)
+    return Dataset(stored["time"], stored["speed"], float(stored["peak"][0]), gap)
+
+
+@cache
+def _sources() -> str:
+    """Return a hash of the modules that decide a signal, this one for the arguments it simulates with."""
+    files = (Path(__file__), *(Path(str(module.__file__)) for module in (joint_parameters, joint_simulator)))
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
+
+
+def _address(gap: float, joint: Joint) -> str:
+    parameters = {name: float(value) for name, value in asdict(joint).items()}
+    content = json.dumps({"joint": parameters, "half_gap": gap, "sources": _sources()}, sort_keys=True)
+    return hashlib.sha256(content.encode()).hexdigest()[:24]
+
+
+def _digest(arrays: dict[str, Floats]) -> str:
+    return hashlib.sha256(b"".join(arrays[name].tobytes() for name in sorted(arrays))).hexdigest()
+
+
+def _read(path: Path) -> dict[str, Floats] | None:
+    """Return the arrays of a cache file, or None where it is missing or damaged."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in ("time", "speed", "peak")}
+            return arrays if str(file["digest"]) == _digest(arrays) else None
+    except Exception:  # a damaged archive may raise nearly anything; whatever it is, the signal is made again
+        return None
+
+
+def _write(path: Path, arrays: dict[str, Floats]) -> None:
+    """Write a cache file at once, so that two workers cannot see each other's half; a read-only cache is no error."""
+    temporary = path.with_name(f"{path.stem}.{os.getpid()}.tmp.npz")
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        np.savez(temporary, allow_pickle=False, digest=np.array(_digest(arrays)), **arrays)
+        temporary.replace(path)

@@ -1,0 +1,104 @@
+"""The thesis's figures of backlash and disturbance for any joint: Figs. 4.7, 4.8 and 7.3."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
+
+from bench.plots import style
+from problems.backlash.joint import Joint, half_gap, simulate
+from problems.backlash.joint.writing import whole
+from problems.backlash.signature import LEVELS
+from problems.backlash.signature.calibration import EQUATION_4_7, Calibration
+from problems.backlash.signature.datasets import DEFAULT, simulated
+
+DELTA, AMPLITUDE = "half-gap δ in 1e-6 rad", "amplitude A in rpm"
+
+
+def save_figures(folder: Path, joint: Joint, calibration: Calibration) -> list[Path]:
+    """Write the three figures as svg into a folder, which is made where it is missing, and return their paths.
+
+    Raises:
+        BenchError: where they cannot be written.
+    """
+    paths = []
+    with style.context():
+        for name, figure in (
+            ("disturbances", disturbances(joint, calibration.half_gap.tolist())),
+            ("calibration", calibration_curve(calibration, thesis=joint == DEFAULT)),
+            ("levels", levels(joint)),
+        ):
+            path = folder / f"{name}.svg"
+            with whole(path) as temporary:
+                folder.mkdir(parents=True, exist_ok=True)
+                FigureCanvasSVG(figure).print_svg(temporary, metadata={"Date": None})  # type: ignore[no-untyped-call]
+            paths.append(path)
+    return paths
+
+
+def disturbances(joint: Joint, half_gaps: Sequence[float]) -> Figure:
+    """Return Fig. 4.7: the motor speed less its reference over one load turn, one line a half-gap in rad."""
+    figure = Figure(figsize=(style.TEXT, 2.8), layout="constrained")
+    ax = figure.subplots()
+    shades = colormaps["viridis_r"].resampled(256)
+    largest = half_gaps[-1]
+    scale = Normalize(half_gaps[0] - 0.1 * largest, largest)  # the palest end of the colours is hard to see on white
+    for gap in half_gaps:
+        motion = simulate(joint, half_gap=gap, duration=joint.turn).fine
+        ax.plot(
+            motion.time, motion.speed - joint.nominal_speed, color=shades(scale(gap)), linewidth=0.8,
+            label=f"{1e6 * gap:.0f}",
+        )  # fmt: skip
+    ax.set_xlim(0, joint.turn)
+    ax.set_xlabel("time in s, over one load turn")
+    ax.set_ylabel("speed less reference in rps")
+    if len(half_gaps) <= style.MANY_NAMES:
+        figure.legend(loc="outside right upper", title="δ in 1e-6 rad", title_fontsize="small", reverse=True)
+    return figure
+
+
+def calibration_curve(calibration: Calibration, *, thesis: bool = False) -> Figure:
+    """Return Fig. 4.8: the simulated pairs and the curve from amplitude to half-gap, with eq. 4.7 where asked for."""
+    figure = Figure(figsize=(style.COLUMN, 2.6), layout="constrained")
+    ax = figure.subplots()
+    between = np.linspace(*calibration.range, 301)
+    if thesis:
+        ax.plot(
+            between,
+            np.polyval(EQUATION_4_7, between),
+            "--",
+            color=style.REFERENCE,
+            linewidth=1.0,
+            label="eq. 4.7 of the thesis",
+        )
+    curve = 1e6 * np.array([calibration.backlash(a) for a in between])
+    ax.plot(between, curve, color=style.PALETTE[0], linewidth=1.0, label=calibration.method)
+    ax.plot(calibration.amplitude, 1e6 * calibration.half_gap, "o", color="black", markersize=3, label="simulated")
+    ax.set_xlabel(AMPLITUDE)
+    ax.set_ylabel(DELTA)
+    ax.legend()
+    return figure
+
+
+def levels(joint: Joint) -> Figure:
+    """Return Fig. 7.3: the half-gap of the levels 1 to 20, and the amplitude that each makes with this joint."""
+    figure = Figure(figsize=(style.COLUMN, 3.2), layout="constrained")
+    gaps = [half_gap(level) for level in LEVELS]
+    amplitudes = [60 * simulated(gap, joint).peak for gap in gaps]
+    panels = ((1e6 * np.array(gaps), DELTA, style.PALETTE[0]), (amplitudes, AMPLITUDE, style.PALETTE[4]))
+    axes = figure.subplots(2, sharex=True)
+    for ax, (values, label, color) in zip(axes, panels, strict=True):
+        ax.bar(LEVELS, values, color=color, width=0.7)
+        ax.set_ylabel(label)
+        ax.grid(visible=False, axis="x")
+    axes[-1].set_xlabel("level")
+    axes[-1].set_xlim(LEVELS[0] - 0.7, LEVELS[-1] + 0.7)
+    axes[-1].xaxis.set_major_locator(MultipleLocator(2))
+    return figure

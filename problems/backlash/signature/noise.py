@@ -1,0 +1,72 @@
+"""Noisy recordings of the simulated datasets, as in the thesis's test of noise sensitivity (section 7.3)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.errors import BenchError
+from problems.backlash.joint import Joint
+from problems.backlash.recordings import Recording
+from problems.backlash.signature import LEVELS, NOISES
+from problems.backlash.signature.datasets import dataset
+
+FIRST_SAMPLES = 100
+"""A recording starts at one of so many first samples (section 7.3)."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Noisy(Recording):
+    """A noisy recording, which begins at 0 s, and the truth behind it.
+
+    Attributes:
+        peak: expected amplitude in rps: the positive peak of the undecimated disturbance, 0 without backlash.
+        half_gap: delta in rad; None without backlash, where there is noise alone and no joint.
+        cut: how many samples of the dataset come before the first one.
+    """
+
+    peak: float
+    half_gap: float | None
+    cut: int
+
+
+def peak_to_peak(level: int, noise: str = "low") -> float:
+    """Return the peak-to-peak value in rps of the noise on a dataset 1 … 20; 0 has the noise of dataset 1.
+
+    Eq. 7.2 with the span of the authors' published recordings: 0.2 to 0.5 rps, and half as much again at the high
+    level. Table 7.3 lists half of it.
+    """
+    return (0.2 + 0.3 * (max(level, 1) - 1) / 19) * (1.5 if noise == "high" else 1.0)
+
+
+def noisy(level: int, noise: str = "low", draw: int = 0) -> Noisy:
+    """Return a dataset with uniform white noise (eqs. 7.1 and 7.2), cut at a random one of its first 100 samples.
+
+    Args:
+        level: the dataset, 1 … 20; 0 is the reference speed and noise alone, without backlash or gravity.
+        noise: "low" or "high".
+        draw: which realisation of the noise and the start; together with the other two it decides both.
+
+    Raises:
+        BenchError: for a level, noise or draw that there is not.
+    """
+    if level not in (0, *LEVELS):
+        raise BenchError(f"a noisy dataset has a level from 0 (no backlash) to {LEVELS[-1]}, not {level!r}")
+    if noise not in NOISES:
+        raise BenchError(f"noise must be one of {', '.join(map(repr, NOISES))}, not {noise!r}")
+    if isinstance(draw, bool) or not isinstance(draw, int) or draw < 0:
+        raise BenchError(f"draw must be a whole number of at least 0, not {draw!r}")
+    rng = np.random.default_rng([level, NOISES.index(noise), draw])
+    clean = dataset(level or LEVELS[0])  # without backlash it lends its length alone
+    speed = clean.speed if level else np.full_like(clean.speed, Joint().nominal_speed)
+    cut = int(rng.integers(FIRST_SAMPLES))
+    added = peak_to_peak(level, noise) * (rng.random(len(speed)) - 0.5)
+    return Noisy(
+        start=0.0,
+        dt=float(clean.time[1] - clean.time[0]),
+        speed=(speed + added)[cut:],
+        peak=clean.peak if level else 0.0,
+        half_gap=clean.half_gap if level else None,
+        cut=cut,
+    )

@@ -1,0 +1,359 @@
+"""The reference fit: the best signature of a recording, found by exhausting the search space instead of sampling it.
+
+For a window and a pair (tau, omega) the best fit is solved for (:mod:`~problems.backlash.signature.projection`). Over
+those four, the window's first and last sample, tau and omega, the folded sums of
+:mod:`~problems.backlash.signature.kernel` make a whole grid affordable:
+
+1. *scan*: every start, every length, 6 values of tau and 79 of omega. A main lobe of the spectrum of a window of at
+   most 0.2 s is at least 10 Hz wide and the grid has a line each 0.5 Hz; two neighbours in tau differ by a factor of
+   1.4. So between two lines no more than 2 % of the explained energy is missed. A start is passed over only where no
+   waveform whatever, repeated from there, could explain as much.
+2. *polish*: every pair of start and omega near the best is refined by compass search over (tau, omega), all lengths
+   at each point.
+3. *settle*: the ends of the window become times. Where T_d is no whole number of samples (the scan then
+   interpolates), they are refined on the signal itself; there alone the result is no more than the best of many
+   searches.
+
+A window longer than T_d overlaps the next one; the sums then hold the products of what is laid one over the other.
+
+Nothing here is random. It is no optimizer plug-in: those see the objective alone, and this sees the formula.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from problems.backlash.signature.kernel import Folded
+from problems.backlash.signature.model import EDGE, OMEGA, T0, T1, TAU
+from problems.backlash.signature.projection import (
+    CLEARANCE,
+    SINGULAR,
+    Limits,
+    Sums,
+    explained,
+    fold_sums,
+    largest_phase,
+    largest_t1,
+    limits,
+    overlap,
+    profile,
+    solve_cell,
+)
+
+Floats = NDArray[np.float64]
+
+TAUS, OMEGAS = 6, 79
+"""Lines of the scan's grid."""
+
+MARGIN, SETTLED = 0.03, 12
+"""Pairs that explain an energy this near to the best one's are polished, and so many of them settled."""
+
+MARGIN_BETWEEN, SETTLED_BETWEEN = 0.1, 40
+"""The same where T_d lies between samples, and the scan is not exact."""
+
+POLISHED = 400
+"""At most so many pairs are polished."""
+
+ROUGH, FINEST = 1e-3, 1e-7
+"""Where a compass search ends, in units of its first steps: that of all pairs, and that of the best."""
+
+ROUNDS = 60
+"""The last search, on the signal itself, takes at most so many rounds of eight points."""
+
+SWEPT, SWEEPS, PLACES = 16, 6, 24
+"""Of so many windows, at most so often, the ends are tried at so many places a sample, and the rest refined again."""
+
+SHORT = 10_000
+"""Samples up to which so many windows are settled and swept; the longer a recording, the fewer."""
+
+ROUNDING = 1e-13
+"""A relative gain below this is none."""
+
+NEAR, NEAR_ENOUGH = 2, 1e-3
+"""A fit near another looks this many samples to both sides, and ends its compass search sooner."""
+
+
+def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool) -> Floats:
+    """Return the (7,) point of the lowest RMSE of a recording.
+
+    Args:
+        recording: the signal about its mean and its folded sums.
+        lower: (7,) lower bounds.
+        upper: (7,) upper bounds.
+        constrained: under the constraints of section 7.2.2 as well.
+    """
+    limit = limits(recording, lower, upper, constrained=constrained)
+    length = _longest(recording, limit)
+    sums = fold_sums(recording, length)
+    taus, omegas = np.geomspace(*limit.tau, TAUS), np.linspace(*limit.omega, OMEGAS)
+    ceiling = _ceiling(recording.signal, sums, length)
+    grid, most_yet = np.zeros((sums.n, OMEGAS, 2)), 0.0
+    for base in range(1, limit.last + 1, 2 * length):
+        count = min(2 * length, limit.last + 1 - base)
+        if (ceiling[base : base + count] > most_yet).any():
+            found = _scan(base, count, taus, omegas, sums, limit, length)
+            grid[base : base + count], most_yet = found, max(most_yet, found[..., 0].max())
+    energy = grid[..., 0]
+    share = min(SHORT / sums.n, 1.0)
+    margin, most = (MARGIN, SETTLED) if recording.shift else (MARGIN_BETWEEN, math.ceil(share * SETTLED_BETWEEN))
+    near = np.argwhere(energy >= (1 - margin) * energy.max())
+    near = near[np.argsort(-energy[tuple(near.T)], kind="stable")][:POLISHED]
+    steps = np.array([1.0, (omegas[1] - omegas[0]) / 2])
+    windows = [
+        _polish(np.array([grid[start, column, 1], omegas[column]]), steps, start, sums, limit, length, ROUGH)
+        for start, column in near
+    ]
+    windows = sorted(windows, key=lambda each: -each.energy)[:most]
+    windows = [
+        _polish(np.array([each.tau, each.omega]), 10 * ROUGH * steps, each.start, sums, limit, length, FINEST)
+        for each in windows
+    ]
+    if not recording.shift:
+        windows = sorted(windows, key=lambda each: -_settle(each, recording, sums, limit, sweeps=0)[0])
+        windows = windows[: math.ceil(share * SWEPT)]
+    settled = [_settle(each, recording, sums, limit, sweeps=SWEEPS) for each in windows]
+    return np.clip(max(settled, key=lambda each: each[0])[1], lower, upper)
+
+
+def fit_near(recording: Folded, lower: Floats, upper: Floats, near: Floats, *, constrained: bool) -> Floats:
+    """Return the (7,) point of the lowest RMSE near another's, as a slightly changed signal has it; in milliseconds.
+
+    The window may begin two samples earlier or later, and tau and omega climb from where they are.
+    """
+    limit = limits(recording, lower, upper, constrained=constrained)
+    length = _longest(recording, limit)
+    sums = fold_sums(recording, length)
+    first = math.floor((near[T0] - recording.start + near[T1] + EDGE) / recording.dt) + 1
+    starts = range(max(first - NEAR, 1), min(first + NEAR, limit.last) + 1)
+    at, steps = near[[TAU, OMEGA]], np.array([1.0, 2.0])
+    windows = [_polish(at, steps, start, sums, limit, length, NEAR_ENOUGH) for start in starts]
+    best = max(windows, key=lambda each: each.energy)
+    return np.clip(_settle(best, recording, sums, limit, sweeps=None)[1], lower, upper)
+
+
+def _longest(recording: Folded, limit: Limits) -> int:
+    """Return the samples of the longest window."""
+    return min(math.ceil(limit.t2 / recording.dt), len(recording.signal))
+
+
+class Window(NamedTuple):
+    """The best of a scan or a polish: the energy explained, tau, omega, the first sample, the number of samples."""
+
+    energy: float
+    tau: float
+    omega: float
+    start: int
+    samples: int
+    sine: float
+    cosine: float
+
+
+def _ceiling(signal: Floats, sums: Sums, length: int) -> Floats:
+    """Return for each start (N,) the energy that the best of all waveforms of that many samples would explain.
+
+    Each sample of a waveform that is at most a half turn long stands for itself, in all half turns. The samples that
+    are laid over a longer one's begin, in the next half turn, change what these add up to everywhere but in the first
+    half turn, and are alone in what follows the last.
+    """
+    if length > 2 * sums.lag:
+        return np.full(sums.n, np.inf)
+    laid = max(length - math.floor(sums.lag), 0)
+
+    def window(apart: Floats, usual: Floats) -> Floats:
+        first, rest = (np.concatenate([[0.0], np.cumsum(each)]) for each in (apart, usual))
+        start = np.arange(sums.n)
+        reached: Floats = first[start + laid] - first[start] + rest[start + length - laid] - rest[start + laid]
+        return reached
+
+    r, inside = np.zeros_like(sums.f), np.zeros_like(sums.f)
+    r[: sums.n], inside[: sums.n] = signal, 1.0
+    after, after_inside = np.zeros_like(r), np.zeros_like(r)
+    if (end := math.floor(sums.replicas * sums.lag)) < sums.n:
+        after[: len(r) - end], after_inside[: len(r) - end] = r[end:], inside[end:]
+    terms, others = np.maximum(sums.terms, 1.0), np.maximum(sums.terms - 1.0, 1.0)
+    f, g = sums.f - r, sums.g - inside
+    ff = window(r**2 + f**2 / others + after**2, sums.f**2 / terms)
+    fg = window(r + f * g / others + after, sums.f * sums.g / terms)
+    gg = window(inside + g**2 / others + after_inside, sums.g**2 / terms)
+    ceiling: Floats = ff + (sums.s1 - fg) ** 2 / np.maximum(sums.n - gg, 1e-9 * sums.n)
+    return ceiling
+
+
+@njit(cache=True, error_model="numpy")
+def _scan(base: int, count: int, taus: Floats, omegas: Floats, sums: Sums, limit: Limits, length: int) -> Floats:
+    """Return (count, omegas, 2): the most energy that a window from each start explains over tau and length, and tau.
+
+    Starts ``base`` and up are the inner loop, where it vectorises; a cell's phase is looked at only where the best of
+    all phases would be a new best.
+    """
+    n, s1 = sums.n, sums.s1
+    best = np.zeros((count, len(omegas), 2))
+    cell = np.empty(7)
+    free = np.empty(count)
+    for w in range(len(omegas)):
+        for tau in taus:
+            q = math.exp(-tau * sums.dt)
+            re, im, q_re, q_im = 1.0, 0.0, q * math.cos(omegas[w] * sums.dt), q * math.sin(omegas[w] * sums.dt)
+            m_ss, m_sc, m_cc = np.zeros(count), np.zeros(count), np.zeros(count)
+            m_gs, m_gc, m_fs, m_fc = np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count)
+            for j in range(min(length, limit.last - base + 1)):
+                f, g, terms = sums.f[base + j :], sums.g[base + j :], sums.terms[base + j :]
+                for turns in range(1, math.floor(j / sums.lag) + 1):
+                    ss, sc, cc = overlap(tau, omegas[w], im, re, j, turns, sums)
+                    for k in range(np.uintp(count)):
+                        pairs = min(terms[k], float(sums.replicas - turns))
+                        m_ss[k] += pairs * ss
+                        m_sc[k] += pairs * sc
+                        m_cc[k] += pairs * cc
+                for k in range(np.uintp(count)):
+                    m_ss[k] += terms[k] * (im * im)
+                    m_sc[k] += terms[k] * (im * re)
+                    m_cc[k] += terms[k] * (re * re)
+                    m_gs[k] += g[k] * im
+                    m_gc[k] += g[k] * re
+                    m_fs[k] += f[k] * im
+                    m_fc[k] += f[k] * re
+                    gs, gc = m_gs[k] / n, m_gc[k] / n
+                    ss, sc, cc = m_ss[k] - m_gs[k] * gs, m_sc[k] - m_gs[k] * gc, m_cc[k] - m_gc[k] * gc
+                    s, c = m_fs[k] - gs * s1, m_fc[k] - gc * s1
+                    det = ss * cc - sc * sc
+                    free[k] = (cc * s * s - 2 * sc * s * c + ss * c * c) / det if det > SINGULAR * ss * cc else np.inf
+                for k in range(min(count, limit.last + 1 - base - j)):
+                    if free[k] > best[k, w, 0]:
+                        phase = largest_phase(omegas[w], base + k, j, sums, limit)
+                        if phase > 0.0:
+                            cell[:] = m_ss[k], m_sc[k], m_cc[k], m_gs[k], m_gc[k], m_fs[k], m_fc[k]
+                            energy = solve_cell(cell, sums, phase, limit.reach, best[k, w, 0])[0]
+                            if energy > best[k, w, 0]:
+                                best[k, w, 0], best[k, w, 1] = energy, tau
+                re, im = re * q_re - im * q_im, re * q_im + im * q_re
+    return best
+
+
+@njit(cache=True, error_model="numpy")
+def _search(at: Floats, steps: Floats, start: int, sums: Sums, limit: Limits, length: int, finest: float) -> Floats:
+    """Return the (2,) tau and omega of a local maximum, by compass search from ``at``, diagonals included."""
+    low, high = (limit.tau[0], limit.omega[0]), (limit.tau[1], limit.omega[1])
+    best = profile(at[0], at[1], start, sums, limit, length)[0]
+    at, step, scale = at.copy(), steps.copy(), 1.0
+    while scale > finest:
+        centre, moved = at.copy(), False
+        for turn in range(9):
+            tau = min(max(centre[0] + (turn // 3 - 1) * scale * step[0], low[0]), high[0])
+            omega = min(max(centre[1] + (turn % 3 - 1) * scale * step[1], low[1]), high[1])
+            energy = profile(tau, omega, start, sums, limit, length)[0]
+            if energy > best:
+                best, at[0], at[1], moved = energy, tau, omega, True
+        if not moved:
+            scale /= 2
+        elif scale < 1:
+            scale *= 2  # along a narrow ridge steps would else stay as short as they once had to be
+    return at
+
+
+def _polish(at: Floats, steps: Floats, start: int, sums: Sums, limit: Limits, length: int, finest: float) -> Window:
+    tau, omega = _search(at, steps, start, sums, limit, length, finest)
+    energy, samples, sine, cosine = profile(tau, omega, start, sums, limit, length)
+    return Window(energy, tau, omega, int(start), samples, sine, cosine)
+
+
+def _settle(
+    window: Window, recording: Folded, sums: Sums, limit: Limits, *, sweeps: int | None
+) -> tuple[float, Floats]:
+    """Return the energy that a window explains and its (7,) point, its ends as times.
+
+    Where T_d lies between samples, it is searched for on the signal itself, unless ``sweeps`` is None.
+    Any begin between two samples, and any end, is the same fit; the middle of what is allowed is taken.
+    """
+    dt, omega = sums.dt, window.omega
+    since = math.atan2(window.cosine, window.sine) % math.pi / omega  # of the first sample since t0
+    start, samples = window.start, window.samples
+    if since < CLEARANCE:  # the first sample is at t0, where the oscillation is 0, and may as well be outside
+        since, start, samples = since + dt, start + 1, samples - 1
+    latest = min(since - CLEARANCE, largest_t1(omega, limit))
+    growth = math.log(max(limit.reach / math.hypot(window.sine, window.cosine), 1.0)) / window.tau  # A's own bound
+    t1 = (min(max(since - min(dt, growth), 0.0), latest) + latest) / 2
+    last = since + (samples - 1) * dt
+    t2 = min(last + dt / 2, limit.t2)
+    first = recording.start + start * dt
+    at = np.array([window.tau, omega, first - since + t1, first - since + t2])
+    if not recording.shift and sweeps is not None:
+        at = _search_signal(at, _places(recording), recording, limit, sweeps)
+    energy, sine, cosine, offset = explained(at, recording, limit)
+    angle, size = math.atan2(cosine, sine), math.hypot(sine, cosine)
+    phase, a = (angle, size) if angle >= 0.0 else (angle + math.pi, -size)
+    t1, t0 = phase / at[1], at[2] - phase / at[1]
+    return energy, np.array([a, t0, at[0], at[1], offset, t1, at[3] - t0])
+
+
+def _places(recording: Folded) -> Floats:
+    """Return where between two samples, in s, the end of a window passes over a sample of some half turn.
+
+    Of a long recording, where one sample is of little weight, as many places as are tried, evenly.
+    """
+    dt = recording.dt
+    turns = min(recording.replicas, int(len(recording.signal) * dt / recording.delay) + 1)
+    places = np.unique(np.round(-np.arange(turns) * recording.delay / dt % 1.0, 9) % 1.0)
+    return dt * (places if len(places) <= PLACES else np.arange(PLACES) / PLACES)
+
+
+@njit(cache=True, error_model="numpy")
+def _search_signal(at: Floats, places: Floats, recording: Folded, limit: Limits, sweeps: int) -> Floats:
+    """Return the (4,) tau, omega, begin and end of a local maximum on the signal itself.
+
+    As begin or end moves, samples enter and leave one half turn after the other; all these places nearby are tried.
+    """
+    steps = np.array([1.0, 1.0, recording.dt, recording.dt])
+    at = _refine(at, steps, recording, limit)
+    energy = explained(at, recording, limit)[0]
+    for _ in range(sweeps):
+        for end in (2, 3):
+            at = _sweep(at, end, places, recording, limit)
+        at = _refine(at, steps, recording, limit)
+        before, energy = energy, explained(at, recording, limit)[0]
+        if energy <= before * (1 + ROUNDING):
+            break
+    return at
+
+
+@njit(cache=True, error_model="numpy")
+def _sweep(at: Floats, which: int, places: Floats, recording: Folded, limit: Limits) -> Floats:
+    """Return the (4,) point with the best begin (2) or end (3) of all within ``NEAR`` samples, the rest as it is."""
+    best, dt = explained(at, recording, limit)[0], recording.dt
+    sample = recording.start + math.floor((at[which] - recording.start) / dt) * dt
+    found = at.copy()
+    for i in range(-NEAR, NEAR + 1):
+        for place in places:
+            for side in (-2 * CLEARANCE, 2 * CLEARANCE):
+                trial = at.copy()
+                trial[which] = sample + i * dt + place + side
+                energy = explained(trial, recording, limit)[0]
+                if energy > best * (1 + ROUNDING):
+                    best, found = energy, trial
+    return found
+
+
+@njit(cache=True, error_model="numpy")
+def _refine(at: Floats, steps: Floats, recording: Folded, limit: Limits) -> Floats:
+    """Return the (4,) tau, omega, begin and end of a local maximum, by compass search from ``at``."""
+    low, high = (limit.tau[0], limit.omega[0]), (limit.tau[1], limit.omega[1])
+    best, scale = explained(at, recording, limit)[0], 1.0
+    for _ in range(ROUNDS):
+        moved = False
+        for turn in range(8):
+            trial = at.copy()
+            trial[turn // 2] += (2 * (turn % 2) - 1) * scale * steps[turn // 2]
+            trial[0], trial[1] = min(max(trial[0], low[0]), high[0]), min(max(trial[1], low[1]), high[1])
+            energy = explained(trial, recording, limit)[0]
+            if energy > best * (1 + ROUNDING):
+                best, at, moved = energy, trial, True
+        if not moved:
+            scale /= 2
+        if scale < FINEST:
+            break
+    return at

@@ -1,0 +1,238 @@
+"""The runner and the store: nothing is lost, and nothing depends on how the work was done."""
+
+import json
+import os
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench import BenchError, Results, Study, load_results, run, solve
+from bench.storage.folder import Folder
+
+TIMES = ["wall_s", "cpu_s", "objective_s"]
+
+
+def same(a, b):
+    pd.testing.assert_frame_equal(a.drop(columns=TIMES), b.drop(columns=TIMES), check_exact=True)
+
+
+def test_a_run_fills_the_frame(small_study, tmp_path):
+    outcome = run(small_study, tmp_path / "out", n_jobs=1)
+    assert (outcome.made, outcome.failed) == (18, 0)
+    frame = load_results(tmp_path / "out")
+    assert len(frame) == 18
+    assert frame["problem"].unique().tolist() == ["sphere-2", "sphere-3"]
+    assert frame["optimizer"].unique().tolist() == ["hill-climber", "scatter", "early"]
+    assert frame["status"].eq("ok").all()
+    by_optimizer = frame.groupby("optimizer")
+    assert by_optimizer["nfev"].unique().map(list).to_dict() == {"early": [5], "hill-climber": [60], "scatter": [60]}
+    assert by_optimizer["stop"].unique().map(list).to_dict() == {
+        "early": ["tired"], "hill-climber": ["budget"], "scatter": ["budget"]
+    }  # fmt: skip
+    assert frame["seed"].is_unique
+    points = frame[["x_x1", "x_x2", "x_x3"]].fillna(0.0)
+    np.testing.assert_allclose((points**2).sum(axis=1), frame["fun"], rtol=1e-15)
+    np.testing.assert_allclose(frame["radius"] ** 2, frame["fun"], rtol=1e-15)
+    assert (frame["objective_s"] <= frame["wall_s"]).all()
+
+
+def test_a_row_s_seed_repeats_its_trial(small_study, tmp_path):
+    run(small_study, tmp_path / "out", n_jobs=1)
+    results = Results(tmp_path / "out")
+    row = results.frame[results.frame["optimizer"] == "scatter"].iloc[0]
+    again = solve(results.problem(row["problem"]), small_study.optimizer("scatter"), budget=60, seed=int(row["seed"]))
+    assert again.fun == row["fun"]
+    stored = results.traces[row["problem"], "scatter", row["trial"]]
+    assert stored.values.tolist() == again.trace.values.tolist()
+    assert stored.evaluations.tolist() == again.trace.evaluations.tolist()
+
+
+def test_workers_and_other_optimizers_change_no_result(small_study, tmp_path):
+    run(small_study, tmp_path / "one", n_jobs=1)
+    run(small_study, tmp_path / "two", n_jobs=2)
+    same(load_results(tmp_path / "one"), load_results(tmp_path / "two"))
+    alone = Study.from_dict(
+        {"name": "small", "trials": 3, "budget": 60, "seed": 5, "problems": [{"name": "sphere-3"}],
+         "optimizers": [{"name": "scatter", "agents": 7}]}
+    )  # fmt: skip
+    run(alone, tmp_path / "alone", n_jobs=1)
+    all_of_it = load_results(tmp_path / "one")
+    part = all_of_it[(all_of_it["optimizer"] == "scatter") & (all_of_it["problem"] == "sphere-3")]
+    same(part.reset_index(drop=True), load_results(tmp_path / "alone"))
+
+
+def test_a_rerun_makes_nothing_and_more_trials_extend(small_study, tmp_path):
+    run(small_study.override(trials=2), tmp_path / "out", n_jobs=1)
+    assert run(small_study.override(trials=2), tmp_path / "out", n_jobs=1).made == 0
+    assert run(small_study, tmp_path / "out", n_jobs=1).made == 6
+    run(small_study, tmp_path / "whole", n_jobs=1)
+    same(load_results(tmp_path / "out"), load_results(tmp_path / "whole"))
+
+
+def test_another_study_s_folder_is_refused(small_study, tmp_path):
+    run(small_study, tmp_path / "out", n_jobs=1)
+    with pytest.raises(BenchError, match="holds another study"):
+        run(small_study.override(budget=70), tmp_path / "out", n_jobs=1)
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "thesis.docx").write_text("my life's work")
+    with pytest.raises(BenchError, match="is not empty and holds no study"):
+        run(small_study, tmp_path / "full", n_jobs=1)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(BenchError, match="cannot be written"):
+        run(small_study, tmp_path / "file", n_jobs=1)
+
+
+def test_a_failing_trial_costs_its_own_cell(small_study, tmp_path):
+    study = Study.from_dict(
+        {"name": "faults", "trials": 2, "budget": 30, "problems": [{"names": ["sphere-2", "sphere-3"]}],
+         "optimizers": [{"name": "faulty"}, {"name": "scatter"}]}
+    )  # fmt: skip
+    outcome = run(study, tmp_path / "out", n_jobs=2)
+    assert outcome.failed == 2
+    frame = load_results(tmp_path / "out")
+    failed = frame[frame["status"] == "failed"]
+    assert set(zip(failed["problem"], failed["optimizer"], strict=True)) == {("sphere-2", "faulty")}
+    assert failed["error"].str.startswith("RuntimeError: cannot do planes").all()
+    assert failed["fun"].isna().all()
+    assert len(frame) == 8
+    assert run(study, tmp_path / "out", n_jobs=1).made == 2  # failed trials are tried again
+
+
+def test_solve_by_name_and_stop_reasons():
+    assert solve("sphere-3", "early", budget=50).stop == "tired"
+    from bench import load_optimizer
+
+    assert solve("sphere-3", load_optimizer("early", honest=False), budget=50).stop == "undeclared"
+    assert solve("sphere-3", load_optimizer("early", honest=False), budget=5).stop == "budget"
+    result = solve("sphere-3", "hill-climber", budget=2000, seed=1)
+    assert result.fun < 1e-6
+    assert result.overhead_time > 0
+
+
+def test_no_results_are_said_so(tmp_path):
+    with pytest.raises(BenchError, match=r"holds no study\.toml"):
+        load_results(tmp_path)
+
+
+def test_a_store_whose_table_was_never_made_is_begun_again(small_study, tmp_path):
+    """A kill between the file's creation and its table's leaves an empty store."""
+    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
+    for file in (tmp_path / "out").glob("trials.sqlite*"):
+        file.unlink()
+    (tmp_path / "out" / "trials.sqlite").touch()
+    assert load_results(tmp_path / "out").empty
+    assert run(small_study.override(trials=1), tmp_path / "out", n_jobs=1).made == 6
+
+
+def test_two_runs_do_not_write_one_folder(small_study, tmp_path):
+    with pytest.raises(BenchError, match=rf"another run \(process {os.getpid()} on .*\) is writing"):
+        run(small_study, tmp_path / "out", n_jobs=1, on_trial=lambda *_: run(small_study, tmp_path / "out", n_jobs=1))
+
+
+def test_data_that_changed_under_a_study_is_refused(tmp_path):
+    t = np.arange(1000) * 0.002
+    for frequency in (5.0, 7.0):
+        table = np.column_stack([t, 100 + np.sin(frequency * t)])
+        np.savetxt(tmp_path / "a.csv", table, delimiter=",")
+        study = Study.from_dict(
+            {"name": "mine", "trials": int(frequency), "budget": 60,
+             "problems": [{"name": f"recording:{tmp_path / 'a.csv'}"}], "optimizers": [{"name": "scatter"}]}
+        )  # fmt: skip
+        if frequency == 5.0:
+            run(study, tmp_path / "out", n_jobs=1)
+        else:
+            with pytest.raises(BenchError, match="changed since"):
+                run(study, tmp_path / "out", n_jobs=1)
+
+
+@pytest.mark.parametrize("file", ["data.json", "code.json", "verification.json", "checks.json", "study.toml"])
+@pytest.mark.parametrize("content", ['{"sphere-2": "f0', "[]", "\xff"])
+def test_a_damaged_file_of_a_folder_is_never_passed_over(small_study, file, content, tmp_path):
+    folder = Folder(tmp_path)
+    folder.claim(small_study)
+    (tmp_path / file).write_text(content, encoding="latin-1")
+    uses = {
+        "data.json": lambda: folder.check_data({"sphere-2": "f0"}), "code.json": lambda: folder.check_code({"a": "f0"}),
+        "verification.json": folder.verification, "checks.json": folder.checks,
+        "study.toml": lambda: folder.claim(small_study),
+    }  # fmt: skip
+    with pytest.raises(BenchError) as caught:
+        uses[file]()
+    assert str(tmp_path / file) in str(caught.value)
+    assert (tmp_path / file).read_text(encoding="latin-1") == content
+    assert "\n" not in str(caught.value)
+
+
+def test_what_a_missing_note_said_is_known_from_the_store(small_study, tmp_path):
+    run(small_study.override(trials=1), tmp_path, n_jobs=1)
+    folder = Folder(tmp_path)
+    with folder.store.writer() as writer:
+        record = folder.environments()[0]
+        changed = {"data": {"sphere-2": "f00"}, "code": {"scatter": "ba7", "early": ""}}
+        writer.change(1, record | changed)
+    for file in ("data.json", "code.json", "environment.json"):
+        (tmp_path / file).unlink(missing_ok=True)
+    assert (folder.fingerprints(), folder.code()) == ({"sphere-2": "f00"}, {"scatter": "ba7"})
+    with pytest.raises(BenchError, match="the data of problem 'sphere-2' changed since"):
+        folder.check_data({"sphere-2": "f01"})
+    with pytest.raises(BenchError, match="the code of optimizer 'scatter' changed since"):
+        folder.check_code({"scatter": "f01"})
+    folder.check_data({"sphere-2": "f00", "sphere-3": "new"})
+    assert folder.fingerprints() == {"sphere-2": "f00", "sphere-3": "new"}
+
+
+def test_the_copy_of_the_environments_is_written_anew(small_study, tmp_path):
+    run(small_study.override(trials=1), tmp_path, n_jobs=1)
+    (tmp_path / "environment.json").write_text("{")
+    run(small_study, tmp_path, n_jobs=1)
+    assert json.loads((tmp_path / "environment.json").read_text()) == Folder(tmp_path).environments()
+
+
+@pytest.mark.parametrize(
+    ("problem", "said"),
+    [("names-3", "names 2 different variables for 3 dimensions"), ("figures-2", "a name of the tidy frame: 'fun'"),
+     ("text-2", "could not convert"), ("exit-2", "SystemExit"), ("minus-2", "returned -inf")],
+)  # fmt: skip
+def test_a_problem_that_breaks_the_contract_costs_its_own_cell(problem, said, tmp_path):
+    study = Study.from_dict(
+        {"name": "odd", "trials": 1, "budget": 30, "problems": [{"name": problem}, {"name": "sphere-2"}],
+         "optimizers": [{"name": "scatter"}]}
+    )  # fmt: skip
+    assert run(study, tmp_path / "out", n_jobs=2).failed == 1
+    frame = load_results(tmp_path / "out").set_index("problem")
+    assert frame["status"].to_dict() == {problem: "failed", "sphere-2": "ok"}
+    assert said in frame.loc[problem, "error"]
+
+
+def test_a_problem_that_ends_its_process_costs_its_own_cell(tmp_path):
+    study = Study.from_dict(
+        {"name": "dying", "trials": 3, "budget": 30, "problems": [{"name": "sphere-2"}, {"name": "death-2"}],
+         "optimizers": [{"name": "scatter"}]}
+    )  # fmt: skip
+    assert run(study, tmp_path / "out", n_jobs=2).failed == 3
+    frame = load_results(tmp_path / "out")
+    assert frame.groupby("problem")["status"].unique().map(list).to_dict() == {
+        "death-2": ["failed"],
+        "sphere-2": ["ok"],
+    }
+    assert frame["error"].dropna().eq("its process ended with exit code 1").all()
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("import time\ntime.sleep(1000)", "hangs: no sign of life for 2 s"),
+        ("import os\nos._exit(3)", "failed: exit code 3"),
+        ("raise SystemExit(4)", "SystemExit"),
+        ("def f(:", "invalid syntax"),
+    ],
+)
+def test_a_plug_in_that_cannot_be_loaded_ends_the_run_before_it_begins(code, said, tmp_path, monkeypatch):
+    monkeypatch.setattr("bench.execution.supervisor.CHECKING", 2.0)
+    (tmp_path / "mine.py").write_text(f"{code}\ndef mine(objective, rng):\n    pass\n")
+    study = {"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": [{"name": f"{tmp_path / 'mine.py'}:mine"}]}
+    with pytest.raises(BenchError, match=said) as refused:
+        run(Study.from_dict(study), tmp_path / "out", n_jobs=2)
+    assert "\n" not in str(refused.value)
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,189 @@
+"""Shards, merging and verifying: what many machines make is one study, the same bit by bit."""
+
+import json
+import shutil
+import sqlite3
+
+import pandas as pd
+import pytest
+
+from bench import BenchError, Results, Study, load_results, run
+from bench.execution.verify import verify
+from bench.storage.merge import merge
+
+TIMES = ["wall_s", "cpu_s", "objective_s"]
+
+
+def same(a, b):
+    a, b = Results(a), Results(b)
+    pd.testing.assert_frame_equal(a.frame.drop(columns=TIMES), b.frame.drop(columns=TIMES), check_exact=True)
+    assert {key: trace.values.tobytes() for key, trace in a.traces.items()} == {
+        key: trace.values.tobytes() for key, trace in b.traces.items()
+    }
+
+
+def change(folder, what, where="problem = 'sphere-2' AND optimizer = 'scatter'"):
+    with sqlite3.connect(folder / "trials.sqlite") as connection:
+        done = connection.execute(
+            f"UPDATE results SET {what} WHERE trial = 1 AND cell = (SELECT id FROM cells WHERE {where})"
+        )
+        assert done.rowcount == 1
+    connection.close()
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The study in one folder, and in three shards of it, which no test changes."""
+    study = Study.from_dict(
+        {"name": "small", "trials": 3, "budget": 60, "seed": 5, "problems": [{"names": ["sphere-2", "sphere-3"]}],
+         "optimizers": [{"name": "hill-climber"}, {"name": "scatter", "agents": 7}, {"name": "early"}]}
+    )  # fmt: skip
+    place = tmp_path_factory.mktemp("whole")
+    run(study, place / "whole", n_jobs=1)
+    for number in (1, 2, 3):
+        run(study, place / f"shard-{number}", n_jobs=1, shard=f"{number}/3")
+    return study, place
+
+
+@pytest.fixture
+def copied(whole, tmp_path):
+    """Copies that a test may change."""
+    study, place = whole
+    shutil.copytree(place, tmp_path / "copies")
+    return study, tmp_path / "copies"
+
+
+def test_shards_are_disjoint_of_one_size_and_unite_to_the_whole(whole, tmp_path):
+    _, place = whole
+    shards = [place / f"shard-{number}" for number in (1, 2, 3)]
+    assert [len(load_results(shard)) for shard in shards] == [6, 6, 6]
+    merged = merge(shards, tmp_path / "united")
+    assert (merged.rows, merged.added, merged.same) == (18, 18, 0)
+    same(tmp_path / "united", place / "whole")
+    results = Results(tmp_path / "united")
+    assert [record["shard"] for record in results.environments] == ["1/3", "2/3", "3/3"]
+    assert results.origins.value_counts().to_dict() == {1: 6, 2: 6, 3: 6}
+    assert (tmp_path / "united" / "environment.json").exists()
+
+
+def test_a_merge_that_was_cut_short_is_continued_by_the_same_call(whole, tmp_path):
+    _, place = whole
+    merge([place / "shard-1", place / "shard-2"], tmp_path / "united")
+    merged = merge([place / f"shard-{number}" for number in (1, 2, 3)], tmp_path / "united")
+    assert (merged.rows, merged.added, merged.same) == (18, 6, 12)
+    assert len(Results(tmp_path / "united").environments) == 3
+    same(tmp_path / "united", place / "whole")
+
+
+def test_the_same_trial_twice_is_taken_once_and_the_most_trials_count(copied, tmp_path):
+    study, place = copied
+    run(study.override(trials=4), place / "shard-2", n_jobs=1, shard="2/3")
+    merged = merge([place / "whole", place / "shard-2"], tmp_path / "united")
+    assert (merged.rows, merged.added, merged.same) == (20, 20, 6)
+    assert Results(tmp_path / "united").study.trials == 4
+
+
+def test_a_finished_trial_takes_the_place_of_a_failed_one(copied, tmp_path):
+    _, place = copied
+    change(place / "whole", "status = 'failed', error = 'boom', fun = NULL")
+    with sqlite3.connect(place / "whole" / "trials.sqlite") as connection:
+        lost = "SELECT cell, trial FROM results WHERE error = 'boom'"
+        connection.execute(f"DELETE FROM traces WHERE (cell, trial) IN ({lost})")
+    connection.close()
+    shards = [place / f"shard-{number}" for number in (1, 2, 3)]
+    for order in ([place / "whole", *shards], [*shards, place / "whole"]):
+        target = tmp_path / f"united-{order[0].name}"
+        merge(order, target)
+        assert load_results(target)["status"].eq("ok").all()
+
+
+@pytest.mark.parametrize("what", ["fun = fun * (1 + 1e-15) + 1e-300", "seed = seed + 1", "nfev = nfev - 1"])
+def test_conflicting_trials_are_refused_and_name_the_trial(what, copied, tmp_path):
+    _, place = copied
+    change(place / "whole", what)
+    shards = [place / f"shard-{number}" for number in (1, 2, 3)]
+    with pytest.raises(BenchError, match=f"trial 1 of scatter on sphere-2 has another {what.split()[0]} in .*whole"):
+        merge([*shards, place / "whole"], tmp_path / "united")
+
+
+def test_what_cannot_be_merged_is_refused(whole, tmp_path):
+    study, place = whole
+    run(study.override(budget=30, trials=1), tmp_path / "other", n_jobs=1)
+    with pytest.raises(BenchError, match="holds another study than"):
+        merge([place / "whole", tmp_path / "other"], tmp_path / "united")
+    assert not (tmp_path / "united").exists()
+    with pytest.raises(BenchError, match="given twice"):
+        merge([place / "whole", place / "whole"], tmp_path / "united")
+    with pytest.raises(BenchError, match="given twice"):
+        merge([place / "whole"], place / "whole")
+    with pytest.raises(BenchError, match=r"holds no study\.toml"):
+        merge([place / "whole", tmp_path], tmp_path / "united")
+
+
+def test_other_data_is_refused(copied, tmp_path):
+    _, place = copied
+    noted = json.loads((place / "shard-2" / "data.json").read_text())
+    (place / "shard-2" / "data.json").write_text(json.dumps(noted | {"sphere-2": "f00"}))
+    with pytest.raises(BenchError, match="data of problem 'sphere-2' changed"):
+        merge([place / "shard-1", place / "shard-2"], tmp_path / "united")
+
+
+def test_verify_finds_all_trials_repeated_and_notes_it(copied):
+    _, place = copied
+    steps = []
+    found = verify(place / "whole", n_jobs=2, on_progress=lambda *step: steps.append(step[1:]))
+    assert (found.cells, found.trials, found.jobs, found.different) == (6, 12, 2, {})
+    assert steps[-1] == (12, 12)
+    assert Results(place / "whole").verifications[0]["sentence"] == found.sentence
+    assert "12 of 12 trials of 6 cells are the same bit by bit with 2 workers" in found.sentence
+
+
+def test_verify_tells_what_is_not_repeated(copied):
+    _, place = copied
+    change(place / "whole", "fun = fun * (1 + 1e-15) + 1e-300")
+    found = verify(place / "whole", trials=3, n_jobs=1)
+    assert [trial.key for trial in found.different] == [("sphere-2", "scatter", 1)]
+    assert "17 of 18 trials" in found.sentence
+    assert next(found.lines()).startswith("different: scatter on sphere-2, trial 1: fun was ")
+
+
+def test_verify_compares_whole_courses(copied):
+    _, place = copied
+    with sqlite3.connect(place / "whole" / "trials.sqlite") as connection:
+        where = "trial = 1 AND cell = (SELECT id FROM cells WHERE problem = 'sphere-2' AND optimizer = 'scatter')"
+        blob = bytearray(connection.execute(f"SELECT trace FROM traces WHERE {where}").fetchone()[0])
+        blob[len(blob) // 2] ^= 1  # the last bit of the first value
+        connection.execute(f"UPDATE traces SET trace = ? WHERE {where}", (bytes(blob),))
+    connection.close()
+    found = verify(place / "whole", trials=3, n_jobs=1)
+    assert list(found.different.values()) == ["another course, the same end"]
+
+
+def test_verify_meets_an_optimizer_that_depends_on_the_order_of_sets(tmp_path):
+    (tmp_path / "sets.py").write_text(
+        "def fickle(objective, rng):\n"
+        "    first = next(iter({'a', 'b', 'c', 'd', 'e', 'f', 'g', 'h'}))\n"
+        "    while True:\n"
+        "        objective(objective.initial(2) * (1 - 0.01 * ord(first) / 100))\n"
+    )
+    study = Study.from_dict(
+        {"name": "sets", "trials": 2, "budget": 40, "problems": [{"name": "sphere-2"}],
+         "optimizers": [{"name": f"{tmp_path / 'sets.py'}:fickle"}, {"name": "scatter"}]}
+    )  # fmt: skip
+    run(study, tmp_path / "out", n_jobs=1)
+    found = verify(tmp_path / "out", n_jobs=1)
+    assert {trial.optimizer for trial in found.different} == {"fickle"}
+
+
+def test_verify_refuses_what_it_cannot_make_again(copied, tmp_path):
+    _, place = copied
+    with pytest.raises(BenchError, match="at least 1"):
+        verify(place / "whole", trials=0)
+    (place / "whole" / "data.json").write_text(json.dumps({"sphere-2": "f00"}))
+    with pytest.raises(BenchError, match="data of problem 'sphere-2' changed"):
+        verify(place / "whole")
+    faulty = Study.from_dict({"name": "f", "trials": 1, "budget": 30, "problems": [{"name": "sphere-2"}],
+                              "optimizers": [{"name": "faulty"}]})  # fmt: skip
+    run(faulty, tmp_path / "none", n_jobs=1)
+    with pytest.raises(BenchError, match="holds no finished trial to verify"):
+        verify(tmp_path / "none")

@@ -1,0 +1,217 @@
+"""What is noted of a run: the machine, the versions and the code as they were, and what differs from one to another."""
+
+import json
+import os
+import shlex
+import subprocess
+import sys
+from importlib.metadata import version
+from types import SimpleNamespace
+
+import pytest
+
+from bench import load_optimizer, load_problem
+from bench.storage import provenance
+from bench.storage.provenance import differences, machine, modules, run
+
+RECORD = {
+    "packages": {"numpy": "2.4.6", "scipy": "1.17.1"},
+    "python": "3.11.7",
+    "system": "Linux-6.1.0-x86_64-with-glibc2.36",
+    "host": "one",
+    "processor": "Xeon",
+    "cores": 2,
+    "memory_gb": 8.0,
+    "blas": [{"library": "openblas", "version": "0.3.30", "threads": 1}],
+    "git": {"commit": "6b3d6c0" + "0" * 33, "dirty": False, "diff": None},
+    "checkouts": {},
+}
+DIRTY = {"commit": RECORD["git"]["commit"], "dirty": True, "diff": "a" * 64}
+OPTIMIZER = "def mine(objective, rng):\n    objective(objective.initial(1))\n"
+
+
+class TestMachine:
+    def test_it_is_the_same_every_time_and_json_holds_it(self):
+        first, second = machine(), machine()
+        assert first == second == json.loads(json.dumps(first))
+        assert first.keys() == RECORD.keys()
+        assert first["packages"]["numpy"] == version("numpy")
+        assert first["cores"] >= 1
+        assert 0 < first["memory_gb"] < 1e5
+        assert all(each.keys() == {"library", "version", "threads"} for each in first["blas"])
+
+    def test_the_distributions_of_the_plugins_in_use_are_told_with_the_library_of_a_family(self):
+        pytest.importorskip("mealpy")
+        plain = machine(modules([load_optimizer("gwo")]))["packages"]
+        assert plain.keys() == machine()["packages"].keys()
+        used = modules([load_optimizer("hill-climber"), load_optimizer("mealpy:OriginalGWO"), load_problem("sphere-2")])
+        assert machine(used)["packages"] == plain | {"testing-plugins": "1.0", "mealpy": version("mealpy")}
+
+    def test_modules_are_those_of_the_plugins_alone(self):
+        assert modules([load_optimizer("hill-climber"), load_problem("sphere-2")]) == ["testing_plugins"]
+        assert "optimizers.mealpy" in modules([load_optimizer("mealpy:OriginalGWO")])
+
+    def test_a_module_that_is_not_there_costs_nothing(self):
+        assert machine(["no_such_module", "no_such.module", ""]) == machine()
+
+    def test_the_memory_is_what_a_container_may_use(self, tmp_path, monkeypatch):
+        whole = provenance.memory()
+        for text, expected in (("1000000", 1_000_000), ("max", whole), (str(2**63), whole)):
+            (tmp_path / "limit").write_text(f"{text}\n")
+            monkeypatch.setattr(provenance, "CONTAINER_LIMITS", (tmp_path / "limit", tmp_path / "missing"))
+            assert provenance.memory() == expected
+
+
+@pytest.fixture
+def git(tmp_path, monkeypatch):
+    """Return a function that runs git in a checkout with a committed plug-in; its state is that of the plug-in."""
+    for name in [name for name in os.environ if name.startswith("GIT_")]:
+        monkeypatch.delenv(name)
+    repo = tmp_path / "repo"
+    (repo / "inner").mkdir(parents=True)
+
+    def ask(*arguments):
+        command = ["git", "-c", "user.name=n", "-c", "user.email=e@x", *arguments]
+        subprocess.run(command, cwd=repo, check=True, capture_output=True)
+
+    ask("init")
+    (repo / ".gitignore").write_text("ignored.py\n")
+    (repo / "inner" / "mine.py").write_text(OPTIMIZER)
+    (repo / "notes.txt").write_text("old")
+    ask("add", ".")
+    ask("commit", "-m", "first")
+
+    def state():
+        provenance._git.cache_clear()
+        plugin = load_optimizer(f"{repo / 'inner' / 'mine.py'}:mine")
+        return machine(modules([plugin]))["checkouts"].get("repo")
+
+    yield SimpleNamespace(ask=ask, repo=repo, state=state)
+    provenance._git.cache_clear()
+
+
+class TestCheckouts:
+    def test_what_git_does_not_see_as_a_change_changes_nothing(self, git):
+        clean = git.state()
+        assert clean == {"commit": clean["commit"], "dirty": False, "diff": None}
+        assert len(clean["commit"]) == 40
+        os.utime(git.repo / "inner" / "mine.py", (1, 1))
+        (git.repo / "ignored.py").write_text("1")
+        (git.repo / "inner" / "__pycache__").mkdir()
+        (git.repo / "inner" / "__pycache__" / "helper.cpython-311.pyc").write_bytes(b"kept")
+        (git.repo / "run.log").write_text("a run may write beside the code that it runs")
+        assert git.state() == clean
+
+    def test_every_change_of_code_has_a_hash_of_its_own(self, git):
+        seen = [git.state()["diff"]]
+
+        def changed():
+            state = git.state()
+            assert state == git.state()
+            assert state["dirty"]
+            assert state["diff"] not in seen
+            seen.append(state["diff"])
+
+        (git.repo / "new.py").write_text("")
+        changed()
+        (git.repo / "new.py").write_text("1")
+        changed()
+        (git.repo / "new.py").rename(git.repo / "other.py")
+        changed()
+        (git.repo / "inner" / "mine.py").write_text(OPTIMIZER + "# edited\n")
+        changed()
+        (git.repo / "notes.txt").unlink()
+        changed()
+        git.ask("add", "--all")
+        assert git.state()["diff"] == seen[-1]
+        git.ask("commit", "-m", "second")
+        assert git.state()["diff"] is None
+
+    def test_a_state_is_asked_for_once_in_a_process(self, git):
+        before = git.state()
+        (git.repo / "new.py").write_text("")
+        plugin = load_optimizer(f"{git.repo / 'inner' / 'mine.py'}:mine")
+        assert machine(modules([plugin]))["checkouts"]["repo"] == before
+
+    def test_the_variables_of_a_git_hook_do_not_mislead(self, git, monkeypatch):
+        before = git.state()
+        monkeypatch.setenv("GIT_DIR", str(git.repo / "nowhere"))
+        monkeypatch.setenv("GIT_INDEX_FILE", str(git.repo / "nowhere"))
+        assert git.state() == before
+
+    def test_without_git_or_a_commit_nothing_is_told(self, git, monkeypatch):
+        git.ask("update-ref", "-d", "HEAD")
+        assert git.state() is None
+        monkeypatch.setenv("PATH", str(git.repo))
+        assert git.state() is None
+        assert machine()["git"] is None
+
+    def test_an_installed_package_is_no_part_of_the_checkout_around_it(self, git):
+        site = git.repo / ".venv" / "site-packages"
+        site.mkdir(parents=True)
+        (site / "mine.py").write_text(OPTIMIZER)
+        assert machine(modules([load_optimizer(f"{site / 'mine.py'}:mine")]))["checkouts"] == {}
+
+
+class TestRun:
+    def test_it_tells_of_the_study_and_how_it_was_asked_for(self, small_study, monkeypatch):
+        monkeypatch.setattr(sys, "argv", ["/usr/bin/bench", "run", "my study.toml", "\udcff"])
+        told = run(small_study, {"p": "f00"}, {"a": "ba7", "b": ""}, 4, "loky", timeout=9.5, shard="1/2")
+        assert shlex.split(told["command"]) == ["bench", "run", "my study.toml", "\N{REPLACEMENT CHARACTER}"]
+        assert told["started"].endswith("+00:00")
+        assert told["ended"] is None
+        assert {key: value for key, value in told.items() if key not in ("started", "ended", "command")} == {
+            "jobs": 4, "backend": "loky", "study": small_study.identity(), "data": {"p": "f00"}, "code": {"a": "ba7"},
+            "timeout": 9.5, "shard": "1/2",
+        }  # fmt: skip
+
+    def test_a_module_s_command_can_be_typed_again(self, small_study, monkeypatch):
+        monkeypatch.setattr(sys, "argv", ["/somewhere/bench/__main__.py", "run", "thesis"])
+        assert run(small_study, {}, {}, 1, "loky")["command"] == "python -m bench run thesis"
+
+    def test_it_has_no_name_in_common_with_a_machine(self, small_study):
+        assert not machine().keys() & run(small_study, {}, {}, 1, "loky").keys()
+
+    def test_every_key_is_documented(self, small_study):
+        words = provenance.__doc__.replace(",", " ").split()
+        assert (machine() | run(small_study, {}, {}, 1, "loky")).keys() <= set(words)
+
+
+class TestDifferences:
+    @pytest.mark.parametrize(
+        ("change", "phrases"),
+        [
+            ({}, []),
+            ({"packages": {"numpy": "2.5.0", "scipy": "1.17.1"}}, ["numpy 2.4.6 → 2.5.0"]),
+            ({"packages": {"numpy": "2.4.6", "mealpy": "3.0.2"}}, []),
+            ({"python": "3.13.0", "processor": "EPYC"}, ["Python 3.11.7 → 3.13.0", "processor Xeon → EPYC"]),
+            ({"system": "Linux-7.0-rc1-x86_64-with-glibc2.36", "host": "two", "cores": 64, "memory_gb": 1.0}, []),
+            ({"system": "Linux-6.1.0-x86_64-with-glibc2.39"}, ["system Linux glibc2.36 → Linux glibc2.39"]),
+            ({"system": "macOS-14.5-arm64"}, ["system Linux glibc2.36 → macOS-14.5-arm64"]),
+            ({"blas": [{"library": "mkl", "version": "2025"}]}, ["BLAS openblas 0.3.30 → mkl 2025"]),
+            ({"blas": [*RECORD["blas"], {"library": "openblas", "version": "0.3.31", "threads": 1}]}, []),
+            ({"git": {"commit": "1a2b3c4d"}}, ["commit 6b3d6c0 → 1a2b3c4"]),
+            ({"git": None}, ["commit 6b3d6c0 → unknown"]),
+            ({"git": DIRTY}, ["uncommitted changes"]),
+        ],
+    )
+    def test_they_are_short_phrases(self, change, phrases):
+        assert differences(RECORD, RECORD | change) == phrases
+
+    def test_other_changes_to_one_commit_are_told_where_their_hash_is_known(self):
+        before = RECORD | {"git": DIRTY}
+        assert differences(before, RECORD | {"git": DIRTY | {"diff": "b" * 64}}) == ["other uncommitted changes"]
+        assert differences(before, RECORD | {"git": {"commit": DIRTY["commit"], "dirty": True}}) == []
+        assert differences(before, RECORD) == ["no uncommitted changes"]
+
+    def test_a_plugins_own_checkout_is_named(self):
+        before, now = ({"checkouts": {"mine": {"commit": commit, "dirty": False}}} for commit in ("abc", "def"))
+        assert differences(before, now) == ["mine: commit abc → def"]
+        assert differences(before, {"checkouts": {}}) == []
+
+    def test_what_a_record_of_an_older_version_does_not_tell_is_not_compared(self):
+        old = {key: RECORD[key] for key in ("packages", "python", "system", "processor", "cores")}
+        old["git"] = {"commit": RECORD["git"]["commit"], "dirty": False}
+        old["packages"] = old["packages"] | {"seaborn": "0.13.2", "gone": None}
+        assert differences(old, RECORD) == differences(RECORD, old) == []
+        assert differences({}, RECORD) == differences(RECORD, {}) == []

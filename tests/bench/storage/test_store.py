@@ -1,0 +1,339 @@
+"""The store: what is committed stays, whoever reads; what is damaged is one sentence."""
+
+import json
+import math
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from bench import BenchError, load_results
+from bench.objective import Trace
+from bench.storage.folder import Folder
+from bench.storage.store import SCHEMA, Keys, Store, disagreement, stored
+from bench.trial import Trial
+
+TRACE = Trace(np.array([1, 5, 40]), np.array([3.5, 0.1, -0.0]))
+
+
+def trial(number, problem="sphere-2", optimizer="scatter"):
+    return Trial(problem, optimizer, number, seed=1000 + number)
+
+
+def finished(fun=0.1, **changes):
+    return {"status": "ok", "fun": fun, "nfev": 40, "wall_s": 0.5, "cpu_s": 0.4, "objective_s": 0.2, "stop": "budget",
+            "outside_box": 0, "x": {"x1": fun}, "figures": {"radius": 1 / 3}, "trace": TRACE} | changes  # fmt: skip
+
+
+LOST = {"status": "failed", "error": "RuntimeError: no"}
+
+
+@pytest.fixture
+def store(tmp_path):
+    return Store(tmp_path)
+
+
+def fill(store, *numbers, row=None):
+    with store.writer() as writer:
+        for number in numbers:
+            writer.add(trial(number), row or finished())
+
+
+def outside(path, query):
+    """Ask as another program does, without this package."""
+    with closing(sqlite3.connect(path)) as connection:
+        return connection.execute(query).fetchall()
+
+
+def test_keys_hold_what_was_put_in_and_nothing_beside():
+    keys = Keys()
+    for number in (0, 2, 700):
+        keys.add("p", "o", number)
+    assert [number for number in range(1000) if ("p", "o", number) in keys] == [0, 2, 700]
+    assert ("o", "p", 0) not in keys
+    assert [keys.count("p", "o", trials) for trials in (0, 1, 3, 700, 701, 10_000)] == [0, 1, 2, 2, 3, 3]
+    assert keys.count("p", "other", 5) == 0
+    keys.add("p", "o", 1)
+    keys.add("p", "o", 1)
+    assert keys.count("p", "o", 3) == 3
+
+
+def test_every_digit_of_a_row_comes_back(store):
+    values = [0.1 + 0.2, 5e-324, 1.7976931348623157e308, math.inf]
+    with store.writer() as writer:
+        for number, value in enumerate(values):
+            writer.add(trial(number), finished(value))
+    rows = list(store.rows())
+    assert [row["fun"].hex() for row in rows] == [value.hex() for value in values]
+    assert [json.loads(row["x"])["x1"].hex() for row in rows] == [value.hex() for value in values]
+    trace = store.traces()["sphere-2", "scatter", 0]
+    assert trace.evaluations.tolist() == [1, 5, 40]
+    assert [value.hex() for value in trace.values] == [value.hex() for value in TRACE.values]
+    assert store.find("sphere-2", "scatter", 3) == stored(trial(3), finished(values[3])) | {
+        "environment": None, "error": None
+    }  # fmt: skip
+
+
+def test_rows_by_a_condition_and_in_the_order_of_cells(store):
+    with store.writer() as writer:
+        for number in (3, 1):
+            for optimizer in ("scatter", "early"):
+                writer.add(trial(number, optimizer=optimizer), finished(float(number)))
+        writer.add(trial(2), LOST)
+    assert [(row["optimizer"], row["trial"]) for row in store.rows()] == [
+        ("scatter", 1), ("scatter", 2), ("scatter", 3), ("early", 1), ("early", 3)
+    ]  # fmt: skip
+    assert [row["trial"] for row in store.rows("fun > 1 AND optimizer = 'early'")] == [3]
+    assert [row["error"] for row in store.rows("status != 'ok'", traces=True)] == [LOST["error"]]
+    assert "trace" not in next(store.rows())
+    assert store.find("sphere-2", "scatter", 9) is None
+
+
+def test_cells_count_by_status_and_keys_tell_finished_from_lost(store):
+    fill(store, 0, 1)
+    fill(store, 2, row=LOST)
+    fill(store, 3, row=LOST | {"status": "timeout"})
+    (cell,) = store.cells()
+    assert (cell.done, cell.lost, cell.status) == (2, 2, {"ok": 2, "failed": 1, "timeout": 1})
+    assert cell.wall_s == 1.0
+    stored_keys, finished_keys = store.keys(), store.keys(finished_only=True)
+    assert ("sphere-2", "scatter", 2) in stored_keys
+    assert ("sphere-2", "scatter", 2) not in finished_keys
+
+
+def test_a_lost_trial_is_replaced_and_a_finished_one_never(store):
+    fill(store, 0, row=LOST)
+    fill(store, 0, row=finished(0.5))
+    with pytest.raises(BenchError, match="UNIQUE constraint"), store.writer() as writer:
+        writer.add(trial(0), finished(0.7))
+    assert [row["fun"] for row in store.rows()] == [0.5]
+
+
+def test_what_is_put_at_once_is_committed_whole_or_not_at_all(store):
+    fill(store, 0)
+    with store.writer() as writer:
+        with pytest.raises(BenchError), writer.at_once():  # noqa: PT012 - all of it is what is undone
+            writer.put(stored(trial(1), finished()))
+            writer.put(stored(trial(0, problem="sphere-3"), finished()))
+            raise BenchError("as merge does where trials differ")
+        assert writer.find("sphere-2", "scatter", 1) is None
+        # The cell of sphere-3 was rolled back too: what is added to it now must not hang in the air.
+        writer.add(trial(7, problem="sphere-3"), finished())
+    assert [(row["problem"], row["trial"]) for row in store.rows()] == [("sphere-2", 0), ("sphere-3", 7)]
+
+
+def test_a_row_that_is_refused_leaves_the_writer_usable(store):
+    fill(store, 0)
+    with store.writer() as writer:
+        with pytest.raises(sqlite3.Error):
+            writer.add(trial(1, problem="sphere-3"), LOST | {"seed": 1, "status": None})
+        writer.add(trial(1, problem="sphere-3"), finished())
+    assert len(list(store.rows())) == 2
+
+
+def test_the_same_environment_has_one_number(store):
+    with store.writer() as writer:
+        one, two = writer.environment({"host": "a"}), writer.environment({"host": "b"})
+        assert one != two
+        assert writer.environment({"host": "a"}) == one
+        writer.change(two, {"host": "c"})
+        writer.add(trial(0), finished(), two)
+        writer.add(trial(1), finished())
+    assert store.environments() == {one: {"host": "a"}, two: {"host": "c"}}
+    assert store.made() == {two: 1}
+
+
+def test_removed_rows_are_gone_with_their_traces_and_can_be_made_again(store):
+    with store.writer() as writer:
+        for number in range(2):
+            for optimizer in ("scatter", "early"):
+                writer.add(trial(number, optimizer=optimizer), finished())
+        writer.add(trial(2), LOST)
+        assert writer.remove(["sphere-2"], ["scatter", "early"], lost_only=True) == 1
+        assert writer.remove(["sphere-2", "sphere-3"], ["scatter", "nobody"]) == 2
+    assert {row["optimizer"] for row in store.rows()} == {"early"}
+    assert {key[1] for key in store.traces()} == {"early"}
+    fill(store, 0)
+    assert store.find("sphere-2", "scatter", 0)["trace"] is not None
+
+
+def test_texts_of_any_kind_are_data(store):
+    label = "'; DROP TABLE results; --\u2028ä\U0001f600"
+    row = finished(figures={'"]}': 1.0, "NaN": math.nan}, error="\x00\x1b[31m'\"")
+    with store.writer() as writer:
+        writer.add(trial(0, problem=label, optimizer=label), row)
+    assert store.find(label, label, 0)["error"] == row["error"]
+    (read,) = store.rows()
+    assert read["problem"] == label
+    assert math.isnan(json.loads(read["figures"])["NaN"])
+
+
+def test_outside_readers_have_all_of_a_trial_in_one_view(store):
+    fill(store, 0, 1)
+    fill(store, 2, row=LOST)
+    rows = outside(
+        store.path, "SELECT problem, optimizer, trial, seed, status, fun, length(trace) FROM trials ORDER BY trial"
+    )
+    assert rows == [
+        ("sphere-2", "scatter", 0, 1000, "ok", 0.1, 48),
+        ("sphere-2", "scatter", 1, 1001, "ok", 0.1, 48),
+        ("sphere-2", "scatter", 2, 1002, "failed", None, None),
+    ]
+
+
+WRITE = """
+import sys
+from pathlib import Path
+from bench.storage.store import Store
+from bench.trial import Trial
+
+with Store(Path(sys.argv[1])).writer() as writer:
+    for number in range(int(sys.argv[2])):
+        writer.add(Trial("p", "o", number, number), {"status": "ok", "fun": float(number)})
+        if number % 20 == 0:
+            print(number, flush=True)
+"""
+
+
+def test_what_another_process_commits_is_read_while_it_goes_on(store):
+    command = [sys.executable, "-c", WRITE, store.path.parent, "400"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as writer:
+        for line in writer.stdout:
+            read = [row["trial"] for row in store.rows()]
+            assert read[: int(line) + 1] == list(range(int(line) + 1))
+            assert read == list(range(len(read)))
+    assert writer.returncode == 0
+    assert len(list(store.rows())) == 400
+
+
+def test_a_missing_or_unmade_store_is_empty_and_reading_makes_none(store, tmp_path):
+    for _ in range(2):
+        assert store.cells() == []
+        assert store.environments() == store.made() == store.traces() == {}
+        keys = store.keys()
+        assert ("p", "o", 0) not in keys
+        assert store.find("p", "o", 0) is None
+        if not store.path.exists():
+            assert not list(tmp_path.iterdir())
+            with pytest.raises(BenchError, match=r"there is no trials\.sqlite"):
+                store.rows()
+        store.path.touch()
+    assert list(store.rows()) == []
+
+
+def test_trials_that_were_made_twice_are_compared_without_their_times():
+    one = stored(trial(0), finished())
+    assert disagreement(one, one | {"wall_s": 9.0, "environment": 4}) == ""
+    assert disagreement(one, one | {"fun": math.nextafter(0.1, 1)}) == "fun"
+    assert disagreement(one, one | {"trace": b""}) == "trace"
+
+
+def _garbage(path):
+    path.write_bytes(b"not a database at all" * 500)
+
+
+def _truncated(path):
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def _holed(path):
+    content = bytearray(path.read_bytes())
+    content[4096:] = bytes(len(content) - 4096)
+    path.write_bytes(content)
+
+
+def _older(path):
+    path.unlink()
+    outside(path, "CREATE TABLE trials (problem TEXT, optimizer TEXT, trial INTEGER, fun REAL)")
+
+
+def _newer(path):
+    outside(path, "PRAGMA user_version = 99")
+
+
+@pytest.mark.parametrize(
+    ("damage", "said"),
+    [
+        (_garbage, "cannot be used: file is not a database"),
+        (_truncated, "cannot be used: database disk image is malformed"),
+        (_holed, "cannot be used: database disk image is malformed"),
+        (_older, "was written by another version of this package"),
+        (_newer, "was written by another version of this package"),
+    ],
+)
+def test_a_damaged_store_is_one_sentence_for_every_command(bench_here, damage, said, study_of_store, tmp_path):
+    study, folder = study_of_store
+    damage(folder.store.path)
+    before = folder.store.path.read_bytes()
+    for command in (
+        ["status", folder.path],
+        ["report", folder.path],
+        ["run", study, "--output", folder.path, "--jobs", "1"],
+        ["merge", folder.path, "--output", tmp_path / "merged"],
+    ):
+        done = bench_here(*command)
+        assert done.returncode == 2, (command, done.stdout)
+        assert done.stderr.startswith("bench: the store ")
+        assert said in done.stderr
+        assert done.stderr.count("\n") == 1
+    assert folder.store.path.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("query", "said"),
+    [
+        ("UPDATE results SET x = '{'", "'x' of trial 0 of scatter on sphere-2"),
+        ("UPDATE results SET figures = 'nonsense'", "'figures' of trial 0 of scatter on sphere-2"),
+        ("UPDATE environments SET record = 7", "environment 1"),
+        ("UPDATE environments SET record = '[[['", "environment 1"),
+    ],
+)
+def test_damaged_texts_of_a_store_are_named(query, said, study_of_store):
+    _, folder = study_of_store
+    _change(folder.store.path, query)
+    with pytest.raises(BenchError, match="is damaged") as caught:
+        load_results(folder.path)
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize("trace", ["x'0102030405'", "7"])
+def test_a_damaged_trace_is_named(trace, study_of_store):
+    _, folder = study_of_store
+    _change(folder.store.path, f"UPDATE traces SET trace = {trace}")
+    with pytest.raises(BenchError, match="is damaged: a trace cannot be read"):
+        folder.store.traces()
+
+
+def _change(path, query):
+    with closing(sqlite3.connect(path)) as connection, connection:
+        connection.execute(query)
+
+
+@pytest.fixture
+def study_of_store(tmp_path):
+    """A study's file and folder with many rows, filled by hand."""
+    folder = Folder(tmp_path / "out")
+    text = """
+        name = "tiny"
+        trials = 300
+        budget = 40
+        problems = [{ name = "sphere-2" }]
+        optimizers = [{ name = "scatter" }]
+    """
+    study = tmp_path / "tiny.toml"
+    study.write_text(text)
+    folder.path.mkdir()
+    (folder.path / "study.toml").write_text(text)
+    with folder.store.writer() as writer:
+        number = writer.environment({"host": "here", "started": "2026-01-01T00:00:00+00:00"})
+        for each in range(100):
+            writer.add(trial(each), finished(), number)
+    return study, folder
+
+
+def test_a_schema_that_changes_has_another_version():
+    """An old store is told from a new one by nothing else."""
+    assert "user_version = 1;" in SCHEMA

@@ -1,0 +1,102 @@
+"""bench calibrate: what it prints and writes, and what it refuses."""
+
+import numpy as np
+import pytest
+
+from problems.backlash.commands.calibrate import calibrate
+from problems.backlash.joint import Joint, half_gap
+from problems.backlash.sensor import response
+from problems.backlash.signature.calibration import load_calibration
+
+
+def test_the_default_gives_the_thesis_s_cubic_its_range_and_its_distance_from_equation_4_7(command):
+    said = command(calibrate)
+    assert said.startswith("default joint, simulated, half-gaps 0.0003 … 0.0021 rad\n")
+    assert "         16.5302          0.000300\n" in said
+    assert "delta = 1e-6 (-0.0015 A^3 + 0.4073 A^2 + 10.7968 A + 17.0994) rad, A in rpm; at most 2e-07 rad" in said
+    assert "range: 16.53 to 66.67 rpm" in said
+    assert "from eq. 4.7 of the thesis: at most 2.9" in said
+
+
+def test_another_joint_is_calibrated_into_a_file_with_figures(command, tmp_path):
+    (tmp_path / "joint.toml").write_text("payload_kg = 4\n")
+    output = tmp_path / "calibration.toml"
+    said = command(
+        calibrate, "--joint", tmp_path / "joint.toml", "--gaps", "0.0005:0.0015:3", "--method", "monotone",
+        "--output", output, "--plot", tmp_path / "figures",
+    )  # fmt: skip
+    assert "eq. 4.7" not in said
+    assert "delta =" not in said
+    assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == [
+        "calibration.svg", "disturbances.svg", "levels.svg",
+    ]  # fmt: skip
+    made = load_calibration(output)
+    assert made.half_gap == pytest.approx([0.0005, 0.001, 0.0015])
+    assert made.name.startswith("joint with load_inertia = 0.346")
+    assert "eq. 4.7" not in (tmp_path / "figures" / "calibration.svg").read_text()
+
+
+def test_levels_are_those_of_the_thesis(command, tmp_path):
+    command(calibrate, "--levels", "3:6", "--output", tmp_path / "a.toml")
+    assert load_calibration(tmp_path / "a.toml").half_gap.tolist() == [half_gap(level) for level in range(3, 7)]
+
+
+def test_with_the_fits_the_file_tells_the_peak_of_a_fitted_amplitude_and_how_to_make_it_again(
+    command, tmp_path, monkeypatch
+):
+    asked = []
+
+    def known(joint, half_gaps, *, jobs, shown):
+        asked.append((joint, half_gaps, jobs))
+        return np.array([22.75, 41.5]), np.array([0.5, 1.25])
+
+    monkeypatch.setattr(response, "response", known)
+    given = ["--gaps", "0.0005:0.0011:2", "--method", "monotone", "--fits"]
+    said = command(calibrate, *given, "--jobs", 1, "--output", tmp_path / "a.toml")
+    assert asked == [(Joint(), [0.0005, 0.0011], 1)]
+    assert "amplitude in rpm   half-gap in rad   fit in rpm   its scatter\n" in said
+    assert "         24.3547          0.000500      22.7500        0.5000\n" in said
+    assert (tmp_path / "a.toml").read_text().startswith(f"# bench calibrate {' '.join(given)}\n")
+    made = load_calibration(tmp_path / "a.toml")
+    assert made.expected(22.75) == pytest.approx(24.3547, abs=1e-4)
+    assert made.relative_scatter(22.75) == 0.5 / 22.75
+
+    command(calibrate, *given[:-1], "--output", tmp_path / "b.toml")
+    assert len(asked) == 1
+    assert load_calibration(tmp_path / "b.toml").fitted is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--levels", "2:21"], "from 1 to 20"),
+        (["--levels", "2"], "--levels must be FIRST:LAST"),
+        (["--levels", "5:2"], "--levels must be FIRST:LAST"),
+        (["--levels", "2:3"], "needs at least 4 pairs"),
+        (["--gaps", "0:0.004"], "--gaps must be FROM:TO:COUNT"),
+        (["--gaps", "0:0.004:x"], "--gaps must be FROM:TO:COUNT"),
+        (["--gaps", "0:0.004:1000"], "in 2 to 100 half-gaps"),
+        (["--gaps", "nan:0.004:5"], "--gaps must rise"),
+        (["--gaps", "0.004:0.001:5"], "--gaps must rise"),
+        (["--gaps", "0:0.004:5", "--levels", "2:11"], "either --levels or --gaps"),
+        (["--method", "spline"], "must be 'monotone' or 'cubic', not 'spline'"),
+        (["--output", "a.csv"], "a.csv must end in .toml"),
+        (["--output", "there.toml"], "is there already"),
+        (["--output", "none/a.toml"], "there is no folder none"),
+        (["--joint", "none.toml"], "joint none.toml cannot be read"),
+        (["--plot", "there.toml", "--levels", "2:5"], "cannot be written"),
+    ],
+)
+def test_wrong_input_is_one_sentence_and_writes_nothing(refused, tmp_path, monkeypatch, arguments, said):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "there.toml").write_text("mine")
+    assert said in refused(calibrate, *arguments)
+    assert [path.name for path in tmp_path.iterdir()] == ["there.toml"]
+    assert (tmp_path / "there.toml").read_text() == "mine"
+
+
+def test_a_joint_without_gravity_is_refused_and_nothing_written(refused, tmp_path):
+    (tmp_path / "one.toml").write_text("gravity_angle_deg = 0")
+    said = refused(calibrate, "--joint", tmp_path / "one.toml", "--levels", "2:5", "--output", tmp_path / "a.toml")
+    assert "without gravity about its axis nothing opens the gap" in said
+    assert not (tmp_path / "a.toml").exists()

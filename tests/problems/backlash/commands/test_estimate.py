@@ -1,0 +1,172 @@
+"""bench estimate: what it prints and draws, and what it refuses."""
+
+import json
+
+import cloudpickle
+import numpy as np
+import pytest
+import typer
+
+import problems.backlash.sensor.batch as batch
+from problems.backlash.commands.estimate import estimate
+from problems.backlash.joint.writing import write_recording
+from problems.backlash.signature.noise import noisy
+
+
+@pytest.fixture(scope="module")
+def calibration(tmp_path_factory):
+    path = tmp_path_factory.mktemp("calibration") / "joint.toml"
+    path.write_text('name = "mine"\namplitude_rpm = [0.0, 60.0, 120.0]\nhalf_gap_rad = [0.0, 0.002, 0.004]\n')
+    return path
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    """A recording of two load turns and a bit."""
+    path = tmp_path_factory.mktemp("recordings") / "joint4.csv"
+    made = noisy(8).window(0.0, 0.9)
+    write_recording(path, made.time, made.speed)
+    return path
+
+
+@pytest.fixture
+def stub(monkeypatch, told):
+    """Have every recording be told as half-gap the first digit of its speed, in mrad; returns the settings it got."""
+    seen = []
+
+    def estimate(recording, settings):
+        seen.append((recording, settings))
+        return told(0.001 * int(str(abs(recording.speed[0]))[0]), recording=recording)
+
+    monkeypatch.setattr(batch, "estimate", estimate)
+    return seen
+
+
+@pytest.fixture
+def series(tmp_path):
+    for month in range(1, 5):
+        (tmp_path / f"2024-0{month}.csv").write_text(f"t,v\n0,{month}\n1,{month}\n2,{month}\n3,{month}.5\n")
+    (tmp_path / "truth.csv").touch()
+    return tmp_path
+
+
+def test_one_recording_is_measured(command, recording, calibration, tmp_path):
+    picture = tmp_path / "a.svg"
+    said = command(estimate, recording, "--calibration", calibration, "--resamples", 3, "--plot", picture)
+    assert said.startswith(f"{recording}: early backlash, up to the limit of 2.1 mrad\n")
+    assert "calibration  mine" in said
+    assert said.endswith(f"{picture}\n")
+    assert picture.stat().st_size > 10_000
+    found = float(said.partition("half-gap")[2].split()[0])
+    assert found == pytest.approx(2 * noisy(8).peak, rel=0.1)  # by that calibration, in mrad
+
+
+class Workers:
+    """Stands for worker processes: what they are sent can be sent."""
+
+    def __init__(self, n_jobs, return_as):
+        self.n_jobs = n_jobs
+
+    def __call__(self, tasks):
+        assert self.n_jobs == 2
+        for task in tasks:
+            function, positional, named = cloudpickle.loads(cloudpickle.dumps(task))
+            yield function(*positional, **named)
+
+
+def test_workers_change_nothing_and_a_bad_file_costs_itself_only(stub, series, calibration, capsys, monkeypatch):
+    (series / "2024-03.csv").write_text("t,v\n0,1\n1,a\n2,3\n")
+    app = typer.Typer()
+    app.command()(estimate)
+    made = {}
+    for jobs in ("1", "2"):
+        options = ["--calibration", str(calibration), "--window", ":2.5", "--json", "--jobs", jobs]
+        assert app([str(series), *options], standalone_mode=False) == 1
+        printed = capsys.readouterr()
+        made[jobs] = json.loads(printed.out)
+        assert "bench: 1 of the 4 recordings could not be estimated" in printed.err
+        monkeypatch.setattr(batch, "Parallel", Workers)
+    assert made["1"] == made["2"]
+    assert [list(each) == ["file", "error"] for each in made["1"]] == [False, False, True, False]
+    assert "2024-03.csv: line 3 has no number" in made["1"][2]["error"]
+
+
+def test_a_series_ends_with_its_trend_and_a_picture_of_it(command, stub, series):
+    said = command(estimate, series, "--plot", series / "trend.svg", "--limit", 0.0035, "--jobs", 1)
+    assert [line.split()[0] for line in said.splitlines()[:5]] == ["file", *(f"2024-0{i}.csv" for i in range(1, 5))]
+    assert "trend: half-gap 1.000 mrad in 2024-01, 4.000 in 2024-04: a change of +3.000" in said
+    assert "  the limit of 3.5 mrad has been passed in 2024-04\n" in said
+    assert said.endswith(f"{series / 'trend.svg'}\n")
+    assert "half-gap" in (series / "trend.svg").read_text()
+
+
+def test_files_of_different_joints_have_no_trend(command, stub, series):
+    other = (series / "2024-02.csv").rename(series / "joint5_2024-02.csv")
+    said = command(estimate, series / "2024-01.csv", other, "--plot", series / "trend.svg")
+    assert said.splitlines()[-1].startswith("no joint has two recordings, so there is no trend to draw")
+    assert not (series / "trend.svg").exists()
+
+
+def test_every_option_reaches_the_estimate(command, stub, tmp_path, calibration):
+    path = tmp_path / "a.csv"
+    path.write_text("speed;clock;ref\n" + "\n".join(f"{60 * (100 + i)};{1000 * i};1" for i in range(9)))
+    command(
+        estimate, path, "--time", "clock", "--time-unit", "ms", "--speed", 1, "--unit", "rpm", "--window", "2:7",
+        "--period", 0.5, "--nominal", 101, "--turns", 4, "--single", "--constrained", "--calibration", calibration,
+        "--limit", 0.003, "--confidence", 0.9, "--resamples", 7, "--seed", 11,
+    )  # fmt: skip
+    ((recording, settings),) = stub
+    np.testing.assert_allclose(recording.speed, np.arange(102, 108))
+    assert (recording.start, recording.dt) == (2.0, 1.0)
+    assert (settings.period, settings.nominal_rps, settings.turns) == (0.5, 101.0, 4)
+    assert (settings.single, settings.constrained, settings.gear_ratio) == (True, True, None)
+    assert (settings.limit_rad, settings.confidence, settings.resamples, settings.seed) == (0.003, 0.9, 7, 11)
+    assert settings.calibration.name == "mine"
+    command(estimate, path, "--position", "speed", "--unit", "deg", "--rate", 2, "--gear-ratio", 40, "--calibration",
+            "none")  # fmt: skip
+    recording, settings = stub[1]
+    assert (recording.dt, len(recording.speed)) == (0.5, 8)
+    assert recording.speed[0] == pytest.approx(60 / 360 / 0.5)
+    assert (settings.calibration, settings.gear_ratio, settings.resamples) == (None, 40.0, 200)
+
+
+def test_an_optimizer_s_runs_are_told_besides(command, recording, calibration):
+    said = command(
+        estimate, recording, "--calibration", calibration, "--resamples", 0,
+        "--optimizer", "gwo", "--runs", 2, "--budget", 60, "--set", "agents=20",
+    )  # fmt: skip
+    assert "gwo          2 runs of 60 evaluations: fitted |A| " in said
+    assert "of 2 runs\n" in said
+
+
+def test_nothing_that_can_be_estimated_is_an_error(refused, tmp_path, capsys):
+    (tmp_path / "a.csv").write_text("t,v\n0,1\n1,a\n2,3\n")
+    (tmp_path / "b.csv").write_text("t,v\n0,1\n1,1\n2,1\n")
+    assert refused(estimate, tmp_path, "--calibration", "none") == "none of the 2 recordings could be estimated"
+    assert "b.csv: the speed is constant" in refused(estimate, tmp_path / "b.csv", "--calibration", "none")
+    capsys.readouterr()
+    assert "line 3 has no number" in refused(estimate, tmp_path / "a.csv", "--calibration", "none", "--json")
+    (record,) = json.loads(capsys.readouterr().out)
+    assert "line 3 has no number" in record["error"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["none.csv"], "recording none.csv: there is no such file"),
+        (["."], "there is no recording in the folder ."),
+        (["x*.csv"], "no file matches x*.csv"),
+        (["a.csv", "--calibration", "none.toml"], "calibration none.toml cannot be read"),
+        (["a.csv", "--window", "3"], "the window '3' is none"),
+        (["a.csv", "--optimizer", "gwoo"], "did you mean 'gwo'"),
+        (["a.csv", "--optimizer", "gwo", "--set", "agents"], "'agents' is no KEY=VALUE"),
+        (["a.csv", "--set", "agents=3"], "give --optimizer too"),
+        (["a.csv", "--plot", "a.jpg"], "a.jpg must end in .svg, .png, .pdf"),
+        (["a.csv", "--plot", "none/a.svg"], "there is no folder none"),
+        (["a.csv", "--confidence", 95], "confidence must lie between 0 and 1"),
+        (["a.csv", "--jobs", 0], "at least one worker"),
+    ],
+)
+def test_wrong_input_is_one_sentence(refused, tmp_path, monkeypatch, arguments, said):
+    monkeypatch.chdir(tmp_path)
+    assert said in refused(estimate, *arguments)

@@ -1,0 +1,140 @@
+"""bench simulate: recordings, joints and wear curves it writes, and what it refuses."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from problems.backlash.commands.simulate import simulate
+from problems.backlash.joint import Joint, half_gap, load_joint
+from problems.backlash.joint import simulate as run
+
+READERS = {".csv": pd.read_csv, ".xlsx": pd.read_excel, ".parquet": pd.read_parquet}
+
+
+@pytest.mark.parametrize("kind", READERS)
+def test_every_kind_of_file_holds_the_simulated_speed(command, tmp_path, kind):
+    if kind == ".parquet":
+        pytest.importorskip("pyarrow", reason="pyarrow is an optional extra")
+    path = tmp_path / f"a{kind}"
+    said = command(simulate, path, "--level", 12, "--duration", 0.6)
+    made = run(half_gap=half_gap(12), duration=0.6)
+    table = READERS[kind](path)
+    assert list(table) == ["time_s", "speed_rps"]
+    np.testing.assert_allclose(table.to_numpy(), np.column_stack([made.time, made.speed]), atol=1e-6)
+    assert said == f"{path}: 301 samples, half-gap 0.0023 rad, peak disturbance {made.peak:.4f} rps\n"
+
+
+def test_the_default_recording_lasts_twelve_load_turns(command, tmp_path):
+    assert "2401 samples" in command(simulate, tmp_path / "a.csv", "--level", 3)
+    assert "4801 samples" in command(simulate, tmp_path / "b.csv", "--level", 3, "--speed", 50)
+
+
+def test_every_option_reaches_the_simulation(command, tmp_path):
+    path = tmp_path / "a.csv"
+    command(
+        simulate, path, "--half-gap", 0.001, "--payload", 4, "--speed", 80, "--gravity-angle", 60, "--friction", 0.1,
+        "--viscous", 0.02, "--duration", 0.8, "--rate", 250, "--settle", 0.3, "--start-angle", 1, "--encoder-bits", 16,
+    )  # fmt: skip
+    joint = load_joint(
+        payload_kg=4.0, speed_rps=80.0, gravity_angle_deg=60.0, coulomb_friction=0.1, viscous_friction=0.02
+    )
+    made = run(joint, half_gap=0.001, duration=0.8, rate=250.0, settle=0.3, start_angle=1.0, encoder_bits=16)
+    np.testing.assert_allclose(pd.read_csv(path)["speed_rps"], made.speed, atol=1e-6)
+
+
+def test_noise_is_added_by_the_seed(command, tmp_path):
+    def speed(name, *arguments):
+        command(simulate, tmp_path / name, "--level", 3, "--duration", 0.4, *arguments)
+        return pd.read_csv(tmp_path / name)["speed_rps"].to_numpy()
+
+    clean, first = speed("a.csv"), speed("b.csv", "--noise", 0.3, "--seed", 1)
+    np.testing.assert_array_equal(speed("c.csv", "--noise", 0.3, "--seed", 1), first)
+    assert np.abs(speed("d.csv", "--noise", 0.3, "--seed", 2) - first).max() > 0.1
+    assert 0.27 < np.ptp(first - clean) <= 0.3
+
+
+def test_a_toml_file_is_given_the_joint_to_edit(command, tmp_path):
+    command(simulate, tmp_path / "joint.toml", "--payload", 10, "--gravity-angle", 30)
+    joint = load_joint(tmp_path / "joint.toml")
+    assert joint == load_joint(payload_kg=10.0, gravity_angle_deg=30.0)
+    said = command(simulate, tmp_path / "a.csv", "--joint", tmp_path / "joint.toml", "--level", 3)
+    assert f"peak disturbance {run(joint, half_gap=half_gap(3)).peak:.4f} rps" in said
+
+
+def test_a_peak_of_less_than_a_load_turn_is_called_so(command, tmp_path):
+    said = command(simulate, tmp_path / "a.csv", "--level", 3, "--duration", 0.3)
+    assert said.endswith("rps in less than one load turn\n")
+
+
+def test_wear_writes_a_recording_a_month_and_the_truth(command, tmp_path):
+    folder = tmp_path / "wear"
+    said = command(simulate, folder, "--wear", 13, "--level", 3, "--worn", 0.002, "--duration", 0.4, "--seed", 5)
+    names = [f"2024-{month:02d}" for month in range(1, 13)] + ["2025-01"]
+    assert sorted(path.name for path in folder.iterdir()) == [*(f"{name}.csv" for name in names), "truth.csv"]
+    truth = pd.read_csv(folder / "truth.csv")
+    assert list(truth["month"]) == names
+    assert truth["half_gap_rad"].iloc[[0, -1]].tolist() == pytest.approx([0.0005, 0.002])
+    for name, gap, amplitude in (truth.iloc[0], truth.iloc[-1]):
+        assert run(half_gap=gap, duration=0.8).peak == pytest.approx(amplitude, rel=2e-3), name
+    assert "13 months of 201 samples, half-gap 0.0005 to 0.002 rad" in said
+    assert "noise of 0.2 rps peak to peak" in said
+    command(simulate, tmp_path / "b", "--wear", 13, "--level", 3, "--worn", 0.002, "--duration", 0.4, "--seed", 5)
+    for name in names:
+        assert (tmp_path / "b" / f"{name}.csv").read_bytes() == (folder / f"{name}.csv").read_bytes()
+
+
+def test_a_wear_curve_replaces_another_whole_and_only_when_forced(command, refused, tmp_path):
+    months = ("--duration", 0.1, "--wear")
+    command(simulate, tmp_path / "w", *months, 4)
+    assert "holds a wear curve already" in refused(simulate, tmp_path / "w", *months, 2)
+    assert "is no wear" in refused(simulate, tmp_path / "w", *months, 2, "--force", "--worn", 0)
+    assert len(list((tmp_path / "w").iterdir())) == 5
+    command(simulate, tmp_path / "w", *months, 2, "--force")
+    assert len(list((tmp_path / "w").iterdir())) == 3
+    (tmp_path / "w" / "thesis.docx").write_text("mine")
+    assert "holds other files, such as thesis.docx" in refused(simulate, tmp_path / "w", *months, 2, "--force")
+    assert [path.name for path in tmp_path.iterdir()] == ["w"]
+
+
+def test_a_file_is_replaced_only_when_forced(command, refused, tmp_path):
+    (tmp_path / "a.csv").write_text("mine")
+    assert "is there already; choose another name, or replace it with --force" in refused(
+        simulate, tmp_path / "a.csv", "--level", 3
+    )
+    assert (tmp_path / "a.csv").read_text() == "mine"
+    command(simulate, tmp_path / "a.csv", "--level", 3, "--force", "--duration", 0.1)
+    assert len(pd.read_csv(tmp_path / "a.csv")) == 51
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["a.csv"], "give either --level 1 … 20 or --half-gap in rad"),
+        (["a.csv", "--level", 3, "--half-gap", 0.1], "not both"),
+        (["a.ods", "--level", 3], "a.ods must end in .csv, .xlsx or .parquet"),
+        (["a.csv", "--level", 3, "--worn", 0.003], "--worn is the gap of the last month of --wear"),
+        (["a.toml", "--level", 3], "which hold no gap"),
+        (["none/a.csv", "--level", 3], "there is no folder none"),
+        (["a.csv", "--level", 3, "--joint", "none.toml"], "joint none.toml cannot be read"),
+        (["a.csv", "--level", 3, "--payload", -1], "payload_kg must be positive"),
+        (["a.csv", "--level", 3, "--speed", "nan"], "speed_rps must be a finite number"),
+        (["a.csv", "--level", 3, "--noise", "nan"], "the noise must be finite"),
+        (["a.csv", "--level", 3, "--duration", 1e9], "at most 200 s"),
+        (["a.csv", "--level", 3, "--rate", 0], "rate must be finite and positive"),
+        (["a.csv", "--half-gap", "inf"], "half_gap must be finite"),
+        (["w", "--wear", 1], "from 2 to 240 months, not 1"),
+        (["w", "--wear", 3, "--level", 20], "is no wear"),
+        (["w", "--wear", 3, "--rate", -1], "rate must be finite and positive"),
+        (["none/w", "--wear", 3], "there is no folder none"),
+    ],
+)
+def test_wrong_input_is_one_sentence_and_writes_nothing(refused, tmp_path, monkeypatch, arguments, said):
+    monkeypatch.chdir(tmp_path)
+    assert said in refused(simulate, *arguments)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_gravity_there_is_no_disturbance(command, tmp_path):
+    said = command(simulate, tmp_path / "a.csv", "--level", 20, "--gravity-angle", 0, "--duration", 0.5)
+    assert "peak disturbance 0.0000 rps" in said
+    assert load_joint(gravity_angle_deg=0.0) == Joint(gravity_torque=0.0)

@@ -1,0 +1,81 @@
+"""The wear curve over months, and its recordings."""
+
+import numpy as np
+import pytest
+
+from bench.errors import BenchError
+from problems.backlash.joint import Joint, simulate
+from problems.backlash.joint.wear import half_gaps, monthly_recordings, wear
+
+CURVE = {"new": 0.0005, "worn": 0.002, "months": 3, "noise": 0.2, "duration": 0.4}
+
+
+def months(seed=1, **changes):
+    return list(monthly_recordings(Joint(), **{**CURVE, **changes}, seed=seed))
+
+
+def test_wear_has_three_phases():
+    life = np.linspace(0.0, 1.0, 2001)
+    rate = np.gradient(wear(life), life)
+    assert (wear(life[[0, -1]]) == [0.0, pytest.approx(1.0)]).all()
+    assert (rate > 0).all()
+    assert rate[:2] == pytest.approx(3.45, rel=0.03)  # running-in: 0.15 / 0.05 over the steady 0.45
+    assert rate[(life > 0.35) & (life < 0.69)] == pytest.approx(0.45, rel=0.01)
+    assert (np.diff(rate[life > 0.71]) > 0).sum() > 570  # and it accelerates to the end
+    assert rate[-1] == pytest.approx(0.45 + 0.4 * 2 / 0.3, rel=0.01)
+
+
+def test_gaps_grow_from_the_new_to_the_worn():
+    gaps = half_gaps(0.0003, 0.0039, 24)
+    assert gaps[0] == 0.0003
+    assert gaps[-1] == pytest.approx(0.0039, rel=1e-12)
+    assert (np.diff(gaps) > 0).all()
+
+
+def test_a_month_holds_its_joint_s_recording_with_noise_and_the_truth():
+    made = months(noise=0.1, start_angle=0.5)
+    assert [month.name for month in made] == ["2024-01", "2024-02", "2024-03"]
+    for month in made:
+        clean = simulate(half_gap=month.half_gap, start_angle=0.5, duration=0.4)
+        assert month.peak == clean.peak
+        noise = month.speed - clean.speed
+        assert 0.09 < np.ptp(noise) < 0.1
+    assert not np.array_equal(made[0].speed[:5] - made[1].speed[:5], np.zeros(5))
+
+
+def test_the_seed_decides_noise_and_start_whatever_the_number_of_months():
+    first, same, other = months(), months(), months(seed=2)
+    for one, two, three in zip(first, same, other, strict=True):
+        np.testing.assert_array_equal(one.speed, two.speed)
+        assert np.abs(one.speed - three.speed).max() > 0.1
+    np.testing.assert_array_equal(months(months=2)[0].speed, first[0].speed)
+
+
+def test_months_begin_at_different_places_unless_told():
+    def begin(**changes):
+        made = months(noise=0.0, months=13, **changes)
+        return [float(month.speed[0]) for month in made]
+
+    assert np.ptp(begin()) > 0.2
+    assert np.ptp(begin(start_angle=0.141)) < 0.05
+
+
+def test_years_follow_each_other():
+    assert months(months=14, duration=0.01)[-1].name == "2025-02"
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"months": 1}, "from 2 to 240 months, not 1"),
+        ({"months": 241}, "from 2 to 240 months"),
+        ({"new": 0.002}, "is no wear"),
+        ({"new": -0.001}, "is no wear"),
+        ({"worn": float("inf")}, "is no wear"),
+        ({"new": float("nan")}, "is no wear"),
+        ({"noise": -1.0}, "noise"),
+    ],
+)
+def test_no_wear_is_said_in_one_sentence(change, said):
+    with pytest.raises(BenchError, match=said):
+        months(**change)

@@ -1,0 +1,192 @@
+"""Reading speed and position recordings, in the shapes that loggers and spreadsheets write."""
+
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench import BenchError, load_problem
+from problems.backlash.recordings import Recording, parse_window, read
+from problems.backlash.recordings import tables as tables_module
+
+T = 0.002 * np.arange(50)
+V = np.round(100 + 0.5 * np.sin(20 * T), 4)
+
+
+def write(folder, text, name="a.csv"):
+    path = folder / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
+def rows(*columns, separator=",", decimal="."):
+    lines = (separator.join(f"{cell:.6f}".replace(".", decimal) for cell in row) for row in zip(*columns, strict=True))
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "factor"),
+    [
+        pytest.param(rows(T, V), 1, id="no heading"),
+        pytest.param("t,v\n" + rows(T, V), 1, id="short names"),
+        pytest.param("a,b\n" + rows(T, V), 1, id="unknown names"),
+        pytest.param("speed,time\n" + rows(V, T), 1, id="the other order"),
+        pytest.param("Zeit [s];Drehzahl [1/min]\n" + rows(T, V, separator=";", decimal=","), 60, id="German"),
+        pytest.param("time\tspeed_rpm\n" + rows(T, V, separator="\t", decimal=","), 60, id="tabs"),
+        pytest.param("# 500 Hz, joint 2\n# time speed\n" + rows(T, V, separator="   "), 1, id="blanks and remarks"),
+        pytest.param("time,speed\ns,deg/s\n" + rows(T, V), 360, id="a line of units"),
+        pytest.param("t,v (rad/s)\n" + rows(T, V).replace("\n", "\n\n", 3) + "\n\n", 2 * np.pi, id="blank lines"),
+        pytest.param("time_ms,omega_rad_s\n" + rows(1e3 * T, V), 2 * np.pi, id="milliseconds"),
+        pytest.param("n,time,load_speed,motor_speed_rpm\n" + rows(V, T, V - 60, V), 60, id="the motor's of two"),
+        pytest.param("time,belt speed,motor speed\n" + rows(T, V - 60, V), 1, id="the motor's and another"),
+        pytest.param('"time","speed"\n' + rows(T, V), 1, id="quotes"),
+        pytest.param(("time\tspeed\r\n" + rows(T, V, separator="\t")).encode("utf-16"), 1, id="utf-16"),
+    ],
+)
+def test_text_is_read_with_the_units_of_its_headings(tmp_path, text, factor):
+    recording = read(write(tmp_path, text))
+    assert recording.start == 0.0
+    assert recording.dt == pytest.approx(0.002, rel=1e-12)
+    np.testing.assert_allclose(recording.speed, V / factor, rtol=1e-12)
+
+
+def test_numbers_are_read_to_the_last_bit(tmp_path):
+    speed = 100 + np.random.default_rng(0).standard_normal(len(T))
+    path = write(tmp_path, "".join(f"{t!r};{v!r}\n" for t, v in zip(T.tolist(), speed.tolist(), strict=True)), "a.txt")
+    np.testing.assert_array_equal(read(path).speed, speed)
+
+
+@pytest.mark.parametrize("kind", ["xlsx", "parquet"])
+def test_spreadsheets_and_parquet_are_read_by_their_headings(tmp_path, kind):
+    table = pd.DataFrame({"current": 0 * T, "Speed [rpm]": 60 * V, "Time_us": 1e6 * T})
+    path = tmp_path / f"a.{kind}"
+    table.to_excel(path, index=False) if kind == "xlsx" else table.to_parquet(path)
+    recording = read(path)
+    np.testing.assert_allclose(recording.speed, V, rtol=1e-12)
+    assert (recording.dt, recording.unit) == (pytest.approx(0.002), "rpm")
+
+
+def test_parquet_without_pyarrow_names_the_extra(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(BenchError, match=r"pip install 'backlash-bench\[parquet\]'"):
+        read(tmp_path / "a.parquet")
+
+
+def test_columns_are_named_or_numbered(tmp_path):
+    path = write(tmp_path, "clock,first speed [rpm],second speed [rpm]\n" + rows(T, 60 * V, 30 * V))
+    for options in ({"speed": "Second Speed"}, {"speed": "second speed [rpm]"}, {"speed": 3}, {"speed": "3"}):
+        np.testing.assert_allclose(read(path, **options).speed, V / 2, rtol=1e-7)
+    np.testing.assert_allclose(read(path, speed=3, unit="rps").speed, 30 * V, rtol=1e-7)
+    assert read(path, time=1, speed=2, time_unit="ms").dt == pytest.approx(2e-6)
+    below = write(tmp_path, "clock,speed,speed 2\ns,rpm,rpm\n" + rows(T, 60 * V, 30 * V), "b.csv")
+    np.testing.assert_allclose(read(below, speed="speed 2").speed, V / 2, rtol=1e-7)
+    with pytest.raises(BenchError, match=r"the speed may be 'first speed .rpm.' or 'second speed .rpm.'; say which"):
+        read(path)
+    with pytest.raises(BenchError, match=r"no column 'clok'; did you mean 'clock'.; its columns are clock, first"):
+        read(path, time="clok")
+
+
+def test_a_rate_stands_for_a_column_of_time(tmp_path):
+    recording = read(write(tmp_path, "speed_rpm\n" + rows(60 * V)), rate=500)
+    np.testing.assert_allclose(recording.speed, V, rtol=1e-7)
+    np.testing.assert_allclose(recording.time, T, atol=1e-15)
+
+
+@pytest.mark.parametrize(("unit", "turn"), [("rev", 1.0), ("rad", 2 * np.pi), ("deg", 360.0)])
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_a_position_is_differentiated_about_the_middle_of_two_samples(tmp_path, unit, turn, wrapped):
+    """theta = 100 t + a sin(w t) has the central difference 100 + a w sinc(w dt / 2) cos(w t) exactly."""
+    a, w = 0.01, 40.0
+    theta = 100 * T + a * np.sin(w * T)
+    if wrapped:
+        theta = (theta + 0.3) % 1.0 - 0.5
+    recording = read(write(tmp_path, f"time,motor_angle_{unit}\n{rows(T, turn * theta)}"))
+    assert (recording.start, len(recording.speed)) == (pytest.approx(0.001), 49)
+    factor = np.sin(w * 0.001) / (w * 0.001)
+    np.testing.assert_allclose(recording.speed, 100 + a * w * factor * np.cos(w * recording.time), atol=2e-3 / turn)
+
+
+def test_a_position_that_runs_on_may_pass_many_turns_between_two_samples(tmp_path):
+    path = write(tmp_path, "time,encoder\n" + rows(T, -700 * T))
+    np.testing.assert_allclose(read(path, unit="rev").speed, -700, rtol=1e-4)
+
+
+def test_the_headings_of_a_recording_s_problem_are_heeded_too(tmp_path):
+    t = 0.002 * np.arange(1000)
+    path = write(tmp_path, "time_s,speed_rpm\n" + rows(t, 6000 + 30 * np.sin(2 * np.pi * 2.5 * t)))
+    assert load_problem(f"recording:{path}").mean_rps == pytest.approx(100, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "said"),
+    [
+        ("time,angle\n" + rows(T, V), {}, "the unit of the position in column 'angle' is not known; give it: rev, rad"),
+        ("time,speed [m/s]\n" + rows(T, V), {}, "the unit 'm/s' of column 'speed [m/s]' is not known"),
+        ("time,angle\n" + rows(T, V), {"unit": "rpm"}, "'rpm' is no unit of a position, which column 'angle' is"),
+        (rows(T, V), {"unit": "Hz"}, "unit 'Hz' is not known; give rps, rpm"),
+        (rows(T, V), {"time_unit": "h"}, "time_unit 'h' is not known; give s, ms, us"),
+        (rows(T, V), {"rate": -1.0}, "rate must be a positive number of Hz, not -1.0"),
+        (rows(T, V), {"rate": 500.0, "time": 1}, "either a column of time or a rate"),
+        (rows(T, V), {"speed": 2, "position": 1}, "either a column of speed or one of position"),
+        (rows(T, V), {"speed": 3}, "no column '3'; its columns are 1, 2"),
+        (rows(T, V), {"time": 2, "speed": 2}, "column '2' cannot be both time and speed"),
+        (rows(V), {}, "has 1 columns; it needs two"),
+        ("time\n" + rows(T), {"rate": 500.0}, "column 'time' cannot be both time and speed"),
+        ("time,speed\n", {}, "has 0 samples"),
+        ("time,speed\n0,1\n0.002,\n0.004,1\n0.006,1\n", {}, "line 3 has no number in time or speed"),
+        ("time,speed\n0,1\n\n0.002,1\n0.004,1\n(end)\n", {}, "line 6 has no number in time or speed"),
+        ("time,speed\n0,1\n0.002,1\n0.002,1\n0.006,1\n", {}, "time stands still or runs backwards at sample 3"),
+        (rows(np.delete(T, 30), V[1:]), {}, "time is not uniform near sample 31, at 0.062 s (steps of 0.002 to 0.004"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_told_in_one_sentence(tmp_path, text, options, said):
+    with pytest.raises(BenchError) as caught:
+        read(write(tmp_path, text), **options)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_long_file_is_not_split_line_by_line(tmp_path, monkeypatch):
+    """A million lines are read by pandas in a second; ten thousand cells that Python touched would be ten."""
+    touched = []
+    plain = tables_module._plain
+    monkeypatch.setattr(tables_module, "_plain", lambda cell: touched.append(cell) or plain(cell))
+    t = 0.002 * np.arange(5000)
+    assert len(read(write(tmp_path, "time;speed\n" + rows(t, 100 + t, separator=";", decimal=","))).speed) == 5000
+    assert len(touched) < 10
+
+
+def test_a_window_holds_its_ends_and_keeps_the_time():
+    whole = Recording(1.0, 0.002, V, "rpm")
+    part = whole.window(1.01, 1.02)
+    np.testing.assert_array_equal(part.speed, V[5:11])
+    np.testing.assert_allclose(part.time, whole.time[5:11], atol=1e-12)
+    assert part.unit == "rpm"
+    np.testing.assert_array_equal(whole.window(None, 1.02).speed, V[:11])
+    np.testing.assert_array_equal(whole.window(1.01, None).speed, V[5:])
+    np.testing.assert_array_equal(whole.window(-5, 50).speed, V)
+    with pytest.raises(BenchError, match=r"window 5:6 holds 0 samples, .* lasts from 1 to 1\.098 s"):
+        whole.window(5, 6)
+
+
+def test_a_window_is_typed_with_a_colon():
+    assert parse_window("18.99:20.11") == (18.99, 20.11)
+    assert parse_window("2:") == (2.0, None)
+    assert parse_window(":10") == (None, 10.0)
+    for text in ("3", "a:b", "1:nan", "1:2:3", "5:2", "5:5"):
+        with pytest.raises(BenchError, match="give it in s as begin:end"):
+            parse_window(text)
+
+
+def test_a_motor_that_turns_backwards_gives_the_mirrored_signature(tmp_path):
+    """The sign is kept: (A, v_t) becomes (-A, -v_t), so that |A| is the same."""
+    from problems.backlash.signature.problem import SignatureFit
+
+    t = 0.002 * np.arange(2401)
+    speed = 100 + np.sin(2 * np.pi * 2.5 * t) ** 3
+    forwards, backwards = (SignatureFit("a", Recording(0.0, 0.002, sign * speed)) for sign in (1, -1))
+    x = np.random.default_rng(0).uniform(forwards.lower, forwards.upper, (20, 7))
+    mirrored = x * [-1, 1, 1, 1, -1, 1, 1]
+    np.testing.assert_allclose(backwards.evaluate(mirrored), forwards.evaluate(x), rtol=1e-9)
+    assert forwards.describe(x[0])["amplitude_rpm"] == backwards.describe(mirrored[0])["amplitude_rpm"]

@@ -1,0 +1,183 @@
+"""What makes a recording unfit, and that nothing which is fit is refused."""
+
+import re
+from itertools import product
+from math import pi
+
+import numpy as np
+import pytest
+
+from bench import BenchError
+from problems.backlash.joint import Joint, half_gap, simulate
+from problems.backlash.recordings import Recording, read
+from problems.backlash.recordings.screen import screen, warnings
+from problems.backlash.signature.datasets import dataset
+
+RNG = np.random.default_rng(0)
+S = dataset(12).speed
+T = 0.002 * np.arange(len(S))
+NOISE = RNG.uniform(-0.15, 0.15, len(S))
+
+
+def recording(speed, dt=0.002, unit="rps"):
+    return Recording(0.0, dt, np.asarray(speed, dtype=float), unit)
+
+
+def digits(speed, count):
+    return np.array([float(f"{value:.{count}g}") for value in speed])
+
+
+@pytest.mark.parametrize("level", range(1, 21))
+def test_a_good_recording_passes_however_it_is_noisy_rounded_or_cut(level):
+    speed = dataset(level).speed
+    for span, decimals in product((0.0, 0.1, 0.75), (None, 1, 2, 3)):
+        noisy = speed + span * RNG.uniform(-0.5, 0.5, len(speed))
+        made = recording(noisy if decimals is None else np.round(noisy, decimals))
+        screen(made, nominal_rps=100, period=0.4)
+        screen(made.window(0.3, 0.7), nominal_rps=-100, period=0.4)
+    screen(recording(digits(speed, 5)), period=0.4)  # as the published ones: 99.987 and 100.12
+    screen(recording(-speed), nominal_rps=100, period=0.4)
+    assert warnings(recording(speed), period=0.4) == []
+
+
+@pytest.mark.parametrize("level", [0, 1, 2, 7, 20])
+def test_a_recording_through_an_encoder_or_of_five_digits_passes(level):
+    gap = half_gap(level) if level else 0.0
+    screen(recording(digits(simulate(half_gap=gap).speed, 5)), nominal_rps=100, period=0.4)
+    for bits in range(12, 21, 2):
+        screen(recording(simulate(half_gap=gap, encoder_bits=bits).speed), nominal_rps=100, period=0.4)
+
+
+def test_recordings_at_the_start_and_at_low_speed_pass():
+    screen(recording(simulate(half_gap=half_gap(13), settle=0.2).speed), nominal_rps=100, period=0.4)
+    slow = Joint(omega_ref=2 * pi * 10)
+    made = simulate(slow, half_gap=half_gap(20), duration=8.0, rate=200)
+    screen(recording(made.speed, dt=0.005), nominal_rps=10, period=slow.turn)
+
+
+def test_the_published_recordings_pass(published):
+    for level in (3, 5, 8, 11, 12):
+        made = read(published / f"Speeddata{level}.xlsx")
+        screen(made, nominal_rps=100, period=0.4)
+        assert warnings(made, period=0.4) == []
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize(
+    "speed", [S, S + NOISE, np.round(S, 3), np.round(S + NOISE, 2), digits(S, 5), S[:110]], ids=lambda s: f"{s[3]:.6g}"
+)
+@pytest.mark.parametrize("part", [0.6, 0.3])
+def test_a_clipped_peak_is_seen(side, speed, part):
+    limit = 100 + part * (S.max() - 100)
+    made = recording(side * np.minimum(speed, limit))
+    where = "highest" if side > 0 else "lowest"
+    with pytest.raises(BenchError, match=rf"clipped: \d+ samples lie in flat runs at its {where} value"):
+        screen(made)
+
+
+def test_rounded_noise_is_not_taken_for_clipping():
+    speed = np.round(20 * (100 + RNG.uniform(-0.5, 0.5, 2401))) / 20
+    for first in (100, 200):  # chance gives such runs, among many values that are nearly as high
+        speed[first : first + 3], speed[[first - 1, first + 3]] = speed.max(), 100.0
+    screen(recording(speed))
+    for step in (0.001, 0.01, 0.03, 0.05, 0.1, 0.2):
+        for _ in range(10):
+            screen(recording(np.round((100 + RNG.uniform(-0.25, 0.25, 2401)) / step) * step))
+
+
+@pytest.mark.parametrize(
+    ("speed", "unit", "looks"),
+    [
+        (60 * S, "rps", "rpm"),
+        (2 * pi * S, "rps", "rad/s"),
+        (S / 60, "rpm", "rps"),
+        (2 * pi / 60 * S, "rpm", "rad/s"),
+        (360 / 60 * S, "rpm", "deg/s"),
+        (360 / (2 * pi) * S, "rad", "deg"),
+    ],
+)
+def test_a_wrong_unit_is_named_where_the_nominal_speed_is_known(speed, unit, looks):
+    with pytest.raises(BenchError, match=f"its values look like {looks}, not {unit}: give that unit"):
+        screen(recording(speed, unit=unit), nominal_rps=100)
+
+
+def test_a_speed_that_no_unit_explains_is_told_so():
+    with pytest.raises(BenchError, match=r"50\.0\d* rps is far from the nominal 100 rps; no unit makes up for that"):
+        screen(recording(S / 2), nominal_rps=100)
+    with pytest.raises(BenchError, match=r"6000\.\d+ rps is more than a motor has; say in which unit"):
+        screen(recording(60 * S))
+    screen(recording(S / 2))
+
+
+RAMP = np.linspace(0, 99, 300)
+
+
+@pytest.mark.parametrize(
+    ("speed", "what", "window"),
+    [
+        (np.concatenate([RAMP, S, RAMP[::-1]]), "starts or stops", (0.6, 5.4)),
+        (np.concatenate([S, np.zeros(700)]), "starts or stops", (0.0, 4.8)),
+        (np.concatenate([S[:1000], RAMP[::-1], -RAMP, -S]), "reverses", (3.2, 8.0)),
+        (np.concatenate([S, S * 1.5]), "leaves its speed by more than a fifth", (0.0, 4.8)),
+        (np.concatenate([100 * (1 - np.exp(-T / 0.12)), S]), "starts or stops", (0.5, 9.6)),
+    ],
+)
+def test_a_motion_that_is_not_steady_is_refused_with_the_part_that_is(speed, what, window):
+    made = recording(speed)
+    with pytest.raises(BenchError, match=f"the motor {what}.*longest steady part, --window") as caught:
+        screen(made)
+    begin, end = map(float, re.search(r"--window ([\d.]+):([\d.]+)", str(caught.value)).groups())
+    assert begin == pytest.approx(window[0], abs=0.15)
+    assert end == pytest.approx(window[1], abs=0.15)
+    part = made.window(begin, end)
+    screen(part)
+    assert not any("--window" in said for said in warnings(part))
+
+
+@pytest.mark.parametrize(
+    ("made", "options", "said"),
+    [
+        (recording(np.full(500, 100.0)), {}, "the speed is constant at 100 rps"),
+        (recording(np.full(500, 600.0) / 60 + 1e-15 * RNG.uniform(size=500)), {}, "the speed is constant at 10 rps"),
+        (recording(np.where(T == 1.0, np.nan, S)), {}, "the speed at 1 s is no number"),
+        (recording(S), {"nominal_rps": 0.0}, "the nominal speed must be a finite number of rps other than 0"),
+        (recording(NOISE), {}, "the motor reverses (its speed is -0.1"),
+        (recording(S[:150]), {"period": 0.4}, "lasts 0.298 s, less than one load turn of 0.4 s"),
+        (
+            recording(S[::15], dt=0.03),
+            {"period": 0.4},
+            "is too coarse for a load turn of 0.4 s; sample at 50 Hz at least",
+        ),
+    ],
+)
+def test_other_defects_are_told_in_one_sentence(made, options, said):
+    with pytest.raises(BenchError) as caught:
+        screen(made, **options)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_one_load_turn_of_twenty_samples_is_enough():
+    screen(recording(S[:201]), period=0.4)
+    screen(recording(S[::10], dt=0.02), period=0.4)
+
+
+def test_a_lone_bad_sample_is_a_warning_and_no_reversal():
+    speed = S.copy()
+    speed[1000] = 0.0
+    screen(recording(speed), nominal_rps=100, period=0.4)
+    assert warnings(recording(speed)) == ["1 lone sample sticks far out, the first at 2 s"]
+
+
+@pytest.mark.parametrize(
+    ("made", "said"),
+    [
+        (recording(S + T / 2), "the mean speed drifts by 2.39"),
+        (recording(S[:500]), "the recording holds 2.4 load turns"),
+        (recording(simulate(half_gap=half_gap(3), encoder_bits=12).speed), "the speed comes in steps of 0.122 rps"),
+        (recording(S - 15 * np.exp(-T / 0.1)), "steady at the ends; think of --window 0."),
+    ],
+)
+def test_what_is_no_error_is_told(made, said):
+    screen(made, period=0.4)
+    assert any(said in sentence for sentence in warnings(made, period=0.4))

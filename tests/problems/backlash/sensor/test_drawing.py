@@ -1,0 +1,119 @@
+"""The pictures show what was estimated, in the kind of file asked for."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.errors import BenchError
+from problems.backlash.sensor.batch import Estimated
+from problems.backlash.sensor.calibration_files import Series
+from problems.backlash.sensor.estimate import Settings
+from problems.backlash.sensor.figures import check_output, fit_figure, save_figures, trend_figure
+from problems.backlash.sensor.trend import trend
+
+NONE = Settings(calibration=None)
+
+
+@pytest.fixture
+def trends(told):
+    def make(name, gaps, unit="month"):
+        at = np.arange(len(gaps)) + (24288.0 if unit == "month" else 1.0)
+        return trend(Series(name, tuple(range(len(gaps))), at, unit), [told(gap) for gap in gaps], limit_rad=0.0021)
+
+    return make
+
+
+def lines(ax, label):
+    return [line for line in ax.get_lines() if line.get_label() == label]
+
+
+def test_the_fit_its_half_turn_and_the_rest_are_drawn(told):
+    estimate = told()
+    above, middle, below = fit_figure(estimate, single=False).axes
+    np.testing.assert_array_equal(lines(above, "recording")[0].get_ydata(), estimate.recording.speed)
+    np.testing.assert_array_equal(lines(above, "fit")[0].get_ydata(), estimate.fitted)
+    assert np.abs(below.get_lines()[0].get_ydata()).max() == 0.0
+    (mean,) = lines(middle, "their mean")
+    fine = middle.get_lines()[-1]
+    off = np.abs(mean.get_ydata() - np.interp(mean.get_xdata(), *fine.get_data()))
+    assert (off < 0.02).sum() >= len(off) - 1  # but for the jump
+    assert off[2] < 0.006 < 0.012 < abs(mean.get_ydata()[2])  # where the oscillation before has not ended
+    assert 0.4 < fine.get_ydata().max() == fine.get_ydata()[np.abs(fine.get_ydata()).argmax()]
+
+
+def test_a_disturbance_that_begins_downwards_is_drawn_upwards(told):
+    up = told()
+    mirrored = told(variables=up.variables | {"A": -0.5}, recording=type(up.recording)(
+        0.0, 0.002, 2 * (100 + up.variables["v_t"]) - up.fitted), fitted=up.fitted)  # fmt: skip
+    drawn = [fit_figure(each, single=False).axes[1].get_lines() for each in (up, mirrored)]
+    for first, second in zip(*drawn, strict=True):
+        np.testing.assert_allclose(first.get_ydata(), second.get_ydata(), atol=1e-9)
+
+
+def test_of_a_single_oscillation_the_samples_about_it_are_drawn(told):
+    middle = fit_figure(told(), single=True).axes[1]
+    assert middle.get_xlim() == pytest.approx((0.0, 0.33))
+    samples, fine = middle.get_lines()
+    assert len(samples.get_xdata()) == 166
+    assert np.interp(0.07, *fine.get_data()) == pytest.approx(np.interp(0.07, *samples.get_data()), abs=1e-3)
+
+
+def test_each_joint_is_drawn_with_intervals_and_the_limit(trends):
+    growing, still = trends("joint4", np.linspace(0.001, 0.0018, 8)), trends("joint5", [0.001, 0.0011, 0.001])
+    (ax,) = trend_figure([growing, still], limit_rad=0.0021).axes
+    np.testing.assert_allclose(lines(ax, "joint4")[0].get_ydata(), 1e3 * growing.values)
+    bars = [segment[:, 1] for segment in ax.collections[0].get_segments()]
+    np.testing.assert_allclose(bars, 1e3 * growing.intervals)
+    assert lines(ax, "limit")[0].get_ydata()[0] == pytest.approx(2.1)
+    assert len([line for line in ax.get_lines() if line.get_linestyle() == "--" and len(line.get_xdata())]) == 1
+    (legend,) = ax.figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["joint4", "joint5", "trend", "limit"]
+
+
+def test_joints_whose_times_are_of_other_kinds_have_panels_of_their_own(trends, told):
+    amplitude = trend(
+        Series("c", (0, 1), np.array([1.0, 2.0]), "file"),
+        [told(math.nan, amplitude_rps=each, amplitude_interval_rps=(each, math.nan)) for each in (1.0, 2.0)],
+        limit_rad=0.0021,
+    )  # fmt: skip
+    figure = trend_figure([trends("a", [0.001, 0.002]), trends("b", [0.001, 0.002], "number"), amplitude], limit_rad=1)
+    figure.draw_without_rendering()
+    assert [ax.get_xlabel() for ax in figure.axes] == ["month", "number in the file's name", "recording"]
+    assert [ax.get_ylabel() for ax in figure.axes] == 2 * ["half-gap δ in mrad"] + ["amplitude A in rps"]
+    assert not lines(figure.axes[2], "limit")
+
+
+def test_ticks_of_months_divide_years(trends):
+    for months, every in ((5, 1), (24, 3), (60, 12)):
+        (ax,) = trend_figure([trends("", np.linspace(0.001, 0.002, months))], limit_rad=0.0021).axes
+        assert np.unique(np.diff(ax.get_xticks())).tolist() == [every]
+        assert (ax.get_xticks() % every == 0).all()
+        assert ax.xaxis.get_major_formatter()(24289, 0) == "2024-02"
+
+
+def test_files_and_folders_are_written_and_the_same_estimate_gives_the_same_file(told, trends, tmp_path):
+    outcomes = [Estimated(Path("x/a.csv"), told()), Estimated(Path("y/a.csv"), told())]
+    grown = [trends("", [0.001, 0.002])]
+    folder = tmp_path / "new"
+    made = save_figures(folder, outcomes, grown, NONE, alone=False)
+    assert made == [folder / name for name in ("a.svg", "a-2.svg", "trend.svg")]
+    assert made[0].read_bytes() == made[1].read_bytes()
+    for name, start in (("b.svg", b"<?xml"), ("b.pdf", b"%PDF"), ("b.png", b"\x89PNG")):
+        assert save_figures(tmp_path / name, outcomes, grown, NONE, alone=False) == [tmp_path / name]
+        assert (tmp_path / name).read_bytes().startswith(start)
+    assert (tmp_path / "b.svg").read_bytes() == made[2].read_bytes()
+    assert save_figures(tmp_path / "c.svg", outcomes, [], NONE, alone=False) == []
+    assert save_figures(tmp_path / "c.svg", outcomes[:1], [], NONE, alone=True) == [tmp_path / "c.svg"]
+    assert (tmp_path / "c.svg").read_bytes() == made[0].read_bytes()
+
+
+def test_what_is_no_picture_is_refused_before_anything_is_estimated(tmp_path):
+    (tmp_path / "text").touch()
+    for name, said in (("a.jpg", "must end in"), ("text", "is a file without"), ("none/a.svg", "there is no folder")):
+        with pytest.raises(BenchError, match=said):
+            check_output(tmp_path / name)
+    check_output(tmp_path)
+    check_output(tmp_path / "new")
+    check_output(tmp_path / "a.svg")

@@ -1,0 +1,194 @@
+"""An estimate tells the truth of simulated recordings, and what it cannot know it does not tell."""
+
+import numpy as np
+import pytest
+
+from bench.errors import BenchError
+from problems.backlash.joint import simulate
+from problems.backlash.recordings import Recording
+from problems.backlash.sensor import evidence
+from problems.backlash.sensor.estimate import Settings, estimate, signature_problem
+from problems.backlash.signature.noise import noisy
+
+PLAIN = Settings(resamples=0)
+
+
+def noise(seed, size=2401, colour=0.0):
+    drawn = 0.2 * np.random.default_rng(seed).uniform(-0.5, 0.5, size)
+    return np.convolve(drawn, colour ** np.arange(30), "same")
+
+
+@pytest.mark.parametrize(("level", "verdict"), [(2, "early"), (8, "early"), (11, "early"), (14, "progressed")])
+@pytest.mark.parametrize("strength", ["low", "high"])
+def test_levels_with_noise_are_measured(level, verdict, strength):
+    made = noisy(level, strength, draw=3)
+    found = estimate(made, PLAIN)
+    assert found.amplitude_rps == pytest.approx(made.peak, rel=0.1)
+    assert found.backlash_rad == pytest.approx(made.half_gap, abs=2e-4)
+    assert found.verdict == verdict
+    assert found.period_s == pytest.approx(0.4, abs=1e-9)
+    assert found.period_source == "signal"
+    assert found.p_value < 1e-50
+
+
+@pytest.mark.parametrize("colour", [0.0, 0.8], ids=["white", "coloured"])
+def test_noise_alone_is_no_backlash(colour):
+    for seed in range(4):
+        found = estimate(Recording(0.0, 0.002, 100 + noise(seed, colour=colour)))
+        assert found.verdict == "no backlash"
+        assert (found.amplitude_rps, found.backlash_rad) == (0.0, 0.0)
+        assert 0.0 < found.amplitude_interval_rps[1] < 0.2  # what could have been told
+        assert 1e-4 <= found.interval_rad[1] < 4e-4
+        assert found.p_value > evidence.SIGNIFICANT
+        assert "no period was found" in " ".join(found.notes)
+
+
+def test_the_ripple_of_a_joint_without_backlash_is_none():
+    ripple = simulate(half_gap=0.0).speed
+    for speed in (ripple, ripple + noise(1)):
+        found = estimate(Recording(0.0, 0.002, speed), PLAIN)
+        assert found.verdict == "no backlash"
+        assert found.p_value < evidence.SIGNIFICANT  # it is there, but slow
+        assert "slower than one oscillation" in " ".join(found.notes)
+
+
+def test_what_could_have_been_told_can_be_told():
+    quiet = Recording(0.0, 0.002, 100 + noise(5))
+    problem = signature_problem(quiet, Settings(), 0.4)
+    most = evidence.detectable(problem)
+    t0, tau, omega, t1 = evidence.BENCH
+    wave = problem.model(np.array([1.0, 0.05 + t0, tau, omega, 0.0, t1, 0.2]))
+    found = [
+        estimate(Recording(0.0, 0.002, quiet.speed + factor * most * wave), Settings(period=0.4, resamples=0))
+        for factor in (0.3, 2.0)
+    ]
+    assert [each.p_value <= evidence.SIGNIFICANT for each in found] == [False, True]
+    assert found[1].amplitude_rps == pytest.approx(2 * most, rel=0.4)
+
+
+def test_intervals_hold_the_truth_and_grow_with_the_noise():
+    widths = []
+    for strength in ("low", "high"):
+        made = noisy(9, strength, draw=1)
+        found = estimate(made, Settings(resamples=60))
+        low, high = found.amplitude_interval_rps
+        assert low < made.peak < high
+        assert low < found.amplitude_rps < high
+        assert found.interval_rad[0] < made.half_gap < found.interval_rad[1]
+        fits = evidence.resampled(
+            signature_problem(made, Settings(), 0.4),
+            np.array(list(found.variables.values())),
+            40,
+            np.random.default_rng(0),
+        )
+        widths.append(np.abs(fits[:, 0]).std())
+    assert widths[1] > 1.2 * widths[0]
+
+
+def test_the_same_recording_gives_the_same_estimate():
+    first, second = (estimate(noisy(5), Settings(resamples=10)) for _ in range(2))
+    assert first.amplitude_interval_rps == second.amplitude_interval_rps
+    assert first.variables == second.variables
+    other = estimate(noisy(5), Settings(resamples=10, seed=1))
+    assert other.amplitude_interval_rps != first.amplitude_interval_rps
+    assert other.amplitude_rps == first.amplitude_rps
+
+
+def test_a_backwards_motor_tells_the_same():
+    made = noisy(7)
+    there, back = estimate(made, PLAIN), estimate(Recording(made.start, made.dt, -made.speed), PLAIN)
+    assert back.amplitude_rps == pytest.approx(there.amplitude_rps, rel=1e-6)
+    assert back.variables["A"] == pytest.approx(-there.variables["A"], rel=1e-6)
+
+
+def test_one_oscillation_is_measured_too_and_so_is_one_beside_another():
+    speed = simulate(half_gap=0.0015).speed + noise(2)
+    for last in (100, 250):
+        found = estimate(Recording(18.99, 0.002, speed[:last]), Settings(single=True, resamples=0))
+        assert found.amplitude_rps == pytest.approx(0.88, rel=0.15)
+        assert found.verdict == "early"
+        assert found.notes == ()
+    quiet = estimate(Recording(18.99, 0.002, 100 + noise(3, 300)), Settings(single=True))
+    assert quiet.verdict == "no backlash"
+
+
+def test_without_a_calibration_there_is_an_amplitude_alone():
+    found = estimate(noisy(8), Settings(calibration=None, resamples=10))
+    assert found.amplitude_rps == abs(found.variables["A"])
+    assert np.isnan(found.backlash_rad)
+    assert np.isnan(found.interval_rad).all()
+    assert found.verdict == "backlash"
+    assert found.calibration == ""
+
+
+def test_an_amplitude_beyond_the_calibration_gets_no_backlash():
+    made = noisy(20)
+    louder = Recording(made.start, made.dt, 100 + 3 * (made.speed - 100))
+    found = estimate(louder, PLAIN)
+    assert np.isnan(found.backlash_rad)
+    assert found.verdict == "progressed"
+    assert "outside the calibrated range" in " ".join(found.notes)
+
+
+def test_a_drift_of_the_mean_speed_hides_no_backlash():
+    made = noisy(10)
+    drifting = Recording(made.start, made.dt, made.speed + np.linspace(0, 2.4, len(made.speed)))
+    found = estimate(drifting, PLAIN)
+    assert found.amplitude_rps == pytest.approx(made.peak, rel=0.1)
+    assert "drifts by 2.4" in " ".join(found.notes)
+
+
+def test_some_of_the_load_turns_may_be_asked_for():
+    made = noisy(10)
+    found = estimate(made, Settings(turns=3, resamples=0))
+    assert found.recording.duration == pytest.approx(1.2, abs=0.003)
+    assert found.verdict == "early"
+    assert found.amplitude_rps == pytest.approx(made.peak, rel=0.15)
+
+
+def test_noise_that_may_hide_too_much_is_told():
+    loud = Recording(0.0, 0.002, 100 + 60 * noise(1))
+    found = estimate(loud, Settings(period=0.4))
+    assert found.verdict == "no backlash"
+    assert "may hide a backlash above the limit" in " ".join(found.notes)
+
+
+def test_the_limit_is_the_user_s():
+    assert estimate(noisy(5), Settings(resamples=0, limit_rad=0.0005)).verdict == "progressed"
+
+
+@pytest.mark.parametrize(
+    ("settings", "source", "period"),
+    [
+        (Settings(period=0.41, resamples=0), "given", 0.41),
+        (Settings(gear_ratio=40.0, resamples=0), "gear ratio", 0.4),
+    ],
+)
+def test_a_period_may_be_given(settings, source, period):
+    found = estimate(noisy(8), settings)
+    assert found.period_source == source
+    assert found.period_s == pytest.approx(period, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("speed", "settings", "message"),
+    [
+        (np.full(2401, 100.0), {}, "constant"),
+        (6000 + 60 * noise(1), {"nominal_rps": 100.0}, "rpm"),
+        (100 * np.cos(np.linspace(0, 3, 2401)), {}, "steady"),
+        (100 + noise(1, 150), {"period": 0.4}, "less than one load turn"),
+        (100 + noise(1), {"period": 0.01}, "too coarse"),
+    ],
+)
+def test_what_is_unfit_is_refused(speed, settings, message):
+    with pytest.raises(BenchError, match=message):
+        estimate(Recording(0.0, 0.002, speed), Settings(**settings))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [({"period": -1.0}, "period must be a positive"), ({"confidence": 1.0}, "between 0 and 1"), ({"seed": -1}, "seed")],
+)
+def test_settings_out_of_range_are_refused(options, message):
+    with pytest.raises(BenchError, match=message):
+        Settings(**options)

@@ -1,0 +1,97 @@
+"""Which files are meant, and what their names tell of joints and times."""
+
+from pathlib import Path
+
+import pytest
+
+from bench.errors import BenchError
+from problems.backlash.sensor.calibration_files import find, natural, series, short_names
+
+
+def told(*names):
+    """Return what the names tell: joint, unit, and the files with their times, series by series."""
+    made = series([Path(name) for name in names])
+    return [
+        (one.name, one.unit, [(names[i], one.label(at)) for i, at in zip(one.members, one.at, strict=True)])
+        for one in made
+    ]
+
+
+def test_a_folder_is_the_recordings_in_it_and_in_its_subfolders_but_no_truth(tmp_path):
+    (tmp_path / "j5").mkdir()
+    for name in ("a10.csv", "a2.xlsx", "truth.csv", "report.html", ".a.csv", "~$a2.xlsx", "j5/a1.parquet"):
+        (tmp_path / name).touch()
+    (tmp_path / "folder.csv").mkdir()
+    paths, remarks = find([tmp_path])
+    assert [path.relative_to(tmp_path).as_posix() for path in paths] == ["a2.xlsx", "a10.csv", "j5/a1.parquet"]
+    assert remarks == [f"{tmp_path / 'truth.csv'} is no recording but a wear curve's truth; it was left out"]
+
+
+def test_a_pattern_is_the_files_that_match_it_and_no_file_is_taken_twice(tmp_path, monkeypatch):
+    for name in ("a10.csv", "a2.csv", "b[1].csv"):
+        (tmp_path / name).touch()
+    monkeypatch.chdir(tmp_path)
+    assert find(["a*.csv", "a2.csv", "b[1].csv"])[0] == [Path("a2.csv"), Path("a10.csv"), Path("b[1].csv")]
+    assert find([tmp_path / "a?.csv"])[0] == [tmp_path / "a2.csv"]
+    assert find(["missing.csv"])[0] == [Path("missing.csv")]  # the reader tells
+
+
+@pytest.mark.parametrize(("name", "said"), [("", "there is no recording in the folder"), ("x*.csv", "no file matches")])
+def test_nothing_to_estimate_is_one_sentence(tmp_path, name, said):
+    with pytest.raises(BenchError, match=said):
+        find([tmp_path / name])
+
+
+def test_names_are_sorted_as_a_person_does():
+    names = ["A3.csv", "a20.csv", "b.csv", "b/a2.csv", "b/a10.csv"]
+    assert sorted(map(Path, sorted(names)), key=natural) == list(map(Path, names))
+
+
+def test_names_are_shown_without_the_folder_that_all_share(tmp_path):
+    assert short_names([tmp_path / "a" / "1.csv", tmp_path / "2.csv"]) == ["a/1.csv", "2.csv"]
+    assert short_names([tmp_path / "1.csv"]) == ["1.csv"]
+
+
+@pytest.mark.parametrize(
+    ("name", "joint", "label"),
+    [
+        ("2024-01.csv", "", "2024-01"),
+        ("joint4_2024-01.csv", "joint4", "2024-01"),
+        ("2024-01-31_joint4.csv", "joint4", "2024-01-31"),
+        ("20240229.csv", "", "2024-02-29"),
+        ("2024-12-31T2359.csv", "", "2024-12-31"),
+        ("j4_2024.03.05_2.csv", "j4", "2024-03-05"),
+        ("robot 7 joint4 2023_11.csv", "robot 7 joint4", "2023-11"),
+        ("joint4_003.csv", "joint4", "3"),
+        ("Speeddata12.xlsx", "Speeddata", "12"),
+        ("joint4.csv", "joint4", "1"),
+        ("axis 4 after.csv", "axis 4", "1"),
+        ("before.csv", "", "1"),
+        ("2024-02-31.csv", "2024-02", "31"),  # no such day
+        ("200113.csv", "", "2.001e+05"),  # no such month
+    ],
+)
+def test_a_name_tells_the_joint_and_the_time(name, joint, label):
+    assert [(found, when) for found, _, [(_, when)] in told(name)] == [(joint, label)]
+
+
+def test_joints_are_told_apart_and_each_is_in_the_order_of_time():
+    names = ["joint5_2024-02.csv", "joint4_2024-02-15.csv", "joint4_2024-01-15.csv", "joint5_2023-12.csv"]
+    assert told(*names) == [
+        ("joint5", "month", [(names[3], "2023-12"), (names[0], "2024-02")]),
+        ("joint4", "month", [(names[2], "2024-01-15"), (names[1], "2024-02-15")]),
+    ]
+    assert series([Path("2024-01.csv"), Path("2024-03-16T1200.csv")])[0].at.tolist() == [24288, 24290.5]
+
+
+def test_a_subfolder_is_a_joint_of_its_own():
+    assert told("j4/1.csv", "j5/1.csv", "j4/2.csv") == [
+        ("j4", "number", [("j4/1.csv", "1"), ("j4/2.csv", "2")]),
+        ("j5", "number", [("j5/1.csv", "1")]),
+    ]
+
+
+def test_without_dates_or_numbers_the_order_of_the_files_counts():
+    assert told("new.csv", "middle.csv", "old.csv") == [
+        ("", "file", [("new.csv", "1"), ("middle.csv", "2"), ("old.csv", "3")])
+    ]

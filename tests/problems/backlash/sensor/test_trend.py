@@ -1,0 +1,101 @@
+"""The trend of a joint: its slope against scipy-free arithmetic, and when the limit is reached."""
+
+import math
+from itertools import combinations
+from statistics import median
+
+import numpy as np
+import pytest
+
+from problems.backlash.joint.wear import half_gaps
+from problems.backlash.sensor.calibration_files import Series
+from problems.backlash.sensor.trend import fastest_first, fit_line, trend
+
+GAPS = np.array([0.0010, 0.0011, 0.0013, 0.0012, 0.0014, 0.0015, 0.0016, 0.0017])
+
+
+@pytest.fixture(scope="module")
+def trend_of(told):
+    def make(gaps, *, limit=0.0021, name="joint4", at=None, **others):
+        at = np.arange(len(gaps), dtype=float) if at is None else np.array(at, dtype=float)
+        estimates = [told(float(gap), **others) for gap in gaps]
+        return trend(Series(name, tuple(range(len(gaps))), at, "month"), estimates, limit_rad=limit)
+
+    return make
+
+
+def test_the_slope_is_the_median_of_all_pairs_slopes_and_the_p_value_is_kendalls_exact_one():
+    time = np.arange(5.0)
+    values = np.array([1.0, 3.0, 2.0, 4.0, 9.0])
+    line = fit_line(time, values, 0.95)
+    slopes = [(values[j] - values[i]) / (j - i) for i, j in combinations(range(5), 2)]
+    assert line.slope == pytest.approx(median(slopes))
+    assert line.p_value == pytest.approx(10 / 120)  # nine of ten pairs rise: 1 + 4 orders of 120 so, either way
+    assert line.interval[0] <= line.slope <= line.interval[1]
+    assert line.at(np.array([2.0])) == pytest.approx([3.0])  # the medians
+    assert line.reaches(6.0) == pytest.approx(2 + 3 / line.slope)
+    assert line.reaches(6.0, slope=-1.0) == math.inf
+
+
+def test_a_slope_takes_three_recordings_of_different_times(trend_of):
+    assert fit_line(np.arange(2.0), np.arange(2.0), 0.95) is None
+    assert fit_line(np.zeros(5), np.arange(5.0), 0.95) is None
+    two = trend_of(GAPS[:2])
+    assert (two.line, two.significant, two.reached) == (None, False, None)
+    assert two.change == pytest.approx(0.0001)
+
+
+def test_the_change_has_an_interval_by_those_of_its_ends(trend_of):
+    made = trend_of([0.001, 0.002], width=0.0003)
+    assert made.change_interval == pytest.approx((0.001 - 0.0003 * 2**0.5, 0.001 + 0.0003 * 2**0.5))
+
+
+def test_growth_is_significant_and_its_limit_is_foreseen_with_a_range(trend_of):
+    made = trend_of(GAPS)
+    assert made.significant
+    when, (early, late) = made.reached
+    assert 7 < early <= when <= late
+    assert when == pytest.approx(11, abs=0.5)  # 4e-4 rad after the last, at 1e-4 rad a month
+    assert (made.since, made.latest) == (None, 6)
+
+
+def test_what_does_not_grow_beyond_chance_has_no_forecast(trend_of):
+    for gaps in (GAPS[::-1], np.full(8, 0.001), GAPS[[3, 1, 4, 0, 7, 2, 5, 6]]):
+        assert trend_of(gaps).reached is None
+    assert not trend_of(np.full(8, 0.001)).significant
+    assert trend_of(GAPS[::-1]).significant  # it falls
+
+
+def test_a_limit_that_was_passed_is_passed_since_the_first_recording_that_stays_above(trend_of):
+    made = trend_of(GAPS, limit=0.00125)
+    assert made.since == 4.0  # 0.0013 in the third did not stay
+    assert made.reached is None
+    assert trend_of(GAPS, limit=0.0001).since == 0.0
+
+
+def test_a_line_that_is_past_the_limit_before_the_last_recording_is_foretells_nothing_earlier(trend_of):
+    made = trend_of(GAPS, limit=0.00171)
+    when, (early, _) = made.reached
+    assert early >= 7.0
+    assert when >= early
+
+
+def test_the_later_half_foretells_the_limit_of_wear_that_runs_in_fast(trend_of):
+    gaps = half_gaps(0.0003, 0.0039, 36)
+    true = float(np.interp(0.0021, gaps, np.arange(36)))
+    made = trend_of(gaps[:13])
+    assert made.latest == 7
+    assert abs(made.reached[0] - true) < 3 < true - made.line.reaches(0.0021)
+
+
+def test_where_a_recording_has_no_backlash_figure_the_amplitude_is_followed(trend_of, told):
+    estimates = [told(0.001), told(0.002), told(math.nan, amplitude_rps=1.9, amplitude_interval_rps=(1.8, 2.0))]
+    made = trend(Series("", (0, 1, 2), np.arange(3.0), "month"), estimates, limit_rad=0.0015)
+    assert made.quantity == "amplitude"
+    assert made.values == pytest.approx([0.6, 1.2, 1.9])
+    assert (made.since, made.reached) == (None, None)
+
+
+def test_the_joint_that_grows_fastest_beyond_chance_comes_first(trend_of):
+    wild, slow, fast = trend_of([0.001, 0.003, 0.002]), trend_of(GAPS), trend_of(0.0005 + 2 * (GAPS - GAPS[0]))
+    assert fastest_first([trend_of(GAPS[:2]), wild, slow, fast])[:3] == [fast, slow, wild]

@@ -1,0 +1,204 @@
+"""From amplitudes to backlash: calibrations of any joint, their files and figures."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.errors import BenchError
+from problems.backlash.joint import Joint, half_gap
+from problems.backlash.signature import datasets, figures
+from problems.backlash.signature.calibration import (
+    EQUATION_4_7,
+    Calibration,
+    calibrate,
+    default_calibration,
+    load_calibration,
+    polynomial,
+)
+
+LEVELS = [half_gap(level) for level in range(2, 12)]
+
+PAIRS = "amplitude_rpm = [3, 4]\nhalf_gap_rad = [0.1, 0.2]\n"
+
+
+@pytest.fixture(scope="module")
+def cubic():
+    return calibrate(Joint(), LEVELS, method="cubic")
+
+
+def pairs(amplitude, gaps=None, method="monotone"):
+    amplitude = np.array(amplitude, dtype=float)
+    gaps = 1e-4 * np.arange(len(amplitude)) if gaps is None else np.array(gaps, dtype=float)
+    return Calibration(amplitude, gaps, method)
+
+
+def test_the_thesis_s_joint_and_levels_give_equation_4_7(cubic):
+    between = np.linspace(*cubic.range, 501)
+    found = np.array([cubic.backlash(a) for a in between])
+    thesis = 1e-6 * np.polyval(EQUATION_4_7, between)
+    np.testing.assert_allclose(found, thesis, rtol=0.03)
+    assert cubic.deviation == pytest.approx(np.abs(found / thesis - 1).max(), rel=0.01)
+    assert 0.025 < cubic.deviation < 0.03
+    identified = 1e-6 * np.polyval([-0.00149, 0.4055, 10.846, 16.63], between)
+    np.testing.assert_allclose(found, identified, atol=6e-7)
+
+
+def test_a_cubic_is_told_as_the_thesis_prints_its_own(cubic):
+    assert polynomial(EQUATION_4_7) == "-0.0018 A^3 + 0.4323 A^2 + 9.2524 A + 34.0313"
+    assert polynomial([1, -2, 3, -4]) == "1.0000 A^3 - 2.0000 A^2 + 3.0000 A - 4.0000"
+    assert cubic.formula() == f"delta = 1e-6 ({polynomial(cubic.coefficients)}) rad, A in rpm"
+
+
+def test_the_residual_of_a_cubic_is_its_largest_distance_from_a_pair(cubic):
+    errors = [cubic.backlash(a) - gap for a, gap in zip(cubic.amplitude, LEVELS, strict=True)]
+    assert cubic.residual == pytest.approx(np.abs(errors).max())
+    assert 1e-7 < cubic.residual < 3e-7
+    assert default_calibration().residual < 1e-12
+
+
+@pytest.mark.parametrize("method", ["cubic", "monotone"])
+def test_outside_its_range_a_calibration_tells_nothing(method):
+    made = pairs([1, 2, 4, 7], method=method)
+    assert made.range == (1.0, 7.0)
+    for amplitude in (1.0, -1.0, 7.0, 3.3):
+        assert made.in_range(amplitude)
+        assert np.isfinite(made.backlash(amplitude))
+    for amplitude in (0.999, 0.0, -7.001, float("inf"), float("nan")):
+        assert not made.in_range(amplitude)
+        assert np.isnan(made.backlash(amplitude))
+
+
+def test_the_default_calibration_says_what_it_is():
+    made = default_calibration()
+    assert made.name == "default joint, simulated, half-gaps 0 … 0.0059 rad"
+    assert made.method == "monotone"
+    assert len(made.amplitude) == 26
+
+
+@pytest.mark.parametrize("method", ["cubic", "monotone"])
+def test_a_calibration_comes_back_from_its_file(tmp_path, method):
+    made = calibrate(Joint(), LEVELS[:5], method=method)
+    made.save(tmp_path / "a.toml")
+    again = load_calibration(tmp_path / "a.toml")
+    assert (again.name, again.method) == (made.name, method)
+    for amplitude in np.linspace(*made.range, 20):
+        assert again.backlash(amplitude) == made.backlash(amplitude)
+
+
+@pytest.mark.parametrize("method", ["cubic", "monotone"])
+def test_a_fitted_amplitude_tells_of_the_peak_that_it_was_fitted_to(tmp_path, method):
+    columns = {"fitted": np.array([1.0, 3.0, 4.5, 8.0]), "scatter": np.array([0.1, 0.15, 0.9, 0.8])}
+    fitting = replace(pairs([1, 2, 4, 7], method=method), **columns)
+    fitting.save(tmp_path / "a.toml", command="bench calibrate --fits")
+    assert (tmp_path / "a.toml").read_text().startswith("# bench calibrate --fits\n")
+    for made in (fitting, load_calibration(tmp_path / "a.toml")):
+        assert made.fitted_range == (1.0, 8.0)
+        assert [made.expected(a) for a in (1.0, 3.0, 4.5, 8.0)] == pytest.approx([1, 2, 4, 7])
+        between = [made.expected(a) for a in np.linspace(1, 8, 100)]
+        assert (np.diff(between) > 0).all()
+        assert all(np.isnan(made.expected(a)) for a in (0.99, 8.01, 0.0, float("nan")))
+        assert [made.relative_scatter(a) for a in (1, 3, 4.5, 8)] == pytest.approx([0.1, 0.05, 0.2, 0.1])
+        assert [made.relative_scatter(a) for a in (2, 0.5, 9)] == pytest.approx([0.075, 0.1, 0.1])
+        assert made.backlash(3.0) == pairs([1, 2, 4, 7], method=method).backlash(3.0)
+
+
+def test_a_calibration_that_knows_of_no_fits_takes_their_amplitude_for_the_peak():
+    made = pairs([1, 2, 4])
+    assert made.fitted_range == made.range
+    assert [made.expected(a) for a in (3.3, 1.0, 100.0)] == [3.3, 1.0, 100.0]
+    assert made.relative_scatter(3.3) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("amplitude_rpm = [1, 2]", "half_gap_rad must be a list of numbers"),
+        ("amplitude_rpm = [1, true]\nhalf_gap_rad = [0, 1]", "amplitude_rpm must be a list of numbers"),
+        ("amplitude_rpm = 3\nhalf_gap_rad = [0, 1]", "amplitude_rpm must be a list of numbers"),
+        ("amplitude_rpm = [1, 2]\nhalf_gap_rad = [0, 1, 2]", "2 amplitudes and 3 half-gaps"),
+        ("amplitude_rpm = [1, nan]\nhalf_gap_rad = [0, 1]", "every amplitude of a calibration must be finite"),
+        ("amplitude_rpm = [2, 1]\nhalf_gap_rad = [0, 1]", "the amplitude does not grow"),
+        ("amplitude_rpm = [1, 2]\nhalf_gap_rad = [1, 0]", "the half-gap does not grow"),
+        ("amplitude_rpm = [1]\nhalf_gap_rad = [1]", "needs at least 2 pairs"),
+        ('method = "cubic"\namplitude_rpm = [1, 2, 3]\nhalf_gap_rad = [1, 2, 3]', "needs at least 4 pairs"),
+        ('method = "spline"\namplitude_rpm = [1, 2]\nhalf_gap_rad = [0, 1]', "must be 'monotone' or 'cubic'"),
+        ("amplitudes = [1, 2]", "no entry 'amplitudes'; did you mean 'amplitude_rpm'?"),
+        (f"{PAIRS}fitted_rpm = [1, 2]", "fitted amplitudes and their scatter come together"),
+        (f"{PAIRS}scatter_rpm = [1, 2]", "fitted amplitudes and their scatter come together"),
+        (f"{PAIRS}fitted_rpm = [1]\nscatter_rpm = [1]", "fitted amplitudes and their scatter come together"),
+        (f"{PAIRS}fitted_rpm = [1, 2]\nscatter_rpm = [1]", "fitted amplitudes and their scatter come together"),
+        (f"{PAIRS}fitted_rpm = [1, 2]\nscatter_rpm = 1", "scatter_rpm must be a list of numbers"),
+        (f"{PAIRS}fitted_rpm = [1, 2]\nscatter_rpm = [1, -1]", "every scatter of a calibration must be finite"),
+        (f"{PAIRS}fitted_rpm = [0, 2]\nscatter_rpm = [1, 1]", "every fitted amplitude positive"),
+        (f"{PAIRS}fitted_rpm = [1, nan]\nscatter_rpm = [1, 1]", "every fitted amplitude of a calibration must be"),
+        (
+            f"{PAIRS}fitted_rpm = [2, 1.5]\nscatter_rpm = [1, 1]",
+            "after the half-gap of 0.1 rad the fitted amplitude does not grow, but goes from 2 to 1.5 rpm",
+        ),
+        ("amplitude_rpm", "is not valid TOML"),
+    ],
+)
+def test_a_file_that_is_no_calibration_is_said_in_one_sentence(tmp_path, text, said):
+    (tmp_path / "a.toml").write_text(text)
+    with pytest.raises(BenchError) as caught:
+        load_calibration(tmp_path / "a.toml")
+    assert said in str(caught.value)
+    assert "a.toml" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_cubic_that_does_not_grow_over_its_range_is_refused():
+    amplitude = [1, 2, 3, 4, 5, 6]
+    grows, falls_between, falls_at_the_end = [0, 1, 2, 4, 7, 11], [0, 5, 5.5, 6, 6.5, 12], [0, 6, 10, 12, 12.5, 12.6]
+    assert pairs(amplitude, grows, "cubic").backlash(3.5) == pytest.approx(2.9, abs=0.1)
+    for gaps in (falls_between, falls_at_the_end):
+        pairs(amplitude, gaps, "monotone")
+        with pytest.raises(BenchError, match="the cubic through these pairs does not grow all the way from 1 to 6 rpm"):
+            pairs(amplitude, gaps, "cubic")
+
+
+def test_without_gravity_there_is_nothing_to_calibrate():
+    for joint in (Joint(gravity_torque=0.0), Joint(gravity_torque=0.01)):
+        with pytest.raises(BenchError, match=r"gravity_torque = .* stays below 0.06 rpm whatever the half-gap"):
+            calibrate(joint, LEVELS[:2])
+
+
+def test_gaps_at_which_the_amplitude_falls_are_named():
+    with pytest.raises(BenchError, match=r"after the half-gap of 0.0059 rad the amplitude does not grow"):
+        calibrate(Joint(load_inertia=0.866, gravity_torque=28.9), [0.0021, 0.0059, 0.008])
+
+
+@pytest.mark.parametrize("number", [0, 1, 101])
+def test_too_many_gaps_and_too_few_are_refused_before_any_is_simulated(number):
+    with pytest.raises(BenchError, match=f"from 2 to 100 simulated half-gaps, not {number}"):
+        calibrate(Joint(), np.linspace(0, 0.004, number).tolist())
+
+
+def test_each_joint_has_its_own_signals_in_the_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("BENCH_CACHE", str(tmp_path))
+    joints = (Joint(), Joint(gravity_torque=20.0), Joint(gear_ratio=2000.0))
+    made = [datasets.simulated(0.001, joint) for joint in joints]
+    assert len(list(tmp_path.glob("*.npz"))) == 3
+    assert len({each.peak for each in made}) == 3
+    assert [each.time[-1] for each in made] == pytest.approx([4.8, 4.8, 40.0])  # two turns, where one takes 20 s
+    datasets.simulated(0.001, Joint(gear_ratio=40))
+    assert len(list(tmp_path.glob("*.npz"))) == 3
+
+
+def test_the_figures_show_the_pairs_the_thesis_s_cubic_and_every_level(tmp_path, cubic):
+    paths = figures.save_figures(tmp_path / "new", Joint(), cubic)
+    assert [path.name for path in paths] == ["disturbances.svg", "calibration.svg", "levels.svg"]
+    assert all("<svg" in path.read_text()[:500] for path in paths)
+    first = [path.read_bytes() for path in paths]
+    assert [path.read_bytes() for path in figures.save_figures(tmp_path / "new", Joint(), cubic)] == first
+
+    curve = figures.calibration_curve(cubic, thesis=True).axes[0]
+    assert [line.get_label() for line in curve.lines] == ["eq. 4.7 of the thesis", "cubic", "simulated"]
+    assert len(figures.calibration_curve(cubic).axes[0].lines) == 2
+    turn = figures.disturbances(Joint(), LEVELS[:2]).axes[0]
+    peaks = [60 * line.get_ydata().max() for line in turn.lines]
+    assert peaks == pytest.approx(cubic.amplitude[:2], rel=2e-3)
+    bars = figures.levels(Joint()).axes
+    assert [len(ax.patches) for ax in bars] == [20, 20]
+    assert bars[1].patches[4].get_height() == pytest.approx(60 * datasets.dataset(5).peak)

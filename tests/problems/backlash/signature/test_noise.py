@@ -1,0 +1,96 @@
+"""Noisy recordings with a random start, as in section 7.3."""
+
+import numpy as np
+import pytest
+from scipy.stats import kstest
+
+from bench import BenchError, load_problem
+from problems.backlash.published.table_7_3 import TABLE_7_3
+from problems.backlash.signature.datasets import dataset
+from problems.backlash.signature.noise import noisy, peak_to_peak
+
+
+def noise_of(made, level):
+    clean = dataset(level).speed if level else np.full(2401, 100.0)
+    return made.speed - clean[made.cut :]
+
+
+@pytest.mark.parametrize("level", TABLE_7_3)
+def test_the_low_noise_is_that_of_table_7_3_and_the_high_one_half_as_strong_again(level):
+    assert peak_to_peak(level) / 2 == pytest.approx(TABLE_7_3[level].noise, abs=1e-4)  # the table cuts its digits off
+    assert peak_to_peak(level, "high") == pytest.approx(1.5 * peak_to_peak(level))
+
+
+@pytest.mark.parametrize(("level", "noise"), [(0, "low"), (2, "low"), (11, "high"), (20, "high")])
+def test_the_noise_is_uniform_white_and_about_zero(level, noise):
+    added = noise_of(noisy(level, noise), level)
+    width = peak_to_peak(level, noise)
+    assert kstest(added, "uniform", (-width / 2, width)).pvalue > 0.01
+    assert abs(np.corrcoef(added[1:], added[:-1])[0, 1]) < 4 / np.sqrt(len(added))
+
+
+def test_a_recording_begins_at_0_s_with_one_of_the_first_100_samples_of_its_dataset():
+    cuts = [noisy(2, draw=draw).cut for draw in range(200)]
+    assert (min(cuts), max(cuts)) == (0, 99)
+    made = noisy(2)
+    assert (made.start, made.dt, len(made.speed)) == (0.0, 0.002, 2401 - made.cut)
+    assert np.abs(noise_of(made, 2)).max() <= peak_to_peak(2) / 2
+
+
+def test_level_noise_and_draw_decide_the_signal_and_nothing_else_does():
+    first = noisy(3, "low", 1)
+    assert np.array_equal(first.speed, noisy(3, "low", 1).speed)
+    assert [noisy(2, "low", draw).cut for draw in range(3)] == [83, 42, 84]  # on every machine, today and later
+
+    def shape(level, noise, draw):
+        made = noisy(level, noise, draw)
+        return noise_of(made, level)[-2000:] / peak_to_peak(level, noise)
+
+    others = [shape(4, "low", 1), shape(3, "high", 1), shape(3, "low", 2)]
+    assert max(abs(np.corrcoef(shape(3, "low", 1), other)[0, 1]) for other in others) < 0.1
+
+
+def test_without_backlash_there_is_the_reference_speed_and_noise_alone():
+    made = noisy(0)
+    assert (made.peak, made.half_gap) == (0.0, None)
+    assert made.speed.mean() == pytest.approx(100, abs=0.01)
+    problem = load_problem("noisy-00")
+    assert dict(problem.expected) == {"amplitude_rpm": (0.0, problem.expected["amplitude_rpm"][1])}
+
+
+def test_a_problem_has_the_truth_of_its_dataset_and_a_fingerprint_of_its_draw():
+    problem = load_problem("noisy-05", unit="rpm", noise="high", draw=4)
+    clean = load_problem("signature-05", unit="rpm")
+    assert problem.expected == clean.expected
+    assert problem.unit == "rpm"
+    assert len({p.fingerprint() for p in (problem, clean, load_problem("noisy-05", unit="rpm", noise="high"))}) == 3
+
+
+def test_the_problems_are_21():
+    from problems.backlash.signature import noisy as family
+
+    assert family.names() == [f"noisy-{level:02d}" for level in range(21)]
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "said"),
+    [
+        ("noisy-21", {}, "unknown problem 'noisy-21'; did you mean 'noisy-2"),
+        ("noisy:2", {}, "unknown problem 'noisy:2'; did you mean 'noisy-"),
+        ("noisy-02", {"nois": "high"}, "has no option 'nois'; did you mean 'noise'"),
+        ("noisy-02", {"noise": "mid"}, "noise must be one of 'low', 'high', not 'mid'"),
+        ("noisy-02", {"noise": ["low"]}, "noise must be one of"),
+        ("noisy-02", {"draw": -1}, "draw must be a whole number of at least 0, not -1"),
+        ("noisy-02", {"draw": True}, "draw must be a whole number"),
+        ("noisy-02", {"draw": 1.0}, "draw must be a whole number"),
+        ("noisy-02", {"unit": "Hz"}, "unit must be"),
+    ],
+)
+def test_what_there_is_not_is_said_in_a_sentence(name, options, said):
+    with pytest.raises(BenchError, match=said.replace("?", r"\?")):
+        load_problem(name, **options)
+
+
+def test_a_level_outside_is_refused():
+    with pytest.raises(BenchError, match="a level from 0"):
+        noisy(21)
