@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bench.errors import BenchError
+from bench.numbers import require_whole
 from bench.problem import Floats, Problem
 from bench.text import printable
 
@@ -58,8 +58,7 @@ class Objective:
     def __init__(
         self, problem: Problem, budget: int, rng: np.random.Generator, on_refusal: Callable[[int], None] | None = None
     ) -> None:
-        if isinstance(budget, bool) or not isinstance(budget, (int, np.integer)) or budget < 1:
-            raise BenchError(f"the budget must be a whole number of at least 1 evaluation, not {budget!r}")
+        require_whole("the budget of evaluations", budget, 1)
         self.lower: Floats = problem.lower.copy()
         self.upper: Floats = problem.upper.copy()
         self.lower.flags.writeable = self.upper.flags.writeable = False

@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from bench.errors import BenchError
+from bench.numbers import require_whole
 
 
 def check_seed(seed: object) -> None:
     """Raise BenchError for what is no seed of a run."""
-    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise BenchError(f"the seed must be a whole number of at least 0, not {seed!r}")
+    require_whole("the seed", seed, 0)
 
 
 def trial_seed(study_seed: int, problem: str, optimizer: str, trial: int) -> int:

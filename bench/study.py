@@ -8,7 +8,7 @@ import json
 import os
 import re
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from typing import Any
 import tomli_w
 
 from bench.errors import BenchError, nearest
+from bench.numbers import require_whole
 from bench.optimizer import Optimizer
 from bench.plugins import from_file, loading, registry
 from bench.problem import Problem
@@ -80,12 +81,10 @@ class Study:
         for key in data:
             if key not in known:
                 raise BenchError(f"study {where}: unknown key {key!r}{nearest(key, known)}")
-        for key, kind, spelled in (
-            ("name", str, "a text"), ("title", str, "a text"), ("seed", int, "a whole number"),
-            ("trials", int, "a whole number"), ("budget", int, "a whole number"),
-        ):  # fmt: skip
-            if key in data and (not isinstance(data[key], kind) or isinstance(data[key], bool)):
-                raise BenchError(f"study {where}: {key!r} must be {spelled}, not {data[key]!r}")
+        for key in ("name", "title"):
+            if not isinstance(data.get(key, ""), str):
+                raise BenchError(f"study {where}: {key!r} must be a text, not {data[key]!r}")
+        _check_numbers(data, f"study {where}: ")
         if not data.get("name"):
             raise BenchError(f'study {where} has no name; add a line such as name = "my-study"')
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", data["name"]):
@@ -102,17 +101,12 @@ class Study:
         )
         if not study.title.isprintable():
             raise BenchError(f"study {where}: the title holds a control character or a line break")
-        if study.trials < 1 or study.budget < 1:
-            raise BenchError(f"study {where}: trials and budget must be at least 1")
         return study
 
     def override(self, **changes: Any) -> Study:
         """Return a copy with the given fields replaced, those that are None left as they are."""
         given = {key: value for key, value in changes.items() if value is not None}
-        if not all(
-            isinstance(value, int) and value >= 1 for key, value in given.items() if key in ("trials", "budget")
-        ):
-            raise BenchError("trials and budget must be at least 1")
+        _check_numbers(given, "")
         return dataclasses.replace(self, **given)
 
     def beside(self, names: Iterable[str]) -> Study:
@@ -180,6 +174,12 @@ class Study:
         """Return a hash of all that decides a trial's result; the number of trials and the title do not."""
         content = dataclasses.asdict(self) | {"trials": None, "title": None}
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
+
+
+def _check_numbers(given: Mapping[str, Any], where: str) -> None:
+    for key, least in (("seed", None), ("trials", 1), ("budget", 1)):
+        if key in given:
+            require_whole(f"{where}{key!r}", given[key], least)
 
 
 def _read(source: str | os.PathLike[str]) -> tuple[str, str]:

@@ -10,12 +10,12 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from bench.errors import BenchError
 from bench.execution import supervisor
 from bench.execution.interrupts import Interrupts, deferred
 from bench.execution.plan import Plan, Shard
 from bench.execution.pool import Answer, open_pool
 from bench.execution.supervisor import Task
+from bench.numbers import require_positive, require_whole
 from bench.storage import provenance
 from bench.storage.folder import Folder
 from bench.study import Study
@@ -159,13 +159,11 @@ def _make(
 
 
 def _check_limits(n_jobs: object, timeout: object, memory: object) -> None:
-    if isinstance(n_jobs, bool) or not isinstance(n_jobs, int) or n_jobs == 0 or n_jobs < -1:
-        raise BenchError(f"the number of jobs must be at least 1, or -1 for every core, not {n_jobs!r}")
+    if n_jobs != -1:
+        require_whole("the number of jobs", n_jobs, 1, also=", or -1 for every core")
     for name, value, unit in (("timeout", timeout, "seconds"), ("memory", memory, "gigabytes")):
-        if value is not None and (
-            isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < float("inf")
-        ):
-            raise BenchError(f"the {name} of a trial must be more than 0 {unit}, not {value!r}")
+        if value is not None:
+            require_positive(f"the {name} of a trial", value, unit=unit)
 
 
 def _bytes(memory: float | None, jobs: int, backend: str) -> int | None:

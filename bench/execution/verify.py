@@ -14,6 +14,7 @@ from bench.execution import supervisor
 from bench.execution.pool import open_pool
 from bench.execution.supervisor import Task
 from bench.execution.trial_process import Row
+from bench.numbers import require_whole
 from bench.storage import provenance
 from bench.storage.folder import Folder
 from bench.storage.store import Keys, Store, disagreement, stored
@@ -106,8 +107,7 @@ def verify(
 
 def _chosen(folder: Folder, trials: int, seed: int) -> list[Trial]:
     """Return so many finished trials of each cell, by chance."""
-    if isinstance(trials, bool) or not isinstance(trials, int) or trials < 1:
-        raise BenchError(f"the number of trials to verify must be at least 1, not {trials!r}")
+    require_whole("the number of trials to verify", trials, 1)
     cells: dict[tuple[str, str], list[Trial]] = {}
     for row in folder.store.rows("status = 'ok'"):
         cell = cells.setdefault((row["problem"], row["optimizer"]), [])

@@ -14,6 +14,7 @@ from typing import Any
 import psutil
 from filelock import FileLock, Timeout
 
+from bench.atomic import replacing
 from bench.errors import BenchError
 from bench.storage import provenance
 from bench.storage.store import Store
@@ -244,15 +245,8 @@ class Folder:
         return BenchError(f"{file} is damaged; restore it from a copy, or remove it{why}")
 
     def _write(self, name: str, text: str) -> None:
-        """Replace a file at once, so that a kill leaves the old or the new one."""
-        temporary = self.path / f".{name}.tmp"
-        try:
+        with replacing(self.path / name) as temporary:
             temporary.write_text(text, encoding="utf-8")
-            temporary.replace(self.path / name)
-        except OSError as error:
-            with suppress(OSError):  # on a full disk it is in the way
-                temporary.unlink(missing_ok=True)
-            raise BenchError(f"{self.path / name} cannot be written: {error.strerror}") from error
 
 
 def _verdict(noted: dict[str, Any]) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from bench.atomic import replacing
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ def simulate(
     from problems.backlash.joint import half_gap as half_gap_of
     from problems.backlash.joint import load_joint
     from problems.backlash.joint.parameter_files import joint_text
-    from problems.backlash.joint.writing import KINDS, check_output, whole
+    from problems.backlash.joint.writing import KINDS, check_output
 
     if level is not None and half_gap is not None:
         raise BenchError("give either --level 1 … 20 or --half-gap in rad, not both")
@@ -130,7 +131,7 @@ def simulate(
                 f"{output} is given the joint's parameters, which hold no gap; leave --level and --half-gap"
             )
         check_output(output, (".toml",), force=force)
-        with whole(output) as temporary:
+        with replacing(output) as temporary:
             temporary.write_text(joint_text(made), encoding="utf-8")
         typer.echo(f"{output}: the joint's parameters, for --joint")
     else:
@@ -159,12 +160,12 @@ def _write_one(output: Path, joint: Joint, gap: float, noise: float, seed: int, 
 def _write_months(folder: Path, force: bool, joint: Joint, options: dict[str, Any]) -> None:
     """Write the folder of a wear curve, whole or not at all."""
     from problems.backlash.joint.wear import monthly_recordings
-    from problems.backlash.joint.writing import whole, write_recording
+    from problems.backlash.joint.writing import write_recording
 
     _check_folder(folder, force)
     months = list(monthly_recordings(joint, **options))
     rows = [f"{month.name},{month.half_gap!r},{month.peak!r}" for month in months]
-    with whole(folder.resolve()) as temporary:  # the name of "." and ".." is known then
+    with replacing(folder.resolve()) as temporary:  # the name of "." and ".." is known then
         temporary.mkdir()
         for month in months:
             write_recording(temporary / f"{month.name}.csv", month.time, month.speed)

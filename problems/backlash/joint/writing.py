@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.atomic import replacing
 from bench.errors import BenchError, require
 
 Floats = NDArray[np.float64]
@@ -49,7 +46,7 @@ def write_recording(path: Path, time: Floats, speed: Floats) -> None:
     """
     columns = {"time_s": time, "speed_rps": speed}
     frame = pd.DataFrame(columns)
-    with whole(path) as temporary:
+    with replacing(path) as temporary:
         if path.suffix.lower() == ".csv":
             header = ",".join(columns)
             np.savetxt(temporary, frame.to_numpy(), delimiter=",", header=header, comments="", fmt=["%.6f", "%.10g"])
@@ -57,25 +54,3 @@ def write_recording(path: Path, time: Floats, speed: Floats) -> None:
             frame.to_excel(temporary, index=False)
         else:
             frame.to_parquet(temporary, engine="pyarrow", index=False)
-
-
-@contextmanager
-def whole(path: Path) -> Iterator[Path]:
-    """Give a place beside ``path`` for a file or folder, which takes its place once it is whole.
-
-    After an error nothing is left of it, and what was at ``path`` is there still.
-
-    Raises:
-        BenchError: where it cannot be written.
-    """
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.tmp{path.suffix}")
-    try:
-        yield temporary
-        if temporary.is_dir() and path.is_dir():
-            shutil.rmtree(path)
-        temporary.replace(path)
-    except OSError as error:
-        raise BenchError(f"{path} cannot be written: {error.strerror or error}") from error
-    finally:
-        with suppress(OSError):
-            shutil.rmtree(temporary) if temporary.is_dir() else temporary.unlink(missing_ok=True)

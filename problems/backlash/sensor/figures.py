@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, MultipleLocator
 from numpy.typing import NDArray
 
+from bench.atomic import replacing
 from bench.errors import BenchError
 from bench.plots import style
 from bench.text import file_name, unique
-from problems.backlash.joint.writing import whole
 from problems.backlash.sensor.batch import Estimated
 from problems.backlash.sensor.calibration_files import Series
 from problems.backlash.sensor.estimate import Estimate, Settings
@@ -208,7 +208,7 @@ def _legend(figure: Figure) -> None:
 
 
 def _save(figure: Figure, path: Path) -> Path:
-    with whole(path) as temporary:
+    with replacing(path) as temporary:
         temporary.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(temporary, metadata=METADATA[path.suffix.lower()])
     return path

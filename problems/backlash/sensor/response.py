@@ -6,7 +6,7 @@
 The peak of a disturbance is that of an impact's first swing; a fit is a damped sine through all that follows. On the
 default joint the peak is 7 % above the mean |A| at the small gaps and 2 % below it at 0.0037 rad, and where the samples
 fall between two of the motor's moments moves |A| by 1 to 3 % (standard deviation). The root of the oscillation's energy
-(:func:`~problems.backlash.signature.model.strength`) moves by 0.4 to 1 % only, so it is what a calibration goes by. Without
+(:func:`~problems.backlash.signature.model.strength`) moves by 0.4 to 1 % only, so a calibration goes by it. Without
 backlash it is the load's own gravity ripple that is fitted.
 
 The recordings of a half-gap differ in their start within a load turn and in where their samples fall, evenly. They are

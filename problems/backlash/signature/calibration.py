@@ -24,10 +24,10 @@ import tomli_w
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from bench.atomic import replacing
 from bench.errors import BenchError, nearest
 from problems.backlash.joint import Joint, half_gap
 from problems.backlash.joint.parameter_files import described
-from problems.backlash.joint.writing import whole
 from problems.backlash.signature import LEVELS
 from problems.backlash.signature.datasets import DEFAULT, simulated
 
@@ -169,7 +169,7 @@ class Calibration:
         if self.fitted is not None and self.scatter is not None:
             content |= {"fitted_rpm": self.fitted.tolist(), "scatter_rpm": self.scatter.tolist()}
         remark = f"# {self.formula()}\n" if self.method == "cubic" else ""
-        with whole(Path(path)) as temporary:
+        with replacing(Path(path)) as temporary:
             temporary.write_text(
                 f"# {command}\n"
                 "# The half-gap of a joint by the amplitude of the disturbance it makes.\n"

@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from platformdirs import user_cache_dir
 
+from bench.atomic import replacing
+from bench.errors import BenchError
 from problems.backlash.joint import Joint, half_gap, simulate
 from problems.backlash.joint import parameters as joint_parameters
 from problems.backlash.joint import simulator as joint_simulator
@@ -98,8 +100,7 @@ def _read(path: Path) -> dict[str, Floats] | None:
 
 def _write(path: Path, arrays: dict[str, Floats]) -> None:
     """Write a cache file at once, so that two workers cannot see each other's half; a read-only cache is no error."""
-    temporary = path.with_name(f"{path.stem}.{os.getpid()}.tmp.npz")
-    with suppress(OSError):
+    with suppress(OSError, BenchError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        np.savez(temporary, allow_pickle=False, digest=np.array(_digest(arrays)), **arrays)
-        temporary.replace(path)
+        with replacing(path) as temporary:
+            np.savez(temporary, allow_pickle=False, digest=np.array(_digest(arrays)), **arrays)

@@ -12,9 +12,9 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from bench.atomic import replacing
 from bench.plots import style
 from problems.backlash.joint import Joint, half_gap, simulate
-from problems.backlash.joint.writing import whole
 from problems.backlash.signature import LEVELS
 from problems.backlash.signature.calibration import EQUATION_4_7, Calibration
 from problems.backlash.signature.datasets import DEFAULT, simulated
@@ -36,7 +36,7 @@ def save_figures(folder: Path, joint: Joint, calibration: Calibration) -> list[P
             ("levels", levels(joint)),
         ):
             path = folder / f"{name}.svg"
-            with whole(path) as temporary:
+            with replacing(path) as temporary:
                 folder.mkdir(parents=True, exist_ok=True)
                 FigureCanvasSVG(figure).print_svg(temporary, metadata={"Date": None})  # type: ignore[no-untyped-call]
             paths.append(path)

@@ -154,10 +154,10 @@ def test_resuming_with_other_versions_warns(bench_here, copied):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--timeout", "0"], "the timeout of a trial must be more than 0 seconds"),
-        (["--timeout", "-3"], "the timeout of a trial must be more than 0 seconds"),
-        (["--memory", "0"], "the memory of a trial must be more than 0 gigabytes"),
-        (["--memory", "nan"], "the memory of a trial must be more than 0 gigabytes"),
+        (["--timeout", "0"], "the timeout of a trial must be a positive number of seconds"),
+        (["--timeout", "-3"], "the timeout of a trial must be a positive number of seconds"),
+        (["--memory", "0"], "the memory of a trial must be a positive number of gigabytes"),
+        (["--memory", "nan"], "the memory of a trial must be a positive number of gigabytes"),
         (["--shard", "3"], "as in 3/20"),
         (["--backend", "dask"], "needs --scheduler"),
         (["--scheduler", "tcp://localhost:1"], "no other backend takes one"),

@@ -100,21 +100,6 @@ def test_a_missing_file_is_said(tmp_path):
         load_joint(tmp_path / "none.toml")
 
 
-@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), ValueError("no")])
-def test_after_an_error_nothing_is_left_and_the_old_file_is_there(tmp_path, error):
-    def fail(path):
-        with writing.whole(path) as temporary:
-            temporary.write_text("half")
-            raise error
-
-    path = tmp_path / "a.csv"
-    path.write_text("old")
-    with pytest.raises(ValueError, match=r"a.csv cannot be written: No space left|^no$"):
-        fail(path)
-    assert [each.name for each in tmp_path.iterdir()] == ["a.csv"]
-    assert path.read_text() == "old"
-
-
 def test_parquet_without_pyarrow_is_said_before_any_work(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(BenchError, match=r"needs pyarrow; install it with: pip install 'backlash-bench\[parquet\]'"):

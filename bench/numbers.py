@@ -1,0 +1,54 @@
+"""Checks of the numbers that users give: one sentence for what is no number or out of its range."""
+
+from __future__ import annotations
+
+import math
+from numbers import Integral, Real
+from typing import Any
+
+from bench.errors import BenchError
+
+
+def is_whole(value: object) -> bool:
+    """Return whether the value is a whole number; True and False are none."""
+    return isinstance(value, Integral) and not isinstance(value, bool)
+
+
+def is_finite(value: object) -> bool:
+    """Return whether the value is a finite number; True and False are none."""
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def require_whole(
+    what: str, value: Any, minimum: int | None = None, maximum: int | None = None, *, also: str = ""
+) -> None:
+    """Raise BenchError unless the value is a whole number within the closed range.
+
+    Args:
+        what: the begin of the sentence, such as ``"the seed"``.
+        value: what the user gave.
+        minimum: the smallest number allowed, None for no limit.
+        maximum: the largest number allowed, None for no limit; it needs a minimum.
+        also: what else is allowed, such as ``", or -1 for every core"``.
+    """
+    low, high = -math.inf if minimum is None else minimum, math.inf if maximum is None else maximum
+    if not is_whole(value) or not low <= value <= high:
+        span = (
+            "" if minimum is None else f" of at least {minimum}" if maximum is None else f" from {minimum} to {maximum}"
+        )
+        raise BenchError(f"{what} must be a whole number{span}{also}, not {value!r}")
+
+
+def require_positive(what: str, value: Any, maximum: float = math.inf, *, unit: str = "") -> None:
+    """Raise BenchError unless the value is a finite number above 0 and at most ``maximum``.
+
+    Args:
+        what: the begin of the sentence, such as ``"the timeout of a trial"``.
+        value: what the user gave.
+        maximum: the largest number allowed.
+        unit: the unit of the number, such as ``"seconds"``.
+    """
+    if not is_finite(value) or not 0 < value <= maximum:
+        limit = "" if math.isinf(maximum) else f" of at most {maximum:g}"
+        units = f" of {unit}" if unit else ""
+        raise BenchError(f"{what} must be a positive number{units}{limit}, not {value!r}")
