@@ -11,7 +11,7 @@ import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import tomli_w
 
@@ -36,6 +36,18 @@ class Entry:
         """Return the entry as it stands in a study file."""
         label = {} if self.label == self.name else {"label": self.label}
         return {"name": self.name, **label, **self.options}
+
+
+class Fingerprints(NamedTuple):
+    """What decides a study's results beside its text.
+
+    Attributes:
+        data: the hash of every problem's data, by label; "" where the problem's name says it all.
+        code: the hash of every optimizer's file, by label; installed optimizers have none.
+    """
+
+    data: dict[str, str]
+    code: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -130,11 +142,8 @@ class Study:
         entry = _named(self.optimizers, label, "optimizer", self.name)
         return loading.load_optimizer(entry.name, **entry.options)
 
-    def check(self) -> tuple[dict[str, str], dict[str, str]]:
+    def check(self) -> Fingerprints:
         """Load every problem and optimizer once and check the budget against the largest generation.
-
-        Returns:
-            the fingerprints of every problem's data and of every optimizer's code, by label.
 
         Raises:
             BenchError: for the first name, parameter, recording or budget that cannot work.
@@ -143,8 +152,9 @@ class Study:
         for entry in self.optimizers:
             optimizer = self.optimizer(entry.label)
             optimizer.check_budget(self.budget, entry.label)
-            code[entry.label] = optimizer.fingerprint
-        return {entry.label: self.problem(entry.label).fingerprint() for entry in self.problems}, code
+            if optimizer.fingerprint:
+                code[entry.label] = optimizer.fingerprint
+        return Fingerprints({entry.label: self.problem(entry.label).fingerprint() for entry in self.problems}, code)
 
     def plan(self) -> Iterator[Trial]:
         """Yield every trial of the study in randomised complete blocks: one trial of each cell, in an order by chance.

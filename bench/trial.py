@@ -15,7 +15,10 @@ FRAME_COLUMNS = (
     "study", "problem", "optimizer", "trial", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s",
     "stop", "outside_box", "error",
 )  # fmt: skip
-"""The tidy frame's own columns; one ``x_<variable>`` each and the problem's domain figures follow."""
+"""The tidy frame's own columns; one ``x_<variable>`` each and the problem's domain metrics follow."""
+
+Row = dict[str, Any]
+"""A trial's columns by name, as :func:`as_row` makes them and :mod:`bench.storage.store` keeps them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +50,7 @@ class Result:
         objective_time: wall seconds inside the problem's evaluate; the optimizer's overhead is ``time`` less this.
         stop: ``"budget"``, or the reason the optimizer declared, or ``"undeclared"`` when it returned early in silence.
         outside_box: evaluations spent outside the box.
-        figures: the problem's domain figures of ``x``.
+        metrics: the problem's domain metrics of ``x``.
         seed: the seed that repeats the trial.
     """
 
@@ -60,7 +63,7 @@ class Result:
     objective_time: float
     stop: str
     outside_box: int
-    figures: dict[str, float]
+    metrics: dict[str, float]
     seed: int
 
     @property
@@ -111,7 +114,7 @@ def search(
         objective_time=objective.seconds,
         stop=stop,
         outside_box=objective.outside_box,
-        figures=problem.describe(objective.best_point),
+        metrics=problem.describe(objective.best_point),
         seed=seed,
     )
 
@@ -120,13 +123,13 @@ def as_row(result: Result, variables: tuple[str, ...]) -> dict[str, Any]:
     """Return the result as the columns of its store row (see bench.storage.store).
 
     Raises:
-        ValueError: when the problem's variables or domain figures make no columns: not one name a variable, a name
-            twice or one of the frame's own, a figure that is no number.
+        ValueError: when the problem's variables or domain metrics make no columns: not one name a variable, a name
+            twice or one of the frame's own, a metric that is no number.
     """
     if len(set(variables)) != len(result.x):
         raise ValueError(f"the problem names {len(set(variables))} different variables for {len(result.x)} dimensions")
-    figures = {str(name): float(value) for name, value in dict(result.figures).items()}
-    reserved = sorted(name for name in figures if name in FRAME_COLUMNS or name.startswith("x_"))
+    metrics = {str(name): float(value) for name, value in dict(result.metrics).items()}
+    reserved = sorted(name for name in metrics if name in FRAME_COLUMNS or name.startswith("x_"))
     if reserved:
         raise ValueError(f"the problem's describe() uses a name of the tidy frame: {reserved[0]!r}")
     return {
@@ -139,6 +142,6 @@ def as_row(result: Result, variables: tuple[str, ...]) -> dict[str, Any]:
         "stop": result.stop,
         "outside_box": result.outside_box,
         "x": dict(zip(variables, result.x.tolist(), strict=True)),
-        "figures": figures,
+        "figures": metrics,  # the column of stores since the first version
         "trace": result.trace,
     }

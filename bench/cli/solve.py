@@ -44,12 +44,12 @@ def solve(
 
 
 def show_result(result: Result, problem: Problem, console: Console) -> None:
-    """Print one run's best value, point, domain figures and times."""
+    """Print one run's best value, point, domain metrics and times."""
     table = Table(show_header=False, box=None, pad_edge=False)
     table.add_row("best value", repr(result.fun))
     for name, value in zip(problem.variables, result.x, strict=True):
         table.add_row(Text(f"  {name}"), f"{value:.10g}")
-    for name, value in result.figures.items():
+    for name, value in result.metrics.items():
         table.add_row(Text(name), f"{value:.6g}")
     table.add_row("evaluations", f"{result.nfev} (stopped by: {result.stop})")
     table.add_row(

@@ -13,16 +13,15 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from math import inf
-from threading import Event, Lock, Thread, get_ident
-from time import monotonic, sleep
+from threading import Event, Thread
+from time import monotonic
 from typing import Any
 from uuid import uuid4
 
 from joblib.parallel import ParallelBackendBase
 
 from bench.errors import BenchError, require
-from bench.execution import supervisor
+from bench.execution.dask_worker import LOOK, rest, work
 from bench.execution.pool import Answer, Pool, WorkerDiedError
 from bench.execution.supervisor import Task
 from bench.storage import provenance
@@ -31,8 +30,6 @@ from bench.trial import Trial
 CONNECT = 10.0  # seconds that a scheduler has to answer
 ARRIVE = 20.0  # seconds that the first worker has to arrive
 RETURN = 600.0  # seconds that a cluster may be without any worker before a run gives up
-LOOK = 1.0  # seconds between looks at what is going on
-IDLE = 60.0  # seconds after which trial processes end that have nothing to do
 BATCH, MOST = 0.5, 100  # seconds of a thread, and trials, that travel together
 AHEAD = 500  # batches under way at least, so that workers which come later find something to do
 
@@ -57,7 +54,7 @@ def cluster(scheduler: str) -> Iterator[Pool]:
         client = _connect(distributed.Client, scheduler)
         try:
             jobs = _wait_for_workers(client, scheduler)
-            _refuse_strangers(client)
+            _refuse_other_versions(client)
             pool = Cluster(client, scheduler, jobs)
             try:
                 yield pool
@@ -82,14 +79,14 @@ class Cluster(Pool):
         from distributed.comm import CommClosedError
 
         self._client, self._scheduler = client, scheduler
-        self._hands = _Hands(client, jobs)
-        super().__init__(jobs, backend=self._hands)
-        self.work, self.window, self.deaths = work, max(3 * jobs, AHEAD), (KilledWorker,)
+        self._futures = _Futures(client, jobs)
+        super().__init__(jobs, max(3 * jobs, AHEAD), backend=self._futures)
+        self.work, self.deaths = work, (KilledWorker,)
         self._gone = (CancelledError, CommClosedError)
 
     def close(self) -> None:
         """Wait for nothing any more."""
-        self._hands.close()
+        self._futures.close()
 
     def _map(self, task: Task, trials: Iterable[Trial]) -> Iterator[Answer]:
         ended = Event()
@@ -100,7 +97,7 @@ class Cluster(Pool):
         except self._gone as error:
             raise self._lost("is gone, or has dropped this run") from error
         except (BenchError, ImportError):  # a worker that came later
-            _refuse_strangers(self._client)
+            _refuse_other_versions(self._client)
             raise
         finally:
             ended.set()
@@ -111,12 +108,12 @@ class Cluster(Pool):
         seen = monotonic()
         while not ended.wait(LOOK):
             if self._client.status != "running":
-                return self._hands.fail(self._lost("is gone"))
+                return self._futures.fail(self._lost("is gone"))
             with suppress(Exception):  # a scheduler that is gone is seen above
                 if threads := sum(self._client.nthreads().values()):
-                    seen, self._hands.threads = monotonic(), threads
+                    seen, self._futures.threads = monotonic(), threads
             if monotonic() - seen > RETURN:
-                return self._hands.fail(self._lost(f"has had no workers for {RETURN / 60:g} minutes"))
+                return self._futures.fail(self._lost(f"has had no workers for {RETURN / 60:g} minutes"))
         return None
 
     def _lost(self, what: str) -> WorkerDiedError:
@@ -126,7 +123,7 @@ class Cluster(Pool):
         )
 
 
-class _Hands(ParallelBackendBase):  # type: ignore[misc]
+class _Futures(ParallelBackendBase):  # type: ignore[misc]
     """What joblib asks of a backend, by dask's futures."""
 
     supports_retrieve_callback = True
@@ -250,7 +247,7 @@ def _wait_for_workers(client: Any, scheduler: str) -> int:
     return int(threads)
 
 
-def _refuse_strangers(client: Any) -> None:
+def _refuse_other_versions(client: Any) -> None:
     """Raise BenchError where a worker runs another package than this process."""
     own = provenance.package()
 
@@ -287,80 +284,3 @@ def _quiet() -> Iterator[None]:
     finally:
         for logger, level in levels.items():
             logger.setLevel(level)
-
-
-# in a worker
-
-
-def work(task: Task, trial: Trial) -> Answer:
-    """Have one trial made by a process of this thread's own, for as long as somebody waits for it.
-
-    Dask cannot end what a thread is at. When the parent has let go, was killed or has lost the scheduler, the trial's
-    process is ended here, and so are those that have had nothing to do for a while.
-
-    Raises:
-        CancelledError: when nobody waits.
-        BenchError: as :func:`bench.execution.supervisor.work`.
-    """
-    from distributed import get_worker
-
-    worker = get_worker()
-    key = worker.get_current_task()
-
-    def is_wanted() -> bool:
-        state = worker.state.tasks.get(key)
-        return state is not None and state.state == "executing"
-
-    _desk.begin(is_wanted)
-    try:
-        return supervisor.work(task, trial)
-    finally:
-        _desk.end()
-
-
-def rest() -> None:
-    """End the trial processes of this worker soon, unless there is something to do for them."""
-    _desk.rest()
-
-
-class _Desk:
-    """What the threads of this worker are at."""
-
-    def __init__(self) -> None:
-        self._lock, self._busy, self._used = Lock(), dict[int, Callable[[], bool]](), 0.0
-        self._looking = False
-
-    def begin(self, is_wanted: Callable[[], bool]) -> None:
-        """Note that this thread has a trial made."""
-        with self._lock:
-            if not is_wanted():
-                raise CancelledError
-            self._busy[get_ident()] = is_wanted
-            if not self._looking:
-                self._looking = True
-                Thread(target=self._look, daemon=True).start()
-
-    def end(self) -> None:
-        """Note that it is done."""
-        with self._lock:
-            del self._busy[get_ident()]
-            self._used = monotonic()
-
-    def rest(self) -> None:
-        """Note that there may be no more to do."""
-        self._used = -inf
-
-    def _look(self) -> None:
-        """End trial processes that nobody waits for, until all threads are idle."""
-        while self._looking:
-            sleep(LOOK)
-            with self._lock:
-                if self._busy:
-                    if not any(is_wanted() for is_wanted in self._busy.values()):
-                        supervisor.close()  # as often as it takes: a trial whose process is killed is begun once more
-                elif monotonic() - self._used > IDLE:
-                    supervisor.close()
-                    self._looking = False
-
-
-_desk = _Desk()

@@ -11,14 +11,15 @@ from pathlib import Path
 from typing import Any
 
 from bench.execution import supervisor
+from bench.execution.backends import open_pool
 from bench.execution.interrupts import Interrupts, deferred
 from bench.execution.plan import Plan, Shard
-from bench.execution.pool import Answer, open_pool
+from bench.execution.pool import Answer
 from bench.execution.supervisor import Task
 from bench.numbers import require_positive, require_whole
 from bench.storage import provenance
 from bench.storage.folder import Folder
-from bench.study import Study
+from bench.study import Fingerprints, Study
 from bench.trial import Trial
 
 Listener = Callable[[Trial, dict[str, Any]], None]
@@ -70,22 +71,20 @@ def run(
         KeyboardInterrupt: on Ctrl-C, once what has finished is committed.
     """
     _check_limits(n_jobs, timeout, memory)
-    part = Shard.parse(shard) if shard is not None else None
-    study = study if isinstance(study, Study) else Study.load(study)
+    part, study = _part(shard), _study(study)
     folder = _folder(study, output)
     with deferred() as interrupts, ExitStack() as held:
         with interrupts.welcome():  # plug-ins or a cluster may keep one waiting
             held.callback(supervisor.close)
-            data, code = supervisor.check(Task(study.to_toml()), keep=n_jobs == 1)
+            found = prepare(study, folder, keep=n_jobs == 1)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
         held.enter_context(folder.lock())
         study = folder.claim(study)
-        folder.check_data(data)
-        folder.check_code(code)
+        folder.note_fingerprints(found)
         plan = _plan(study, folder, part)
         if on_plan is not None:
             on_plan(plan)
-        about = provenance.run(study, data, code, pool.jobs, backend, timeout=timeout, shard=shard)
+        about = provenance.run(study, found, pool.jobs, backend, timeout=timeout, shard=shard)
         task = Task(study.to_toml(), timeout, _bytes(memory, pool.jobs, backend))
         made = _make(plan, folder, pool.answers(task, plan.missing), about, interrupts, on_trial)
         return Outcome(folder.path, made, sum(cell.lost for cell in folder.store.cells()))
@@ -99,12 +98,35 @@ def plan(
     Raises:
         BenchError: for a study that cannot be run, or a folder that holds another one.
     """
-    part = Shard.parse(shard) if shard is not None else None
-    study = study if isinstance(study, Study) else Study.load(study)
-    data, code = supervisor.check(Task(study.to_toml()))
+    part, study = _part(shard), _study(study)
     folder = _folder(study, output)
-    folder.refuse_changes(data, code)
+    prepare(study, folder)
     return _plan(folder.extended(study), folder, part)
+
+
+def prepare(study: Study, folder: Folder, *, keep: bool = False) -> Fingerprints:
+    """Load a study's plug-ins and return the fingerprints of its data and code, which must be those of its folder.
+
+    Args:
+        study: the study to run, or to repeat trials of.
+        folder: the study's folder, which may be empty.
+        keep: whether the process that loaded the plug-ins stays for trials made here (:func:`supervisor.check`).
+
+    Raises:
+        BenchError: for a study that cannot be run, and a folder that holds another study, other data or other code.
+    """
+    folder.extended(study)
+    found = supervisor.check(Task(study.to_toml()), keep=keep)
+    folder.refuse_changes(found)
+    return found
+
+
+def _part(shard: str | None) -> Shard | None:
+    return None if shard is None else Shard.parse(shard)
+
+
+def _study(study: Study | str | PathLike[str]) -> Study:
+    return study if isinstance(study, Study) else Study.load(study)
 
 
 def _folder(study: Study, output: str | PathLike[str] | None) -> Folder:

@@ -12,11 +12,12 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.execution import trial_process
-from bench.execution.trial_process import Row, failed
+from bench.execution.trial_process import failed
 from bench.sandbox.process import DiedError, MemoryExceededError, Process, RemoteError, SilentError
 from bench.sandbox.server import UNANSWERABLE
 from bench.storage import provenance
-from bench.trial import Trial
+from bench.study import Fingerprints
+from bench.trial import Row, Trial
 
 LOADING = 20.0  # seconds beside the limit of a trial that may pass between two imports of a plug-in
 WARMING = 3.0  # seconds, at least, that a warm-up may take, imports and compilation aside
@@ -61,7 +62,7 @@ def work(task: Task, trial: Trial) -> tuple[Trial, Row, str]:
     return trial, keeper.make(trial), keeper.machine()
 
 
-def check(task: Task, *, keep: bool = False) -> tuple[dict[str, str], dict[str, str]]:
+def check(task: Task, *, keep: bool = False) -> Fingerprints:
     """Return what :meth:`bench.study.Study.check` does, without loading a plug-in into this process.
 
     Args:
@@ -86,8 +87,7 @@ def check(task: Task, *, keep: bool = False) -> tuple[dict[str, str], dict[str, 
             close()
     if isinstance(found, str):
         raise BenchError(found)
-    data, code = found
-    return data, code
+    return Fingerprints(*found)
 
 
 def require(package: str) -> None:

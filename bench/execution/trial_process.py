@@ -22,16 +22,14 @@ from bench.sandbox.messages import spell
 from bench.sandbox.process import Pulse
 from bench.sandbox.side_effects import Leftovers
 from bench.storage import provenance
-from bench.study import Study
+from bench.study import Fingerprints, Study
 from bench.text import printable
-from bench.trial import Trial, as_row, search
+from bench.trial import Row, Trial, as_row, search
 
 STILL_ASKING = 87
 """The exit code of a process that an optimizer held up, asking on and on after its budget was spent."""
 
 _REFUSALS = 10  # one is all that an optimizer needs to see
-
-Row = dict[str, Any]
 
 
 def failed(reason: str) -> Row:
@@ -39,7 +37,7 @@ def failed(reason: str) -> Row:
     return {"status": "failed", "error": printable(reason, 4000)}
 
 
-def check(study_text: str, *, pulse: Pulse) -> tuple[dict[str, str], dict[str, str]] | str:
+def check(study_text: str, *, pulse: Pulse) -> Fingerprints | str:
     """Return what :meth:`bench.study.Study.check` does, or in words why the study cannot be run.
 
     Pulses while modules are imported.

@@ -10,15 +10,14 @@ from os import PathLike
 from joblib import cpu_count
 
 from bench.errors import BenchError
-from bench.execution import supervisor
-from bench.execution.pool import open_pool
+from bench.execution.backends import open_pool
+from bench.execution.runner import prepare
 from bench.execution.supervisor import Task
-from bench.execution.trial_process import Row
 from bench.numbers import require_whole
 from bench.storage import provenance
 from bench.storage.folder import Folder
 from bench.storage.store import Keys, Store, disagreement, stored
-from bench.trial import Trial
+from bench.trial import Row, Trial
 
 HASH_SEED = 4242  # a run's processes have 0
 
@@ -78,9 +77,8 @@ def verify(
     """
     folder = Folder(path)
     study = folder.study()
-    data, code = supervisor.check(Task(study.to_toml()))
+    prepare(study, folder)
     chosen = _chosen(folder, trials, study.seed)
-    folder.refuse_changes(data, code)
     jobs = n_jobs or _other_number(folder)
     noted = Keys()
     different: dict[Trial, str] = {}

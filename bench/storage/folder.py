@@ -18,7 +18,7 @@ from bench.atomic import replacing
 from bench.errors import BenchError
 from bench.storage import provenance
 from bench.storage.store import Store
-from bench.study import Study
+from bench.study import Fingerprints, Study
 
 STUDY = "study.toml"
 ENVIRONMENT = "environment.json"
@@ -28,7 +28,7 @@ CHECKS = "checks.json"
 VERIFICATION = "verification.json"
 RUNNING = ".running.json"
 
-_TOLD = {DATA: ("data of problem", "data sets"), CODE: ("code of optimizer", "versions")}
+_CHANGED = (("data of problem", "data sets"), ("code of optimizer", "versions"))
 _REMOVED = dict.fromkeys((DATA, CODE), ": the store, too, notes what its trials were made with")
 _CLOCKS = 2.0  # seconds by which two ways of telling the time of one moment may differ
 
@@ -91,53 +91,36 @@ class Folder:
         self._write(STUDY, study.to_toml())
         return study
 
-    def fingerprints(self) -> dict[str, str]:
-        """Return the noted fingerprints of the problems' data, by label; raises BenchError where they are damaged."""
-        return self._fingerprints(DATA)
-
-    def code(self) -> dict[str, str]:
-        """Return those of the optimizers that come from a file, by label; raises BenchError where they are damaged."""
-        return self._fingerprints(CODE)
-
-    def check_data(self, fingerprints: dict[str, str]) -> None:
-        """Note the fingerprints of the problems' data, by label, and refuse data that changed under a study.
+    def fingerprints(self) -> Fingerprints:
+        """Return what the folder notes of its problems' data and its optimizers' files.
 
         Raises:
-            BenchError: when a problem's data is not what the folder's trials were made with.
+            BenchError: where the notes are damaged.
         """
-        self._check(DATA, fingerprints)
+        return Fingerprints(self._fingerprints(DATA), self._fingerprints(CODE))
 
-    def check_code(self, fingerprints: dict[str, str]) -> None:
-        """Note the fingerprints of optimizers that come from a file, by label, and refuse an edited one.
+    def note_fingerprints(self, found: Fingerprints) -> None:
+        """Note the fingerprints of data and code; refuse changed ones as :meth:`refuse_changes` does."""
+        noted = self.refuse_changes(found)
+        for file, before, now in zip((DATA, CODE), noted, found, strict=True):
+            if now:
+                self._write(file, json.dumps(before | now, indent=1))
 
-        Raises:
-            BenchError: when an optimizer's code is not what the folder's trials were made with.
-        """
-        if known := {label: fingerprint for label, fingerprint in fingerprints.items() if fingerprint}:
-            self._check(CODE, known)
-
-    def refuse_changes(self, data: dict[str, str], code: dict[str, str]) -> None:
-        """Refuse data and code that are not what the folder's trials were made with, as a run does, and note nothing.
+    def refuse_changes(self, found: Fingerprints) -> Fingerprints:
+        """Return the noted fingerprints; refuse data and code that differ from what made the folder's trials.
 
         Raises:
             BenchError: for a problem or an optimizer that changed.
         """
-        self._refuse(DATA, data)
-        self._refuse(CODE, code)
-
-    def _check(self, file: str, fingerprints: dict[str, str]) -> None:
-        before = self._refuse(file, fingerprints)
-        self._write(file, json.dumps(before | fingerprints, indent=1))
-
-    def _refuse(self, file: str, fingerprints: dict[str, str]) -> dict[str, Any]:
-        before, (what, kinds) = self._fingerprints(file), _TOLD[file]
-        for label, fingerprint in fingerprints.items():
-            if before.get(label, fingerprint) != fingerprint:
-                raise BenchError(
-                    f"the {what} {label!r} changed since {self.path} was begun, and its trials would mix two {kinds}; "
-                    "put it back or give another --output"
-                )
-        return before
+        noted = self.fingerprints()
+        for (what, kinds), before, now in zip(_CHANGED, noted, found, strict=True):
+            for label, fingerprint in now.items():
+                if before.get(label, fingerprint) != fingerprint:
+                    raise BenchError(
+                        f"the {what} {label!r} changed since {self.path} was begun, and its trials would mix two "
+                        f"{kinds}; put it back or give another --output"
+                    )
+        return noted
 
     def _fingerprints(self, file: str) -> dict[str, str]:
         """Return what a file notes by label; where it is missing, what the store's environments say instead."""

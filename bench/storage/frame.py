@@ -5,18 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 from itertools import islice
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from bench.errors import BenchError
-from bench.trial import FRAME_COLUMNS
+from bench.trial import FRAME_COLUMNS, Row
 
 COLUMNS = (*FRAME_COLUMNS, "environment")
 SLICE = 50_000  # rows whose values are Python objects at a time
-
-Row = dict[str, Any]
 
 
 def tidy(rows: Iterable[Row], problems: Sequence[str], optimizers: Sequence[str]) -> pd.DataFrame:

@@ -51,7 +51,7 @@ from threadpoolctl import threadpool_info
 
 from bench.errors import BenchError
 from bench.plugins import registry
-from bench.study import Study
+from bench.study import Fingerprints, Study
 from bench.text import printable, unique
 
 PACKAGES = (registry.DISTRIBUTION, "numpy", "scipy", "numba", "cma", "joblib", "pandas")
@@ -91,8 +91,7 @@ def machine(plugins: Sequence[str] = ()) -> dict[str, Any]:
 
 def run(
     study: Study,
-    data: dict[str, str],
-    code: dict[str, str],
+    fingerprints: Fingerprints,
     jobs: int,
     backend: str,
     *,
@@ -103,8 +102,7 @@ def run(
 
     Args:
         study: what is run.
-        data: the hash of every problem's data, by label.
-        code: the hash of every optimizer's file, by label, "" for one without.
+        fingerprints: of its problems' data and its optimizers' files.
         jobs: trials at a time.
         backend: what distributes them.
         timeout: the limit of a trial in seconds.
@@ -117,8 +115,8 @@ def run(
         "jobs": jobs,
         "backend": backend,
         "study": study.identity(),
-        "data": data,
-        "code": {label: value for label, value in code.items() if value},
+        "data": fingerprints.data,
+        "code": fingerprints.code,
         "timeout": timeout,
         "shard": shard,
     }

@@ -64,7 +64,7 @@ class Results:
         self.names = [source.name for source in self._sources]
         self.study = _united([source.study for source in self._sources])
         self.environments = [record for source in self._sources for record in source.environments]
-        self.fingerprints = _agreed([source.folder.fingerprints() for source in self._sources], self.paths)
+        self.fingerprints = _agreed([source.folder.fingerprints().data for source in self._sources], self.paths)
         self.checks = {
             source.shown[label]: noted
             for source in self._sources

@@ -1,7 +1,7 @@
 import threading
 import time
 
-from bench.execution.pool import open_pool
+from bench.execution.backends import open_pool
 
 
 def test_threads_that_feed_workers_have_ended_when_the_pool_has():

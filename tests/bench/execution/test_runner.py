@@ -9,6 +9,7 @@ import pytest
 
 from bench import BenchError, Results, Study, load_results, run, solve
 from bench.storage.folder import Folder
+from bench.study import Fingerprints
 
 TIMES = ["wall_s", "cpu_s", "objective_s"]
 
@@ -153,7 +154,7 @@ def test_a_damaged_file_of_a_folder_is_never_passed_over(small_study, file, cont
     folder.claim(small_study)
     (tmp_path / file).write_text(content, encoding="latin-1")
     uses = {
-        "data.json": lambda: folder.check_data({"sphere-2": "f0"}), "code.json": lambda: folder.check_code({"a": "f0"}),
+        "data.json": folder.fingerprints, "code.json": folder.fingerprints,
         "verification.json": folder.verification, "checks.json": folder.checks,
         "study.toml": lambda: folder.claim(small_study),
     }  # fmt: skip
@@ -173,13 +174,13 @@ def test_what_a_missing_note_said_is_known_from_the_store(small_study, tmp_path)
         writer.change(1, record | changed)
     for file in ("data.json", "code.json", "environment.json"):
         (tmp_path / file).unlink(missing_ok=True)
-    assert (folder.fingerprints(), folder.code()) == ({"sphere-2": "f00"}, {"scatter": "ba7"})
+    assert folder.fingerprints() == ({"sphere-2": "f00"}, {"scatter": "ba7"})
     with pytest.raises(BenchError, match="the data of problem 'sphere-2' changed since"):
-        folder.check_data({"sphere-2": "f01"})
+        folder.note_fingerprints(Fingerprints({"sphere-2": "f01"}, {}))
     with pytest.raises(BenchError, match="the code of optimizer 'scatter' changed since"):
-        folder.check_code({"scatter": "f01"})
-    folder.check_data({"sphere-2": "f00", "sphere-3": "new"})
-    assert folder.fingerprints() == {"sphere-2": "f00", "sphere-3": "new"}
+        folder.note_fingerprints(Fingerprints({}, {"scatter": "f01"}))
+    folder.note_fingerprints(Fingerprints({"sphere-2": "f00", "sphere-3": "new"}, {}))
+    assert folder.fingerprints().data == {"sphere-2": "f00", "sphere-3": "new"}
 
 
 def test_the_copy_of_the_environments_is_written_anew(small_study, tmp_path):

@@ -12,6 +12,7 @@ import pytest
 
 from bench import load_optimizer, load_problem
 from bench.storage import provenance
+from bench.study import Fingerprints
 from bench.storage.provenance import differences, machine, modules, run
 
 RECORD = {
@@ -156,7 +157,7 @@ class TestCheckouts:
 class TestRun:
     def test_it_tells_of_the_study_and_how_it_was_asked_for(self, small_study, monkeypatch):
         monkeypatch.setattr(sys, "argv", ["/usr/bin/bench", "run", "my study.toml", "\udcff"])
-        told = run(small_study, {"p": "f00"}, {"a": "ba7", "b": ""}, 4, "loky", timeout=9.5, shard="1/2")
+        told = run(small_study, Fingerprints({"p": "f00"}, {"a": "ba7"}), 4, "loky", timeout=9.5, shard="1/2")
         assert shlex.split(told["command"]) == ["bench", "run", "my study.toml", "\N{REPLACEMENT CHARACTER}"]
         assert told["started"].endswith("+00:00")
         assert told["ended"] is None
@@ -167,14 +168,14 @@ class TestRun:
 
     def test_a_module_s_command_can_be_typed_again(self, small_study, monkeypatch):
         monkeypatch.setattr(sys, "argv", ["/somewhere/bench/__main__.py", "run", "thesis"])
-        assert run(small_study, {}, {}, 1, "loky")["command"] == "python -m bench run thesis"
+        assert run(small_study, Fingerprints({}, {}), 1, "loky")["command"] == "python -m bench run thesis"
 
     def test_it_has_no_name_in_common_with_a_machine(self, small_study):
-        assert not machine().keys() & run(small_study, {}, {}, 1, "loky").keys()
+        assert not machine().keys() & run(small_study, Fingerprints({}, {}), 1, "loky").keys()
 
     def test_every_key_is_documented(self, small_study):
         words = provenance.__doc__.replace(",", " ").split()
-        assert (machine() | run(small_study, {}, {}, 1, "loky")).keys() <= set(words)
+        assert (machine() | run(small_study, Fingerprints({}, {}), 1, "loky")).keys() <= set(words)
 
 
 class TestDifferences:
