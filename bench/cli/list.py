@@ -2,20 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
-from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
-
-from bench.errors import BenchError, nearest
-from bench.plugins import catalogue, registry
-
-KINDS = ("optimizers", "problems", "studies", "commands")
 
 
 def list_plugins(
@@ -27,112 +17,11 @@ def list_plugins(
     ] = False,
 ) -> None:
     """List what is installed: optimizers with lineage and parameters, problems, studies, commands."""
+    from rich.console import Console
+
+    from bench.cli.listing import records, show
+
     if as_json:
         print(json.dumps(records(kind), indent=1, default=str))
     else:
         show(kind, Console())
-
-
-def show(kind: str, console: Console) -> None:
-    """Print the plug-ins of a kind or of all, or the optimizers of a family; what fails to load shows its error."""
-    known = (*KINDS, "all")
-    # only a family's name takes the import of the optimizers
-    families = [] if kind in known else [e for e in registry.entries("optimizers") if registry.is_family(_loaded(e))]
-    if kind not in (*known, *families):
-        raise BenchError(f"unknown kind {kind!r}{nearest(kind, (*known, *families))}")
-    for each in KINDS if kind == "all" else (kind,):
-        table = Table("name", "what it is", title=each, title_justify="left", box=None, pad_edge=False)
-        if each in families:
-            members = registry.load("optimizers", each).names()
-            rows = _told_once([(name, _attempt(_optimizer, name)) for name in members], f"all of {each}")
-        else:
-            names = sorted(registry.entries(each))
-            rows = [(name, _attempt(_about, each, name, kind == "optimizers")) for name in names]
-        for name, (about, style) in rows:
-            table.add_row(Text(name, no_wrap=True), Text(about, style=style))
-        console.print(table, "")
-
-
-def records(kind: str) -> list[dict[str, Any]]:
-    """Return what is known of every optimizer, of families' members too, or of one family's, as JSON can hold it."""
-    known: list[dict[str, Any]] = []
-    for name in registry.entries("optimizers") if kind in ("optimizers", "all") else [kind]:
-        try:
-            plugin = registry.load("optimizers", name)
-            names = plugin.names() if registry.is_family(plugin) else [name]
-        except Exception as error:  # a stranger's plug-in may raise anything
-            known.append({"name": name, "error": str(error)})
-            continue
-        for member in names:
-            try:
-                known.append(dataclasses.asdict(catalogue.record(member)))
-            except Exception as error:
-                known.append({"name": member, "error": str(error)})
-    return known
-
-
-def _loaded(name: str) -> Any:
-    """Return an optimizer plug-in, None where it fails to load."""
-    try:
-        return registry.load("optimizers", name)
-    except BenchError:
-        return None
-
-
-def _told_once(rows: list[tuple[str, tuple[str, str]]], name: str) -> list[tuple[str, tuple[str, str]]]:
-    """Return the rows with the lines that all of them share in a first one, called ``name``."""
-    texts = [about.splitlines() for _, (about, _) in rows]
-    shared = [line for line in texts[0] if all(line in text for text in texts)] if len(texts) > 1 else []
-    own = ["\n".join(line for line in text if line not in shared) for text in texts]
-    told = [(member, (about, style)) for (member, (_, style)), about in zip(rows, own, strict=True)]
-    return [(name, ("\n".join(shared), "")), *told] if shared else told
-
-
-def _attempt(describe: Callable[..., str], *arguments: Any) -> tuple[str, str]:
-    """Return a description, or what went wrong, and its style."""
-    try:
-        return describe(*arguments), ""
-    except BenchError as error:
-        return str(error), "red"
-    except Exception as error:  # a stranger's plug-in may raise anything
-        return f"failed to load: {error}", "red"
-
-
-def _about(kind: str, name: str, members: bool) -> str:
-    """Return what a plug-in is: of an optimizer its lineage and parameters, of a family whom it stands for."""
-    plugin = registry.load(kind, name)
-    if kind == "optimizers":
-        return _family(name, plugin, members) if registry.is_family(plugin) else _optimizer(name)
-    if registry.is_family(plugin):
-        names = plugin.names()
-        return f"{names[0]} … {names[-1]}" if names else f"{name}:<name>"
-    if kind == "studies":
-        from bench.study import Study
-
-        return Study.load(name).title
-    return catalogue.first_line(plugin)
-
-
-def _family(name: str, plugin: Any, members: bool) -> str:
-    """Return what a family is; naming its members takes the import of its library."""
-    extra = f"\nextra: {plugin.extra}" if getattr(plugin, "extra", "") else ""
-    about = f"{catalogue.first_line(plugin)}\nloaded as {name}:<name>; 'bench list {name}' shows each{extra}"
-    if not members:
-        return about
-    try:
-        names = plugin.names()
-    except BenchError as error:
-        return f"{about}\n{error}"
-    return f"{about}\n{len(names)}: {', '.join(names)}"
-
-
-def _optimizer(name: str) -> str:
-    """Return an optimizer's lineage and parameters, a line each."""
-    known = catalogue.record(name)
-    lines = [known.about, *(f"paper: {paper}" for paper in known.paper)]
-    for title, text in (
-        ("code", known.code), ("parameters", ", ".join(map(str, known.parameters))), ("family", known.family),
-        ("extra", known.extra), ("package", known.package),
-    ):  # fmt: skip
-        lines += [f"{title}: {text}"] if text else []
-    return "\n".join([*lines, *(f"not mapped: {sentence}" for sentence in known.unmapped)])
