@@ -12,8 +12,8 @@ import pytest
 
 from bench import load_optimizer, load_problem
 from bench.storage import provenance
-from bench.study import Fingerprints
 from bench.storage.provenance import differences, machine, modules, run
+from bench.study import Fingerprints
 
 RECORD = {
     "packages": {"numpy": "2.4.6", "scipy": "1.17.1"},
