@@ -14,12 +14,11 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.problem import Floats
 from problems.backlash.joint.parameters import Joint
 
-Array = NDArray[np.float64]
 Value = Any  # a number or an array
 
 STEP = 5e-5  # s; the largest step taken where none is asked for
@@ -32,22 +31,22 @@ DEFAULT = Joint()
 class Trajectory:
     """The recorded motion at every integration step; arrays of shape (m,), m = duration / step + 1."""
 
-    time: Array
+    time: Floats
     """s, from 0."""
 
-    speed: Array
+    speed: Floats
     """True motor speed, rps."""
 
-    load_angle: Array
+    load_angle: Floats
     """theta_l, rad, without reduction to one turn; 0 hangs down."""
 
-    dtheta: Array
+    dtheta: Floats
     """Angle across the transmission, seen from the load, rad (eq. 4.1). The gap is open where |dtheta| < half_gap."""
 
-    domega: Array
+    domega: Floats
     """Speed across the transmission, seen from the load, rad/s (eq. 4.2)."""
 
-    load_torque: Array
+    load_torque: Floats
     """tau_l, the torque that the transmission applies to the load, N m (eq. 4.6)."""
 
 
@@ -55,10 +54,10 @@ class Trajectory:
 class Simulation:
     """What `simulate` returns."""
 
-    time: Array
+    time: Floats
     """(n,) sampling instants, s, from 0."""
 
-    speed: Array
+    speed: Floats
     """(n,) motor speed, rps: exact, or as the encoder gives it."""
 
     peak: float
@@ -79,7 +78,7 @@ def gap_torque(dtheta: Value, domega: Value, delta: float, Ks: float, Ds: float,
 
 
 @njit(cache=True, error_model="numpy")
-def derivative(t: float, state: Array, joint: tuple[float, ...], delta: float, theta0: float, out: Array) -> None:
+def derivative(t: float, state: Floats, joint: tuple[float, ...], delta: float, theta0: float, out: Floats) -> None:
     """Write the time derivative of state = (q, q', p, p', z) at t (s) to out, both of shape (5,).
 
     joint is `astuple(Joint(...))`, all floats; theta0 is the load angle of the uniform rotation at t = 0, rad.
@@ -103,8 +102,8 @@ def derivative(t: float, state: Array, joint: tuple[float, ...], delta: float, t
 
 @njit(cache=True, error_model="numpy")
 def integrate(
-    start: Array, joint: tuple[float, ...], delta: float, theta0: float, step: float, skip: int, keep: int
-) -> Array:
+    start: Floats, joint: tuple[float, ...], delta: float, theta0: float, step: float, skip: int, keep: int
+) -> Floats:
     """Return the states (keep, 5) after skip, skip + 1, … steps of the classical Runge-Kutta method from start (5,)."""
     states = np.empty((keep, 5))
     state = start.copy()
@@ -128,7 +127,7 @@ def integrate(
     return states
 
 
-def resting_state(joint: Joint, delta: float, theta0: float) -> Array:
+def resting_state(joint: Joint, delta: float, theta0: float) -> Floats:
     """Return the state (5,) of uniform rotation with the load at angle theta0 (rad), resting on a flank of the gap."""
     omega_l = joint.omega_ref / joint.gear_ratio
     tau = joint.gravity_torque * sin(theta0) + joint.viscous_friction * omega_l + joint.coulomb_friction
@@ -203,7 +202,7 @@ def simulate(
     return Simulation(np.arange(samples) / rate, speed, peak, fine)
 
 
-def with_noise(speed: Array, noise: float, rng: np.random.Generator) -> Array:
+def with_noise(speed: Floats, noise: float, rng: np.random.Generator) -> Floats:
     """Return the (n,) speed in rps with uniform white noise of a peak-to-peak value in rps (eqs. 7.1 and 7.2).
 
     Raises:
@@ -238,7 +237,7 @@ def _steps(duration: float, rate: float, settle: float, step: float | None) -> t
     return step, round(settle / step), stride, int(duration * rate + 1e-6) + 1
 
 
-def _trajectory(joint: Joint, delta: float, start_angle: float, step: float, states: Array) -> Trajectory:
+def _trajectory(joint: Joint, delta: float, start_angle: float, step: float, states: Floats) -> Trajectory:
     """Turn the states (m, 5) into physical signals."""
     q, dq, p, dp, _ = states.T
     N = joint.gear_ratio

@@ -17,13 +17,11 @@ from math import isfinite, pi
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.problem import Floats
 from problems.backlash.joint.parameters import Joint
 from problems.backlash.joint.simulator import simulate, with_noise
-
-Floats = NDArray[np.float64]
 
 MOST_MONTHS = 240
 FIRST_YEAR = 2024

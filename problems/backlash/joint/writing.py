@@ -6,12 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bench.atomic import replacing
 from bench.errors import BenchError, require
-
-Floats = NDArray[np.float64]
+from bench.problem import Floats
 
 KINDS = (".csv", ".xlsx", ".parquet")
 """The kinds of recording files."""

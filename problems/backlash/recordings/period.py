@@ -15,13 +15,11 @@ from dataclasses import dataclass
 from math import isfinite, log, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.problem import Floats
 from problems.backlash.recordings.recording import Recording
 from problems.backlash.recordings.screen import SAMPLES_A_TURN
-
-Floats = NDArray[np.float64]
 
 RATE = 250.0
 """Hz; to this sampling rate at least a signal is averaged, and no more is needed for the harmonics up to BAND."""

@@ -9,14 +9,13 @@ from math import isfinite
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError, nearest
+from bench.problem import Floats
 from problems.backlash.recordings.recording import Recording
 from problems.backlash.recordings.tables import Table, load
 from problems.backlash.recordings.units import POSITION, SPEED, TIME, UNITS, Heading, parse_heading
 
-Floats = NDArray[np.float64]
 Column = str | int
 
 

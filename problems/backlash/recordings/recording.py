@@ -4,11 +4,9 @@ from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
-
-Floats = NDArray[np.float64]
+from bench.problem import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from bench.errors import BenchError
+from bench.problem import Floats
 from problems.backlash.recordings.recording import Recording, spell
 from problems.backlash.recordings.units import POSITION, SPEED
-
-Floats = NDArray[np.float64]
 
 FASTEST = 1000.0
 """rps; no joint's motor turns at 60,000 rpm."""

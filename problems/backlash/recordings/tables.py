@@ -11,12 +11,10 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bench.errors import BenchError, require
+from bench.problem import Floats
 from problems.backlash.recordings.units import is_unit
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

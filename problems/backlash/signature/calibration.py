@@ -21,17 +21,15 @@ from typing import Any
 
 import numpy as np
 import tomli_w
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from bench.atomic import replacing
 from bench.errors import BenchError, nearest
+from bench.problem import Floats
 from problems.backlash.joint import Joint, half_gap
 from problems.backlash.joint.parameter_files import described
 from problems.backlash.signature import LEVELS
 from problems.backlash.signature.datasets import DEFAULT, simulated
-
-Floats = NDArray[np.float64]
 
 EQUATION_4_7 = (-0.0018, 0.4323, 9.2524, 34.0313)
 """The thesis's own cubic of levels 2 to 11, in 1e-6 rad by powers of the amplitude in rpm, the third one first."""

@@ -14,16 +14,14 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from platformdirs import user_cache_dir
 
 from bench.atomic import replacing
 from bench.errors import BenchError
+from bench.problem import Floats
 from problems.backlash.joint import Joint, half_gap, simulate
 from problems.backlash.joint import parameters as joint_parameters
 from problems.backlash.joint import simulator as joint_simulator
-
-Floats = NDArray[np.float64]
 
 DEFAULT = Joint()
 

@@ -21,11 +21,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from bench.problem import Floats
 from problems.backlash.signature.model import EDGE
-
-Floats = NDArray[np.float64]
 
 LANES = 16
 """Samples per step of the recurrence: sixteen powers of the factor side by side vectorise, one chain does not."""

@@ -6,10 +6,9 @@ from functools import cached_property
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
-from bench.problem import Problem
+from bench.problem import Floats, Problem
 from problems.backlash.recordings import Recording
 from problems.backlash.recordings.screen import screen_length, screen_sampling, screen_values
 from problems.backlash.signature import kernel
@@ -17,7 +16,6 @@ from problems.backlash.signature.calibration import default_calibration
 from problems.backlash.signature.model import VARIABLES, A, box, signature
 from problems.backlash.signature.reference import best_fit, fit_near
 
-Floats = NDArray[np.float64]
 Unit = Literal["rps", "rpm"]
 
 FACTOR = {"rps": 1.0, "rpm": 60.0}

@@ -14,12 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from bench.problem import Floats
 from problems.backlash.signature.kernel import Folded
 from problems.backlash.signature.model import EDGE, OMEGA, T1, T2, TAU, A
-
-Floats = NDArray[np.float64]
 
 SINGULAR = 1e-12
 """A determinant this small beside its terms tells no sine from a cosine."""

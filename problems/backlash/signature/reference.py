@@ -26,8 +26,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from bench.problem import Floats
 from problems.backlash.signature.kernel import Folded
 from problems.backlash.signature.model import EDGE, OMEGA, T0, T1, TAU
 from problems.backlash.signature.projection import (
@@ -44,8 +44,6 @@ from problems.backlash.signature.projection import (
     profile,
     solve_cell,
 )
-
-Floats = NDArray[np.float64]
 
 TAUS, OMEGAS = 6, 79
 """Lines of the scan's grid."""
