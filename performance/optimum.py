@@ -14,6 +14,7 @@ from time import perf_counter
 import numpy as np
 
 import bench
+from problems.backlash.levels import LEVELS
 from problems.backlash.signature.problem import FOUND
 
 OPTIMIZERS = [
@@ -22,7 +23,6 @@ OPTIMIZERS = [
     {"name": "cma-es-fast", "handling": "box", "agents": 100},
     {"name": "gwo", "handling": "repair", "agents": 300},
 ]
-LEVELS = range(1, 21)
 PERIODS = (0.1, 0.2, 0.3, 0.39, 0.4068)
 
 

@@ -6,9 +6,7 @@ from numbers import Real
 from typing import Any
 
 from bench.errors import BenchError
-
-LEVELS = 20
-"""Number of backlash levels, and so of datasets."""
+from problems.backlash.levels import LEVELS
 
 
 def _quantity(default: float, meaning: str, *, may_be_zero: bool = False) -> Any:
@@ -75,6 +73,6 @@ def half_gap(level: int) -> float:
         BenchError: a level that is not a whole number from 1 to 20.
 
     """
-    if level not in range(1, LEVELS + 1):
-        raise BenchError(f"The backlash level must be a whole number from 1 to {LEVELS}, but it is {level!r}.")
+    if level not in LEVELS:
+        raise BenchError(f"The backlash level must be a whole number from 1 to {LEVELS[-1]}, but it is {level!r}.")
     return (2 * level - 1) / 10_000

@@ -28,7 +28,7 @@ from bench.errors import BenchError, nearest
 from bench.problem import Floats
 from problems.backlash.joint import Joint, half_gap
 from problems.backlash.joint.parameter_files import described
-from problems.backlash.signature import LEVELS
+from problems.backlash.levels import LEVELS
 from problems.backlash.signature.datasets import DEFAULT, simulated
 
 EQUATION_4_7 = (-0.0018, 0.4323, 9.2524, 34.0313)
@@ -266,7 +266,7 @@ def default_calibration() -> Calibration:
 @cache
 def sensor_calibration() -> Calibration:
     """Return the calibration by which a recording is told from: the default joint's, with the fits' own response."""
-    return load_calibration(Path(str(files("problems.backlash.sensor"))) / "default.toml")
+    return load_calibration(Path(str(files("problems.backlash.signature"))) / "sensor_calibration.toml")
 
 
 def load_calibration(path: str | Path) -> Calibration:

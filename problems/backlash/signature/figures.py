@@ -15,7 +15,7 @@ from matplotlib.ticker import MultipleLocator
 from bench.atomic import replacing
 from bench.plots import style
 from problems.backlash.joint import Joint, half_gap, simulate
-from problems.backlash.signature import LEVELS
+from problems.backlash.levels import LEVELS
 from problems.backlash.signature.calibration import EQUATION_4_7, Calibration
 from problems.backlash.signature.datasets import DEFAULT, simulated
 

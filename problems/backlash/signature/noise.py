@@ -8,9 +8,12 @@ import numpy as np
 
 from bench.errors import BenchError
 from problems.backlash.joint import Joint
+from problems.backlash.levels import LEVELS
 from problems.backlash.recordings import Recording
-from problems.backlash.signature import LEVELS, NOISES
 from problems.backlash.signature.datasets import dataset
+
+NOISES = ("low", "high")
+"""The levels of noise of section 7.3."""
 
 FIRST_SAMPLES = 100
 """A recording starts at one of so many first samples (section 7.3)."""

@@ -67,7 +67,7 @@ def test_a_problem_has_the_truth_of_its_dataset_and_a_fingerprint_of_its_draw():
 
 
 def test_the_problems_are_21():
-    from problems.backlash.signature import noisy as family
+    from problems.backlash.signature.families import noisy as family
 
     assert family.names() == [f"noisy-{level:02d}" for level in range(21)]
 
