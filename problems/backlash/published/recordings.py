@@ -8,13 +8,13 @@ from pathlib import Path
 from zipfile import ZipFile
 
 import numpy as np
-import pandas as pd
 
 from problems.backlash.joint import half_gap
 from problems.backlash.published.download import require
 from problems.backlash.published.names import place
 from problems.backlash.published.table_7_3 import TABLE_7_3
 from problems.backlash.recordings import Recording
+from problems.backlash.recordings.tables import xlsx_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,5 +49,5 @@ def _read(path: Path, member: str) -> Recording:
     Its first row is passed over whatever it holds: the noisy dataset 1 has a sample there, a second one at 0 s.
     """
     content = path.read_bytes() if not member else ZipFile(path).read(member)
-    time, speed = pd.read_excel(BytesIO(content)).to_numpy(dtype=np.float64).T
+    time, speed = np.array(xlsx_rows(BytesIO(content))[1:], dtype=np.float64).T
     return Recording(float(time[0]), float(time[-1] - time[0]) / (len(time) - 1), np.ascontiguousarray(speed))

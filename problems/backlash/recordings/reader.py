@@ -75,8 +75,8 @@ def read(
     if of in (at, None):
         raise BenchError(f"recording {path}: column {table.names[at or 0]!r} cannot be both time and {role}")
 
-    if len(table.cells) < 3:
-        raise BenchError(f"recording {path} has {len(table.cells)} samples; a load turn needs many more")
+    if len(table.lines) < 3:
+        raise BenchError(f"recording {path} has {len(table.lines)} samples; a load turn needs many more")
     of_unit = columns.unit(of, role, unit)
     values = table.numbers(of)
     if at is None:
@@ -86,7 +86,7 @@ def read(
     bad = ~(np.isfinite(values) & np.isfinite(seconds))
     if bad.any():
         what = role if at is None else f"time or {role}"
-        line = table.cells.index[int(np.argmax(bad))]
+        line = table.lines[int(np.argmax(bad))]
         raise BenchError(f"recording {path}: line {line} has no number in {what} (NaN or text); mend or cut it")
     start, dt = _grid(seconds, path)
     if role == "speed":

@@ -9,7 +9,6 @@ from math import floor
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 
 from bench.errors import BenchError
 from bench.problem import Floats
@@ -227,7 +226,7 @@ def _warn_of_ends(recording: Recording) -> Iterator[str]:
 
 def _warn_of_samples(recording: Recording) -> Iterator[str]:
     speed = recording.speed
-    rest = np.abs(speed - median_filter(speed, size=3, mode="nearest"))  # of five, ringing at 21 Hz would not pass
+    rest = np.abs(speed - _running_median(speed, 3))  # of five, ringing at 21 Hz would not pass
     low, high = np.quantile(speed, (0.01, 0.99))
     spikes = rest > max(high - low, 12.0 * float(np.median(rest)))
     if 0 < spikes.sum() <= max(3.0, 0.002 * len(speed)):  # more of them are part of the signal
@@ -253,8 +252,14 @@ def _warn_of_turns(recording: Recording, period: float | None) -> Iterator[str]:
 
 def _without_spikes(speed: Floats) -> Floats:
     """Return the running median of five samples, which no lone pair of bad samples gets through."""
-    smooth: Floats = median_filter(speed, size=5, mode="nearest")
-    return smooth
+    return _running_median(speed, 5)
+
+
+def _running_median(values: Floats, size: int) -> Floats:
+    """Return the (N,) medians of the ``size`` values about each one; the first and the last value are continued."""
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, size // 2, mode="edge"), size)
+    medians: Floats = np.partition(windows, size // 2, axis=1)[:, size // 2]
+    return medians
 
 
 def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:

@@ -135,6 +135,7 @@ def test_the_headings_of_a_recording_s_problem_are_heeded_too(tmp_path):
         ("time\n" + rows(T), {"rate": 500.0}, "column 'time' cannot be both time and speed"),
         ("time,speed\n", {}, "has 0 samples"),
         ("time,speed\n0,1\n0.002,\n0.004,1\n0.006,1\n", {}, "line 3 has no number in time or speed"),
+        ("time,speed\n0,1\n0.002,\n0.004,off\n0.006,1\n", {}, "line 3 has no number in time or speed"),
         ("time,speed\n0,1\n\n0.002,1\n0.004,1\n(end)\n", {}, "line 6 has no number in time or speed"),
         ("time,speed\n0,1\n0.002,1\n0.002,1\n0.006,1\n", {}, "time stands still or runs backwards at sample 3"),
         (rows(np.delete(T, 30), V[1:]), {}, "time is not uniform near sample 31, at 0.062 s (steps of 0.002 to 0.004"),
@@ -145,6 +146,13 @@ def test_a_file_that_cannot_be_read_is_told_in_one_sentence(tmp_path, text, opti
         read(write(tmp_path, text), **options)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_spreadsheet_s_line_without_a_number_is_named(tmp_path):
+    path = tmp_path / "a.xlsx"
+    pd.DataFrame({"time": T, "speed": [*V[:7], "NA", *V[8:]]}).to_excel(path, index=False)
+    with pytest.raises(BenchError, match="line 9 has no number in time or speed"):
+        read(path)
 
 
 def test_a_long_file_is_not_split_line_by_line(tmp_path, monkeypatch):

@@ -6,11 +6,12 @@ from math import pi
 
 import numpy as np
 import pytest
+from scipy.ndimage import median_filter
 
 from bench import BenchError
 from problems.backlash.joint import Joint, half_gap, simulate
 from problems.backlash.recordings import Recording, read
-from problems.backlash.recordings.screen import screen, warnings
+from problems.backlash.recordings.screen import _running_median, screen, warnings
 from problems.backlash.signature.datasets import dataset
 
 RNG = np.random.default_rng(0)
@@ -181,3 +182,10 @@ def test_a_lone_bad_sample_is_a_warning_and_no_reversal():
 def test_what_is_no_error_is_told(made, said):
     screen(made, period=0.4)
     assert any(said in sentence for sentence in warnings(made, period=0.4))
+
+
+@pytest.mark.parametrize("size", [3, 5])
+@pytest.mark.parametrize("samples", [3, 4, 500])
+def test_the_running_median_is_that_of_scipy(samples, size):
+    values = np.random.default_rng(samples).integers(0, 9, samples) / 7
+    np.testing.assert_array_equal(_running_median(values, size), median_filter(values, size=size, mode="nearest"))
