@@ -21,7 +21,6 @@ from typing import Any
 
 import numpy as np
 import tomli_w
-from scipy.interpolate import PchipInterpolator
 
 from bench.atomic import replacing
 from bench.errors import BenchError, nearest
@@ -30,6 +29,7 @@ from problems.backlash.joint import Joint, half_gap
 from problems.backlash.joint.parameter_files import described
 from problems.backlash.levels import LEVELS
 from problems.backlash.signature.datasets import DEFAULT, simulated
+from problems.backlash.signature.interpolation import Pchip
 
 EQUATION_4_7 = (-0.0018, 0.4323, 9.2524, 34.0313)
 """The thesis's own cubic of levels 2 to 11, in 1e-6 rad by powers of the amplitude in rpm, the third one first."""
@@ -105,7 +105,7 @@ class Calibration:
     def backlash(self, amplitude: float) -> float:
         """Return the half-gap delta in rad of an amplitude in rpm; NaN outside the simulated range, never a guess."""
         if self.method == "monotone":
-            return float(self._curve(abs(amplitude)))
+            return self._curve(abs(amplitude))
         return 1e-6 * float(np.polyval(self.coefficients, abs(amplitude))) if self.in_range(amplitude) else np.nan
 
     @property
@@ -118,7 +118,7 @@ class Calibration:
 
         A calibration that knows of no fits takes it for the amplitude.
         """
-        return fitted if self._response is None else float(self._response(fitted))
+        return fitted if self._response is None else self._response(fitted)
 
     def relative_scatter(self, fitted: float) -> float:
         """Return the standard deviation of fits about a fit's strength in rpm, relative to it; 0 where none is known.
@@ -212,12 +212,12 @@ class Calibration:
         return bool((np.polyval(slope, [*self.range, np.clip(vertex, *self.range)]) > 0).all())
 
     @cached_property
-    def _curve(self) -> PchipInterpolator:
-        return PchipInterpolator(self.amplitude, self.half_gap, extrapolate=False)
+    def _curve(self) -> Pchip:
+        return Pchip(self.amplitude, self.half_gap)
 
     @cached_property
-    def _response(self) -> PchipInterpolator | None:
-        return None if self.fitted is None else PchipInterpolator(self.fitted, self.amplitude, extrapolate=False)
+    def _response(self) -> Pchip | None:
+        return None if self.fitted is None else Pchip(self.fitted, self.amplitude)
 
 
 def polynomial(coefficients: Sequence[float] | Floats) -> str:

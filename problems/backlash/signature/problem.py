@@ -14,7 +14,6 @@ from problems.backlash.recordings.screen import screen_length, screen_sampling, 
 from problems.backlash.signature import kernel
 from problems.backlash.signature.calibration import default_calibration
 from problems.backlash.signature.model import VARIABLES, A, box, signature
-from problems.backlash.signature.reference import best_fit, fit_near
 
 Unit = Literal["rps", "rpm"]
 
@@ -116,6 +115,8 @@ class SignatureFit(Problem):
 
         See :mod:`problems.backlash.signature.reference`; the first call takes up to two seconds.
         """
+        from problems.backlash.signature.reference import best_fit
+
         if constrained not in self._references:
             x = best_fit(self._folded, self.lower, self.upper, constrained=constrained)
             self._references[constrained] = Fit(x, float(self.evaluate(x[None])[0]))
@@ -133,6 +134,8 @@ class SignatureFit(Problem):
 
     def near(self, x: Floats, *, constrained: bool = False) -> Floats:
         """Return the (7,) best fit near a point, where the reference fit of much the same signal lies."""
+        from problems.backlash.signature.reference import fit_near
+
         return fit_near(self._folded, self.lower, self.upper, x, constrained=constrained)
 
     def model(self, x: Floats) -> Floats:

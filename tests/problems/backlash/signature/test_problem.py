@@ -1,6 +1,8 @@
 """The signature as a problem, its datasets and their cache, and a user's own recordings."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pandas as pd
@@ -213,3 +215,17 @@ def test_cma_es_on_the_published_dataset_12_looks_like_the_authors_runs(publishe
     assert ks_2samp(np.round(ours, 10), np.round(theirs, 10), method="exact").pvalue > 0.05
     assert min(ours) == pytest.approx(min(theirs), abs=1e-12)
     assert np.isclose(ours, 0.15903887218, atol=1e-9).sum() >= 5
+
+
+def test_a_fit_needs_no_import_that_takes_longer_than_the_fit():
+    code = """if True:
+        import sys, bench
+        from problems.backlash.signature.families import noisy, signature
+        from problems.backlash.published.family import published
+        names = signature.names(), noisy.names(), published.names()
+        assert not {"numba", "scipy", "pandas"} & sys.modules.keys()
+        problem = bench.load_problem("signature-12")
+        problem.describe(problem.repair(problem.lower[None])[0])
+        print(*{"pandas", "openpyxl", "scipy.interpolate", "scipy.ndimage", "scipy.stats"} & sys.modules.keys())
+    """
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "\n"
