@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError, nearest
+from bench.numbers import is_finite, require_positive
 from problems.backlash.joint.parameters import Joint
 
 GRAVITY = 9.80665
@@ -112,14 +113,13 @@ def _joint(settings: Mapping[str, Any], where: str) -> Joint:
     for key, value in settings.items():
         if key not in known:
             raise BenchError(f"{where} has no parameter {key!r}{nearest(key, known)}")
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < LARGEST:
+        if not is_finite(value) or abs(value) >= LARGEST:
             raise BenchError(f"{where}: {key} must be a finite number, not {value!r}")
         for other in INSTEAD.get(key, ()):
             if other in settings:
                 raise BenchError(f"{where} gives both {other} and {key}, which sets it; keep one of them")
     for key in ("payload_kg", "lever_m", "speed_rps"):
-        if settings.get(key, 1.0) <= 0:
-            raise BenchError(f"{where}: {key} must be positive, but it is {settings[key]!r}")
+        require_positive(f"{where}: {key}", settings.get(key, 1.0))
     angle = settings.get("gravity_angle_deg", 90.0)
     if not 0 <= angle <= 90:
         raise BenchError(f"{where}: gravity_angle_deg must be from 0 (parallel to gravity) to 90, but it is {angle!r}")

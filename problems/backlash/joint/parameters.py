@@ -1,11 +1,11 @@
 """The parameters of the simulated robot joint (thesis chapter 4) and the gaps of its twenty datasets."""
 
 from dataclasses import dataclass, field, fields
-from math import isfinite, pi
-from numbers import Real
+from math import pi
 from typing import Any
 
 from bench.errors import BenchError
+from bench.numbers import is_finite
 from problems.backlash.levels import LEVELS
 
 
@@ -48,8 +48,7 @@ class Joint:
     def __post_init__(self) -> None:
         for each in fields(self):
             value, may_be_zero = getattr(self, each.name), each.metadata["may_be_zero"]
-            known = isinstance(value, Real) and not isinstance(value, bool) and isfinite(value)
-            if not known or value < 0 or (value == 0 and not may_be_zero):
+            if not is_finite(value) or value < 0 or (value == 0 and not may_be_zero):
                 rule = "finite and not negative" if may_be_zero else "finite and positive"
                 raise BenchError(f"Joint: {each.name} must be {rule}, but it is {value!r}.")
 

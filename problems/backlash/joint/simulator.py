@@ -9,13 +9,14 @@ motor and p = theta_l - omega_ref t / N of the load: small numbers, which lose n
 """
 
 from dataclasses import astuple, dataclass
-from math import ceil, isfinite, pi, sin
+from math import ceil, pi, sin
 from typing import Any
 
 import numpy as np
 from numba import njit
 
 from bench.errors import BenchError
+from bench.numbers import is_finite, require_positive, require_whole
 from bench.problem import Floats
 from problems.backlash.joint.parameters import Joint
 
@@ -168,16 +169,16 @@ def simulate(
 
     """
     step, skip, stride, samples = _steps(duration, rate, settle, step)
-    if not (isfinite(half_gap) and half_gap >= 0):
+    if not (is_finite(half_gap) and half_gap >= 0):
         raise BenchError(f"simulate: half_gap must be finite and not negative, but it is {half_gap!r} rad.")
-    if not isfinite(start_angle):
+    if not is_finite(start_angle):
         raise BenchError(f"simulate: start_angle must be finite, but it is {start_angle!r} rad.")
-    if encoder_bits is not None and encoder_bits not in range(1, 33):
-        raise BenchError(f"simulate: encoder_bits must be a whole number from 1 to 32, but it is {encoder_bits!r}.")
-    if encoder_bits is not None and skip < stride:
-        raise BenchError(
-            f"simulate: with an encoder, settle must be at least one sampling period, but it is {settle!r} s."
-        )
+    if encoder_bits is not None:
+        require_whole("simulate: encoder_bits", encoder_bits, 1, 32)
+        if skip < stride:
+            raise BenchError(
+                f"simulate: with an encoder, settle must be at least one sampling period, but it is {settle!r} s."
+            )
 
     lead = 0 if encoder_bits is None else stride  # the encoder's first difference reaches one sample back
     omega_l = joint.omega_ref / joint.gear_ratio
@@ -208,7 +209,7 @@ def with_noise(speed: Floats, noise: float, rng: np.random.Generator) -> Floats:
     Raises:
         BenchError: for a noise that is negative or not finite.
     """
-    if not (isfinite(noise) and noise >= 0):
+    if not (is_finite(noise) and noise >= 0):
         raise BenchError(f"simulate: the noise must be finite and not negative, but it is {noise!r} rps.")
     return speed + noise * rng.uniform(-0.5, 0.5, len(speed))
 
@@ -216,9 +217,8 @@ def with_noise(speed: Floats, noise: float, rng: np.random.Generator) -> Floats:
 def _steps(duration: float, rate: float, settle: float, step: float | None) -> tuple[float, int, int, int]:
     """Return the step, the number of steps before the recording, of steps per sample, and of samples."""
     for name, value in {"duration": duration, "rate": rate, "step": STEP if step is None else step}.items():
-        if not (isfinite(value) and value > 0):
-            raise BenchError(f"simulate: {name} must be finite and positive, but it is {value!r}.")
-    if not (isfinite(settle) and settle >= 0):
+        require_positive(f"simulate: {name}", value)
+    if not (is_finite(settle) and settle >= 0):
         raise BenchError(f"simulate: settle must be finite and not negative, but it is {settle!r} s.")
     if step is None:
         stride = max(ceil(1 / (rate * STEP) - 1e-9), 1)

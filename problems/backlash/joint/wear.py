@@ -13,12 +13,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import isfinite, pi
+from math import pi
 from typing import Any
 
 import numpy as np
 
 from bench.errors import BenchError
+from bench.numbers import is_finite
 from bench.problem import Floats
 from problems.backlash.joint.parameters import Joint
 from problems.backlash.joint.simulator import simulate, with_noise
@@ -68,7 +69,7 @@ def half_gaps(new: float, worn: float, months: int) -> Floats:
     """
     if months not in range(2, MOST_MONTHS + 1):
         raise BenchError(f"a wear curve takes from 2 to {MOST_MONTHS} months, not {months!r}")
-    if not (isfinite(worn) and 0 <= new < worn):
+    if not (is_finite(worn) and 0 <= new < worn):
         raise BenchError(f"a gap grows with wear, from at least 0 rad: from {new!r} to {worn!r} rad is no wear")
     return new + (worn - new) * wear(np.linspace(0.0, 1.0, months))
 

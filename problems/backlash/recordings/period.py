@@ -12,11 +12,12 @@ harmonics together make it exact (Quinn and Hannan, The Estimation and Tracking 
 """
 
 from dataclasses import dataclass
-from math import isfinite, log, pi
+from math import log, pi
 
 import numpy as np
 
 from bench.errors import BenchError
+from bench.numbers import require_positive
 from bench.problem import Floats
 from problems.backlash.recordings.recording import Recording
 from problems.backlash.recordings.screen import SAMPLES_A_TURN
@@ -85,8 +86,8 @@ def find_period(
         BenchError: for a gear ratio or a nominal period that is not a positive number, and for a motor that stands.
     """
     for name, value in (("gear ratio", gear_ratio), ("nominal period", nominal)):
-        if value is not None and not (isfinite(value) and value > 0):
-            raise BenchError(f"the {name} must be a positive number, not {value!r}")
+        if value is not None:
+            require_positive(f"the {name}", value)
     spectrum = _Spectrum(recording)
     if gear_ratio is not None:
         seconds, error, source = *_from_speed(recording, gear_ratio), "gear ratio"

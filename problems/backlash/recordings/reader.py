@@ -5,12 +5,12 @@
 >>> read("speed.txt", speed=1, unit="rpm", rate=500)      # no column of time
 """
 
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
 
 from bench.errors import BenchError, nearest
+from bench.numbers import require_positive
 from bench.problem import Floats
 from problems.backlash.recordings.recording import Recording
 from problems.backlash.recordings.tables import Table, load
@@ -155,8 +155,8 @@ def _check_options(
     for option, value, units in (("unit", unit, {**SPEED, **POSITION}), ("time_unit", time_unit, TIME)):
         if value is not None and value not in units:
             raise BenchError(f"recording {path}: {option} {value!r} is not known; give {', '.join(units)}")
-    if rate is not None and not (isfinite(rate) and rate > 0):
-        raise BenchError(f"recording {path}: rate must be a positive number of Hz, not {rate!r}")
+    if rate is not None:
+        require_positive(f"recording {path}: rate", rate, unit="Hz")
     if rate is not None and (time is not None or time_unit is not None):
         raise BenchError(f"recording {path}: give either a column of time or a rate, not both")
     if speed is not None and position is not None:

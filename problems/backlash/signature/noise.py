@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.errors import BenchError
+from bench.numbers import require_whole
 from problems.backlash.joint import Joint
 from problems.backlash.levels import LEVELS
 from problems.backlash.recordings import Recording
@@ -58,8 +59,7 @@ def noisy(level: int, noise: str = "low", draw: int = 0) -> Noisy:
         raise BenchError(f"a noisy dataset has a level from 0 (no backlash) to {LEVELS[-1]}, not {level!r}")
     if noise not in NOISES:
         raise BenchError(f"noise must be one of {', '.join(map(repr, NOISES))}, not {noise!r}")
-    if isinstance(draw, bool) or not isinstance(draw, int) or draw < 0:
-        raise BenchError(f"draw must be a whole number of at least 0, not {draw!r}")
+    require_whole("draw", draw, 0)
     rng = np.random.default_rng([level, NOISES.index(noise), draw])
     clean = dataset(level or LEVELS[0])  # without backlash it lends its length alone
     speed = clean.speed if level else np.full_like(clean.speed, Joint().nominal_speed)

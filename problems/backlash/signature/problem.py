@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 
 from bench.errors import BenchError
+from bench.numbers import require_positive, require_whole
 from bench.problem import Floats, Problem
 from problems.backlash.recordings import Recording
 from problems.backlash.recordings.screen import screen_length, screen_sampling, screen_values
@@ -89,8 +90,9 @@ class SignatureFit(Problem):
         self.mean_rps = float(recording.speed.mean())
         self.signal: Floats = (recording.speed - self.mean_rps) * FACTOR[unit]  # r(t), (eq. 5.1)
         self.expected = _expected(peak, half_gap)
-        self.lower, self.upper = box(self.time, self.signal, period=period, amplitude_factor=amplitude_factor)
-        self.replicas = 1 if single else 2 * turns  # oscillations of the train, two a load turn
+        factor = float(amplitude_factor)
+        self.lower, self.upper = box(self.time, self.signal, period=self.period, amplitude_factor=factor)
+        self.replicas = 1 if single else 2 * int(turns)  # oscillations of the train, two a load turn
         self.dt = recording.dt
         self._folded = self._fold(self.signal)
 
@@ -185,10 +187,8 @@ def _check_options(name: str, period: float, turns: int, single: bool, unit: str
     """Raise BenchError for an option of the wrong type or out of range."""
     if unit not in get_args(Unit):
         raise BenchError(f"problem {name!r}: unit must be 'rps' or 'rpm', not {unit!r}")
-    if isinstance(turns, bool) or not isinstance(turns, int) or not 1 <= turns <= 100_000:
-        raise BenchError(f"problem {name!r}: turns must be a whole number from 1 to 100000, not {turns!r}")
+    require_whole(f"problem {name!r}: turns", turns, 1, 100_000)
     if not isinstance(single, bool):
         raise BenchError(f"problem {name!r}: single must be true or false, not {single!r}")
     for option, value in (("period", period), ("amplitude_factor", amplitude_factor)):
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value <= 1e6:
-            raise BenchError(f"problem {name!r}: {option} must be a positive number up to 1e6, not {value!r}")
+        require_positive(f"problem {name!r}: {option}", value, 1e6)
