@@ -10,7 +10,7 @@ from problems.backlash.levels import LEVELS
 
 
 def _quantity(default: float, meaning: str, *, may_be_zero: bool = False) -> Any:
-    """Return a field that knows its meaning and unit, which joint files repeat, and whether it may be zero."""
+    """Return a field with its meaning and unit, which joint files repeat, and whether it may be zero."""
     return field(default=default, metadata={"meaning": meaning, "may_be_zero": may_be_zero})
 
 
@@ -18,13 +18,12 @@ def _quantity(default: float, meaning: str, *, may_be_zero: bool = False) -> Any
 class Joint:
     """A motor that turns an unbalanced load through an elastic gear with backlash, under a position loop.
 
-    The defaults are the thesis's test bench: they were identified from its published recordings, which they reproduce
-    with 4 to 6.5 % of their standard deviation. A speed signal fixes only ratios of the mechanical parameters;
-    the absolute scale is that of the 5 kg payload. Symbols are those of thesis Table 4.1 where it has them.
+    The defaults are the thesis's test bench: they were identified from its published recordings and reproduce these
+    with an error of 4 to 6.5 % of their standard deviation. A speed signal fixes only ratios of the mechanical
+    parameters; the absolute scale is that of the 5 kg payload. Symbols are those of thesis Table 4.1 where it has them.
 
     Raises:
-        BenchError: a parameter that is no finite number or has the wrong sign.
-
+        BenchError: a parameter that is not a finite number or has the wrong sign.
     """
 
     gear_ratio: float = _quantity(40.0, "N, motor turns per load turn")
@@ -70,7 +69,6 @@ def half_gap(level: int) -> float:
 
     Raises:
         BenchError: a level that is not a whole number from 1 to 20.
-
     """
     if level not in LEVELS:
         raise BenchError(f"The backlash level must be a whole number from 1 to {LEVELS[-1]}, but it is {level!r}.")

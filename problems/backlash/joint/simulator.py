@@ -1,11 +1,11 @@
-"""The joint simulator (thesis chapter 4): a two-mass model with backlash, driven at constant speed, integrated by RK4.
+"""Simulate the joint of thesis chapter 4: a two-mass model with backlash at constant reference speed, by RK4.
 
     >>> from problems.backlash.joint import half_gap, simulate
     >>> simulation = simulate(half_gap=half_gap(12))
     >>> simulation.time, simulation.speed    # 2401 samples at 500 Hz: s, rps
 
 The motion is written as deviations from the uniform rotation at the reference speed, q = theta_m - omega_ref t of the
-motor and p = theta_l - omega_ref t / N of the load: small numbers, which lose no digits to ever-growing angles.
+motor and p = theta_l - omega_ref t / N of the load: these stay small, so that growing angles cost no digits.
 """
 
 from dataclasses import astuple, dataclass
@@ -22,9 +22,9 @@ from problems.backlash.joint.parameters import Joint
 
 Value = Any  # a number or an array
 
-STEP = 5e-5  # s; the largest step taken where none is asked for
+STEP = 5e-5  # s; the largest step where the caller gives none
 LARGEST_STEP = 1e-3  # s; beyond it RK4 is unstable on the default joint's fast poles
-MOST_STEPS = 4_000_000  # 200 s at STEP; they take some 600 MB
+MOST_STEPS = 4_000_000  # 200 s at STEP, which need some 600 MB
 DEFAULT = Joint()
 
 
@@ -53,18 +53,18 @@ class Trajectory:
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """What `simulate` returns."""
+    """The result of `simulate`: the sampled speed, the peak of the disturbance and the motion before sampling."""
 
     time: Floats
     """(n,) sampling instants, s, from 0."""
 
     speed: Floats
-    """(n,) motor speed, rps: exact, or as the encoder gives it."""
+    """(n,) motor speed, rps: the exact speed, or the encoder's."""
 
     peak: float
     """Positive peak of the true speed's deviation from the reference, rps: the "expected A" of thesis Table 7.3.
 
-    It is that of the last load turn, where the start has died away, before sampling, which loses up to 3.4 % of it.
+    It is taken in the last load turn, where the start has died away, and before sampling, which loses up to 3.4 %.
     """
 
     fine: Trajectory
@@ -153,20 +153,19 @@ def simulate(
     Args:
         joint: the joint and its controller.
         half_gap: delta, half the backlash gap, rad.
-        duration: length of the recording, s; the default gives 2401 samples, as the published datasets have.
+        duration: length of the recording, s; the default gives 2401 samples, like the published datasets.
         rate: sampling rate, Hz.
-        settle: time simulated before the recording, s, taken to the nearest step. The transient decays at 15.6 1/s,
+        settle: time simulated before the recording, s, rounded to the nearest step. The transient decays at 15.6 1/s,
             so the default leaves none.
         step: integration step, s; None takes the largest up to 5e-5 s that divides the sampling period. On the twenty
             datasets the samples are then within 2e-3 rps (2e-4 rms) of those at 2e-6 s: an impact is shorter than a
             step, so the error falls with the step, not with its fourth power.
         start_angle: load angle at which the recording starts, rad; the default is that of the published datasets.
         encoder_bits: resolution of the motor encoder, 2**bits counts a turn. The speed is then the difference of
-            two quantised angles over the sampling period, and lags by half of it. None: the exact speed.
+            two quantised angles over the sampling period, and lags by half a period. None: the exact speed.
 
     Raises:
         BenchError: an argument out of its range, or an integration that diverges.
-
     """
     step, skip, stride, samples = _steps(duration, rate, settle, step)
     if not (is_finite(half_gap) and half_gap >= 0):
@@ -184,12 +183,12 @@ def simulate(
     omega_l = joint.omega_ref / joint.gear_ratio
     theta0 = start_angle - omega_l * (skip * step)
     keep = lead + (samples - 1) * stride + 1
-    constants = tuple(map(float, astuple(joint)))  # a parameter given as an int would compile the kernel anew
+    constants = tuple(map(float, astuple(joint)))  # an int would make numba compile the kernel again
     start = resting_state(joint, half_gap, theta0)
     states = integrate(start, constants, float(half_gap), float(theta0), float(step), skip - lead, keep)
     if not np.isfinite(states).all():
         raise BenchError(
-            f"simulate: the integration diverges with a step of {step!r} s: take a smaller one, or a less stiff joint."
+            f"simulate: the integration diverges with a step of {step!r} s; take a smaller step or a less stiff joint."
         )
 
     fine = _trajectory(joint, half_gap, start_angle, step, states[lead:])

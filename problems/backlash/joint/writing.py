@@ -1,4 +1,4 @@
-"""Write recordings and other files whole or not at all, and nothing over what is there unasked."""
+"""Check output paths and write recordings, whole or not at all; replace an existing file only on request."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ KINDS = (".csv", ".xlsx", ".parquet")
 
 
 def check_output(path: Path, kinds: tuple[str, ...], *, force: bool) -> None:
-    """Raise BenchError for a file that could not be written, as far as that can be told before it is made.
+    """Raise BenchError for a path that cannot be written, as far as a check before the work can detect it.
 
     Args:
         path: the file.
         kinds: the suffixes it may have.
-        force: whether a file that is there may be replaced.
+        force: whether an existing file may be replaced.
     """
     kind = path.suffix.lower()
     if kind not in kinds:
         raise BenchError(
-            f"{path} must end in {' or '.join(', '.join(kinds).rsplit(', ', 1))}, as that is what is written"
+            f"{path} must end in {' or '.join(', '.join(kinds).rsplit(', ', 1))}, the kinds that can be written"
         )
     if kind == ".parquet":
         require("pyarrow", "parquet", f"{path} needs")
@@ -37,7 +37,7 @@ def check_output(path: Path, kinds: tuple[str, ...], *, force: bool) -> None:
 
 
 def write_recording(path: Path, time: Floats, speed: Floats) -> None:
-    """Write (n,) instants in s and (n,) motor speeds in rps as csv, xlsx or parquet, as the suffix says.
+    """Write (n,) instants in s and (n,) motor speeds in rps as csv, xlsx or parquet, by the suffix of the path.
 
     Raises:
         BenchError: where the file cannot be written.

@@ -1,4 +1,4 @@
-"""The cells of a file of columns: csv and other text, xlsx, parquet."""
+"""Read the columns of a csv or other text file, a spreadsheet (xlsx) or a parquet file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from problems.backlash.recordings.units import is_unit
 if TYPE_CHECKING:
     import pandas as pd
 
-# pandas is imported where a csv or parquet file is read: it takes longer to import than a spreadsheet to read.
+# pandas is imported only for csv and parquet: its import takes longer than reading a spreadsheet without it.
 
 HEAD = 20
 """The rows of a spreadsheet among which its headings are looked for."""

@@ -140,7 +140,7 @@ def test_a_motion_that_is_not_steady_is_refused_with_the_part_that_is(speed, wha
     [
         (recording(np.full(500, 100.0)), {}, "the speed is constant at 100 rps"),
         (recording(np.full(500, 600.0) / 60 + 1e-15 * RNG.uniform(size=500)), {}, "the speed is constant at 10 rps"),
-        (recording(np.where(T == 1.0, np.nan, S)), {}, "the speed at 1 s is no number"),
+        (recording(np.where(T == 1.0, np.nan, S)), {}, "the speed at 1 s is not a number"),
         (recording(S), {"nominal_rps": 0.0}, "the nominal speed must be a finite number of rps other than 0"),
         (recording(NOISE), {}, "the motor reverses (its speed is -0.1"),
         (recording(S[:150]), {"period": 0.4}, "lasts 0.298 s, less than one load turn of 0.4 s"),
