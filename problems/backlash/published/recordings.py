@@ -19,11 +19,11 @@ from problems.backlash.recordings.tables import xlsx_rows
 
 @dataclass(frozen=True, eq=False)
 class Published:
-    """A published recording and what is known of the truth behind it.
+    """A published recording and its true values, as far as they are known.
 
     Attributes:
         recording: the signal, 2401 samples at 500 Hz.
-        peak: the "theoretical A" of Table 7.3 in rps, None for the datasets that the table does not have.
+        peak: the "theoretical A" of Table 7.3 in rps, None for the datasets that are not in the table.
         half_gap: delta in rad.
     """
 
@@ -36,7 +36,7 @@ def published(name: str) -> Published:
     """Return the recording ``"published-12"``, or a noisy one: ``"published:low-1-12"`` is dataset 12 in zip 1.
 
     Raises:
-        BenchError: for a name that none has, and for a file that is missing or not the published one.
+        BenchError: for an unknown name, and for a file that is missing or not the published one.
     """
     file, member, level = place(name)
     row = TABLE_7_3.get(level)
@@ -44,9 +44,9 @@ def published(name: str) -> Published:
 
 
 def _read(path: Path, member: str) -> Recording:
-    """Return the recording of a file whose content is known, read as the authors' notebook does.
+    """Return the recording of a published file, read like the authors' notebook reads it.
 
-    Its first row is passed over whatever it holds: the noisy dataset 1 has a sample there, a second one at 0 s.
+    The first row is always skipped: in the noisy dataset 1 it holds a sample, a second one at 0 s.
     """
     content = path.read_bytes() if not member else ZipFile(path).read(member)
     time, speed = np.array(xlsx_rows(BytesIO(content))[1:], dtype=np.float64).T
