@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from bench.atomic import replacing
 from bench.errors import BenchError, require
@@ -42,13 +41,15 @@ def write_recording(path: Path, time: Floats, speed: Floats) -> None:
     Raises:
         BenchError: where the file cannot be written.
     """
-    columns = {"time_s": time, "speed_rps": speed}
-    frame = pd.DataFrame(columns)
     with replacing(path) as temporary:
         if path.suffix.lower() == ".csv":
-            header = ",".join(columns)
-            np.savetxt(temporary, frame.to_numpy(), delimiter=",", header=header, comments="", fmt=["%.6f", "%.10g"])
-        elif path.suffix.lower() == ".xlsx":
+            rows = np.column_stack([time, speed])
+            np.savetxt(temporary, rows, fmt=["%.6f", "%.10g"], delimiter=",", header="time_s,speed_rps", comments="")
+            return
+        import pandas as pd  # slow to import, and csv does not need it
+
+        frame = pd.DataFrame({"time_s": time, "speed_rps": speed})
+        if path.suffix.lower() == ".xlsx":
             frame.to_excel(temporary, index=False)
         else:
             frame.to_parquet(temporary, engine="pyarrow", index=False)
