@@ -152,7 +152,7 @@ def _constant(t, v):
 
 
 @pytest.mark.parametrize(
-    ("spoil", "said"),
+    ("spoil", "message"),
     [
         (_nan, "line 102 has no number"),
         (_backwards, "time stands still or runs backwards at sample 52"),
@@ -160,12 +160,12 @@ def _constant(t, v):
         (_constant, "the speed is constant"),
     ],
 )
-def test_a_spoilt_recording_is_named(tmp_path, spoil, said):
+def test_a_spoilt_recording_is_named(tmp_path, spoil, message):
     t, v = signal()
     spoil(t, v)
     with pytest.raises(BenchError) as caught:
         load_problem(write(tmp_path / "bad.csv", t, v))
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
@@ -190,7 +190,7 @@ def test_other_recordings_that_cannot_be_used(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         ({"unit": "Hz"}, "unit must be 'rps' or 'rpm'"),
         ({"turns": 0}, "turns must be a whole number from 1 to 100000"),
@@ -199,10 +199,10 @@ def test_other_recordings_that_cannot_be_used(tmp_path):
         ({"amplitude_factor": "big"}, "amplitude_factor must be a positive number"),
     ],
 )
-def test_options_out_of_range_are_named(options, said):
+def test_options_out_of_range_are_named(options, message):
     with pytest.raises(BenchError) as caught:
         load_problem("signature-03", **options)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_cma_es_on_the_published_dataset_12_looks_like_the_authors_runs(published):
