@@ -16,7 +16,10 @@ def is_whole(value: object) -> bool:
 
 def is_finite(value: object) -> bool:
     """Return whether the value is a finite number; True and False are none."""
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    try:
+        return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    except OverflowError:  # a whole number that no float can hold
+        return False
 
 
 def require_whole(

@@ -1,7 +1,8 @@
-"""The compiled objective against the literal numpy formula, measured in one run on one core.
+"""Compare the speed of the compiled objective and of the literal numpy formula in one run on one core.
 
-Run with ``python performance/objective.py``. Both evaluate the same 300 points that keep the constraints, on dataset
-12; the best of several rounds, taken in turn, is compared, so that a busy moment of the machine favours neither.
+Run with ``python performance/objective.py``. Both evaluate the same 300 points, which satisfy the constraints, on
+dataset 12. They run in turn, and the best of several rounds counts, so that a busy moment of the machine favours
+neither.
 """
 
 from time import perf_counter

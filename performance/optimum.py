@@ -1,11 +1,11 @@
-"""Try to beat the reference fit: long runs of four optimizers on every dataset, clean and noisy, against it.
+"""Try to beat the reference fit with long runs of four optimizers on every dataset, clean and noisy.
 
     python performance/optimum.py [--trials 5] [--budget 300000] [--output results/runs/optimum]
 
 The problems are signature-01 … -20 and noisy-00 … -20 with both levels of noise, and some with a T_f whose windows may
-overlap or whose T_d lies between two samples; the optimizers run in the box or under the constraints, each against the
-reference fit of the same. Told are the largest amount by which a run was better, the
-share of runs that came within 1 % of the reference, and how long a reference fit takes. Interrupted, it continues.
+overlap or whose T_d lies between two samples; each optimizer runs in the box or under the constraints, against the
+reference fit in the same space. The output is the largest amount by which a run was better, the share of runs that came
+within 1 % of the reference, and the time of a reference fit. An interrupted run continues when it is started again.
 """
 
 import argparse
@@ -14,6 +14,7 @@ from time import perf_counter
 import numpy as np
 
 import bench
+from problems.backlash.levels import LEVELS
 from problems.backlash.signature.problem import FOUND
 
 OPTIMIZERS = [
@@ -22,7 +23,6 @@ OPTIMIZERS = [
     {"name": "cma-es-fast", "handling": "box", "agents": 100},
     {"name": "gwo", "handling": "repair", "agents": 300},
 ]
-LEVELS = range(1, 21)
 PERIODS = (0.1, 0.2, 0.3, 0.39, 0.4068)
 
 

@@ -1,1 +1,1 @@
-"""The built-in problems, one family a folder, with all that is about backlash: commands, studies and report views."""
+"""The built-in problems, one subject a folder; that of backlash holds its commands, studies and reports too."""

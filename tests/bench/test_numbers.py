@@ -38,4 +38,5 @@ def test_what_is_not_positive_is_one_sentence(value):
 
 
 def test_neither_truth_nor_infinity_is_a_finite_number():
-    assert [is_finite(each) for each in (1, 1.5, True, math.inf, math.nan, "1", 1j)] == [True, True, *[False] * 5]
+    none = True, math.inf, -math.inf, math.nan, 10**400, "1", 1j
+    assert [is_finite(each) for each in (1, 1.5, *none)] == [True, True, *[False] * len(none)]

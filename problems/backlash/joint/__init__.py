@@ -1,4 +1,4 @@
-"""The simulated robot joint of thesis chapter 4: where the home problem's signals come from."""
+"""The simulated robot joint of thesis chapter 4: the source of the home problem's signals."""
 
 from problems.backlash.joint.parameter_files import load_joint
 from problems.backlash.joint.parameters import Joint, half_gap

@@ -1,4 +1,4 @@
-"""Joints in TOML files: a joint's parameters by the names of :class:`Joint`, or by what a user knows of it instead."""
+"""Read and write joints as TOML: the parameters of :class:`Joint`, or a payload, a speed and an axis angle instead."""
 
 from __future__ import annotations
 
@@ -10,16 +10,17 @@ from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError, nearest
+from bench.numbers import is_finite, require_positive
 from problems.backlash.joint.parameters import Joint
 
 GRAVITY = 9.80665
 """Standard gravity, m/s²."""
 
 PAYLOAD, LEVER = 5.0, 0.2943
-"""kg and m; the point mass that makes the default joint's gravity torque and load inertia, both to 3e-4 of them."""
+"""kg and m; the point mass that makes the default joint's gravity torque and load inertia to within 3e-4 of each."""
 
 LARGEST = 1e100
-"""Beyond it a number is no measure of a joint, and its square or cube is no float."""
+"""Larger numbers are no property of a joint, and a float cannot hold their cube."""
 
 FIELDS = {field.name: field for field in fields(Joint)}
 
@@ -29,11 +30,11 @@ INSTEAD = {
     "speed_rps": ("omega_ref",),
     "gravity_angle_deg": (),
 }
-"""What a file may give besides the joint's own parameters, and the parameters that it sets."""
+"""Keys that a file may give instead of the joint's own parameters, and the parameters that each key sets."""
 
 
 def load_joint(path: str | Path | None = None, **options: float | None) -> Joint:
-    """Return the joint of a TOML file; what the file leaves out is the default joint's.
+    """Return the joint of a TOML file; a parameter that the file leaves out has the default joint's value.
 
     Besides the parameters of :class:`Joint`, in SI units, a file may give
 
@@ -43,17 +44,17 @@ def load_joint(path: str | Path | None = None, **options: float | None) -> Joint
     - ``gravity_angle_deg``: the angle between the joint's axis and the vertical, with whose sine the gravity torque
       is multiplied: 90 for a horizontal axis (the default), 0 for one parallel to gravity, as a robot's joint 1.
 
-    A payload changes the load alone. The parameters of the default joint are known as ratios, whose scale is its 5 kg
-    (motor inertia, transmission and gains among them), and they stay: this is the same motor under the same controller
-    with another load. A controller that is tuned to its payload, a heavier joint's stiffer gear, or a payload beside a
-    link with a mass of its own are told by giving those parameters.
+    A payload changes the load alone. The default joint's motor inertia, transmission and gains are known relative to
+    its payload of 5 kg, and they stay: this is the same motor under the same controller with another load. For a
+    controller that is tuned to its payload, a heavier joint's stiffer gear, or a payload beside a link with a mass of
+    its own, give those parameters.
 
     Args:
         path: the file; None for the default joint.
-        **options: values by the same names that take the place of the file's; None leaves the file's.
+        **options: values that replace the file's values of the same names; None keeps the file's value.
 
     Raises:
-        BenchError: for a file that cannot be read, an unknown key, values of the wrong type or out of range, and keys
+        BenchError: for a file that cannot be read, an unknown key, a value of the wrong type or out of range, and keys
             that contradict each other.
     """
     given = {key: value for key, value in options.items() if value is not None}
@@ -65,7 +66,7 @@ def load_joint(path: str | Path | None = None, **options: float | None) -> Joint
 
 
 def joint_text(joint: Joint) -> str:
-    """Return a TOML file of all the joint's parameters, with their meanings and units, to be edited."""
+    """Return the text of a TOML file with all of the joint's parameters, their meanings and units, for editing."""
     lines = [f"{name} = {float(getattr(joint, name))!r}" for name in FIELDS]
     width = max(map(len, lines))
     rows = [
@@ -90,7 +91,7 @@ def joint_text(joint: Joint) -> str:
 
 
 def described(joint: Joint) -> str:
-    """Return in words which joint it is: the default one, or how it differs."""
+    """Return a description of the joint: the default joint, or its differences from the default joint."""
     default = Joint()
     other = {name: getattr(joint, name) for name in FIELDS if getattr(joint, name) != getattr(default, name)}
     if not other:
@@ -112,14 +113,13 @@ def _joint(settings: Mapping[str, Any], where: str) -> Joint:
     for key, value in settings.items():
         if key not in known:
             raise BenchError(f"{where} has no parameter {key!r}{nearest(key, known)}")
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < LARGEST:
+        if not is_finite(value) or abs(value) >= LARGEST:
             raise BenchError(f"{where}: {key} must be a finite number, not {value!r}")
         for other in INSTEAD.get(key, ()):
             if other in settings:
                 raise BenchError(f"{where} gives both {other} and {key}, which sets it; keep one of them")
     for key in ("payload_kg", "lever_m", "speed_rps"):
-        if settings.get(key, 1.0) <= 0:
-            raise BenchError(f"{where}: {key} must be positive, but it is {settings[key]!r}")
+        require_positive(f"{where}: {key}", settings.get(key, 1.0))
     angle = settings.get("gravity_angle_deg", 90.0)
     if not 0 <= angle <= 90:
         raise BenchError(f"{where}: gravity_angle_deg must be from 0 (parallel to gravity) to 90, but it is {angle!r}")

@@ -1,18 +1,16 @@
 """The parameters of the simulated robot joint (thesis chapter 4) and the gaps of its twenty datasets."""
 
 from dataclasses import dataclass, field, fields
-from math import isfinite, pi
-from numbers import Real
+from math import pi
 from typing import Any
 
 from bench.errors import BenchError
-
-LEVELS = 20
-"""Number of backlash levels, and so of datasets."""
+from bench.numbers import is_finite
+from problems.backlash.levels import LEVELS
 
 
 def _quantity(default: float, meaning: str, *, may_be_zero: bool = False) -> Any:
-    """Return a field that knows its meaning and unit, which joint files repeat, and whether it may be zero."""
+    """Return a field with its meaning and unit, which joint files repeat, and whether it may be zero."""
     return field(default=default, metadata={"meaning": meaning, "may_be_zero": may_be_zero})
 
 
@@ -20,13 +18,12 @@ def _quantity(default: float, meaning: str, *, may_be_zero: bool = False) -> Any
 class Joint:
     """A motor that turns an unbalanced load through an elastic gear with backlash, under a position loop.
 
-    The defaults are the thesis's test bench: they were identified from its published recordings, which they reproduce
-    with 4 to 6.5 % of their standard deviation. A speed signal fixes only ratios of the mechanical parameters;
-    the absolute scale is that of the 5 kg payload. Symbols are those of thesis Table 4.1 where it has them.
+    The defaults are the thesis's test bench: they were identified from its published recordings and reproduce these
+    with an error of 4 to 6.5 % of their standard deviation. A speed signal fixes only ratios of the mechanical
+    parameters; the absolute scale is that of the 5 kg payload. Symbols are those of thesis Table 4.1 where it has them.
 
     Raises:
-        BenchError: a parameter that is no finite number or has the wrong sign.
-
+        BenchError: a parameter that is not a finite number or has the wrong sign.
     """
 
     gear_ratio: float = _quantity(40.0, "N, motor turns per load turn")
@@ -50,8 +47,7 @@ class Joint:
     def __post_init__(self) -> None:
         for each in fields(self):
             value, may_be_zero = getattr(self, each.name), each.metadata["may_be_zero"]
-            known = isinstance(value, Real) and not isinstance(value, bool) and isfinite(value)
-            if not known or value < 0 or (value == 0 and not may_be_zero):
+            if not is_finite(value) or value < 0 or (value == 0 and not may_be_zero):
                 rule = "finite and not negative" if may_be_zero else "finite and positive"
                 raise BenchError(f"Joint: {each.name} must be {rule}, but it is {value!r}.")
 
@@ -73,8 +69,7 @@ def half_gap(level: int) -> float:
 
     Raises:
         BenchError: a level that is not a whole number from 1 to 20.
-
     """
-    if level not in range(1, LEVELS + 1):
-        raise BenchError(f"The backlash level must be a whole number from 1 to {LEVELS}, but it is {level!r}.")
+    if level not in LEVELS:
+        raise BenchError(f"The backlash level must be a whole number from 1 to {LEVELS[-1]}, but it is {level!r}.")
     return (2 * level - 1) / 10_000

@@ -1,30 +1,30 @@
-"""The joint simulator (thesis chapter 4): a two-mass model with backlash, driven at constant speed, integrated by RK4.
+"""Simulate the joint of thesis chapter 4: a two-mass model with backlash at constant reference speed, by RK4.
 
     >>> from problems.backlash.joint import half_gap, simulate
     >>> simulation = simulate(half_gap=half_gap(12))
     >>> simulation.time, simulation.speed    # 2401 samples at 500 Hz: s, rps
 
 The motion is written as deviations from the uniform rotation at the reference speed, q = theta_m - omega_ref t of the
-motor and p = theta_l - omega_ref t / N of the load: small numbers, which lose no digits to ever-growing angles.
+motor and p = theta_l - omega_ref t / N of the load: these stay small, so that growing angles cost no digits.
 """
 
 from dataclasses import astuple, dataclass
-from math import ceil, isfinite, pi, sin
+from math import ceil, pi, sin
 from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.numbers import is_finite, require_positive, require_whole
+from bench.problem import Floats
 from problems.backlash.joint.parameters import Joint
 
-Array = NDArray[np.float64]
 Value = Any  # a number or an array
 
-STEP = 5e-5  # s; the largest step taken where none is asked for
+STEP = 5e-5  # s; the largest step where the caller gives none
 LARGEST_STEP = 1e-3  # s; beyond it RK4 is unstable on the default joint's fast poles
-MOST_STEPS = 4_000_000  # 200 s at STEP; they take some 600 MB
+MOST_STEPS = 4_000_000  # 200 s at STEP, which need some 600 MB
 DEFAULT = Joint()
 
 
@@ -32,39 +32,39 @@ DEFAULT = Joint()
 class Trajectory:
     """The recorded motion at every integration step; arrays of shape (m,), m = duration / step + 1."""
 
-    time: Array
+    time: Floats
     """s, from 0."""
 
-    speed: Array
+    speed: Floats
     """True motor speed, rps."""
 
-    load_angle: Array
+    load_angle: Floats
     """theta_l, rad, without reduction to one turn; 0 hangs down."""
 
-    dtheta: Array
+    dtheta: Floats
     """Angle across the transmission, seen from the load, rad (eq. 4.1). The gap is open where |dtheta| < half_gap."""
 
-    domega: Array
+    domega: Floats
     """Speed across the transmission, seen from the load, rad/s (eq. 4.2)."""
 
-    load_torque: Array
+    load_torque: Floats
     """tau_l, the torque that the transmission applies to the load, N m (eq. 4.6)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """What `simulate` returns."""
+    """The result of `simulate`: the sampled speed, the peak of the disturbance and the motion before sampling."""
 
-    time: Array
+    time: Floats
     """(n,) sampling instants, s, from 0."""
 
-    speed: Array
-    """(n,) motor speed, rps: exact, or as the encoder gives it."""
+    speed: Floats
+    """(n,) motor speed, rps: the exact speed, or the encoder's."""
 
     peak: float
     """Positive peak of the true speed's deviation from the reference, rps: the "expected A" of thesis Table 7.3.
 
-    It is that of the last load turn, where the start has died away, before sampling, which loses up to 3.4 % of it.
+    It is taken in the last load turn, where the start has died away, and before sampling, which loses up to 3.4 %.
     """
 
     fine: Trajectory
@@ -79,7 +79,7 @@ def gap_torque(dtheta: Value, domega: Value, delta: float, Ks: float, Ds: float,
 
 
 @njit(cache=True, error_model="numpy")
-def derivative(t: float, state: Array, joint: tuple[float, ...], delta: float, theta0: float, out: Array) -> None:
+def derivative(t: float, state: Floats, joint: tuple[float, ...], delta: float, theta0: float, out: Floats) -> None:
     """Write the time derivative of state = (q, q', p, p', z) at t (s) to out, both of shape (5,).
 
     joint is `astuple(Joint(...))`, all floats; theta0 is the load angle of the uniform rotation at t = 0, rad.
@@ -103,8 +103,8 @@ def derivative(t: float, state: Array, joint: tuple[float, ...], delta: float, t
 
 @njit(cache=True, error_model="numpy")
 def integrate(
-    start: Array, joint: tuple[float, ...], delta: float, theta0: float, step: float, skip: int, keep: int
-) -> Array:
+    start: Floats, joint: tuple[float, ...], delta: float, theta0: float, step: float, skip: int, keep: int
+) -> Floats:
     """Return the states (keep, 5) after skip, skip + 1, … steps of the classical Runge-Kutta method from start (5,)."""
     states = np.empty((keep, 5))
     state = start.copy()
@@ -128,7 +128,7 @@ def integrate(
     return states
 
 
-def resting_state(joint: Joint, delta: float, theta0: float) -> Array:
+def resting_state(joint: Joint, delta: float, theta0: float) -> Floats:
     """Return the state (5,) of uniform rotation with the load at angle theta0 (rad), resting on a flank of the gap."""
     omega_l = joint.omega_ref / joint.gear_ratio
     tau = joint.gravity_torque * sin(theta0) + joint.viscous_friction * omega_l + joint.coulomb_friction
@@ -153,43 +153,42 @@ def simulate(
     Args:
         joint: the joint and its controller.
         half_gap: delta, half the backlash gap, rad.
-        duration: length of the recording, s; the default gives 2401 samples, as the published datasets have.
+        duration: length of the recording, s; the default gives 2401 samples, like the published datasets.
         rate: sampling rate, Hz.
-        settle: time simulated before the recording, s, taken to the nearest step. The transient decays at 15.6 1/s,
+        settle: time simulated before the recording, s, rounded to the nearest step. The transient decays at 15.6 1/s,
             so the default leaves none.
         step: integration step, s; None takes the largest up to 5e-5 s that divides the sampling period. On the twenty
             datasets the samples are then within 2e-3 rps (2e-4 rms) of those at 2e-6 s: an impact is shorter than a
             step, so the error falls with the step, not with its fourth power.
         start_angle: load angle at which the recording starts, rad; the default is that of the published datasets.
         encoder_bits: resolution of the motor encoder, 2**bits counts a turn. The speed is then the difference of
-            two quantised angles over the sampling period, and lags by half of it. None: the exact speed.
+            two quantised angles over the sampling period, and lags by half a period. None: the exact speed.
 
     Raises:
         BenchError: an argument out of its range, or an integration that diverges.
-
     """
     step, skip, stride, samples = _steps(duration, rate, settle, step)
-    if not (isfinite(half_gap) and half_gap >= 0):
+    if not (is_finite(half_gap) and half_gap >= 0):
         raise BenchError(f"simulate: half_gap must be finite and not negative, but it is {half_gap!r} rad.")
-    if not isfinite(start_angle):
+    if not is_finite(start_angle):
         raise BenchError(f"simulate: start_angle must be finite, but it is {start_angle!r} rad.")
-    if encoder_bits is not None and encoder_bits not in range(1, 33):
-        raise BenchError(f"simulate: encoder_bits must be a whole number from 1 to 32, but it is {encoder_bits!r}.")
-    if encoder_bits is not None and skip < stride:
-        raise BenchError(
-            f"simulate: with an encoder, settle must be at least one sampling period, but it is {settle!r} s."
-        )
+    if encoder_bits is not None:
+        require_whole("simulate: encoder_bits", encoder_bits, 1, 32)
+        if skip < stride:
+            raise BenchError(
+                f"simulate: with an encoder, settle must be at least one sampling period, but it is {settle!r} s."
+            )
 
     lead = 0 if encoder_bits is None else stride  # the encoder's first difference reaches one sample back
     omega_l = joint.omega_ref / joint.gear_ratio
     theta0 = start_angle - omega_l * (skip * step)
     keep = lead + (samples - 1) * stride + 1
-    constants = tuple(map(float, astuple(joint)))  # a parameter given as an int would compile the kernel anew
+    constants = tuple(map(float, astuple(joint)))  # an int would make numba compile the kernel again
     start = resting_state(joint, half_gap, theta0)
     states = integrate(start, constants, float(half_gap), float(theta0), float(step), skip - lead, keep)
     if not np.isfinite(states).all():
         raise BenchError(
-            f"simulate: the integration diverges with a step of {step!r} s: take a smaller one, or a less stiff joint."
+            f"simulate: the integration diverges with a step of {step!r} s; take a smaller step or a less stiff joint."
         )
 
     fine = _trajectory(joint, half_gap, start_angle, step, states[lead:])
@@ -203,13 +202,13 @@ def simulate(
     return Simulation(np.arange(samples) / rate, speed, peak, fine)
 
 
-def with_noise(speed: Array, noise: float, rng: np.random.Generator) -> Array:
+def with_noise(speed: Floats, noise: float, rng: np.random.Generator) -> Floats:
     """Return the (n,) speed in rps with uniform white noise of a peak-to-peak value in rps (eqs. 7.1 and 7.2).
 
     Raises:
         BenchError: for a noise that is negative or not finite.
     """
-    if not (isfinite(noise) and noise >= 0):
+    if not (is_finite(noise) and noise >= 0):
         raise BenchError(f"simulate: the noise must be finite and not negative, but it is {noise!r} rps.")
     return speed + noise * rng.uniform(-0.5, 0.5, len(speed))
 
@@ -217,9 +216,8 @@ def with_noise(speed: Array, noise: float, rng: np.random.Generator) -> Array:
 def _steps(duration: float, rate: float, settle: float, step: float | None) -> tuple[float, int, int, int]:
     """Return the step, the number of steps before the recording, of steps per sample, and of samples."""
     for name, value in {"duration": duration, "rate": rate, "step": STEP if step is None else step}.items():
-        if not (isfinite(value) and value > 0):
-            raise BenchError(f"simulate: {name} must be finite and positive, but it is {value!r}.")
-    if not (isfinite(settle) and settle >= 0):
+        require_positive(f"simulate: {name}", value)
+    if not (is_finite(settle) and settle >= 0):
         raise BenchError(f"simulate: settle must be finite and not negative, but it is {settle!r} s.")
     if step is None:
         stride = max(ceil(1 / (rate * STEP) - 1e-9), 1)
@@ -238,7 +236,7 @@ def _steps(duration: float, rate: float, settle: float, step: float | None) -> t
     return step, round(settle / step), stride, int(duration * rate + 1e-6) + 1
 
 
-def _trajectory(joint: Joint, delta: float, start_angle: float, step: float, states: Array) -> Trajectory:
+def _trajectory(joint: Joint, delta: float, start_angle: float, step: float, states: Floats) -> Trajectory:
     """Turn the states (m, 5) into physical signals."""
     q, dq, p, dp, _ = states.T
     N = joint.gear_ratio

@@ -1,35 +1,34 @@
-"""A joint that wears: one noisy recording a month, of a gap that grows by the three-phase wear curve.
+"""Simulate a joint that wears: one noisy recording a month, of a gap that grows by the three-phase wear curve.
 
-Made for demonstrations and tests of monitoring, where no recordings of a real joint's years exist. The curve's shape is
-the textbook's: running-in, whose wear rate decays exponentially to a steady one (Queener, Smith and Mitchell, Transient
-wear of machine parts, Wear 8, 1965, 391-400; reviewed by Khonsari, Ghatrehsamani and Akbarzadeh, Wear 474-475, 2021,
-203871, doi:10.1016/j.wear.2021.203871); steady wear in proportion to the way travelled (Archard, J. Appl. Phys. 24,
-1953, 981-988, doi:10.1063/1.1721448); and accelerated wear at the end of life, for which no law is agreed on: here its
-rate grows in proportion to the time since its onset. How much wear falls to each phase is a choice, and was measured on
-no gear.
+For demonstrations and tests of monitoring, because no recordings of a real joint over years exist. The curve has the
+textbook's shape: running-in, whose wear rate decays exponentially to a steady rate (Queener, Smith and Mitchell,
+Transient wear of machine parts, Wear 8, 1965, 391-400; reviewed by Khonsari, Ghatrehsamani and Akbarzadeh, Wear
+474-475, 2021, 203871, doi:10.1016/j.wear.2021.203871); steady wear in proportion to the distance travelled (Archard, J.
+Appl. Phys. 24, 1953, 981-988, doi:10.1063/1.1721448); and accelerated wear at the end of life, for which there is no
+agreed law: here its rate grows in proportion to the time since its onset. The share of each phase is a choice and was
+not measured on a gear.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import isfinite, pi
+from math import pi
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.numbers import is_finite
+from bench.problem import Floats
 from problems.backlash.joint.parameters import Joint
 from problems.backlash.joint.simulator import simulate, with_noise
-
-Floats = NDArray[np.float64]
 
 MOST_MONTHS = 240
 FIRST_YEAR = 2024
 
 RUN_IN, STEADY, ACCELERATED = 0.15, 0.45, 0.40
-"""The shares of the whole wear that fall to the three phases."""
+"""The share of each phase in the total wear."""
 
 RUN_IN_TIME, ONSET = 0.05, 0.70
 """The time constant of running-in and the onset of accelerated wear, as parts of the life."""
@@ -55,7 +54,7 @@ class Month:
 
 
 def wear(life: Floats) -> Floats:
-    """Return the part of all wear (n,) that has happened after a part of the life (n,), both from 0 to 1."""
+    """Return the share of the total wear (n,) after a share of the life (n,), both from 0 to 1."""
     run_in = (1 - np.exp(-life / RUN_IN_TIME)) / (1 - np.exp(-1 / RUN_IN_TIME))
     accelerated = (np.maximum(life - ONSET, 0.0) / (1 - ONSET)) ** 2
     worn: Floats = RUN_IN * run_in + STEADY * life + ACCELERATED * accelerated
@@ -70,7 +69,7 @@ def half_gaps(new: float, worn: float, months: int) -> Floats:
     """
     if months not in range(2, MOST_MONTHS + 1):
         raise BenchError(f"a wear curve takes from 2 to {MOST_MONTHS} months, not {months!r}")
-    if not (isfinite(worn) and 0 <= new < worn):
+    if not (is_finite(worn) and 0 <= new < worn):
         raise BenchError(f"a gap grows with wear, from at least 0 rad: from {new!r} to {worn!r} rad is no wear")
     return new + (worn - new) * wear(np.linspace(0.0, 1.0, months))
 
@@ -97,9 +96,9 @@ def monthly_recordings(
         worn: half-gap in the last month, rad.
         months: how many.
         noise: peak-to-peak value of the uniform white noise, rps (eqs. 7.1 and 7.2).
-        seed: what decides noise and starts.
-        start_angle: load angle at which every recording starts, rad; None draws it from half a load turn, as real
-            recordings start anywhere (the thesis begins at one of the first 100 samples, section 7.3).
+        seed: the seed of the noise and the start angles.
+        start_angle: load angle at which every recording starts, rad; None draws it from half a load turn, because real
+            recordings start anywhere (the thesis starts at one of the first 100 samples, section 7.3).
         **options: of :func:`problems.backlash.joint.simulate`.
 
     Raises:

@@ -1,34 +1,31 @@
-"""Write recordings and other files whole or not at all, and nothing over what is there unasked."""
+"""Check output paths and write recordings, whole or not at all; replace an existing file only on request."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
-from numpy.typing import NDArray
 
 from bench.atomic import replacing
 from bench.errors import BenchError, require
-
-Floats = NDArray[np.float64]
+from bench.problem import Floats
 
 KINDS = (".csv", ".xlsx", ".parquet")
 """The kinds of recording files."""
 
 
 def check_output(path: Path, kinds: tuple[str, ...], *, force: bool) -> None:
-    """Raise BenchError for a file that could not be written, as far as that can be told before it is made.
+    """Raise BenchError for a path that cannot be written, as far as a check before the work can detect it.
 
     Args:
         path: the file.
         kinds: the suffixes it may have.
-        force: whether a file that is there may be replaced.
+        force: whether an existing file may be replaced.
     """
     kind = path.suffix.lower()
     if kind not in kinds:
         raise BenchError(
-            f"{path} must end in {' or '.join(', '.join(kinds).rsplit(', ', 1))}, as that is what is written"
+            f"{path} must end in {' or '.join(', '.join(kinds).rsplit(', ', 1))}, the kinds that can be written"
         )
     if kind == ".parquet":
         require("pyarrow", "parquet", f"{path} needs")
@@ -39,18 +36,20 @@ def check_output(path: Path, kinds: tuple[str, ...], *, force: bool) -> None:
 
 
 def write_recording(path: Path, time: Floats, speed: Floats) -> None:
-    """Write (n,) instants in s and (n,) motor speeds in rps as csv, xlsx or parquet, as the suffix says.
+    """Write (n,) instants in s and (n,) motor speeds in rps as csv, xlsx or parquet, by the suffix of the path.
 
     Raises:
         BenchError: where the file cannot be written.
     """
-    columns = {"time_s": time, "speed_rps": speed}
-    frame = pd.DataFrame(columns)
     with replacing(path) as temporary:
         if path.suffix.lower() == ".csv":
-            header = ",".join(columns)
-            np.savetxt(temporary, frame.to_numpy(), delimiter=",", header=header, comments="", fmt=["%.6f", "%.10g"])
-        elif path.suffix.lower() == ".xlsx":
+            rows = np.column_stack([time, speed])
+            np.savetxt(temporary, rows, fmt=["%.6f", "%.10g"], delimiter=",", header="time_s,speed_rps", comments="")
+            return
+        import pandas as pd  # slow to import, and csv does not need it
+
+        frame = pd.DataFrame({"time_s": time, "speed_rps": speed})
+        if path.suffix.lower() == ".xlsx":
             frame.to_excel(temporary, index=False)
         else:
             frame.to_parquet(temporary, engine="pyarrow", index=False)

@@ -1,1 +1,1 @@
-"""The recordings that the thesis's authors published, which are no part of this package: fetched, checked and read."""
+"""Fetch, check and read the recordings that the thesis's authors published, which are not part of this package."""

@@ -1,4 +1,4 @@
-"""Which files the authors published, where they are kept here, and how they come there."""
+"""List, find, check, download and copy the data files that the thesis's authors published."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class File:
 
     @property
     def name(self) -> str:
-        """The last part of the path, which no two of the files share."""
+        """The last part of the path, unique among the files."""
         return self.path.rpartition("/")[2]
 
 
@@ -53,7 +53,7 @@ def data_folder() -> Path:
 
 
 def look_up(file: File, folder: Path) -> tuple[Path | None, bool]:
-    """Return where a folder holds a file, itself or anywhere below, and whether that is whole; None where it does not.
+    """Return the path of a file in a folder or below it, None if it is missing, and whether its content is right.
 
     Raises:
         BenchError: for a file that cannot be read.
@@ -67,7 +67,7 @@ def look_up(file: File, folder: Path) -> tuple[Path | None, bool]:
 
 
 def _named(name: str, folder: Path) -> Iterator[Path]:
-    """Yield the files of that name, the folder's own first: those of a clone lie deeper."""
+    """Yield the files of that name, first the one directly in the folder: those of a clone lie deeper."""
     own = folder / name
     if own.is_file():
         yield own
@@ -82,7 +82,7 @@ def _sha256(path: Path) -> str:
 
 
 def require(name: str) -> Path:
-    """Return where a published file is, whole; raises BenchError that tells how to get it."""
+    """Return the path of a published file; raises BenchError if it is missing or differs."""
     folder = data_folder()
     path, whole = look_up(registry()[name], folder)
     if path is None:
@@ -94,17 +94,14 @@ def require(name: str) -> Path:
     return path
 
 
-Told = Callable[[str], None]
-
-
-def download(to: Path, base_url: str, *, on_file: Told = lambda _: None) -> None:
-    """Download what a folder does not hold whole, from below a URL; each file is checked before it takes its name.
+def download(to: Path, base_url: str, *, on_file: Callable[[str], None] = lambda _: None) -> None:
+    """Download the files that a folder lacks from below a URL; each file is checked before it takes its name.
 
     Raises:
         BenchError: for a connection that fails, a file that is not the published one, and a folder that cannot be
-            written; the files before it stay.
+            written; the files that came before it stay.
     """
-    import pooch  # its import takes longer than that of every other command's needs
+    import pooch  # slow to import, and only this command needs it
 
     pooch.get_logger().setLevel("WARNING")
     known = registry()
@@ -122,7 +119,7 @@ def download(to: Path, base_url: str, *, on_file: Told = lambda _: None) -> None
                 f"{urls[name]} is not the published file, as its SHA-256 differs; try again, or give a folder that has "
                 "it with --from"
             ) from error
-        except OSError as error:  # what requests raises is one, too
+        except OSError as error:  # the errors of requests are OSErrors, too
             if not hasattr(error, "response"):
                 raise BenchError(f"{to / name} cannot be written: {error.strerror or 'permission denied'}") from error
             answer = error.response
@@ -134,12 +131,12 @@ def download(to: Path, base_url: str, *, on_file: Told = lambda _: None) -> None
         on_file(name)
 
 
-def copy(source: Path, to: Path, *, on_file: Told = lambda _: None) -> None:
-    """Copy from a folder, such as a clone of the repository, what it has and ``to`` does not hold whole.
+def copy(source: Path, to: Path, *, on_file: Callable[[str], None] = lambda _: None) -> None:
+    """Copy the files that ``to`` lacks from a folder, such as a clone of the repository.
 
     Raises:
-        BenchError: for a folder with none of the files, for files that only share a name with a published one (once
-            all others are copied), and for a folder that cannot be written.
+        BenchError: for a folder with none of the files, for files with the name but not the content of a published one
+            (after all others are copied), and for a folder that cannot be written.
     """
     found = {file: look_up(file, source) for file in registry().values()}
     if not any(path for path, _ in found.values()):
@@ -149,7 +146,7 @@ def copy(source: Path, to: Path, *, on_file: Told = lambda _: None) -> None:
             continue
         try:
             to.mkdir(parents=True, exist_ok=True)
-            with TemporaryDirectory(dir=to) as place:  # so that a copy that ends half-way is no published file
+            with TemporaryDirectory(dir=to) as place:  # an interrupted copy must not look like a published file
                 shutil.copyfile(path, Path(place) / file.name).replace(to / file.name)
         except OSError as error:
             raise BenchError(f"{to / file.name} cannot be written: {error.strerror}") from error

@@ -11,8 +11,8 @@ class Row(NamedTuple):
     Attributes:
         theoretical: the positive peak of the undecimated disturbance, which is the expected A.
         noise: amplitude of the uniform noise, half of its peak-to-peak value.
-        mean: of the A that the runs found.
-        stdev: likewise.
+        mean: mean of the A of the runs.
+        stdev: their standard deviation.
         error: |mean - theoretical| / theoretical in percent, None without backlash.
     """
 

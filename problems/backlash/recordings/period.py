@@ -1,51 +1,50 @@
-"""The time of one load turn, T_f, from the gear ratio or from the disturbance itself.
+"""Find the time of one load turn, T_f, from the gear ratio or from the disturbance itself.
 
     >>> find_period(recording, gear_ratio=40)  # from the mean speed, where the ratio is known
     >>> find_period(recording)  # from the signal, None where it has no period
 
 The second half of a load turn repeats the first with the opposite sign (thesis section 3.3): f(t + T_f/2) = -f(t), so
-f has the odd harmonics of 1/T_f alone. That tells T_f from its multiples and parts: the odd harmonics of 1/(2 T_f) and
-2/T_f are no harmonics of f's at all, those of 3/T_f are a third of them, and those of 1/(3 T_f) are three times as many
-as are needed. A period's odd harmonics are fitted to the signal; of all periods, the one of the best fit by Schwarz's
-criterion (Annals of Statistics 6, 1978, doi:10.1214/aos/1176344136) is the nearest, and least squares in T_f and the
-harmonics together make it exact (Quinn and Hannan, The Estimation and Tracking of Frequency, 2001, chapter 4).
+f has the odd harmonics of 1/T_f alone. This distinguishes T_f from its multiples and parts: the odd harmonics of
+1/(2 T_f) and 2/T_f are not harmonics of f, those of 3/T_f are a third of f's, and those of 1/(3 T_f) are three times as
+many as f has. The search fits the odd harmonics of each period to the signal and takes the period of the best fit by
+Schwarz's criterion (Annals of Statistics 6, 1978, doi:10.1214/aos/1176344136); least squares in T_f and the harmonics
+together then make it exact (Quinn and Hannan, The Estimation and Tracking of Frequency, 2001, chapter 4).
 """
 
 from dataclasses import dataclass
-from math import isfinite, log, pi
+from math import log, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.numbers import require_positive
+from bench.problem import Floats
 from problems.backlash.recordings.recording import Recording
 from problems.backlash.recordings.screen import SAMPLES_A_TURN
 
-Floats = NDArray[np.float64]
-
 RATE = 250.0
-"""Hz; to this sampling rate at least a signal is averaged, and no more is needed for the harmonics up to BAND."""
+"""Hz; the signal is averaged down to this sampling rate or a little more, enough for the harmonics up to BAND."""
 
 BAND = 50.0
 """Hz; the disturbance rings at up to 40 Hz (Table 7.1)."""
 
 LONGEST = 8_192
-"""The averaged samples that are looked at, from the start, where the fit begins: 33 s at least."""
+"""The most averaged samples that are used, from the start of the recording on: 33 s at least."""
 
 LONGEST_PERIOD = 20.0
-"""s; the longest load turn looked for."""
+"""s; the longest load turn that the search covers."""
 
 FEWEST_TURNS = 2.0
-"""The load turns that a recording must hold for its period to be seen."""
+"""The load turns that a recording must hold for the search to find its period."""
 
 STRONGEST = 24
-"""The harmonics by which a period is made exact."""
+"""The number of harmonics that make a period exact, the strongest ones."""
 
 CLAIM = 12.0
-"""The gain in log-likelihood, after Schwarz's allowance, from which a period is claimed."""
+"""The gain in log-likelihood, after Schwarz's allowance, from which on a period is reported."""
 
 FLOOR = 0.02
-"""The part of the signal's energy that counts as noise at least: what the steps of the search miss of a period."""
+"""The smallest part of the signal's energy that counts as noise: the steps of the search miss so much of a period."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,7 @@ class Period:
         confidence: the part of the signal's energy up to 50 Hz, from 0 to 1, that repeats with the opposite sign after
             half of T_f, above what a random signal's would.
         source: "gear ratio" or "signal".
-        whole: whether T_f was set to one of which half is a whole number of samples.
+        whole: whether T_f was rounded to a whole number of samples in half a turn.
     """
 
     seconds: float
@@ -74,21 +73,21 @@ def find_period(
     """Return the time of one load turn, or None where the signal shows none.
 
     With the gear ratio, motor turns per load turn, it is the ratio over the mean speed: always known, and exact where
-    no disturbance is seen. Otherwise it is the period of the disturbance, of which the recording must hold two turns.
-    Either is set to the nearest one with a whole number of samples in half a turn, with which the fit is faster, where
-    that is within two standard errors or shifts the last turn by less than a quarter of a sample.
+    the signal shows no disturbance. Otherwise it is the period of the disturbance; the recording must hold two turns.
+    Either is rounded to a whole number of samples in half a turn, which makes the fit faster, if that changes it by at
+    most two standard errors or shifts the last turn by less than a quarter of a sample.
 
     Args:
         recording: the recording, at a steady speed.
         gear_ratio: motor turns per load turn.
-        nominal: about the period in s, if the signal's is looked for within 20 % of it only.
+        nominal: the approximate period in s, to search within 20 % of it only.
 
     Raises:
-        BenchError: for a gear ratio or a nominal period that is not a positive number, and for a motor that stands.
+        BenchError: for a gear ratio or a nominal period that is not a positive number, and for a mean speed of 0.
     """
     for name, value in (("gear ratio", gear_ratio), ("nominal period", nominal)):
-        if value is not None and not (isfinite(value) and value > 0):
-            raise BenchError(f"the {name} must be a positive number, not {value!r}")
+        if value is not None:
+            require_positive(f"the {name}", value)
     spectrum = _Spectrum(recording)
     if gear_ratio is not None:
         seconds, error, source = *_from_speed(recording, gear_ratio), "gear ratio"
@@ -140,12 +139,12 @@ class _Spectrum:
         self._power = spectrum * 2 * count / window.sum() ** 2  # the energy of a sinusoid there
         inside = spectrum[: int(self._band / self._step) + 1]
         self._energy = float(2 * inside.sum() / padded * count / (window**2).sum())
-        self._values = 2 * self._band * self._duration / 1.5  # as many independent ones are in the band, by this window
+        self._values = 2 * self._band * self._duration / 1.5  # independent values in the band, with this window
 
     def explained(self, frequency: Floats) -> tuple[Floats, Floats]:
-        """Return, of (m,) ascending 1/T_f, the gain in log-likelihood over noise and the part of the energy, (m,).
+        """Return the gain in log-likelihood over noise and the part of the energy, (m,) each, of (m,) ascending 1/T_f.
 
-        Both are after an allowance: Schwarz's for the gain, and for the part what a random signal would give.
+        An allowance is taken off both: Schwarz's off the gain, and the part of a random signal off the part.
         """
         odd, harmonics = self._comb(frequency, 1)
         part = np.minimum(odd / self._energy, 1.0)
@@ -158,7 +157,7 @@ class _Spectrum:
         return gain, np.clip((part - chance) / (1 - chance), 0.0, 1.0)
 
     def search(self, shortest: float, longest: float) -> float | None:
-        """Return 1/T_f, Hz, of the best period between two, s, or None where none is better than noise."""
+        """Return 1/T_f in Hz of the best period between two limits in s; None where no period beats noise."""
         longest = min(longest, self._duration / FEWEST_TURNS)
         shortest = max(shortest, 3 / self._band)
         if not shortest < longest:
@@ -170,7 +169,7 @@ class _Spectrum:
         return float(frequency[best]) if gain[best] > CLAIM else None
 
     def refine(self, frequency: float) -> tuple[float, float]:
-        """Return the period, s, that fits best near a frequency, Hz, by Gauss-Newton steps, and its standard error."""
+        """Return the period (s) that fits best near a frequency (Hz), by Gauss-Newton steps, and its standard error."""
         k = np.arange(1, int(self._band / frequency) + 1, 2)
         strongest = np.argsort(self._power[np.rint(k * frequency / self._step).astype(int)])[-STRONGEST:]
         k = k[strongest]
@@ -190,7 +189,7 @@ class _Spectrum:
         return 1 / frequency, variance**0.5 / frequency**2
 
     def _comb(self, frequency: Floats, first: int) -> tuple[Floats, Floats]:
-        """Return the energy at every second harmonic from ``first``, and their number, of (m,) ascending 1/T_f."""
+        """Return the energy at every second harmonic from ``first`` on, and their number, for (m,) ascending 1/T_f."""
         energy, count = np.zeros_like(frequency), np.zeros_like(frequency)
         for k in range(first, int(self._band / frequency[0]) + 1, 2):
             inside = int(np.searchsorted(frequency, self._band / k, side="right"))

@@ -5,18 +5,17 @@
 >>> read("speed.txt", speed=1, unit="rpm", rate=500)      # no column of time
 """
 
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError, nearest
+from bench.numbers import require_positive
+from bench.problem import Floats
 from problems.backlash.recordings.recording import Recording
 from problems.backlash.recordings.tables import Table, load
 from problems.backlash.recordings.units import POSITION, SPEED, TIME, UNITS, Heading, parse_heading
 
-Floats = NDArray[np.float64]
 Column = str | int
 
 
@@ -35,12 +34,12 @@ def read(
     A column is given by its heading, without regard to case and with or without its unit, or by its number from 1.
     Columns that are not given are recognised by their headings, in several languages; where that fails, the first
     column is the time and the next one the speed. Units are those given, else those of the headings (``speed_rpm``,
-    ``speed [rpm]``, ``v (rad/s)``), else s and rps; that of a position must be given in one of the two ways.
+    ``speed [rpm]``, ``v (rad/s)``), else s and rps; a position's unit must be given in one of the two ways.
 
-    A position is that of the motor, in an angle of its own, not the load's. One that jumps by a turn within a single
-    turn's range is unwrapped, for which it takes more than two samples a turn. Its speed is the difference of
-    successive samples over the sampling period, as a drive gives it, taken at the middle of the two (section 8.2): the
-    recording has a sample less and begins half a sampling period later.
+    A position is the angle of the motor, not that of the load. A position that jumps by a turn within a single turn's
+    range is unwrapped; this needs more than two samples a turn. The speed is the difference of successive samples over
+    the sampling period, as in a drive, at the middle of the two (section 8.2): the recording has one sample less and
+    begins half a sampling period later.
 
     Args:
         path: a .csv, .txt, .xlsx or .parquet file.
@@ -52,8 +51,8 @@ def read(
         rate: the sampling rate in Hz, instead of a column of time; the recording then starts at 0 s.
 
     Raises:
-        BenchError: for a file that cannot be read, columns that are not there or cannot be told apart, values that are
-            no numbers, or a time that runs backwards or in unequal steps.
+        BenchError: for a file that cannot be read, columns that are missing or ambiguous, values that are not numbers,
+            or a time that runs backwards or in unequal steps.
     """
     path = Path(path)
     _check_options(path, time, speed, position, unit, time_unit, rate)
@@ -76,8 +75,8 @@ def read(
     if of in (at, None):
         raise BenchError(f"recording {path}: column {table.names[at or 0]!r} cannot be both time and {role}")
 
-    if len(table.cells) < 3:
-        raise BenchError(f"recording {path} has {len(table.cells)} samples; a load turn needs many more")
+    if len(table.lines) < 3:
+        raise BenchError(f"recording {path} has {len(table.lines)} samples; a load turn needs many more")
     of_unit = columns.unit(of, role, unit)
     values = table.numbers(of)
     if at is None:
@@ -87,7 +86,7 @@ def read(
     bad = ~(np.isfinite(values) & np.isfinite(seconds))
     if bad.any():
         what = role if at is None else f"time or {role}"
-        line = table.cells.index[int(np.argmax(bad))]
+        line = table.lines[int(np.argmax(bad))]
         raise BenchError(f"recording {path}: line {line} has no number in {what} (NaN or text); mend or cut it")
     start, dt = _grid(seconds, path)
     if role == "speed":
@@ -96,7 +95,7 @@ def read(
 
 
 class _Columns:
-    """What the headings of a table's columns tell."""
+    """Find a table's columns and their units by the headings."""
 
     def __init__(self, path: Path, table: Table) -> None:
         self._path = path
@@ -104,7 +103,7 @@ class _Columns:
         self._headings: list[Heading] = [parse_heading(name) for name in table.names]
 
     def find(self, role: str, wanted: Column | None) -> int | None:
-        """Return the index of the wanted column, or of that which is recognised as the role's, or None."""
+        """Return the index of the wanted column, or else of the column recognised as the role's, or None."""
         if wanted is not None:
             return self._named(str(wanted).strip())
         known = [i for i, heading in enumerate(self._headings) if heading.role == role]
@@ -125,7 +124,7 @@ class _Columns:
         raise BenchError(f"recording {self._path} has no column {wanted!r}{hint}{listed}")
 
     def unit(self, column: int, role: str, given: str | None) -> str:
-        """Return the unit of a column: the one given, else that of its heading, else s or rps."""
+        """Return the unit of a column: the given unit, else that of its heading, else s or rps."""
         known, heading, name = UNITS[role], self._headings[column], self._names[column]
         if given is not None:
             if given not in known:
@@ -137,9 +136,9 @@ class _Columns:
         if heading.unit in known:
             return str(heading.unit)
         if heading.unknown or role == "position":
-            said = f"unit {heading.unknown!r} of" if heading.unknown else "unit of the position in"
+            which = f"unit {heading.unknown!r} of" if heading.unknown else "unit of the position in"
             raise BenchError(
-                f"recording {self._path}: the {said} column {name!r} is not known; give it: {', '.join(known)}"
+                f"recording {self._path}: the {which} column {name!r} is not known; give it: {', '.join(known)}"
             )
         return next(iter(known))
 
@@ -156,8 +155,8 @@ def _check_options(
     for option, value, units in (("unit", unit, {**SPEED, **POSITION}), ("time_unit", time_unit, TIME)):
         if value is not None and value not in units:
             raise BenchError(f"recording {path}: {option} {value!r} is not known; give {', '.join(units)}")
-    if rate is not None and not (isfinite(rate) and rate > 0):
-        raise BenchError(f"recording {path}: rate must be a positive number of Hz, not {rate!r}")
+    if rate is not None:
+        require_positive(f"recording {path}: rate", rate, unit="Hz")
     if rate is not None and (time is not None or time_unit is not None):
         raise BenchError(f"recording {path}: give either a column of time or a rate, not both")
     if speed is not None and position is not None:
@@ -171,7 +170,8 @@ def _grid(time: Floats, path: Path) -> tuple[float, float]:
         sample = int(np.argmax(steps <= 0)) + 2
         raise BenchError(f"recording {path}: time stands still or runs backwards at sample {sample}; sort or mend it")
     dt = float((time[-1] - time[0]) / (len(time) - 1))
-    off = np.abs(time - (time[0] + dt * np.arange(len(time)))) > 0.25 * dt  # a missing sample shifts half of them so
+    # One missing sample shifts half of the samples by more than this limit.
+    off = np.abs(time - (time[0] + dt * np.arange(len(time)))) > 0.25 * dt
     if off.any():
         near = int(np.argmax(np.abs(steps - dt))) + 1
         raise BenchError(
@@ -184,6 +184,6 @@ def _grid(time: Floats, path: Path) -> tuple[float, float]:
 def _derivative(turns: Floats, dt: float) -> Floats:
     """Return the (N - 1,) speed in rps midway between the (N,) positions in turns."""
     steps = np.diff(turns)
-    if np.ptp(turns) <= 1.0 + 1e-6:  # one that runs on past a turn has steps of any length
+    if np.ptp(turns) <= 1.0 + 1e-6:  # a position that exceeds one turn has steps of any length
         steps -= np.round(steps)
     return steps / dt

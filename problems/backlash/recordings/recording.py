@@ -4,11 +4,9 @@ from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
-
-Floats = NDArray[np.float64]
+from bench.problem import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,13 +14,13 @@ class Recording:
     """A uniformly sampled motor speed.
 
     A motor that turns backwards has a negative speed. Its sign is kept: the disturbance is then the mirror image, whose
-    signature has the opposite A, and it is |A| that tells of the backlash.
+    signature has the opposite A; the backlash follows from |A|.
 
     Attributes:
         start: time of the first sample, s.
         dt: sampling period, s.
         speed: (N,) motor speed, rps.
-        unit: the unit that the values had where they were read; ``speed`` is in rps whatever it is.
+        unit: the unit of the values in the file; ``speed`` is in rps in any case.
     """
 
     start: float
@@ -47,7 +45,7 @@ class Recording:
             BenchError: for a window that ends before it begins, or holds fewer than three samples.
         """
         count = len(self.speed)
-        near = 1e-6  # of a sample: a limit that is a sample's time includes it, whatever its last digit
+        near = 1e-6  # of a sample: a limit at a sample's time includes the sample despite rounding
         first = 0 if begin is None else max(0, int(np.ceil((begin - self.start) / self.dt - near)))
         last = count - 1 if end is None else min(count - 1, int(np.floor((end - self.start) / self.dt + near)))
         if last - first < 2:
@@ -71,12 +69,12 @@ def parse_window(text: str) -> tuple[float | None, float | None]:
     except ValueError:
         known = False
     if not known:
-        raise BenchError(f"the window {text!r} is none; give it in s as begin:end, such as 18.99:20.11, 2: or :10")
+        raise BenchError(f"{text!r} is not a window; give it in s as begin:end, such as 18.99:20.11, 2: or :10")
     if begin is not None and end is not None and end <= begin:
         raise BenchError(f"the window {text!r} must end after it begins; give it in s as begin:end")
     return begin, end
 
 
 def spell(begin: float | None, end: float | None) -> str:
-    """Return a window as it is typed, such as ``18.99:20.11``."""
+    """Return a window as text, such as ``18.99:20.11``, the format that `parse_window` reads."""
     return ":".join("" if value is None else f"{value:.6g}" for value in (begin, end))

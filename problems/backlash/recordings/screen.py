@@ -1,7 +1,7 @@
-"""Find what makes a recording unfit for the signature fit, and what its user should know of it.
+"""Check whether a recording is fit for the signature fit, and warn of what may spoil an estimate.
 
 >>> screen(recording, nominal_rps=100, period=0.4)  # raises BenchError where the recording cannot be used
->>> warnings(recording, period=0.4)  # sentences on what can
+>>> warnings(recording, period=0.4)  # sentences on a recording that can be used
 """
 
 from collections.abc import Iterator
@@ -9,19 +9,17 @@ from math import floor
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 
 from bench.errors import BenchError
+from bench.problem import Floats
 from problems.backlash.recordings.recording import Recording, spell
 from problems.backlash.recordings.units import POSITION, SPEED
-
-Floats = NDArray[np.float64]
 
 FASTEST = 1000.0
 """rps; no joint's motor turns at 60,000 rpm."""
 
 STEADY = 0.2
-"""The part of the mean speed by which a steady speed may depart from it: the disturbance is some percent of it."""
+"""The largest deviation of a steady speed, as a part of the mean speed; the disturbance is a few percent of it."""
 
 FAR = 1.25
 """The factor by which the mean speed may differ from the nominal one."""
@@ -30,7 +28,7 @@ SAMPLES_A_TURN = 20
 """The fewest samples in one load turn: the disturbance rings several times a turn."""
 
 RUN = 3
-"""Successive samples at the extreme, from which a run may be a clipped peak."""
+"""The fewest successive samples at the extreme that may be a clipped peak."""
 
 DROP = 6.0
 """Steps of resolution by which a clipped peak's neighbours lie below it. A round peak, of which n >= 3 samples are
@@ -40,13 +38,13 @@ rounded to one value, falls by at most ((n + 1) / (n - 1))**2 + 1 <= 5 steps bes
 def screen(recording: Recording, *, nominal_rps: float | None = None, period: float | None = None) -> None:
     """Raise BenchError, in one sentence, for the first thing that makes a recording unfit.
 
-    In this order: values that are no numbers, a constant speed, a speed in another unit, one that is not steady (a
-    start, a stop, a reversal), one that is clipped, less than one load turn, and a sampling that is too coarse.
-    A lack of samples in time is told where a recording is read.
+    In this order: values that are not numbers, a constant speed, a speed in another unit, a speed that is not steady (a
+    start, a stop, a reversal), a clipped speed, less than one load turn, and a sampling that is too coarse.
+    Missing samples are reported when a recording is read.
 
     Args:
         recording: the recording.
-        nominal_rps: the motor's nominal speed, where it is known; its sign is of no matter.
+        nominal_rps: the motor's nominal speed, where it is known; its sign does not matter.
         period: T_f, the time of one load turn, s; None where it is not known, or a single oscillation is to be fitted.
     """
     screen_values(recording)
@@ -59,14 +57,14 @@ def screen(recording: Recording, *, nominal_rps: float | None = None, period: fl
 
 
 def warnings(recording: Recording, *, period: float | None = None) -> list[str]:
-    """Return a sentence on everything that is no error but may spoil an estimate; of a screened recording."""
+    """Return a sentence on everything in a screened recording that is not an error but may spoil an estimate."""
     return [*_warn_of_ends(recording), *_warn_of_samples(recording), *_warn_of_turns(recording, period)]
 
 
 def drift(recording: Recording) -> float:
-    """Return by how much (rps) the mean speed drifts from the first sample to the last; 0 where that is little.
+    """Return the drift of the mean speed (rps) from the first sample to the last; 0 for a small drift.
 
-    Little is up to half of the range that the speed has about a straight line.
+    A drift is small up to half of the speed's range about a straight line.
     """
     speed = _without_spikes(recording.speed)
     time = np.linspace(-0.5, 0.5, len(speed))
@@ -78,7 +76,7 @@ def drift(recording: Recording) -> float:
 def steady_window(recording: Recording) -> tuple[float, float] | None:
     """Return the ends (s) of the longest part in which the speed is steady, without a transient at its ends, or None.
 
-    Steady is a speed that stays within 20 % of its level. The ends are cut back to where the speed does not leave the
+    A speed is steady that stays within 20 % of its level. The ends are cut back to where the speed does not leave the
     range of the part's middle half by more than that range itself.
     """
     speed = _without_spikes(recording.speed)
@@ -101,11 +99,11 @@ def steady_window(recording: Recording) -> tuple[float, float] | None:
 
 
 def screen_values(recording: Recording) -> None:
-    """Raise BenchError for a speed that is no number somewhere, or constant."""
+    """Raise BenchError for a speed that is constant or has a value that is not a number."""
     bad = ~np.isfinite(recording.speed)
     if bad.any():
         where = recording.start + recording.dt * int(np.argmax(bad))
-        raise BenchError(f"the speed at {where:.6g} s is no number; mend the recording or cut out a part without it")
+        raise BenchError(f"the speed at {where:.6g} s is not a number; mend the recording or cut out a part without it")
     if np.ptp(recording.speed) <= 1e-9 * np.abs(recording.speed).max():  # rounding, after a change of unit
         raise BenchError(
             f"the speed is constant at {recording.speed[0]:.6g} rps, so there is no disturbance to fit; record with "
@@ -190,16 +188,17 @@ def screen_sampling(recording: Recording, period: float) -> None:
 def _clipped(speed: Floats) -> tuple[int, int] | None:
     """Return how many samples lie in runs at a clipped maximum and where the first begins, or None for a natural one.
 
-    A sensor at its limit gives the same value in many successive samples, which are entered and left by a jump, and
-    more often than the values just below. None of these alone is a sign: a rounded smooth peak is flat, one period
-    may repeat another to the last digit, and a coarse quantisation leaves few values.
+    A sensor at its limit gives the same value in many successive samples, with a jump before and after them, and gives
+    it more often than the values just below. None of these signs is enough alone: a rounded smooth peak is flat, one
+    period may repeat another to the last digit, and a coarse quantisation leaves few values.
     """
     top = float(speed.max())
-    near = speed[speed > (top + float(np.median(speed))) / 2]  # 99.987 and 100.12 have five digits, and unequal steps
+    # Values far below the top are left out: 99.987 and 100.12, of five digits each, differ by unequal steps.
+    near = speed[speed > (top + float(np.median(speed))) / 2]
     gaps = np.diff(np.unique(near))
     tiny = 1e-9 * max(abs(top), 1.0)  # one value after a change of unit
     gaps = gaps[gaps > tiny]
-    if not len(gaps):  # the next value is too far down to tell a jump from a step
+    if not len(gaps):  # the next value is too far down to distinguish a jump from a step
         return None
     step = float(gaps.min())
     at_top = speed >= top - tiny
@@ -228,10 +227,10 @@ def _warn_of_ends(recording: Recording) -> Iterator[str]:
 
 def _warn_of_samples(recording: Recording) -> Iterator[str]:
     speed = recording.speed
-    rest = np.abs(speed - median_filter(speed, size=3, mode="nearest"))  # of five, ringing at 21 Hz would not pass
+    rest = np.abs(speed - _running_median(speed, 3))  # a median of five would flatten ringing at 21 Hz
     low, high = np.quantile(speed, (0.01, 0.99))
     spikes = rest > max(high - low, 12.0 * float(np.median(rest)))
-    if 0 < spikes.sum() <= max(3.0, 0.002 * len(speed)):  # more of them are part of the signal
+    if 0 < spikes.sum() <= max(3.0, 0.002 * len(speed)):  # more spikes than that belong to the signal
         where = recording.start + recording.dt * int(np.argmax(spikes))
         count = int(spikes.sum())
         yield f"{count} lone {'samples stick' if count > 1 else 'sample sticks'} far out, the first at {where:.6g} s"
@@ -253,9 +252,15 @@ def _warn_of_turns(recording: Recording, period: float | None) -> Iterator[str]:
 
 
 def _without_spikes(speed: Floats) -> Floats:
-    """Return the running median of five samples, which no lone pair of bad samples gets through."""
-    smooth: Floats = median_filter(speed, size=5, mode="nearest")
-    return smooth
+    """Return the running median of five samples, which removes one or two bad samples in a row."""
+    return _running_median(speed, 5)
+
+
+def _running_median(values: Floats, size: int) -> Floats:
+    """Return the (N,) medians of the ``size`` values about each one; the first and the last value are continued."""
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, size // 2, mode="edge"), size)
+    medians: Floats = np.partition(windows, size // 2, axis=1)[:, size // 2]
+    return medians
 
 
 def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:

@@ -1,22 +1,30 @@
-"""The cells of a file of columns: csv and other text, xlsx, parquet."""
+"""Read the columns of a csv or other text file, a spreadsheet (xlsx) or a parquet file."""
+
+from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from io import StringIO
-from itertools import islice, takewhile
-from math import isfinite
+from functools import partial
+from io import BytesIO, StringIO
+from itertools import takewhile
+from math import isfinite, nan
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
-from numpy.typing import NDArray
 
 from bench.errors import BenchError, require
+from bench.problem import Floats
 from problems.backlash.recordings.units import is_unit
 
-Floats = NDArray[np.float64]
+if TYPE_CHECKING:
+    import pandas as pd
+
+# pandas is imported only for csv and parquet: its import takes longer than reading a spreadsheet without it.
+
+HEAD = 20
+"""The rows of a spreadsheet among which its headings are looked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,18 +33,13 @@ class Table:
 
     Attributes:
         names: the columns' headings; a column without one is called by its number, from "1".
-        cells: a row a sample, under its line's number in the file.
+        lines: the number in the file of each row's line.
+        numbers: maps a column's index to its values, one a row, NaN where there is no number.
     """
 
     names: tuple[str, ...]
-    cells: pd.DataFrame
-
-    def numbers(self, column: int) -> Floats:
-        """Return a column's values, NaN where there is no number."""
-        cells = self.cells.iloc[:, column]
-        if not pd.api.types.is_numeric_dtype(cells):
-            cells = pd.to_numeric(cells.astype(str).map(_plain), errors="coerce")
-        return cells.to_numpy(dtype=float, na_value=np.nan)
+    lines: Sequence[int]
+    numbers: Callable[[int], Floats]
 
 
 def load(path: Path) -> Table:
@@ -79,6 +82,8 @@ def _text(path: Path) -> Table:
     above = sum(1 for _ in takewhile(is_heading, lines))
     body = lines[above:]
     width = max((len(line.split(separator)) for line in body), default=len(split(middle)))
+    import pandas as pd
+
     cells = pd.read_csv(
         StringIO("\n".join(body) or "\n"),
         sep=separator or r"\s+",
@@ -90,23 +95,61 @@ def _text(path: Path) -> Table:
     )
     cells.index = pd.RangeIndex(above + 1, above + 1 + len(cells))
     blank = [line for line in cells.index[cells.isna().all(axis=1)] if not "".join(lines[line - 1 : line]).strip()]
-    return Table(_names(map(split, lines[:above]), width), cells.drop(index=blank))
+    return _frame_table(_names(map(split, lines[:above]), width), cells.drop(index=blank))
 
 
 def _xlsx(path: Path) -> Table:
-    cells = pd.read_excel(path, header=None)
-    rows = [["" if pd.isna(cell) else _plain(str(cell)) for cell in row] for row in islice(cells.values, 20)]
-    above = sum(1 for _ in takewhile(lambda row: not any(map(_is_number, row)), rows))
-    cells.index = pd.RangeIndex(1, len(cells) + 1)
-    return Table(_names(rows[:above], cells.shape[1]), cells.iloc[above:].infer_objects())
+    rows = xlsx_rows(path)
+    head = [["" if cell is None else _plain(str(cell)) for cell in row] for row in rows[:HEAD]]
+    above = sum(1 for _ in takewhile(lambda row: not any(map(_is_number, row)), head))
+    width = len(rows[0]) if rows else 0
+    return Table(
+        _names(head[:above], width),
+        range(above + 1, len(rows) + 1),
+        lambda column: np.array([_number(row[column]) for row in rows[above:]]),
+    )
+
+
+def xlsx_rows(source: Path | BytesIO) -> list[tuple[Any, ...]]:
+    """Return the rows of a workbook's first sheet, all of one length, without the empty ones at its end."""
+    from openpyxl import load_workbook
+
+    book = load_workbook(source, read_only=True, data_only=True, keep_links=False)
+    try:
+        sheet = book.worksheets[0]
+        sheet.reset_dimensions()  # those that a file declares may be wrong
+        rows = list(sheet.iter_rows(values_only=True))
+    finally:
+        book.close()
+    extents = [max((i + 1 for i, cell in enumerate(row) if cell is not None), default=0) for row in rows]
+    width = max(extents, default=0)
+    while extents and not extents[-1]:
+        extents.pop()
+    return [(*row[:extent], *[None] * (width - extent)) for row, extent in zip(rows, extents, strict=False)]
 
 
 def _parquet(path: Path) -> Table:
+    import pandas as pd
+
     cells = pd.read_parquet(path, engine="pyarrow")
     if cells.index.name is not None:  # a time may be kept there
         cells = cells.reset_index()
     cells.index = pd.RangeIndex(1, len(cells) + 1)
-    return Table(tuple(map(str, cells.columns)), cells)
+    return _frame_table(tuple(map(str, cells.columns)), cells)
+
+
+def _frame_table(names: tuple[str, ...], cells: pd.DataFrame) -> Table:
+    """Return the table of a frame, whose index holds the numbers of the lines."""
+    return Table(names, cells.index.tolist(), partial(_frame_numbers, cells))
+
+
+def _frame_numbers(frame: pd.DataFrame, column: int) -> Floats:
+    import pandas as pd
+
+    cells = frame.iloc[:, column]
+    if not pd.api.types.is_numeric_dtype(cells):
+        cells = pd.to_numeric(cells.astype(str).map(_plain, na_action="ignore"), errors="coerce")
+    return cells.to_numpy(dtype=float, na_value=np.nan)
 
 
 READERS: dict[str, Callable[[Path], Table]] = {".csv": _text, ".txt": _text, ".xlsx": _xlsx, ".parquet": _parquet}
@@ -135,3 +178,11 @@ def _is_number(cell: str) -> bool:
         return isfinite(float(cell))
     except ValueError:
         return False
+
+
+def _number(cell: Any) -> float:
+    """Return the number in a spreadsheet's cell, NaN for any other content."""
+    try:
+        return float(_plain(cell) if isinstance(cell, str) else cell)
+    except (TypeError, ValueError, OverflowError):
+        return nan

@@ -1,17 +1,17 @@
-"""The units of time, speed and position, and what the heading of a column tells of it."""
+"""The units of time, speed and position, and the parser of column headings such as ``speed [rpm]``."""
 
 import re
 from dataclasses import dataclass
 from math import pi
 
 TIME = {"s": 1.0, "ms": 1e3, "us": 1e6}
-"""So many of the unit make a second."""
+"""The number of each unit in one second."""
 
 SPEED = {"rps": 1.0, "rpm": 60.0, "rad/s": 2 * pi, "deg/s": 360.0}
-"""So many of the unit make one turn per second."""
+"""The number of each unit in one turn per second."""
 
 POSITION = {"rev": 1.0, "rad": 2 * pi, "deg": 360.0}
-"""So many of the unit make one turn."""
+"""The number of each unit in one turn."""
 
 SPELLINGS = {
     "s": ("sec", "second", "seconds", "sek"),
@@ -25,17 +25,17 @@ SPELLINGS = {
     "rad": ("radian", "radians"),
     "deg": ("degree", "degrees"),
 }
-"""What the units are called besides, without regard to case; ° is deg, and a micro sign u."""
+"""Other spellings of the units, without regard to case; ° is read as deg and a micro sign as u."""
 
 WORDS = {
     "time": {"time", "t", "zeit", "tempo", "temps", "tiempo", "timestamp"},
     "speed": {"speed", "velocity", "vel", "omega", "v", "w", "drehzahl", "geschwindigkeit", "velocità", "vitesse"},
     "position": {"position", "pos", "angle", "theta", "phi", "winkel", "lage", "posizione", "angolo", "encoder"},
 }
-"""The words by which a column is recognised."""
+"""The words in a heading that identify the role of a column."""
 
 OTHER = {"load", "link", "l", "ref", "reference", "command", "cmd", "set", "setpoint", "target", "nominal", "soll"}
-"""Words of a column that is not the measured one of the motor."""
+"""Words in the heading of a column that is not a measurement of the motor."""
 
 MOTOR = {"motor", "m", "motore", "moteur"}
 
@@ -46,14 +46,14 @@ _BRACKET = re.compile(r"([\[(])([^\[\]()]*)[\])]$")
 
 @dataclass(frozen=True)
 class Heading:
-    """What a column's heading tells.
+    """The role and the unit of a column according to its heading.
 
     Attributes:
-        role: "time", "speed", "position", or "" where it is none of these.
-        rank: the lower, the likelier this is the column of the motor among several of that role.
+        role: "time", "speed", "position", or "" for any other column.
+        rank: among several columns of a role, the one with the lowest rank is likeliest to be the motor's.
         plain: the heading without its unit, in lower case.
         unit: the unit that it names, or None.
-        unknown: a unit in square brackets that is none of those above, or "".
+        unknown: a unit in square brackets that is not in ``UNITS``, or "".
     """
 
     role: str
@@ -69,7 +69,7 @@ def is_unit(text: str) -> bool:
 
 
 def parse_heading(name: str) -> Heading:
-    """Return what a heading such as ``speed_rpm``, ``Drehzahl [1/min]`` or ``v (rad/s)`` tells."""
+    """Return the role and unit of a heading such as ``speed_rpm``, ``Drehzahl [1/min]`` or ``v (rad/s)``."""
     text, unit, unknown = _spelled(name), None, ""
     bracket = _BRACKET.search(text)
     if bracket and bracket[2].strip() in _UNITS:

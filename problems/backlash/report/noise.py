@@ -16,8 +16,7 @@ from problems.backlash.published.table_7_3 import TABLE_7_3
 from problems.backlash.report.estimates import estimates
 from problems.backlash.report.fitting_errors import conditions
 from problems.backlash.sensor.estimate import Settings, told
-from problems.backlash.signature import NOISES
-from problems.backlash.signature.noise import peak_to_peak
+from problems.backlash.signature.noise import NOISES, peak_to_peak
 from problems.backlash.signature.problem import SignatureFit
 
 TITLE = "Noise sensitivity (thesis Table 7.3)"

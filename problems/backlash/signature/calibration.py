@@ -1,12 +1,12 @@
-"""From an amplitude to a backlash: the mapping delta = f(A) of section 4.4, made with the simulator.
+"""Convert an amplitude to a backlash by the mapping delta = f(A) of section 4.4, made with the simulator.
 
 >>> from problems.backlash.joint import half_gap, load_joint
 >>> made = calibrate(load_joint("joint.toml"), [half_gap(level) for level in range(2, 12)], method="cubic")
 >>> made.save("calibration.toml")
 >>> load_calibration("calibration.toml").backlash(42.0)    # rpm -> rad
 
-The amplitude is the peak of the disturbance. What a fit gives differs from it by what a fit makes of a joint's own
-disturbances, which can be simulated as well: see :mod:`problems.backlash.sensor.response`.
+The amplitude is the peak of the disturbance. The strength of a fit differs from it by the fit's response to a joint's
+own disturbances, which can be simulated as well: see :mod:`problems.backlash.sensor.response`.
 """
 
 from __future__ import annotations
@@ -21,17 +21,15 @@ from typing import Any
 
 import numpy as np
 import tomli_w
-from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from bench.atomic import replacing
 from bench.errors import BenchError, nearest
+from bench.problem import Floats
 from problems.backlash.joint import Joint, half_gap
 from problems.backlash.joint.parameter_files import described
-from problems.backlash.signature import LEVELS
+from problems.backlash.levels import LEVELS
 from problems.backlash.signature.datasets import DEFAULT, simulated
-
-Floats = NDArray[np.float64]
+from problems.backlash.signature.interpolation import Pchip
 
 EQUATION_4_7 = (-0.0018, 0.4323, 9.2524, 34.0313)
 """The thesis's own cubic of levels 2 to 11, in 1e-6 rad by powers of the amplitude in rpm, the third one first."""
@@ -43,7 +41,7 @@ MOST_GAPS = 100
 FEWEST = {"monotone": 2, "cubic": 4}
 
 FAINTEST = 0.06
-"""rpm; what one count of a 19-bit encoder makes of a speed sampled at 500 Hz (60 x 500 / 2**19)."""
+"""rpm; one count of a 19-bit encoder in a speed sampled at 500 Hz (60 x 500 / 2**19)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,19 +49,19 @@ class Calibration:
     """A growing curve through, or near, pairs of amplitude and half-gap.
 
     "monotone" is a shape-preserving interpolation, "cubic" the least-squares polynomial of section 4.4. The thesis's
-    cubic was fitted on small gaps, and is 2.6e-4 rad off at the largest of its datasets.
+    cubic was fitted to small gaps and is 2.6e-4 rad off at the largest gap of its datasets.
 
     Attributes:
         amplitude: (m,) expected amplitudes in rpm, increasing.
         half_gap: (m,) rad, increasing.
-        method: how the pairs become a curve.
-        name: of which joint this is the calibration, and where it comes from.
-        fitted: (m,) rpm, increasing: the mean strength of the fits to a half-gap's recordings; None where not known.
-        scatter: (m,) rpm: the standard deviation of those strengths, by where the samples fall; None likewise.
+        method: the kind of curve, "monotone" or "cubic".
+        name: the joint of this calibration and the calibration's origin.
+        fitted: (m,) rpm, increasing: the mean strength of the fits to a half-gap's recordings; None if unknown.
+        scatter: (m,) rpm: the standard deviation of those strengths over the positions of the samples; None likewise.
 
     Raises:
-        BenchError: for pairs that do not increase or are too few, for a cubic that does not grow between them, and
-            for fitted amplitudes that do not grow with the half-gap or come without their scatter.
+        BenchError: for too few pairs, pairs that do not increase, a cubic that does not grow between them, and fitted
+            amplitudes that do not grow with the half-gap or have no scatter.
     """
 
     amplitude: Floats
@@ -97,35 +95,35 @@ class Calibration:
 
     @property
     def range(self) -> tuple[float, float]:
-        """The smallest and the largest amplitude in rpm from which a backlash is told."""
+        """The smallest and the largest amplitude in rpm that this calibration covers."""
         return float(self.amplitude[0]), float(self.amplitude[-1])
 
     def in_range(self, amplitude: float) -> bool:
-        """Return whether a backlash is told from an amplitude in rpm of either sign."""
+        """Return whether this calibration covers an amplitude in rpm of either sign."""
         return self.range[0] <= abs(amplitude) <= self.range[1]
 
     def backlash(self, amplitude: float) -> float:
-        """Return the half-gap delta in rad of an amplitude in rpm; NaN outside the simulated range, never a guess."""
+        """Return the half-gap delta in rad of an amplitude in rpm; NaN outside the simulated range."""
         if self.method == "monotone":
-            return float(self._curve(abs(amplitude)))
+            return self._curve(abs(amplitude))
         return 1e-6 * float(np.polyval(self.coefficients, abs(amplitude))) if self.in_range(amplitude) else np.nan
 
     @property
     def fitted_range(self) -> tuple[float, float]:
-        """The smallest and the largest strength of a fit in rpm from which an amplitude is told."""
+        """The smallest and the largest strength of a fit in rpm that `expected` covers."""
         return self.range if self.fitted is None else (float(self.fitted[0]), float(self.fitted[-1]))
 
     def expected(self, fitted: float) -> float:
-        """Return the amplitude in rpm that a fit's strength in rpm tells of; NaN outside the fitted range.
+        """Return the expected amplitude in rpm for a fit's strength in rpm; NaN outside the fitted range.
 
-        A calibration that knows of no fits takes it for the amplitude.
+        A calibration without fits returns the strength itself.
         """
-        return fitted if self._response is None else float(self._response(fitted))
+        return fitted if self._response is None else self._response(fitted)
 
     def relative_scatter(self, fitted: float) -> float:
-        """Return the standard deviation of fits about a fit's strength in rpm, relative to it; 0 where none is known.
+        """Return the standard deviation of fits at a fit's strength in rpm, relative to it; 0 if unknown.
 
-        Outside the fitted range it is that of the nearest end.
+        Outside the fitted range the value of the nearest end is returned.
         """
         if self.fitted is None or self.scatter is None:
             return 0.0
@@ -143,7 +141,7 @@ class Calibration:
 
     @property
     def deviation(self) -> float:
-        """The largest relative deviation from eq. 4.7, within the amplitudes that it was made for; NaN for none."""
+        """The largest relative deviation from eq. 4.7 within the amplitudes of that equation; NaN for none of them."""
         low, high = np.clip(EQUATION_4_7_RANGE, *self.range)
         if low == high:
             return np.nan
@@ -152,13 +150,13 @@ class Calibration:
         return float(np.max(np.abs([self.backlash(a) for a in between] / thesis - 1)))
 
     def formula(self) -> str:
-        """Return the cubic in the form of eq. 4.7, in words that may be read aloud."""
+        """Return the cubic in the form of eq. 4.7 as plain text."""
         return f"delta = 1e-6 ({polynomial(self.coefficients)}) rad, A in rpm"
 
     def save(self, path: str | Path, *, command: str = "bench calibrate") -> None:
-        """Write the calibration as TOML, as :func:`load_calibration` reads it; raises BenchError where it cannot.
+        """Write the calibration as TOML, for :func:`load_calibration`; raises BenchError if it cannot be written.
 
-        The file begins with the ``command`` that makes it again.
+        The file begins with the ``command`` that reproduces it.
         """
         content: dict[str, Any] = {
             "name": self.name,
@@ -178,7 +176,7 @@ class Calibration:
             )
 
     def _check_growing(self, values: Floats, what: str, unit: str) -> None:
-        """Raise BenchError for (m,) values that are not finite, negative, or do not grow."""
+        """Raise BenchError for (m,) values that are not finite, are negative, or do not grow."""
         if not (np.isfinite(values).all() and values[0] >= 0):
             raise BenchError(f"every {what} of a calibration must be finite and not negative")
         if (np.diff(values) <= 0).any():
@@ -189,7 +187,7 @@ class Calibration:
             )
 
     def _check_fits(self) -> None:
-        """Raise BenchError for fitted amplitudes that are no column, or have no scatter to them."""
+        """Raise BenchError for fitted amplitudes of the wrong shape or without a scatter."""
         if self.fitted is None and self.scatter is None:
             return
         if (
@@ -214,12 +212,12 @@ class Calibration:
         return bool((np.polyval(slope, [*self.range, np.clip(vertex, *self.range)]) > 0).all())
 
     @cached_property
-    def _curve(self) -> PchipInterpolator:
-        return PchipInterpolator(self.amplitude, self.half_gap, extrapolate=False)
+    def _curve(self) -> Pchip:
+        return Pchip(self.amplitude, self.half_gap)
 
     @cached_property
-    def _response(self) -> PchipInterpolator | None:
-        return None if self.fitted is None else PchipInterpolator(self.fitted, self.amplitude, extrapolate=False)
+    def _response(self) -> Pchip | None:
+        return None if self.fitted is None else Pchip(self.fitted, self.amplitude)
 
 
 def polynomial(coefficients: Sequence[float] | Floats) -> str:
@@ -239,8 +237,8 @@ def calibrate(joint: Joint, half_gaps: Sequence[float], *, method: str = "monoto
         method: "monotone" or "cubic", see :class:`Calibration`.
 
     Raises:
-        BenchError: for half-gaps that are too few, too many or do not increase, and for a joint whose disturbance
-            cannot be seen or does not grow with the gap.
+        BenchError: for too few or too many half-gaps, half-gaps that do not increase, and a joint whose disturbance is
+            too small to measure or does not grow with the gap.
     """
     if not 2 <= len(half_gaps) <= MOST_GAPS:
         raise BenchError(f"a calibration takes from 2 to {MOST_GAPS} simulated half-gaps, not {len(half_gaps)}")
@@ -257,18 +255,18 @@ def calibrate(joint: Joint, half_gaps: Sequence[float], *, method: str = "monoto
 
 @cache
 def default_calibration() -> Calibration:
-    """Return the calibration of the default joint, from no gap past level 20, whose fits scatter to both sides.
+    """Return the calibration of the default joint, from no gap to beyond level 20, whose fits scatter to both sides.
 
-    The joint's own disturbance without backlash is its lower end.
+    Its lower end is the joint's own disturbance without backlash.
     """
-    beyond = (half_gap(LEVELS[-1]) + 0.0004 * step for step in range(1, 6))  # past 6e-3 rad the motion is irregular
+    beyond = (half_gap(LEVELS[-1]) + 0.0004 * step for step in range(1, 6))  # above 6e-3 rad the motion is irregular
     return calibrate(DEFAULT, [0.0, *map(half_gap, LEVELS), *beyond])
 
 
 @cache
 def sensor_calibration() -> Calibration:
-    """Return the calibration by which a recording is told from: the default joint's, with the fits' own response."""
-    return load_calibration(Path(str(files("problems.backlash.sensor"))) / "default.toml")
+    """Return the calibration of the default joint with the response of the fits, for estimates from recordings."""
+    return load_calibration(Path(str(files("problems.backlash.signature"))) / "sensor_calibration.toml")
 
 
 def load_calibration(path: str | Path) -> Calibration:
@@ -277,7 +275,7 @@ def load_calibration(path: str | Path) -> Calibration:
     ``fitted_rpm`` and ``scatter_rpm``, which 'bench calibrate --fits' writes, may be left out.
 
     Raises:
-        BenchError: for a file that cannot be read or is no calibration.
+        BenchError: for a file that cannot be read or is not a calibration.
     """
     where = f"calibration {path}"
     try:

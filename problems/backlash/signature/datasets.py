@@ -1,8 +1,8 @@
-"""Simulated recordings, the twenty of section 7.2.1 among them, made on first use and kept in the user's cache.
+"""Simulate recordings, such as the twenty of section 7.2.1, on first use and keep them in the user's cache.
 
-The cache is content-addressed: a file's name is a hash of all that decides its content, the simulator's source
-included, so a changed simulator never meets old signals. A file that was damaged is noticed by its checksum and
-made again.
+The cache is content-addressed: a file's name is a hash of everything that determines its content, the simulator's
+source included, so a changed simulator never reads old signals. A damaged file is detected by its checksum and
+replaced.
 """
 
 import hashlib
@@ -14,16 +14,14 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from platformdirs import user_cache_dir
 
 from bench.atomic import replacing
 from bench.errors import BenchError
+from bench.problem import Floats
 from problems.backlash.joint import Joint, half_gap, simulate
 from problems.backlash.joint import parameters as joint_parameters
 from problems.backlash.joint import simulator as joint_simulator
-
-Floats = NDArray[np.float64]
 
 DEFAULT = Joint()
 
@@ -33,7 +31,7 @@ class Dataset:
     """A simulated recording and the truth behind it.
 
     Attributes:
-        time: (n,) s, from 0; 2401 samples at 500 Hz, or two load turns where these take longer.
+        time: (n,) s, from 0; 2401 samples at 500 Hz, or two load turns if these take longer.
         speed: (n,) motor speed in rps.
         peak: expected amplitude in rps: the positive peak of the undecimated disturbance.
         half_gap: delta in rad.
@@ -57,7 +55,7 @@ def dataset(level: int) -> Dataset:
 
 
 def simulated(gap: float, joint: Joint = DEFAULT) -> Dataset:
-    """Return a joint's recording at a half-gap in rad, from the cache where it is there and whole.
+    """Return a joint's recording at a half-gap in rad, from the cache if it is there and undamaged.
 
     Raises:
         BenchError: as :func:`problems.backlash.joint.simulate`.
@@ -73,7 +71,7 @@ def simulated(gap: float, joint: Joint = DEFAULT) -> Dataset:
 
 @cache
 def _sources() -> str:
-    """Return a hash of the modules that decide a signal, this one for the arguments it simulates with."""
+    """Return a hash of the modules that determine a signal; this module is one, for the arguments of `simulate`."""
     files = (Path(__file__), *(Path(str(module.__file__)) for module in (joint_parameters, joint_simulator)))
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
@@ -94,12 +92,12 @@ def _read(path: Path) -> dict[str, Floats] | None:
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in ("time", "speed", "peak")}
             return arrays if str(file["digest"]) == _digest(arrays) else None
-    except Exception:  # a damaged archive may raise nearly anything; whatever it is, the signal is made again
+    except Exception:  # a damaged archive may raise nearly anything; the signal is made again
         return None
 
 
 def _write(path: Path, arrays: dict[str, Floats]) -> None:
-    """Write a cache file at once, so that two workers cannot see each other's half; a read-only cache is no error."""
+    """Write a cache file atomically, so that no worker reads half of it; a read-only cache is not an error."""
     with suppress(OSError, BenchError):
         path.parent.mkdir(parents=True, exist_ok=True)
         with replacing(path) as temporary:

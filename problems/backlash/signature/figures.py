@@ -1,4 +1,4 @@
-"""The thesis's figures of backlash and disturbance for any joint: Figs. 4.7, 4.8 and 7.3."""
+"""Draw the thesis's Figs. 4.7, 4.8 and 7.3, of backlash and disturbance, for any joint."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from matplotlib.ticker import MultipleLocator
 from bench.atomic import replacing
 from bench.plots import style
 from problems.backlash.joint import Joint, half_gap, simulate
-from problems.backlash.signature import LEVELS
+from problems.backlash.levels import LEVELS
 from problems.backlash.signature.calibration import EQUATION_4_7, Calibration
 from problems.backlash.signature.datasets import DEFAULT, simulated
 
@@ -23,10 +23,10 @@ DELTA, AMPLITUDE = "half-gap δ in 1e-6 rad", "amplitude A in rpm"
 
 
 def save_figures(folder: Path, joint: Joint, calibration: Calibration) -> list[Path]:
-    """Write the three figures as svg into a folder, which is made where it is missing, and return their paths.
+    """Write the three figures as svg into a folder, created if missing, and return their paths.
 
     Raises:
-        BenchError: where they cannot be written.
+        BenchError: for files that cannot be written.
     """
     paths = []
     with style.context():
@@ -49,7 +49,7 @@ def disturbances(joint: Joint, half_gaps: Sequence[float]) -> Figure:
     ax = figure.subplots()
     shades = colormaps["viridis_r"].resampled(256)
     largest = half_gaps[-1]
-    scale = Normalize(half_gaps[0] - 0.1 * largest, largest)  # the palest end of the colours is hard to see on white
+    scale = Normalize(half_gaps[0] - 0.1 * largest, largest)  # skips the palest colours, which are hard to see on white
     for gap in half_gaps:
         motion = simulate(joint, half_gap=gap, duration=joint.turn).fine
         ax.plot(
@@ -65,7 +65,7 @@ def disturbances(joint: Joint, half_gaps: Sequence[float]) -> Figure:
 
 
 def calibration_curve(calibration: Calibration, *, thesis: bool = False) -> Figure:
-    """Return Fig. 4.8: the simulated pairs and the curve from amplitude to half-gap, with eq. 4.7 where asked for."""
+    """Return Fig. 4.8: the simulated pairs and the curve from amplitude to half-gap, with eq. 4.7 on request."""
     figure = Figure(figsize=(style.COLUMN, 2.6), layout="constrained")
     ax = figure.subplots()
     between = np.linspace(*calibration.range, 301)
@@ -88,7 +88,7 @@ def calibration_curve(calibration: Calibration, *, thesis: bool = False) -> Figu
 
 
 def levels(joint: Joint) -> Figure:
-    """Return Fig. 7.3: the half-gap of the levels 1 to 20, and the amplitude that each makes with this joint."""
+    """Return Fig. 7.3: the half-gap of the levels 1 to 20, and the amplitude that each causes in this joint."""
     figure = Figure(figsize=(style.COLUMN, 3.2), layout="constrained")
     gaps = [half_gap(level) for level in LEVELS]
     amplitudes = [60 * simulated(gap, joint).peak for gap in gaps]

@@ -1,6 +1,6 @@
-"""The signature's RMSE, exact and fast, and the thesis's constraint repair.
+"""Compute the signature's RMSE, exact and fast, and the thesis's constraint repair.
 
-Two identities make the literal formula's number without walking the whole signal:
+Two identities give the literal formula's value without a pass over the whole signal:
 
 1. ``exp(-tau t) sin(omega t)`` on a uniform grid is the imaginary part of a geometric sequence, so a sample costs a
    complex multiplication and no transcendental function.
@@ -10,7 +10,7 @@ Two identities make the literal formula's number without walking the whole signa
        F[i] = sum_k (-1)^k r[i + k M],  G[i] = sum_k (-1)^k,  C[i] = number of k,   over k with i + k M < N
        squared error = S2 - 2 c S1 + N c^2 + sum over the first window of y_i (C_i y_i - 2 (F_i - c G_i))
 
-   with S1 = sum r and S2 = sum r^2: only the first window, at most T_d long, is ever walked.
+   with S1 = sum r and S2 = sum r^2: only the first window, at most T_d long, is passed over.
 
 Anything else (overlapping oscillations, a T_d between samples, a fit so good that the folded difference would lose
 digits) is summed directly. No fast-math: a value depends on the point alone, not on the processor's vector width.
@@ -21,11 +21,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from bench.problem import Floats
 from problems.backlash.signature.model import EDGE
-
-Floats = NDArray[np.float64]
 
 LANES = 16
 """Samples per step of the recurrence: sixteen powers of the factor side by side vectorise, one chain does not."""
@@ -82,7 +80,7 @@ def fold(signal: Floats, *, start: float, dt: float, period: float, replicas: in
         terms,
         float(signal.sum()),
         float((signal**2).sum()),
-        float(start),  # a whole number would compile every kernel anew
+        float(start),  # a whole number would make numba compile every kernel again
         float(dt),
         period / 2,
         replicas,
@@ -121,7 +119,7 @@ def evaluate(points: Floats, recording: Folded) -> Floats:
             )
         if not folded or squares < 1e-6 * s2:
             squares = _direct(a, t0, tau, omega, c, t1, t2, recording, model)
-        values[p] = math.sqrt(max(squares, 0.0) / n) if squares < np.inf else np.inf  # far outside the box: overflow
+        values[p] = math.sqrt(max(squares, 0.0) / n) if squares < np.inf else np.inf  # overflow, far outside the box
     return values
 
 

@@ -5,18 +5,17 @@ thousand times faster and is tested against this.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from bench.problem import Floats
 
 VARIABLES = ("A", "t0", "tau", "omega", "v_t", "T1", "T2")
 A, T0, TAU, OMEGA, V_T, T1, T2 = range(7)
 
 USUAL_TAU = 15.0
-"""1/s; what the signature's damping is on the thesis's test bench."""
+"""1/s; the signature's damping on the thesis's test bench."""
 
 EDGE = 1e-9
-"""s; a sample this near to an end of a window lies on that end, hence outside: the window is open on both sides."""
+"""s; a sample this near to an end of a window counts as on it, hence outside: the window is open on both sides."""
 
 
 def step(u: Floats) -> Floats:
@@ -28,9 +27,9 @@ def oscillation(u: Floats, x: Floats) -> Floats:
     """Return one damped oscillation at times ``u`` after its start t0 (eq. 3.5).
 
     T1 is the start offset and T2 the end offset, as in Table 7.1 and eq. 3.5 (section 7.2.2 prints the constraints
-    with the two names exchanged). The amplitude is that at the start of the window.
+    with the two names exchanged). A is the amplitude at the start of the window.
     """
-    decay = np.exp(-x[TAU] * np.maximum(u - x[T1], 0.0))  # capped, as it would overflow long before the window
+    decay = np.exp(-x[TAU] * np.maximum(u - x[T1], 0.0))  # capped: long before the window it would overflow
     wave: Floats = x[A] * decay * np.sin(x[OMEGA] * u) * step(u - x[T1]) * step(x[T2] - u)
     return wave
 
@@ -60,10 +59,10 @@ def rmse(speed: Floats, t: Floats, x: Floats, *, period: float, replicas: int) -
 
 
 def strength(x: Floats) -> float:
-    """Return how strong the oscillation of a (7,) point is, in the unit of A.
+    """Return the strength of the oscillation of a (7,) point, in the unit of A: the root of its energy, scaled.
 
-    The energy of a damped oscillation is A^2 / (4 tau), so its root is known from all of its samples, where A is its
-    amplitude at one moment, and trades with tau and T1. Scaled so that it is |A| where tau is 15 1/s, as on the bench.
+    The energy of a damped oscillation is A^2 / (4 tau). All samples determine its root, whereas A is the amplitude at
+    one moment and trades with tau and T1. The scale makes it |A| at tau = 15 1/s, as on the bench.
     """
     return float(abs(x[A]) * np.sqrt(USUAL_TAU / x[TAU]))
 

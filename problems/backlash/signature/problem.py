@@ -6,18 +6,16 @@ from functools import cached_property
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
-from bench.problem import Problem
+from bench.numbers import require_positive, require_whole
+from bench.problem import Floats, Problem
 from problems.backlash.recordings import Recording
 from problems.backlash.recordings.screen import screen_length, screen_sampling, screen_values
 from problems.backlash.signature import kernel
 from problems.backlash.signature.calibration import default_calibration
 from problems.backlash.signature.model import VARIABLES, A, box, signature
-from problems.backlash.signature.reference import best_fit, fit_near
 
-Floats = NDArray[np.float64]
 Unit = Literal["rps", "rpm"]
 
 FACTOR = {"rps": 1.0, "rpm": 60.0}
@@ -28,10 +26,9 @@ TOLERANCE_RAD = 0.0002 / 2
 TOLERANCE_RPM = 3.8672 / 2
 """rpm; half of Delta A, the accuracy on delta as an accuracy on A (section 7.2.3)."""
 
-
 FOUND = 0.01
-"""A fit whose RMSE is larger than the best one's by this share at most has found it: on noisy recordings its |A| is
-some percent off at most, and the next basins are much further off."""
+"""A fit counts as having found the best fit if its RMSE exceeds the best by at most this share: on noisy recordings its
+|A| is then off by a few percent at most, and the next basins are much further away."""
 
 
 class Fit(NamedTuple):
@@ -44,27 +41,27 @@ class Fit(NamedTuple):
 class SignatureFit(Problem):
     """Fit the backlash signature to a recording of motor speed by minimising the RMSE.
 
-    The speed is taken about its mean, as the thesis's swarms saw it, so v_t is the offset from the recording's mean
-    speed. Objective, A and v_t are in ``unit``; times are in s, tau in 1/s, omega in rad/s.
+    The signal is the speed less its mean, as the thesis's swarms saw it, so v_t is the offset from the mean speed.
+    Objective, A and v_t are in ``unit``; times are in s, tau in 1/s, omega in rad/s.
 
     Args:
         name: the name to store results under.
         recording: the signal, in rps.
         period: T_f, the time of one load turn, in s.
         turns: n, the load turns that the signature spans.
-        single: fit one oscillation instead of a train of them, as a robot's wrist shows it in less than one load turn
-            (section 8.3); ``turns`` is then without meaning, and ``period`` limits T1 and T2 alone.
+        single: fit one oscillation instead of a train of them, for less than one load turn of a robot's wrist (section
+            8.3); ``turns`` then has no meaning, and ``period`` limits T1 and T2 alone.
         unit: "rps", as the authors' notebook, or "rpm", as Table 7.2.
         amplitude_factor: A's bound in units of the half range; 1.0 in Table 7.1, 1.3 in the notebook.
         peak: the expected amplitude in rps, where the truth is known.
         half_gap: the true delta in rad, where it is known.
 
     Attributes:
-        expected: the expected ``amplitude_rpm`` and ``backlash_rad``, as far as they are known, each with half the
-            width of the accuracy band about it.
+        expected: the expected ``amplitude_rpm`` and ``backlash_rad``, where they are known, each with half the width of
+            its accuracy band.
 
     Raises:
-        BenchError: for options out of range and a recording that cannot hold a load turn.
+        BenchError: for options out of range and a recording that is too short or too coarse for a load turn.
     """
 
     variables = VARIABLES
@@ -92,8 +89,9 @@ class SignatureFit(Problem):
         self.mean_rps = float(recording.speed.mean())
         self.signal: Floats = (recording.speed - self.mean_rps) * FACTOR[unit]  # r(t), (eq. 5.1)
         self.expected = _expected(peak, half_gap)
-        self.lower, self.upper = box(self.time, self.signal, period=period, amplitude_factor=amplitude_factor)
-        self.replicas = 1 if single else 2 * turns  # oscillations of the train, two a load turn
+        factor = float(amplitude_factor)
+        self.lower, self.upper = box(self.time, self.signal, period=self.period, amplitude_factor=factor)
+        self.replicas = 1 if single else 2 * int(turns)  # oscillations of the train, two a load turn
         self.dt = recording.dt
         self._folded = self._fold(self.signal)
 
@@ -109,22 +107,24 @@ class SignatureFit(Problem):
         return repaired
 
     @cached_property
-    def optimum(self) -> float:  # type: ignore[override] # worked out where it is asked for, which few do
+    def optimum(self) -> float:  # type: ignore[override] # few callers need it, so it is computed on demand
         """The RMSE of the reference fit within the box, in ``unit``; the constraints leave no lower one."""
         return self.reference().value
 
     def reference(self, *, constrained: bool = False) -> Fit:
-        """Return the best fit there is, within the box or, with ``constrained``, under the constraints too.
+        """Return the reference fit, the best within the box or, with ``constrained``, under the constraints too.
 
         See :mod:`problems.backlash.signature.reference`; the first call takes up to two seconds.
         """
+        from problems.backlash.signature.reference import best_fit
+
         if constrained not in self._references:
             x = best_fit(self._folded, self.lower, self.upper, constrained=constrained)
             self._references[constrained] = Fit(x, float(self.evaluate(x[None])[0]))
         return self._references[constrained]
 
     def beside(self, speed: Floats) -> "SignatureFit":
-        """Return the same fit, box and all, to a signal (N,) that takes the place of this one's; in ``unit``."""
+        """Return the same problem, with the same box, for another signal (N,) in ``unit``."""
         other = copy.copy(self)
         other.signal, other._references = speed, {}
         other._folded = other._fold(speed)
@@ -134,7 +134,9 @@ class SignatureFit(Problem):
         return kernel.fold(signal, start=float(self.time[0]), dt=self.dt, period=self.period, replicas=self.replicas)
 
     def near(self, x: Floats, *, constrained: bool = False) -> Floats:
-        """Return the (7,) best fit near a point, where the reference fit of much the same signal lies."""
+        """Return the (7,) best fit near a point, such as the reference fit of a similar signal."""
+        from problems.backlash.signature.reference import fit_near
+
         return fit_near(self._folded, self.lower, self.upper, x, constrained=constrained)
 
     def model(self, x: Floats) -> Floats:
@@ -144,21 +146,21 @@ class SignatureFit(Problem):
     def describe(self, x: Floats) -> dict[str, float]:
         """Return the amplitude |A| in rpm, its error against the expected one, and the half-gap delta in rad.
 
-        The sign of A is of no meaning: (A, t0) and (-A, t0 + T_d) describe the same train but for its first half turn.
+        The sign of A has no meaning: (A, t0) and (-A, t0 + T_d) describe the same train except in its first half turn.
         """
         amplitude = abs(float(x[A])) * 60.0 / FACTOR[self.unit]
-        figures = {"amplitude_rpm": amplitude}
+        metrics = {"amplitude_rpm": amplitude}
         if "amplitude_rpm" in self.expected:
-            figures["amplitude_error_rpm"] = amplitude - self.expected["amplitude_rpm"][0]
-        return figures | {"backlash_rad": default_calibration().backlash(amplitude)}
+            metrics["amplitude_error_rpm"] = amplitude - self.expected["amplitude_rpm"][0]
+        return metrics | {"backlash_rad": default_calibration().backlash(amplitude)}
 
     def fingerprint(self) -> str:
-        """Return the SHA-256 of the samples the problem is made of."""
+        """Return the SHA-256 of the samples, times and speeds."""
         return hashlib.sha256(self.time.tobytes() + self.signal.tobytes()).hexdigest()
 
 
 def _expected(peak: float | None, half_gap: float | None) -> dict[str, tuple[float, float]]:
-    """Return what is known of the truth (rps and rad), in the units and by the names of the domain figures."""
+    """Return the known true values (given in rps and rad), in the units and by the names of the domain metrics."""
     expected = {}
     if peak is not None:
         expected["amplitude_rpm"] = (60.0 * peak, TOLERANCE_RPM)
@@ -168,7 +170,7 @@ def _expected(peak: float | None, half_gap: float | None) -> dict[str, tuple[flo
 
 
 def _check_recording(name: str, recording: Recording, period: float, *, single: bool) -> None:
-    """Raise BenchError for a recording to which no signature can be fitted, be it good or bad as one of a joint."""
+    """Raise BenchError for a recording to which no signature can be fitted."""
     try:
         screen_values(recording)
         screen_sampling(recording, period)
@@ -177,17 +179,15 @@ def _check_recording(name: str, recording: Recording, period: float, *, single: 
     except BenchError as error:
         raise BenchError(f"problem {name!r}: {error}") from error
     if np.abs(recording.speed).max() > 1e6:
-        raise BenchError(f"problem {name!r}: a speed of more than 1e6 rps is none; give the speed in rps")
+        raise BenchError(f"problem {name!r}: no motor has a speed of more than 1e6 rps; give the speed in rps")
 
 
 def _check_options(name: str, period: float, turns: int, single: bool, unit: str, amplitude_factor: float) -> None:
     """Raise BenchError for an option of the wrong type or out of range."""
     if unit not in get_args(Unit):
         raise BenchError(f"problem {name!r}: unit must be 'rps' or 'rpm', not {unit!r}")
-    if isinstance(turns, bool) or not isinstance(turns, int) or not 1 <= turns <= 100_000:
-        raise BenchError(f"problem {name!r}: turns must be a whole number from 1 to 100000, not {turns!r}")
+    require_whole(f"problem {name!r}: turns", turns, 1, 100_000)
     if not isinstance(single, bool):
         raise BenchError(f"problem {name!r}: single must be true or false, not {single!r}")
     for option, value in (("period", period), ("amplitude_factor", amplitude_factor)):
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value <= 1e6:
-            raise BenchError(f"problem {name!r}: {option} must be a positive number up to 1e6, not {value!r}")
+        require_positive(f"problem {name!r}: {option}", value, 1e6)

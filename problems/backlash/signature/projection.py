@@ -1,10 +1,10 @@
-"""The signature as a linear fit: with its window, tau and omega fixed, the rest is solved for, exactly.
+"""Solve for the signature's linear variables exactly, for a given window, tau and omega (variable projection).
 
-Written from the first sample in its window, an oscillation is a damped sine and cosine, and with the offset v_t the
-fit is linear in their weights: for a window and a pair (tau, omega) the best of them solve two linear equations
-(variable projection, Golub and Pereyra 1973, doi:10.1137/0710036). What T1, t0 and the bounds allow limits the phase
-at that sample to a range 0 … omega u, so the weights lie in a double cone, and the best are inside it, on its edge, or
-as large as A may be. The energy that a fit explains is N times what it takes off the signal's mean square.
+Relative to the first sample in its window, an oscillation is a damped sine and cosine, and the fit is linear in their
+weights and the offset v_t: for a window and a pair (tau, omega) the best weights solve two linear equations (variable
+projection, Golub and Pereyra 1973, doi:10.1137/0710036). T1, t0 and the bounds limit the phase at that sample to a
+range 0 … omega u, so the weights lie in a double cone, and the best weights are inside it, on its edge, or as large as
+the bound of A allows. The energy that a fit explains is N times its reduction of the signal's mean square.
 """
 
 from __future__ import annotations
@@ -14,25 +14,23 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from bench.problem import Floats
 from problems.backlash.signature.kernel import Folded
 from problems.backlash.signature.model import EDGE, OMEGA, T1, T2, TAU, A
 
-Floats = NDArray[np.float64]
-
 SINGULAR = 1e-12
-"""A determinant this small beside its terms tells no sine from a cosine."""
+"""A determinant this small, relative to its terms, cannot distinguish sine and cosine."""
 
 NEWTON = 50
-"""The most steps to the length that A's bound allows; five are usual."""
+"""The largest number of Newton steps to the length that A's bound allows; five are usual."""
 
 CLEARANCE = 1.01 * EDGE
-"""s; how far a window's end is kept from a sample that it must include."""
+"""s; the distance of a window's end from a sample that the window must include."""
 
 
 class Limits(NamedTuple):
-    """What bounds a fit: the box and, where asked for, the constraints of section 7.2.2.
+    """The bounds of a fit: the box and, if requested, the constraints of section 7.2.2.
 
     Attributes:
         tau, omega: lower and upper bound, 1/s and rad/s.
@@ -53,7 +51,7 @@ class Limits(NamedTuple):
 
 
 def limits(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool) -> Limits:
-    """Return the limits that the (7,) bounds and, with ``constrained``, the constraints leave."""
+    """Return the limits from the (7,) bounds and, with ``constrained``, from the constraints."""
     t1, t2, last = float(upper[T1]), float(upper[T2]), len(recording.signal) - 1
     if constrained:  # T1 < T2 < T_d, and t0 + T2 within the recording, so that its last sample is outside
         t1, t2, last = min(t1, recording.delay), min(t2, recording.delay), last - 1
@@ -62,7 +60,7 @@ def limits(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool
 
 
 class Sums(NamedTuple):
-    """The folded sums that a scan needs, zeros beyond the end.
+    """The folded sums that a scan needs, padded with zeros beyond the end.
 
     Attributes:
         f, g, terms: F, G and C of :mod:`problems.backlash.signature.kernel`.
@@ -84,7 +82,7 @@ class Sums(NamedTuple):
 
 
 def fold_sums(recording: Folded, length: int) -> Sums:
-    """Return the folded sums; where T_d lies between samples, of the signal interpolated."""
+    """Return the folded sums, of the interpolated signal if T_d lies between samples."""
     n, dt = len(recording.signal), recording.dt
     f, g, terms = recording.twice_f / 2, recording.twice_g / 2, recording.terms
     if not recording.shift:
@@ -106,7 +104,7 @@ def fold_sums(recording: Folded, length: int) -> Sums:
 def overlap(
     tau: float, omega: float, im: float, re: float, j: int, turns: int, sums: Sums
 ) -> tuple[float, float, float]:
-    """Return what a window's sample j, laid over one of ``turns`` half turns later, adds to ss, sc and cc a pair.
+    """Return the addition to ss, sc and cc by a pair of a window's sample j and one ``turns`` half turns later.
 
     ``im`` and ``re`` are the damped sine and cosine at sample j.
     """
@@ -125,7 +123,7 @@ def largest_t1(omega: float, limit: Limits) -> float:
 
 @njit(cache=True, error_model="numpy")
 def largest_phase(omega: float, start: int, extent: int, sums: Sums, limit: Limits) -> float:
-    """Return the largest phase that an oscillation may have at its first sample; not positive where there is none.
+    """Return the largest phase that an oscillation may have at its first sample; not positive if no phase is allowed.
 
     Its time since t0 is limited by t0 >= the recording's start, by T1, which may be a sample before, and by T2, which
     must be later than the last sample, ``extent`` samples on.
@@ -142,11 +140,11 @@ def weights(
     """Return the energy that sine and cosine explain and their weights z, the best in the double cone.
 
     The energy is 2 (s, c) z - z' [[ss, sc], [sc, cc]] z; the angle of z is 0 … ``phase`` (or opposite), its length at
-    most ``reach``. Zeros are returned where even the best of all z would explain no more than ``least``.
+    most ``reach``. Zeros are returned if even the best of all z would explain no more than ``least``.
     """
     top = min(phase, math.pi)
     det = ss * cc - sc * sc
-    if not det > SINGULAR * ss * cc:  # a window of one sample, which fixes no phase
+    if not det > SINGULAR * ss * cc:  # a window of one sample determines no phase
         best: tuple[float, float, float] = _ray(ss, sc, cc, s, c, min(top, math.pi / 2), reach)
         return best
     a, b = (cc * s - sc * c) / det, (ss * c - sc * s) / det
@@ -168,7 +166,7 @@ def weights(
             slope = (a * ((cc + shift) * a - sc * b) + b * ((ss + shift) * b - sc * a)) / det
             shift += size * size / slope * (size - reach) / reach
         angle = math.atan2(b, a)
-        if (angle if angle >= 0.0 else angle + math.pi) <= top:  # else it is on an edge, as all is convex
+        if (angle if angle >= 0.0 else angle + math.pi) <= top:  # else the best is on an edge, by convexity
             a, b = a * reach / size, b * reach / size
             best = 2 * (s * a + c * b) - (ss * a * a + 2 * sc * a * b + cc * b * b), a, b
     return best

@@ -1,22 +1,22 @@
-"""The reference fit: the best signature of a recording, found by exhausting the search space instead of sampling it.
+"""Find the reference fit, the best signature of a recording, by an exhaustive search instead of sampling.
 
 For a window and a pair (tau, omega) the best fit is solved for (:mod:`~problems.backlash.signature.projection`). Over
 those four, the window's first and last sample, tau and omega, the folded sums of
 :mod:`~problems.backlash.signature.kernel` make a whole grid affordable:
 
-1. *scan*: every start, every length, 6 values of tau and 79 of omega. A main lobe of the spectrum of a window of at
-   most 0.2 s is at least 10 Hz wide and the grid has a line each 0.5 Hz; two neighbours in tau differ by a factor of
-   1.4. So between two lines no more than 2 % of the explained energy is missed. A start is passed over only where no
-   waveform whatever, repeated from there, could explain as much.
+1. *scan*: every start, every length, 6 values of tau and 79 of omega. The main lobe of the spectrum of a window of
+   at most 0.2 s is at least 10 Hz wide and the grid has a line each 0.5 Hz; two neighbours in tau differ by a factor of
+   1.4. So at most 2 % of the explained energy is missed between two lines. A start is skipped only if no waveform at
+   all, repeated from there, could explain as much.
 2. *polish*: every pair of start and omega near the best is refined by compass search over (tau, omega), all lengths
    at each point.
 3. *settle*: the ends of the window become times. Where T_d is no whole number of samples (the scan then
-   interpolates), they are refined on the signal itself; there alone the result is no more than the best of many
+   interpolates), they are refined on the signal itself; only in this case the result is merely the best of many
    searches.
 
-A window longer than T_d overlaps the next one; the sums then hold the products of what is laid one over the other.
+A window longer than T_d overlaps the next one; the sums then include the products of the overlapping samples.
 
-Nothing here is random. It is no optimizer plug-in: those see the objective alone, and this sees the formula.
+Nothing here is random. It is not an optimizer plug-in: those see only the objective, and this uses the formula.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from bench.problem import Floats
 from problems.backlash.signature.kernel import Folded
 from problems.backlash.signature.model import EDGE, OMEGA, T0, T1, TAU
 from problems.backlash.signature.projection import (
@@ -45,37 +45,36 @@ from problems.backlash.signature.projection import (
     solve_cell,
 )
 
-Floats = NDArray[np.float64]
-
 TAUS, OMEGAS = 6, 79
 """Lines of the scan's grid."""
 
 MARGIN, SETTLED = 0.03, 12
-"""Pairs that explain an energy this near to the best one's are polished, and so many of them settled."""
+"""Pairs within this share of the best energy are polished, and this number of the best pairs is settled."""
 
 MARGIN_BETWEEN, SETTLED_BETWEEN = 0.1, 40
-"""The same where T_d lies between samples, and the scan is not exact."""
+"""The same if T_d lies between samples, where the scan is not exact."""
 
 POLISHED = 400
-"""At most so many pairs are polished."""
+"""The largest number of pairs that are polished."""
 
 ROUGH, FINEST = 1e-3, 1e-7
-"""Where a compass search ends, in units of its first steps: that of all pairs, and that of the best."""
+"""The step at which a compass search ends, in units of its first steps: for all pairs, and for the best."""
 
 ROUNDS = 60
-"""The last search, on the signal itself, takes at most so many rounds of eight points."""
+"""The largest number of rounds, of eight points each, of the last search, on the signal itself."""
 
 SWEPT, SWEEPS, PLACES = 16, 6, 24
-"""Of so many windows, at most so often, the ends are tried at so many places a sample, and the rest refined again."""
+"""The search on the signal itself: the number of windows, the most sweeps over the ends of each window (a refinement
+follows each sweep), and the most places a sample in a sweep."""
 
 SHORT = 10_000
-"""Samples up to which so many windows are settled and swept; the longer a recording, the fewer."""
+"""Samples of a recording up to which these numbers of windows hold; longer recordings have proportionally fewer."""
 
 ROUNDING = 1e-13
-"""A relative gain below this is none."""
+"""A relative gain up to this is rounding."""
 
 NEAR, NEAR_ENOUGH = 2, 1e-3
-"""A fit near another looks this many samples to both sides, and ends its compass search sooner."""
+"""A fit near another one searches this many samples to both sides, and ends its compass search at this step."""
 
 
 def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool) -> Floats:
@@ -121,9 +120,9 @@ def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bo
 
 
 def fit_near(recording: Folded, lower: Floats, upper: Floats, near: Floats, *, constrained: bool) -> Floats:
-    """Return the (7,) point of the lowest RMSE near another's, as a slightly changed signal has it; in milliseconds.
+    """Return the (7,) point of the lowest RMSE near the point ``near``, for a slightly changed signal; in milliseconds.
 
-    The window may begin two samples earlier or later, and tau and omega climb from where they are.
+    The window may begin two samples earlier or later, and the search of tau and omega starts at those of ``near``.
     """
     limit = limits(recording, lower, upper, constrained=constrained)
     length = _longest(recording, limit)
@@ -156,9 +155,9 @@ class Window(NamedTuple):
 def _ceiling(signal: Floats, sums: Sums, length: int) -> Floats:
     """Return for each start (N,) the energy that the best of all waveforms of that many samples would explain.
 
-    Each sample of a waveform that is at most a half turn long stands for itself, in all half turns. The samples that
-    are laid over a longer one's begin, in the next half turn, change what these add up to everywhere but in the first
-    half turn, and are alone in what follows the last.
+    Each sample of a waveform of at most half a turn is independent of the others, in all half turns. The last samples
+    of a longer waveform overlap the first samples of its next repetition: they change these samples' sums in all half
+    turns but the first, and have no overlap after the last repetition.
     """
     if length > 2 * sums.lag:
         return np.full(sums.n, np.inf)
@@ -188,8 +187,8 @@ def _ceiling(signal: Floats, sums: Sums, length: int) -> Floats:
 def _scan(base: int, count: int, taus: Floats, omegas: Floats, sums: Sums, limit: Limits, length: int) -> Floats:
     """Return (count, omegas, 2): the most energy that a window from each start explains over tau and length, and tau.
 
-    Starts ``base`` and up are the inner loop, where it vectorises; a cell's phase is looked at only where the best of
-    all phases would be a new best.
+    Starts ``base`` and up are the inner loop, which vectorises; a cell's phase is checked only if the best of all
+    phases would be a new best.
     """
     n, s1 = sums.n, sums.s1
     best = np.zeros((count, len(omegas), 2))
@@ -252,7 +251,7 @@ def _search(at: Floats, steps: Floats, start: int, sums: Sums, limit: Limits, le
         if not moved:
             scale /= 2
         elif scale < 1:
-            scale *= 2  # along a narrow ridge steps would else stay as short as they once had to be
+            scale *= 2  # else the steps would stay short along a narrow ridge
     return at
 
 
@@ -265,15 +264,15 @@ def _polish(at: Floats, steps: Floats, start: int, sums: Sums, limit: Limits, le
 def _settle(
     window: Window, recording: Folded, sums: Sums, limit: Limits, *, sweeps: int | None
 ) -> tuple[float, Floats]:
-    """Return the energy that a window explains and its (7,) point, its ends as times.
+    """Return the energy that a window explains and its (7,) point, with the window's ends as times.
 
-    Where T_d lies between samples, it is searched for on the signal itself, unless ``sweeps`` is None.
-    Any begin between two samples, and any end, is the same fit; the middle of what is allowed is taken.
+    If T_d lies between samples, the point is searched for on the signal itself, unless ``sweeps`` is None. All begins
+    between the same two samples give the same fit, and so do all ends; the middle of the allowed range is taken.
     """
     dt, omega = sums.dt, window.omega
     since = math.atan2(window.cosine, window.sine) % math.pi / omega  # of the first sample since t0
     start, samples = window.start, window.samples
-    if since < CLEARANCE:  # the first sample is at t0, where the oscillation is 0, and may as well be outside
+    if since < CLEARANCE:  # the first sample is at t0, where the oscillation is 0: it may be outside
         since, start, samples = since + dt, start + 1, samples - 1
     latest = min(since - CLEARANCE, largest_t1(omega, limit))
     growth = math.log(max(limit.reach / math.hypot(window.sine, window.cosine), 1.0)) / window.tau  # A's own bound
@@ -292,9 +291,9 @@ def _settle(
 
 
 def _places(recording: Folded) -> Floats:
-    """Return where between two samples, in s, the end of a window passes over a sample of some half turn.
+    """Return the places between two samples, in s, where the end of a window crosses a sample of some half turn.
 
-    Of a long recording, where one sample is of little weight, as many places as are tried, evenly.
+    A long recording, where one sample has little weight, has ``PLACES`` evenly spaced places.
     """
     dt = recording.dt
     turns = min(recording.replicas, int(len(recording.signal) * dt / recording.delay) + 1)
@@ -306,7 +305,7 @@ def _places(recording: Folded) -> Floats:
 def _search_signal(at: Floats, places: Floats, recording: Folded, limit: Limits, sweeps: int) -> Floats:
     """Return the (4,) tau, omega, begin and end of a local maximum on the signal itself.
 
-    As begin or end moves, samples enter and leave one half turn after the other; all these places nearby are tried.
+    As begin or end moves, samples enter and leave in one half turn after the other; all such places nearby are tried.
     """
     steps = np.array([1.0, 1.0, recording.dt, recording.dt])
     at = _refine(at, steps, recording, limit)
@@ -323,7 +322,7 @@ def _search_signal(at: Floats, places: Floats, recording: Folded, limit: Limits,
 
 @njit(cache=True, error_model="numpy")
 def _sweep(at: Floats, which: int, places: Floats, recording: Folded, limit: Limits) -> Floats:
-    """Return the (4,) point with the best begin (2) or end (3) of all within ``NEAR`` samples, the rest as it is."""
+    """Return the (4,) point with the best begin (2) or end (3) within ``NEAR`` samples, the other values unchanged."""
     best, dt = explained(at, recording, limit)[0], recording.dt
     sample = recording.start + math.floor((at[which] - recording.start) / dt) * dt
     found = at.copy()

@@ -157,7 +157,7 @@ def test_nothing_that_can_be_estimated_is_an_error(refused, tmp_path, capsys):
         (["."], "there is no recording in the folder ."),
         (["x*.csv"], "no file matches x*.csv"),
         (["a.csv", "--calibration", "none.toml"], "calibration none.toml cannot be read"),
-        (["a.csv", "--window", "3"], "the window '3' is none"),
+        (["a.csv", "--window", "3"], "'3' is not a window"),
         (["a.csv", "--optimizer", "gwoo"], "did you mean 'gwo'"),
         (["a.csv", "--optimizer", "gwo", "--set", "agents"], "'agents' is no KEY=VALUE"),
         (["a.csv", "--set", "agents=3"], "give --optimizer too"),

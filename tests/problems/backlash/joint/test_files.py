@@ -38,7 +38,7 @@ def test_five_kilograms_on_the_default_lever_are_the_default_joint(load, text):
     assert made.load_inertia == pytest.approx(Joint().load_inertia, rel=3e-4)
 
 
-def test_speed_and_gravity_angle_set_what_they_say(load):
+def test_speed_and_gravity_angle_set_the_reference_and_the_torque(load):
     assert load("speed_rps = 50") == Joint(omega_ref=2 * pi * 50)
     assert load("gravity_angle_deg = 90") == Joint()
     assert load("gravity_angle_deg = 0") == Joint(gravity_torque=0.0)
@@ -46,7 +46,7 @@ def test_speed_and_gravity_angle_set_what_they_say(load):
     assert half.gravity_torque == pytest.approx(load("payload_kg = 5").gravity_torque / 2)
 
 
-def test_an_option_takes_the_place_of_what_the_file_says(load):
+def test_an_option_replaces_the_file_s_value(load):
     text = "gravity_torque = 3.0\nload_inertia = 0.1\nomega_ref = 300.0\nstiffness = 1e4"
     made = load(text, payload_kg=5.0, speed_rps=60.0, viscous_friction=None)
     assert made == Joint(
@@ -70,7 +70,7 @@ def test_a_joint_is_described_by_how_it_differs():
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("gear_rato = 40", "no parameter 'gear_rato'; did you mean 'gear_ratio'?"),
         ('gear_ratio = "40"', "gear_ratio must be a finite number, not '40'"),
@@ -78,8 +78,8 @@ def test_a_joint_is_described_by_how_it_differs():
         ("payload_kg = nan", "payload_kg must be a finite number, not nan"),
         (f"gear_ratio = 1{'0' * 400}", "gear_ratio must be a finite number"),
         ("stiffness = -1", "stiffness must be finite and positive, but it is -1.0"),
-        ("payload_kg = 0", "payload_kg must be positive, but it is 0"),
-        ("speed_rps = -100", "speed_rps must be positive, but it is -100"),
+        ("payload_kg = 0", "payload_kg must be a positive number, not 0"),
+        ("speed_rps = -100", "speed_rps must be a positive number, not -100"),
         ("gravity_angle_deg = 91", "gravity_angle_deg must be from 0 (parallel to gravity) to 90, but it is 91"),
         ("payload_kg = 5\ngravity_torque = 3", "gives both gravity_torque and payload_kg"),
         ("lever_m = 1\nload_inertia = 3", "gives both load_inertia and lever_m"),
@@ -87,20 +87,20 @@ def test_a_joint_is_described_by_how_it_differs():
         ("gear_ratio 40", "is not valid TOML"),
     ],
 )
-def test_a_wrong_file_is_one_sentence_that_names_it(load, tmp_path, text, said):
+def test_a_wrong_file_is_one_sentence_that_names_it(load, tmp_path, text, message):
     with pytest.raises(BenchError) as caught:
         load(text)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert str(caught.value).startswith(f"joint {tmp_path / 'joint.toml'}")
     assert "\n" not in str(caught.value)
 
 
-def test_a_missing_file_is_said(tmp_path):
+def test_a_missing_file_is_reported(tmp_path):
     with pytest.raises(BenchError, match=r"none.toml cannot be read: No such file"):
         load_joint(tmp_path / "none.toml")
 
 
-def test_parquet_without_pyarrow_is_said_before_any_work(tmp_path, monkeypatch):
+def test_parquet_without_pyarrow_is_reported_before_any_work(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(BenchError, match=r"needs pyarrow; install it with: pip install 'backlash-bench\[parquet\]'"):
         writing.check_output(tmp_path / "a.parquet", writing.KINDS, force=False)

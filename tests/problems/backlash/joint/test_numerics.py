@@ -139,6 +139,6 @@ def test_noise_is_uniform_white_and_of_the_peak_to_peak_value_asked_for():
             with_noise(np.zeros(3), bad, np.random.default_rng(0))
 
 
-def test_says_that_a_stiffer_joint_needs_a_smaller_step():
+def test_a_stiffer_joint_needs_a_smaller_step():
     with pytest.raises(BenchError, match="diverges with a step"):
         simulate(Joint(stiffness=1e8, damping=1e4), half_gap=0.001)

@@ -51,7 +51,7 @@ def test_the_seed_decides_noise_and_start_whatever_the_number_of_months():
     np.testing.assert_array_equal(months(months=2)[0].speed, first[0].speed)
 
 
-def test_months_begin_at_different_places_unless_told():
+def test_months_begin_at_different_angles_without_a_start_angle():
     def begin(**changes):
         made = months(noise=0.0, months=13, **changes)
         return [float(month.speed[0]) for month in made]
@@ -65,7 +65,7 @@ def test_years_follow_each_other():
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"months": 1}, "from 2 to 240 months, not 1"),
         ({"months": 241}, "from 2 to 240 months"),
@@ -76,6 +76,6 @@ def test_years_follow_each_other():
         ({"noise": -1.0}, "noise"),
     ],
 )
-def test_no_wear_is_said_in_one_sentence(change, said):
-    with pytest.raises(BenchError, match=said):
+def test_no_wear_is_refused_in_one_sentence(change, message):
+    with pytest.raises(BenchError, match=message):
         months(**change)

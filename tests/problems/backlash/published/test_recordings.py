@@ -8,11 +8,10 @@ import pytest
 
 from bench import BenchError, Study, load_problem
 from problems.backlash.published import download as files
-from problems.backlash.published.recordings import ZIPS
+from problems.backlash.published.names import CLEAN, ZIPS
 from problems.backlash.published.table_7_3 import TABLE_7_3
 from problems.backlash.report import fitting_errors
 from problems.backlash.report.axes import short
-from problems.backlash.signature import CLEAN
 from problems.backlash.signature.datasets import dataset
 from problems.backlash.signature.noise import peak_to_peak
 
@@ -80,7 +79,7 @@ def test_the_first_row_of_the_noisy_dataset_1_is_passed_over(load):
 @pytest.mark.parametrize(
     "name", ["published:low-6-2", "published:high-1-2", "published:low-1-21", "published:low-1-0", "published:03"]
 )
-def test_a_name_that_none_has_is_told_those_there_are(name):
+def test_an_unknown_name_is_refused_with_the_known_ones(name):
     with pytest.raises(BenchError, match=r"there is no published recording .*published:low-Z-K of zip Z = 1 … 5"):
         load_problem(name)
 

@@ -110,14 +110,14 @@ def test_a_long_recording_is_looked_at_in_part():
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         ({"gear_ratio": 0.0}, "gear ratio must be a positive"),
         ({"nominal": np.nan}, "nominal period must be a positive"),
     ],
 )
-def test_what_cannot_be_a_ratio_or_a_period_is_refused(options, said):
-    with pytest.raises(BenchError, match=said):
+def test_what_cannot_be_a_ratio_or_a_period_is_refused(options, message):
+    with pytest.raises(BenchError, match=message):
         find_period(Recording(0.0, SAMPLE, dataset(12).speed), **options)
 
 

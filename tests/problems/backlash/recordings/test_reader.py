@@ -112,14 +112,14 @@ def test_a_position_that_runs_on_may_pass_many_turns_between_two_samples(tmp_pat
     np.testing.assert_allclose(read(path, unit="rev").speed, -700, rtol=1e-4)
 
 
-def test_the_headings_of_a_recording_s_problem_are_heeded_too(tmp_path):
+def test_a_recording_s_problem_uses_the_headings_too(tmp_path):
     t = 0.002 * np.arange(1000)
     path = write(tmp_path, "time_s,speed_rpm\n" + rows(t, 6000 + 30 * np.sin(2 * np.pi * 2.5 * t)))
     assert load_problem(f"recording:{path}").mean_rps == pytest.approx(100, abs=0.01)
 
 
 @pytest.mark.parametrize(
-    ("text", "options", "said"),
+    ("text", "options", "message"),
     [
         ("time,angle\n" + rows(T, V), {}, "the unit of the position in column 'angle' is not known; give it: rev, rad"),
         ("time,speed [m/s]\n" + rows(T, V), {}, "the unit 'm/s' of column 'speed [m/s]' is not known"),
@@ -135,16 +135,24 @@ def test_the_headings_of_a_recording_s_problem_are_heeded_too(tmp_path):
         ("time\n" + rows(T), {"rate": 500.0}, "column 'time' cannot be both time and speed"),
         ("time,speed\n", {}, "has 0 samples"),
         ("time,speed\n0,1\n0.002,\n0.004,1\n0.006,1\n", {}, "line 3 has no number in time or speed"),
+        ("time,speed\n0,1\n0.002,\n0.004,off\n0.006,1\n", {}, "line 3 has no number in time or speed"),
         ("time,speed\n0,1\n\n0.002,1\n0.004,1\n(end)\n", {}, "line 6 has no number in time or speed"),
         ("time,speed\n0,1\n0.002,1\n0.002,1\n0.006,1\n", {}, "time stands still or runs backwards at sample 3"),
         (rows(np.delete(T, 30), V[1:]), {}, "time is not uniform near sample 31, at 0.062 s (steps of 0.002 to 0.004"),
     ],
 )
-def test_a_file_that_cannot_be_read_is_told_in_one_sentence(tmp_path, text, options, said):
+def test_a_file_that_cannot_be_read_is_reported_in_one_sentence(tmp_path, text, options, message):
     with pytest.raises(BenchError) as caught:
         read(write(tmp_path, text), **options)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_spreadsheet_s_line_without_a_number_is_named(tmp_path):
+    path = tmp_path / "a.xlsx"
+    pd.DataFrame({"time": T, "speed": [*V[:7], "NA", *V[8:]]}).to_excel(path, index=False)
+    with pytest.raises(BenchError, match="line 9 has no number in time or speed"):
+        read(path)
 
 
 def test_a_long_file_is_not_split_line_by_line(tmp_path, monkeypatch):

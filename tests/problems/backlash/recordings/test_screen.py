@@ -1,4 +1,4 @@
-"""What makes a recording unfit, and that nothing which is fit is refused."""
+"""Recordings that are unfit are refused, and all others are accepted."""
 
 import re
 from itertools import product
@@ -6,11 +6,12 @@ from math import pi
 
 import numpy as np
 import pytest
+from scipy.ndimage import median_filter
 
 from bench import BenchError
 from problems.backlash.joint import Joint, half_gap, simulate
 from problems.backlash.recordings import Recording, read
-from problems.backlash.recordings.screen import screen, warnings
+from problems.backlash.recordings.screen import _running_median, screen, warnings
 from problems.backlash.signature.datasets import dataset
 
 RNG = np.random.default_rng(0)
@@ -101,7 +102,7 @@ def test_a_wrong_unit_is_named_where_the_nominal_speed_is_known(speed, unit, loo
         screen(recording(speed, unit=unit), nominal_rps=100)
 
 
-def test_a_speed_that_no_unit_explains_is_told_so():
+def test_a_speed_that_no_unit_explains_is_refused():
     with pytest.raises(BenchError, match=r"50\.0\d* rps is far from the nominal 100 rps; no unit makes up for that"):
         screen(recording(S / 2), nominal_rps=100)
     with pytest.raises(BenchError, match=r"6000\.\d+ rps is more than a motor has; say in which unit"):
@@ -131,15 +132,15 @@ def test_a_motion_that_is_not_steady_is_refused_with_the_part_that_is(speed, wha
     assert end == pytest.approx(window[1], abs=0.15)
     part = made.window(begin, end)
     screen(part)
-    assert not any("--window" in said for said in warnings(part))
+    assert not any("--window" in message for message in warnings(part))
 
 
 @pytest.mark.parametrize(
-    ("made", "options", "said"),
+    ("made", "options", "message"),
     [
         (recording(np.full(500, 100.0)), {}, "the speed is constant at 100 rps"),
         (recording(np.full(500, 600.0) / 60 + 1e-15 * RNG.uniform(size=500)), {}, "the speed is constant at 10 rps"),
-        (recording(np.where(T == 1.0, np.nan, S)), {}, "the speed at 1 s is no number"),
+        (recording(np.where(T == 1.0, np.nan, S)), {}, "the speed at 1 s is not a number"),
         (recording(S), {"nominal_rps": 0.0}, "the nominal speed must be a finite number of rps other than 0"),
         (recording(NOISE), {}, "the motor reverses (its speed is -0.1"),
         (recording(S[:150]), {"period": 0.4}, "lasts 0.298 s, less than one load turn of 0.4 s"),
@@ -150,10 +151,10 @@ def test_a_motion_that_is_not_steady_is_refused_with_the_part_that_is(speed, wha
         ),
     ],
 )
-def test_other_defects_are_told_in_one_sentence(made, options, said):
+def test_other_defects_are_reported_in_one_sentence(made, options, message):
     with pytest.raises(BenchError) as caught:
         screen(made, **options)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
@@ -170,7 +171,7 @@ def test_a_lone_bad_sample_is_a_warning_and_no_reversal():
 
 
 @pytest.mark.parametrize(
-    ("made", "said"),
+    ("made", "message"),
     [
         (recording(S + T / 2), "the mean speed drifts by 2.39"),
         (recording(S[:500]), "the recording holds 2.4 load turns"),
@@ -178,6 +179,13 @@ def test_a_lone_bad_sample_is_a_warning_and_no_reversal():
         (recording(S - 15 * np.exp(-T / 0.1)), "steady at the ends; think of --window 0."),
     ],
 )
-def test_what_is_no_error_is_told(made, said):
+def test_what_is_not_an_error_is_a_warning(made, message):
     screen(made, period=0.4)
-    assert any(said in sentence for sentence in warnings(made, period=0.4))
+    assert any(message in sentence for sentence in warnings(made, period=0.4))
+
+
+@pytest.mark.parametrize("size", [3, 5])
+@pytest.mark.parametrize("samples", [3, 4, 500])
+def test_the_running_median_is_that_of_scipy(samples, size):
+    values = np.random.default_rng(samples).integers(0, 9, samples) / 7
+    np.testing.assert_array_equal(_running_median(values, size), median_filter(values, size=size, mode="nearest"))

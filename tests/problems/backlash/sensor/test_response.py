@@ -34,7 +34,7 @@ def test_peaks_and_fits_of_the_calibration_that_comes_along_are_those_of_this_co
 
 
 def test_its_first_line_is_the_command_that_makes_it(shipped):
-    text = (files("problems.backlash.sensor") / "default.toml").read_text(encoding="utf-8")
+    text = (files("problems.backlash.signature") / "sensor_calibration.toml").read_text(encoding="utf-8")
     program, name, *arguments = shlex.split(text.splitlines()[0].removeprefix("# "))
     assert (program, name) == ("bench", "calibrate")
     assert arguments[0] == "--gaps"

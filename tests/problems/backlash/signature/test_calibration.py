@@ -44,7 +44,7 @@ def test_the_thesis_s_joint_and_levels_give_equation_4_7(cubic):
     np.testing.assert_allclose(found, identified, atol=6e-7)
 
 
-def test_a_cubic_is_told_as_the_thesis_prints_its_own(cubic):
+def test_a_cubic_is_printed_as_in_the_thesis(cubic):
     assert polynomial(EQUATION_4_7) == "-0.0018 A^3 + 0.4323 A^2 + 9.2524 A + 34.0313"
     assert polynomial([1, -2, 3, -4]) == "1.0000 A^3 - 2.0000 A^2 + 3.0000 A - 4.0000"
     assert cubic.formula() == f"delta = 1e-6 ({polynomial(cubic.coefficients)}) rad, A in rpm"
@@ -58,7 +58,7 @@ def test_the_residual_of_a_cubic_is_its_largest_distance_from_a_pair(cubic):
 
 
 @pytest.mark.parametrize("method", ["cubic", "monotone"])
-def test_outside_its_range_a_calibration_tells_nothing(method):
+def test_outside_its_range_a_calibration_returns_nan(method):
     made = pairs([1, 2, 4, 7], method=method)
     assert made.range == (1.0, 7.0)
     for amplitude in (1.0, -1.0, 7.0, 3.3):
@@ -69,7 +69,7 @@ def test_outside_its_range_a_calibration_tells_nothing(method):
         assert np.isnan(made.backlash(amplitude))
 
 
-def test_the_default_calibration_says_what_it_is():
+def test_the_default_calibration_names_its_joint():
     made = default_calibration()
     assert made.name == "default joint, simulated, half-gaps 0 … 0.0059 rad"
     assert made.method == "monotone"
@@ -87,7 +87,7 @@ def test_a_calibration_comes_back_from_its_file(tmp_path, method):
 
 
 @pytest.mark.parametrize("method", ["cubic", "monotone"])
-def test_a_fitted_amplitude_tells_of_the_peak_that_it_was_fitted_to(tmp_path, method):
+def test_a_fitted_amplitude_gives_the_peak_that_it_was_fitted_to(tmp_path, method):
     columns = {"fitted": np.array([1.0, 3.0, 4.5, 8.0]), "scatter": np.array([0.1, 0.15, 0.9, 0.8])}
     fitting = replace(pairs([1, 2, 4, 7], method=method), **columns)
     fitting.save(tmp_path / "a.toml", command="bench calibrate --fits")
@@ -103,7 +103,7 @@ def test_a_fitted_amplitude_tells_of_the_peak_that_it_was_fitted_to(tmp_path, me
         assert made.backlash(3.0) == pairs([1, 2, 4, 7], method=method).backlash(3.0)
 
 
-def test_a_calibration_that_knows_of_no_fits_takes_their_amplitude_for_the_peak():
+def test_a_calibration_without_fits_takes_their_amplitude_for_the_peak():
     made = pairs([1, 2, 4])
     assert made.fitted_range == made.range
     assert [made.expected(a) for a in (3.3, 1.0, 100.0)] == [3.3, 1.0, 100.0]
@@ -111,7 +111,7 @@ def test_a_calibration_that_knows_of_no_fits_takes_their_amplitude_for_the_peak(
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("amplitude_rpm = [1, 2]", "half_gap_rad must be a list of numbers"),
         ("amplitude_rpm = [1, true]\nhalf_gap_rad = [0, 1]", "amplitude_rpm must be a list of numbers"),
@@ -139,11 +139,11 @@ def test_a_calibration_that_knows_of_no_fits_takes_their_amplitude_for_the_peak(
         ("amplitude_rpm", "is not valid TOML"),
     ],
 )
-def test_a_file_that_is_no_calibration_is_said_in_one_sentence(tmp_path, text, said):
+def test_a_file_that_is_not_a_calibration_is_refused_in_one_sentence(tmp_path, text, message):
     (tmp_path / "a.toml").write_text(text)
     with pytest.raises(BenchError) as caught:
         load_calibration(tmp_path / "a.toml")
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "a.toml" in str(caught.value)
     assert "\n" not in str(caught.value)
 

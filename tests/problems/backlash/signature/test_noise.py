@@ -67,13 +67,13 @@ def test_a_problem_has_the_truth_of_its_dataset_and_a_fingerprint_of_its_draw():
 
 
 def test_the_problems_are_21():
-    from problems.backlash.signature import noisy as family
+    from problems.backlash.signature.families import noisy as family
 
     assert family.names() == [f"noisy-{level:02d}" for level in range(21)]
 
 
 @pytest.mark.parametrize(
-    ("name", "options", "said"),
+    ("name", "options", "message"),
     [
         ("noisy-21", {}, "unknown problem 'noisy-21'; did you mean 'noisy-2"),
         ("noisy:2", {}, "unknown problem 'noisy:2'; did you mean 'noisy-"),
@@ -86,8 +86,8 @@ def test_the_problems_are_21():
         ("noisy-02", {"unit": "Hz"}, "unit must be"),
     ],
 )
-def test_what_there_is_not_is_said_in_a_sentence(name, options, said):
-    with pytest.raises(BenchError, match=said.replace("?", r"\?")):
+def test_an_unknown_dataset_or_option_is_refused_in_one_sentence(name, options, message):
+    with pytest.raises(BenchError, match=message.replace("?", r"\?")):
         load_problem(name, **options)
 
 

@@ -1,6 +1,8 @@
 """The signature as a problem, its datasets and their cache, and a user's own recordings."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pandas as pd
@@ -150,7 +152,7 @@ def _constant(t, v):
 
 
 @pytest.mark.parametrize(
-    ("spoil", "said"),
+    ("spoil", "message"),
     [
         (_nan, "line 102 has no number"),
         (_backwards, "time stands still or runs backwards at sample 52"),
@@ -158,12 +160,12 @@ def _constant(t, v):
         (_constant, "the speed is constant"),
     ],
 )
-def test_a_spoilt_recording_is_named(tmp_path, spoil, said):
+def test_a_spoilt_recording_is_named(tmp_path, spoil, message):
     t, v = signal()
     spoil(t, v)
     with pytest.raises(BenchError) as caught:
         load_problem(write(tmp_path / "bad.csv", t, v))
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
@@ -188,7 +190,7 @@ def test_other_recordings_that_cannot_be_used(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         ({"unit": "Hz"}, "unit must be 'rps' or 'rpm'"),
         ({"turns": 0}, "turns must be a whole number from 1 to 100000"),
@@ -197,10 +199,10 @@ def test_other_recordings_that_cannot_be_used(tmp_path):
         ({"amplitude_factor": "big"}, "amplitude_factor must be a positive number"),
     ],
 )
-def test_options_out_of_range_are_named(options, said):
+def test_options_out_of_range_are_named(options, message):
     with pytest.raises(BenchError) as caught:
         load_problem("signature-03", **options)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_cma_es_on_the_published_dataset_12_looks_like_the_authors_runs(published):
@@ -213,3 +215,17 @@ def test_cma_es_on_the_published_dataset_12_looks_like_the_authors_runs(publishe
     assert ks_2samp(np.round(ours, 10), np.round(theirs, 10), method="exact").pvalue > 0.05
     assert min(ours) == pytest.approx(min(theirs), abs=1e-12)
     assert np.isclose(ours, 0.15903887218, atol=1e-9).sum() >= 5
+
+
+def test_a_fit_needs_no_import_that_takes_longer_than_the_fit():
+    code = """if True:
+        import sys, bench
+        from problems.backlash.signature.families import noisy, signature
+        from problems.backlash.published.family import published
+        names = signature.names(), noisy.names(), published.names()
+        assert not {"numba", "scipy", "pandas"} & sys.modules.keys()
+        problem = bench.load_problem("signature-12")
+        problem.describe(problem.repair(problem.lower[None])[0])
+        print(*{"pandas", "openpyxl", "scipy.interpolate", "scipy.ndimage", "scipy.stats"} & sys.modules.keys())
+    """
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "\n"

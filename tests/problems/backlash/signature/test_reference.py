@@ -1,4 +1,4 @@
-"""The reference fit is feasible, is what it says, recovers what was put in, and is beaten by nobody."""
+"""The reference fit is feasible, has the value that it reports, recovers the true point, and no optimizer beats it."""
 
 import json
 
