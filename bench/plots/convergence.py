@@ -26,16 +26,12 @@ def convergence(
         legend: whether to name the optimizers beside the axes.
         ax: where to draw; by default new axes.
     """
-    ax = style.own_axes(ax)
-    looks = style.looks_of(curves) if looks is None else looks
+    ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
     own = style.rows_of(curves, problem)
     _quartiles(ax, own, looks)
     style.log_scale(ax, "x")
-    if style.is_wide(own["median"], ratio=3):
-        style.log_scale(ax, "y")
-    else:
-        style.linear_scale(ax, "y")
-    return _named(ax, problem, "best value so far", looks, legend)
+    style.fitting_scale(ax, "y", own["median"], ratio=3)
+    return style.finish(ax, EVALUATIONS, "best value so far", looks if legend else None, problem)
 
 
 def regret(
@@ -53,15 +49,14 @@ def regret(
         legend: whether to name the optimizers beside the axes.
         ax: where to draw; by default new axes.
     """
-    ax = style.own_axes(ax)
-    looks = style.looks_of(curves) if looks is None else looks
+    ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
     own = style.rows_of(curves, problem)
     positive = own[own["median"] > 0]
     least = float(positive[["median", "q1"]].where(positive[["median", "q1"]] > 0).min().min())
     _quartiles(ax, positive.assign(q1=positive["q1"].clip(lower=least)), looks)
     style.log_scale(ax, "x")
     style.log_scale(ax, "y")
-    return _named(ax, problem, "regret", looks, legend)
+    return style.finish(ax, EVALUATIONS, "regret", looks if legend else None, problem)
 
 
 def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:
@@ -73,15 +68,6 @@ def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:
         banded = style.drawable(q3)
         ax.fill_between(at[banded], q1[banded], q3[banded], color=look.color, alpha=0.18, linewidth=0)
         draw_curve(ax, at, median, look, place)
-
-
-def _named(ax: Axes, problem: str, values: str, looks: style.Looks, legend: bool) -> Axes:
-    ax.set_title(style.plain(problem), loc="left")
-    ax.set_xlabel(EVALUATIONS)
-    ax.set_ylabel(values)
-    if legend:
-        style.legend_beside(ax, looks)
-    return ax
 
 
 def draw_curve(ax: Axes, x: np.ndarray, y: np.ndarray, look: style.Look, place: int, steps: bool = False) -> None:

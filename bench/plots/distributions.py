@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -39,7 +38,7 @@ def box_plot(
     """
     optimizers = labels(frame, "optimizer")
     ax = style.own_axes(ax, height=style.rows_height(len(optimizers)) + 0.6)
-    looks = style.looks(optimizers) if looks is None else looks
+    looks = style.looks_of(frame, looks)
     own = style.rows_of(frame, problem)
     values = _values(own, column)
     by_row = [values[(own["optimizer"] == optimizer).to_numpy()] for optimizer in optimizers]
@@ -49,7 +48,8 @@ def box_plot(
     for row, found in enumerate(by_row):
         note = _note(found, "failed" if column == "fun" else "missing")
         ax.annotate(note, (1.01, row), xycoords=ax.get_yaxis_transform(), va="center", fontsize="small")
-    _scale(ax, np.concatenate([*drawn, np.empty(0)]))
+    ax.use_sticky_edges = False  # a bar's end is no limit
+    style.fitting_scale(ax, "x", np.concatenate([*drawn, np.empty(0)]))
     if optimum is not None:
         _line(ax, optimum, "optimum")
     if expected is not None:
@@ -59,14 +59,9 @@ def box_plot(
     ax.set_title(style.plain(problem, 18), loc="left")
     if ax.get_legend_handles_labels()[0]:
         ax.legend(
-            loc="lower right",
-            bbox_to_anchor=(1.02, 0.99),
-            borderaxespad=0.0,
-            borderpad=0.2,
-            ncols=2,
-            handlelength=1.4,
-            columnspacing=1.0,
-        )
+            loc="lower right", bbox_to_anchor=(1.02, 0.99), borderaxespad=0.0, borderpad=0.2, ncols=2,
+            handlelength=1.4, columnspacing=1.0,
+        )  # fmt: skip
     return ax
 
 
@@ -85,32 +80,27 @@ def _note(values: NDArray[np.float64], lost: str) -> str:
 
 
 def _boxes(ax: Axes, by_row: Sequence[NDArray[np.float64]]) -> None:
-    """Draw horizontal boxes; written out because matplotlib renamed its own option for them."""
-    rows = np.array([row for row, values in enumerate(by_row) if len(values)])
-    boxes: list[dict[str, Any]] = boxplot_stats([by_row[row] for row in rows]) if len(rows) else []
-    low, q1, median, q3, high = (
-        np.array([box[key] for box in boxes]) for key in ("whislo", "q1", "med", "q3", "whishi")
-    )
-    ax.hlines(rows, low, high, color="black", linewidth=0.7, zorder=2)
-    ax.barh(rows, q3 - q1, left=q1, height=0.62, facecolor="white", edgecolor="black", linewidth=0.7)
-    ax.vlines(median, rows - 0.31, rows + 0.31, color="black", linewidth=1.4, zorder=4)
+    """Draw horizontal boxes, each kind of line as one artist.
+
+    seaborn 0.13 draws four artists a box, slower, with an option (``vert``) that matplotlib 3.13 will not have.
+    """
+    rows = np.flatnonzero([len(values) for values in by_row])
+    if not len(rows):
+        return
+    boxes = pd.DataFrame(boxplot_stats([by_row[row] for row in rows.tolist()]))
+    ax.hlines(rows, boxes["whislo"], boxes["whishi"], color="black", linewidth=0.7, zorder=2)
+    ax.barh(rows, boxes["q3"] - boxes["q1"], 0.62, boxes["q1"], facecolor="white", edgecolor="black", linewidth=0.7)
+    ax.vlines(boxes["med"], rows - 0.31, rows + 0.31, color="black", linewidth=1.4, zorder=4)
 
 
 def _points(ax: Axes, by_row: Sequence[NDArray[np.float64]], looks: Sequence[style.Look]) -> None:
+    """Draw every trial as a point, the same way every time, unlike seaborn's stripplot, which jitters at random."""
     many = sum(map(len, by_row)) > style.MANY_POINTS
     for row, (values, look) in enumerate(zip(by_row, looks, strict=True)):
         ax.plot(
             values, row + style.spread(len(values)), look.marker, color=look.color, markersize=2.5, markeredgewidth=0,
             alpha=0.7, zorder=3, rasterized=many,
         )  # fmt: skip
-
-
-def _scale(ax: Axes, values: NDArray[np.float64]) -> None:
-    ax.use_sticky_edges = False  # a bar's end is no limit
-    if style.is_wide(values):
-        style.log_scale(ax, "x")
-    else:
-        style.linear_scale(ax, "x")
 
 
 def _line(ax: Axes, value: float, name: str) -> None:

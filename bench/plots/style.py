@@ -110,9 +110,9 @@ def looks(labels: Iterable[str]) -> dict[str, Look]:
     }
 
 
-def looks_of(frame: pd.DataFrame) -> dict[str, Look]:
-    """Return a look for each optimizer of a frame, in the study's order where the frame knows it."""
-    return looks(labels(frame, "optimizer"))
+def looks_of(frame: pd.DataFrame, given: Looks | None = None) -> Looks:
+    """Return the looks given, or one for each optimizer of a frame, in the study's order where the frame knows it."""
+    return looks(labels(frame, "optimizer")) if given is None else given
 
 
 def plain(label: str, at_most: int = 28) -> str:
@@ -216,9 +216,14 @@ def handles(looks: Looks) -> list[Line2D]:
     return entries
 
 
-def legend_beside(ax: Axes, looks: Looks) -> None:
-    """Put a legend of optimizers to the right of an Axes."""
-    ax.legend(handles=handles(looks), loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
+def finish(ax: Axes, x: str, y: str, looks: Looks | None, problem: str = "") -> Axes:
+    """Write the problem and the labels on an Axes of curves, with a legend at its right if there are ``looks``."""
+    ax.set_title(plain(problem), loc="left")
+    ax.set_xlabel(x)
+    ax.set_ylabel(y)
+    if looks is not None:
+        ax.legend(handles=handles(looks), loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
+    return ax
 
 
 def legend_above(figure: matplotlib.figure.Figure, entries: Sequence[Any]) -> None:
@@ -248,7 +253,7 @@ def drawable(values: ArrayLike) -> NDArray[np.bool_]:
     return sizes < HUGE
 
 
-def is_wide(values: ArrayLike, ratio: float = 30.0) -> bool:
+def is_wide(values: ArrayLike, ratio: float) -> bool:
     """Return whether values, all positive, span so much that a log axis reads better."""
     shown = np.asarray(values, dtype=float)
     shown = shown[drawable(shown)]
@@ -276,6 +281,11 @@ def span(ax: Axes, values: pd.Series[float]) -> None:
 def linear_scale(ax: Axes, which: Literal["x", "y"]) -> None:
     """Give a linear axis few ticks, as small panels need."""
     (ax.xaxis if which == "x" else ax.yaxis).set_major_locator(MaxNLocator(4))
+
+
+def fitting_scale(ax: Axes, which: Literal["x", "y"], values: ArrayLike, ratio: float = 30.0) -> None:
+    """Make an axis logarithmic where the values drawn on it are positive and wide, linear with few ticks elsewhere."""
+    (log_scale if is_wide(values, ratio) else linear_scale)(ax, which)
 
 
 def _number(value: float, _: int | None, largest: float) -> str:

@@ -10,6 +10,8 @@ from matplotlib.ticker import FixedLocator
 from bench.plots import style
 from bench.plots.convergence import EVALUATIONS, draw_curve
 
+AXES = {"evaluations": EVALUATIONS, "groups": "groups of d + 1 evaluations"}
+
 
 def ecdf(
     curves: pd.DataFrame, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
@@ -22,10 +24,7 @@ def ecdf(
         legend: whether to name the optimizers beside the axes.
         ax: where to draw; by default new axes.
     """
-    ax = _fractions(curves, "evaluations", looks=looks, legend=legend, ax=ax)
-    ax.set_xlabel(EVALUATIONS)
-    ax.set_ylabel("share of targets reached")
-    return ax
+    return _fractions(curves, "evaluations", "share of targets reached", looks, legend, ax)
 
 
 def data_profile(
@@ -40,16 +39,14 @@ def data_profile(
         legend: whether to name the optimizers beside the axes.
         ax: where to draw; by default new axes.
     """
-    grouped = "groups" in curves
-    ax = _fractions(curves, "groups" if grouped else "evaluations", looks=looks, legend=legend, ax=ax)
-    ax.set_xlabel("groups of d + 1 evaluations" if grouped else EVALUATIONS)
-    ax.set_ylabel("share of trials solved")
-    return ax
+    along = "groups" if "groups" in curves else "evaluations"
+    return _fractions(curves, along, "share of trials solved", looks, legend, ax)
 
 
-def _fractions(curves: pd.DataFrame, along: str, *, looks: style.Looks | None, legend: bool, ax: Axes | None) -> Axes:
-    ax = style.own_axes(ax)
-    looks = style.looks_of(curves) if looks is None else looks
+def _fractions(
+    curves: pd.DataFrame, along: str, share: str, looks: style.Looks | None, legend: bool, ax: Axes | None
+) -> Axes:
+    ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
     for place, (optimizer, look) in enumerate(looks.items()):
         own = curves[curves["optimizer"] == optimizer]
         x, fraction = own[[along, "fraction"]].to_numpy(dtype=float).T
@@ -58,9 +55,7 @@ def _fractions(curves: pd.DataFrame, along: str, *, looks: style.Looks | None, l
     style.log_scale(ax, "x")
     ax.set_ylim(-0.02, 1.02)
     ax.yaxis.set_major_locator(FixedLocator([0.0, 0.25, 0.5, 0.75, 1.0]))
-    if legend:
-        style.legend_beside(ax, looks)
-    return ax
+    return style.finish(ax, AXES[along], share, looks if legend else None)
 
 
 def ert(
@@ -80,8 +75,7 @@ def ert(
         legend: whether to name the optimizers beside the axes.
         ax: where to draw; by default new axes.
     """
-    ax = style.own_axes(ax)
-    looks = style.looks_of(table) if looks is None else looks
+    ax, looks = style.own_axes(ax), style.looks_of(table, looks)
     own = style.rows_of(table, problem)
     own = own[own["tau"] > 0].sort_values("tau", ascending=False, kind="stable")
     for place, (optimizer, look) in enumerate(looks.items()):
@@ -95,9 +89,4 @@ def ert(
     style.log_scale(ax, "y")
     if len(own):
         ax.set_xlim(own["tau"].max() * 1.2, own["tau"].min() / 1.2)
-    ax.set_title(style.plain(problem), loc="left")
-    ax.set_xlabel("target tau")
-    ax.set_ylabel(f"ERT in {EVALUATIONS}")
-    if legend:
-        style.legend_beside(ax, looks)
-    return ax
+    return style.finish(ax, "target tau", f"ERT in {EVALUATIONS}", looks if legend else None, problem)

@@ -182,10 +182,8 @@ def rank_figure(
 def forest_figure(pairs: pd.DataFrame) -> Figure:
     """Return the probability of improvement of each pair over all problems, with its interval."""
     left = _left(forest_names(pairs))
-    figure, (ax,) = style.grid(
-        1, width=_width(left), height=style.rows_height(len(pairs)),
-        left=left, bottom=0.5, top=0.08,
-    )  # fmt: skip
+    height = style.rows_height(len(pairs))
+    figure, (ax,) = style.grid(1, width=_width(left), height=height, left=left, bottom=0.5, top=0.08)
     a12_forest(pairs, ax=ax)
     caption = (
         "The chance that a trial of the first optimizer ends below one of the second, averaged over problems, with "
