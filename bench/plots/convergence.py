@@ -1,4 +1,4 @@
-"""Best-so-far values over evaluations, as they are and as regret."""
+"""Plot best-so-far values, or their regret, over evaluations."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ def convergence(
 ) -> Axes:
     """Draw the median best-so-far value of each optimizer on a problem over evaluations, its quartiles as a band.
 
-    The evaluations have a log axis, and so have the values where they are positive and wide. A median or quartile
-    that is infinite, because trials failed, is not drawn.
+    The axis of evaluations is logarithmic; so is that of the values where they are positive and span a factor of more
+    than 3. A median or quartile that is infinite, because trials failed, is not drawn.
 
     Args:
         curves: columns problem, optimizer, evaluations, median, q1 and q3 (:func:`bench.analysis.convergence`).
-        problem: whose curves.
+        problem: the label of the problem to draw.
         looks: the look of each optimizer; by default by its place in ``curves``.
         legend: whether to name the optimizers beside the axes.
         ax: where to draw; by default new axes.
@@ -39,12 +39,12 @@ def regret(
 ) -> Axes:
     """Draw the median regret of each optimizer on a problem over evaluations, its quartiles as a band, on log axes.
 
-    A curve ends where the median is at the optimum, which has no place on a log axis, and a band there goes on to the
-    lowest value drawn.
+    A log axis cannot show a regret of 0: a curve ends where its median reaches the optimum, and where its lower
+    quartile is at the optimum its band begins at the lowest value drawn.
 
     Args:
-        curves: those of :func:`convergence`, counted from the optimum (:func:`bench.analysis.regret`).
-        problem: whose curves.
+        curves: as for :func:`convergence`, less the optimum (:func:`bench.analysis.regret`).
+        problem: the label of the problem to draw.
         looks: the look of each optimizer; by default by its place in ``curves``.
         legend: whether to name the optimizers beside the axes.
         ax: where to draw; by default new axes.
@@ -60,7 +60,7 @@ def regret(
 
 
 def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:
-    """Draw a problem's curves with their bands, as far as an axis can show them."""
+    """Draw the medians and quartile bands of a problem, where an axis can show them."""
     drawn = own[style.drawable(own["median"])]
     for place, (optimizer, look) in enumerate(looks.items()):
         one = drawn[drawn["optimizer"] == optimizer]
@@ -71,7 +71,7 @@ def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:
 
 
 def draw_curve(ax: Axes, x: np.ndarray, y: np.ndarray, look: style.Look, place: int, steps: bool = False) -> None:
-    """Draw one optimizer's curve with few markers, at other places than those of the optimizer before it."""
+    """Draw the curve of one optimizer with few markers, at other places than those of the previous optimizer."""
     every = max(len(x) // 5, 1)
     ax.plot(
         x, y, color=look.color, linestyle=look.line, linewidth=1.1, marker=look.marker, markersize=3.0,

@@ -1,4 +1,4 @@
-"""Box plots with every trial."""
+"""Box plots that also show every trial."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ def box_plot(
     tolerance: float | None = None, optimum: float | None = None, looks: style.Looks | None = None,
     ax: Axes | None = None,
 ) -> Axes:  # fmt: skip
-    """Draw what the trials of each optimizer found on a problem: quartile boxes and all points, a row an optimizer.
+    """Draw the trials of each optimizer on a problem: a quartile box and a point per trial, in a row per optimizer.
 
     Whiskers reach the furthest point within 1.5 box lengths (Tukey 1977). The axis is logarithmic where the values
     are positive and wide. Trials without a finite value are counted at the right, not drawn.
 
     Args:
         frame: the tidy frame (:func:`bench.load_results`).
-        problem: whose trials.
-        column: "fun", the objective value, or the name of a domain figure.
-        expected: its true value, drawn as a line.
-        tolerance: how far from it is near enough, drawn as a band.
+        problem: the label of the problem to draw.
+        column: "fun", the objective value, or the name of a domain metric.
+        expected: the true value of the metric, drawn as a line.
+        tolerance: the accepted distance from ``expected``, drawn as a band.
         optimum: the best known objective value, drawn as a line.
         looks: the look of each optimizer; by default by its place in the frame.
         ax: where to draw; by default new axes.
@@ -48,7 +48,7 @@ def box_plot(
     for row, found in enumerate(by_row):
         note = _note(found, "failed" if column == "fun" else "missing")
         ax.annotate(note, (1.01, row), xycoords=ax.get_yaxis_transform(), va="center", fontsize="small")
-    ax.use_sticky_edges = False  # a bar's end is no limit
+    ax.use_sticky_edges = False  # the end of a bar is no limit of the axis
     style.fitting_scale(ax, "x", np.concatenate([*drawn, np.empty(0)]))
     if optimum is not None:
         _line(ax, optimum, "optimum")
@@ -73,7 +73,7 @@ def _values(own: pd.DataFrame, column: str) -> NDArray[np.float64]:
 
 
 def _note(values: NDArray[np.float64], lost: str) -> str:
-    """Return in words what a row does not show."""
+    """Return a note on the trials that a row does not show."""
     missing, huge = int((~np.isfinite(values)).sum()), int((np.isfinite(values) & ~style.drawable(values)).sum())
     notes = ([f"{missing} {lost}"] if missing else []) + ([f"{huge} too large"] if huge else [])
     return "\n".join(notes) if len(values) else "no trial"
@@ -104,7 +104,7 @@ def _points(ax: Axes, by_row: Sequence[NDArray[np.float64]], looks: Sequence[sty
 
 
 def _line(ax: Axes, value: float, name: str) -> None:
-    """Draw a reference value, or say where it lies when a log axis cannot show it."""
+    """Draw a reference value, or only name it in the legend where a log axis cannot show it."""
     label = f"{name} {value:.4g}"
     if ax.get_xscale() == "log" and value <= 0:
         ax.plot([], [], color=style.REFERENCE, linewidth=1.0, label=f"{label} (off the axis)")

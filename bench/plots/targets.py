@@ -16,7 +16,7 @@ AXES = {"evaluations": EVALUATIONS, "groups": "groups of d + 1 evaluations"}
 def ecdf(
     curves: pd.DataFrame, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
 ) -> Axes:
-    """Draw the share of all targets that each optimizer reached within so many evaluations (Hansen et al. 2022).
+    """Draw the share of all targets that each optimizer reached, over evaluations (Hansen et al. 2022).
 
     Args:
         curves: columns optimizer, evaluations and fraction (:func:`bench.analysis.ecdf`).
@@ -30,7 +30,7 @@ def ecdf(
 def data_profile(
     curves: pd.DataFrame, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
 ) -> Axes:
-    """Draw the share of trials that each optimizer solved within so many evaluations (Moré and Wild 2009).
+    """Draw the share of trials in which each optimizer reached a target, over evaluations (Moré and Wild 2009).
 
     Args:
         curves: columns optimizer, evaluations or groups (of d + 1 evaluations, "simplex gradients") and fraction
@@ -63,14 +63,14 @@ def ert(
 ) -> Axes:
     """Draw the expected running time of each optimizer on a problem over targets, harder ones to the right.
 
-    Both axes are logarithmic. A curve ends at the hardest target that any trial reached; where harder ones were left
-    unreached, its end is an open marker. tau = 0, the only target of a problem whose trials start at its reference,
-    has no place on a log axis: such a problem leaves the axes empty.
+    Both axes are logarithmic. A curve ends at the hardest target that any trial reached, in an open marker where no
+    trial reached the harder ones. A log axis cannot show tau = 0: the axes of a problem whose trials start at its
+    reference, which then has no other target, stay empty.
 
     Args:
         table: columns problem, optimizer, tau and ert, infinite where no trial reached the target
             (:func:`bench.analysis.expected_running_time`; Hansen et al. 2022).
-        problem: whose curves.
+        problem: the label of the problem to draw.
         looks: the look of each optimizer; by default by its place in ``table``.
         legend: whether to name the optimizers beside the axes.
         ax: where to draw; by default new axes.
