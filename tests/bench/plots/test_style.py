@@ -95,3 +95,14 @@ def test_a_problem_that_is_not_there_is_refused_by_name(draw):
     frame = pd.DataFrame({"problem": ["sphere-2"], "optimizer": ["a"]})
     with pytest.raises(BenchError, match="no problem 'sphere-3' to draw; did you mean 'sphere-2'"):
         draw(frame, "sphere-3")
+
+
+def test_looks_differ_without_colour():
+    looks = style.looks([str(i) for i in range(40)]).values()
+    assert len({(look.color, look.marker, str(look.line)) for look in looks}) == 40
+    assert len({look.marker for look in list(looks)[:7]}) == 7
+
+
+def test_offsets_are_fixed_and_bounded():
+    assert np.abs(style.spread(1000)).max() <= 0.25
+    assert (style.spread(5) == style.spread(5)).all()
