@@ -45,7 +45,8 @@ REFERENCE = "#D55E00"  # expected values and limits
 BAND = "#EAAE80"  # bands about them: a paler shade, as SVG and PDF render transparent hatches differently
 
 MANY_POINTS = 20_000  # a plot with more markers keeps them as an image, or the page would not load
-HUGE = 1e100
+HUGE = 1e100  # above it matplotlib's margins may overflow
+WIDE = 30.0  # the ratio of the largest to the least value above which a log axis reads better
 MANY_NAMES = 30  # nobody can read a longer legend
 
 RC: dict[str, Any] = {
@@ -222,8 +223,13 @@ def finish(ax: Axes, x: str, y: str, looks: Looks | None, problem: str = "") -> 
     ax.set_xlabel(x)
     ax.set_ylabel(y)
     if looks is not None:
-        ax.legend(handles=handles(looks), loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
+        legend_beside(ax, looks)
     return ax
+
+
+def legend_beside(ax: Axes, looks: Looks) -> None:
+    """Put a legend of optimizers to the right of an Axes."""
+    ax.legend(handles=handles(looks), loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
 
 
 def legend_above(figure: matplotlib.figure.Figure, entries: Sequence[Any]) -> None:
@@ -248,12 +254,12 @@ def spread(count: int) -> np.ndarray:
 
 
 def drawable(values: ArrayLike) -> NDArray[np.bool_]:
-    """Return which values an axis can show: finite ones, not so large that matplotlib's margins overflow."""
+    """Return which values an axis can show: finite ones smaller than :data:`HUGE`."""
     sizes: NDArray[np.float64] = np.abs(np.asarray(values, dtype=np.float64))
     return sizes < HUGE
 
 
-def is_wide(values: ArrayLike, ratio: float) -> bool:
+def is_wide(values: ArrayLike, ratio: float = WIDE) -> bool:
     """Return whether the values that can be drawn are positive and span a factor of more than ``ratio``."""
     shown = np.asarray(values, dtype=float)
     shown = shown[drawable(shown)]
@@ -283,7 +289,7 @@ def linear_scale(ax: Axes, which: Literal["x", "y"]) -> None:
     (ax.xaxis if which == "x" else ax.yaxis).set_major_locator(MaxNLocator(4))
 
 
-def fitting_scale(ax: Axes, which: Literal["x", "y"], values: ArrayLike, ratio: float = 30.0) -> None:
+def fitting_scale(ax: Axes, which: Literal["x", "y"], values: ArrayLike, ratio: float = WIDE) -> None:
     """Make an axis logarithmic where the values on it are positive and span much, else linear with few ticks."""
     (log_scale if is_wide(values, ratio) else linear_scale)(ax, which)
 
