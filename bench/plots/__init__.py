@@ -1,6 +1,6 @@
-"""Figures for notebooks and papers: each function draws one frame of :mod:`bench.analysis` on one matplotlib Axes.
+"""Plots for notebooks and papers: each function draws one frame of :mod:`bench.analysis` on one matplotlib Axes.
 
-All take ``ax``, the Axes to draw on, make new ones without, and return it.
+Each function draws on ``ax``, or on new Axes without it, and returns the Axes.
 
 Example:
     >>> frame = bench.load_results("results/runs/thesis")

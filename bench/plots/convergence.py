@@ -1,4 +1,4 @@
-"""Best-so-far values over evaluations, as they are and as regret."""
+"""Plot best-so-far values, or their regret, over evaluations."""
 
 from __future__ import annotations
 
@@ -16,26 +16,22 @@ def convergence(
 ) -> Axes:
     """Draw the median best-so-far value of each optimizer on a problem over evaluations, its quartiles as a band.
 
-    The evaluations have a log axis, and so have the values where they are positive and wide. A median or quartile
-    that is infinite, because trials failed, is not drawn.
+    The axis of evaluations is logarithmic; so is that of the values where they are positive and span a factor of more
+    than 3. A median or quartile that is infinite, because trials failed, is not drawn.
 
     Args:
         curves: columns problem, optimizer, evaluations, median, q1 and q3 (:func:`bench.analysis.convergence`).
-        problem: whose curves.
+        problem: the label of the problem to draw.
         looks: the look of each optimizer; by default by its place in ``curves``.
         legend: whether to name the optimizers beside the axes.
         ax: where to draw; by default new axes.
     """
-    ax = style.own_axes(ax)
-    looks = style.looks_of(curves) if looks is None else looks
+    ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
     own = style.rows_of(curves, problem)
     _quartiles(ax, own, looks)
     style.log_scale(ax, "x")
-    if style.is_wide(own["median"], ratio=3):
-        style.log_scale(ax, "y")
-    else:
-        style.linear_scale(ax, "y")
-    return _named(ax, problem, "best value so far", looks, legend)
+    style.fitting_scale(ax, "y", own["median"], ratio=3)
+    return style.finish(ax, EVALUATIONS, "best value so far", looks if legend else None, problem)
 
 
 def regret(
@@ -43,29 +39,28 @@ def regret(
 ) -> Axes:
     """Draw the median regret of each optimizer on a problem over evaluations, its quartiles as a band, on log axes.
 
-    A curve ends where the median is at the optimum, which has no place on a log axis, and a band there goes on to the
-    lowest value drawn.
+    A log axis cannot show a regret of 0: a curve ends where its median reaches the optimum, and where its lower
+    quartile is at the optimum its band begins at the lowest value drawn.
 
     Args:
-        curves: those of :func:`convergence`, counted from the optimum (:func:`bench.analysis.regret`).
-        problem: whose curves.
+        curves: as for :func:`convergence`, less the optimum (:func:`bench.analysis.regret`).
+        problem: the label of the problem to draw.
         looks: the look of each optimizer; by default by its place in ``curves``.
         legend: whether to name the optimizers beside the axes.
         ax: where to draw; by default new axes.
     """
-    ax = style.own_axes(ax)
-    looks = style.looks_of(curves) if looks is None else looks
+    ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
     own = style.rows_of(curves, problem)
     positive = own[own["median"] > 0]
     least = float(positive[["median", "q1"]].where(positive[["median", "q1"]] > 0).min().min())
     _quartiles(ax, positive.assign(q1=positive["q1"].clip(lower=least)), looks)
     style.log_scale(ax, "x")
     style.log_scale(ax, "y")
-    return _named(ax, problem, "regret", looks, legend)
+    return style.finish(ax, EVALUATIONS, "regret", looks if legend else None, problem)
 
 
 def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:
-    """Draw a problem's curves with their bands, as far as an axis can show them."""
+    """Draw the medians and quartile bands of a problem, where an axis can show them."""
     drawn = own[style.drawable(own["median"])]
     for place, (optimizer, look) in enumerate(looks.items()):
         one = drawn[drawn["optimizer"] == optimizer]
@@ -75,17 +70,8 @@ def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:
         draw_curve(ax, at, median, look, place)
 
 
-def _named(ax: Axes, problem: str, values: str, looks: style.Looks, legend: bool) -> Axes:
-    ax.set_title(style.plain(problem), loc="left")
-    ax.set_xlabel(EVALUATIONS)
-    ax.set_ylabel(values)
-    if legend:
-        style.legend_beside(ax, looks)
-    return ax
-
-
 def draw_curve(ax: Axes, x: np.ndarray, y: np.ndarray, look: style.Look, place: int, steps: bool = False) -> None:
-    """Draw one optimizer's curve with few markers, at other places than those of the optimizer before it."""
+    """Draw the curve of one optimizer with few markers, at other places than those of the previous optimizer."""
     every = max(len(x) // 5, 1)
     ax.plot(
         x, y, color=look.color, linestyle=look.line, linewidth=1.1, marker=look.marker, markersize=3.0,

@@ -1,9 +1,8 @@
-"""Box plots with every trial."""
+"""Box plots that also show every trial."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -22,24 +21,24 @@ def box_plot(
     tolerance: float | None = None, optimum: float | None = None, looks: style.Looks | None = None,
     ax: Axes | None = None,
 ) -> Axes:  # fmt: skip
-    """Draw what the trials of each optimizer found on a problem: quartile boxes and all points, a row an optimizer.
+    """Draw the trials of each optimizer on a problem: a quartile box and a point per trial, in a row per optimizer.
 
     Whiskers reach the furthest point within 1.5 box lengths (Tukey 1977). The axis is logarithmic where the values
     are positive and wide. Trials without a finite value are counted at the right, not drawn.
 
     Args:
         frame: the tidy frame (:func:`bench.load_results`).
-        problem: whose trials.
-        column: "fun", the objective value, or the name of a domain figure.
-        expected: its true value, drawn as a line.
-        tolerance: how far from it is near enough, drawn as a band.
+        problem: the label of the problem to draw.
+        column: "fun", the objective value, or the name of a domain metric.
+        expected: the true value of the metric, drawn as a line.
+        tolerance: the accepted distance from ``expected``, drawn as a band.
         optimum: the best known objective value, drawn as a line.
         looks: the look of each optimizer; by default by its place in the frame.
         ax: where to draw; by default new axes.
     """
     optimizers = labels(frame, "optimizer")
     ax = style.own_axes(ax, height=style.rows_height(len(optimizers)) + 0.6)
-    looks = style.looks(optimizers) if looks is None else looks
+    looks = style.looks_of(frame, looks)
     own = style.rows_of(frame, problem)
     values = _values(own, column)
     by_row = [values[(own["optimizer"] == optimizer).to_numpy()] for optimizer in optimizers]
@@ -49,7 +48,8 @@ def box_plot(
     for row, found in enumerate(by_row):
         note = _note(found, "failed" if column == "fun" else "missing")
         ax.annotate(note, (1.01, row), xycoords=ax.get_yaxis_transform(), va="center", fontsize="small")
-    _scale(ax, np.concatenate([*drawn, np.empty(0)]))
+    ax.use_sticky_edges = False  # the end of a bar is no limit of the axis
+    style.fitting_scale(ax, "x", np.concatenate([*drawn, np.empty(0)]))
     if optimum is not None:
         _line(ax, optimum, "optimum")
     if expected is not None:
@@ -59,14 +59,9 @@ def box_plot(
     ax.set_title(style.plain(problem, 18), loc="left")
     if ax.get_legend_handles_labels()[0]:
         ax.legend(
-            loc="lower right",
-            bbox_to_anchor=(1.02, 0.99),
-            borderaxespad=0.0,
-            borderpad=0.2,
-            ncols=2,
-            handlelength=1.4,
-            columnspacing=1.0,
-        )
+            loc="lower right", bbox_to_anchor=(1.02, 0.99), borderaxespad=0.0, borderpad=0.2, ncols=2,
+            handlelength=1.4, columnspacing=1.0,
+        )  # fmt: skip
     return ax
 
 
@@ -78,25 +73,28 @@ def _values(own: pd.DataFrame, column: str) -> NDArray[np.float64]:
 
 
 def _note(values: NDArray[np.float64], lost: str) -> str:
-    """Return in words what a row does not show."""
+    """Return a note on the trials that a row does not show."""
     missing, huge = int((~np.isfinite(values)).sum()), int((np.isfinite(values) & ~style.drawable(values)).sum())
     notes = ([f"{missing} {lost}"] if missing else []) + ([f"{huge} too large"] if huge else [])
     return "\n".join(notes) if len(values) else "no trial"
 
 
 def _boxes(ax: Axes, by_row: Sequence[NDArray[np.float64]]) -> None:
-    """Draw horizontal boxes; written out because matplotlib renamed its own option for them."""
-    rows = np.array([row for row, values in enumerate(by_row) if len(values)])
-    boxes: list[dict[str, Any]] = boxplot_stats([by_row[row] for row in rows]) if len(rows) else []
-    low, q1, median, q3, high = (
-        np.array([box[key] for box in boxes]) for key in ("whislo", "q1", "med", "q3", "whishi")
-    )
-    ax.hlines(rows, low, high, color="black", linewidth=0.7, zorder=2)
-    ax.barh(rows, q3 - q1, left=q1, height=0.62, facecolor="white", edgecolor="black", linewidth=0.7)
-    ax.vlines(median, rows - 0.31, rows + 0.31, color="black", linewidth=1.4, zorder=4)
+    """Draw horizontal boxes, each kind of line as one artist.
+
+    seaborn 0.13 draws four artists a box, slower, with an option (``vert``) that matplotlib 3.13 will not have.
+    """
+    rows = np.flatnonzero([len(values) for values in by_row])
+    if not len(rows):
+        return
+    boxes = pd.DataFrame(boxplot_stats([by_row[row] for row in rows.tolist()]))
+    ax.hlines(rows, boxes["whislo"], boxes["whishi"], color="black", linewidth=0.7, zorder=2)
+    ax.barh(rows, boxes["q3"] - boxes["q1"], 0.62, boxes["q1"], facecolor="white", edgecolor="black", linewidth=0.7)
+    ax.vlines(boxes["med"], rows - 0.31, rows + 0.31, color="black", linewidth=1.4, zorder=4)
 
 
 def _points(ax: Axes, by_row: Sequence[NDArray[np.float64]], looks: Sequence[style.Look]) -> None:
+    """Draw every trial as a point, the same way every time, unlike seaborn's stripplot, which jitters at random."""
     many = sum(map(len, by_row)) > style.MANY_POINTS
     for row, (values, look) in enumerate(zip(by_row, looks, strict=True)):
         ax.plot(
@@ -105,16 +103,8 @@ def _points(ax: Axes, by_row: Sequence[NDArray[np.float64]], looks: Sequence[sty
         )  # fmt: skip
 
 
-def _scale(ax: Axes, values: NDArray[np.float64]) -> None:
-    ax.use_sticky_edges = False  # a bar's end is no limit
-    if style.is_wide(values):
-        style.log_scale(ax, "x")
-    else:
-        style.linear_scale(ax, "x")
-
-
 def _line(ax: Axes, value: float, name: str) -> None:
-    """Draw a reference value, or say where it lies when a log axis cannot show it."""
+    """Draw a reference value, or only name it in the legend where a log axis cannot show it."""
     label = f"{name} {value:.4g}"
     if ax.get_xscale() == "log" and value <= 0:
         ax.plot([], [], color=style.REFERENCE, linewidth=1.0, label=f"{label} (off the axis)")

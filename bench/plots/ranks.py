@@ -1,4 +1,4 @@
-"""Who ranks where over all problems, and how often one of two does better."""
+"""Critical-difference diagrams of ranks over problems, and forest plots of how often one of two does better."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from matplotlib.transforms import ScaledTranslation
 from bench.analysis.pairwise import CUTOFFS
 from bench.plots import style
 
-MOST_NAMES = 60  # names about a critical-difference diagram; more would not fit on a page
-RANK_NAME = 20  # letters of a name there
+MOST_NAMES = 60  # names in a critical-difference diagram; more would not fit on a page
+RANK_NAME = 20  # characters of a name there
 LINE, BAR = 0.15, 0.09  # inches between its names, and between its bars
-EFFECTS = [bound for cutoff in CUTOFFS.values() for bound in (1 - cutoff, cutoff)]  # to either side of 0.5
+EFFECTS = [bound for cutoff in CUTOFFS.values() for bound in (1 - cutoff, cutoff)]  # on both sides of 0.5
 
 
 def cd_diagram(
@@ -28,7 +28,7 @@ def cd_diagram(
     Args:
         average_ranks: the average rank of each optimizer over problems, 1 the best; missing ones are left out.
         cliques: groups of optimizers whose ranks do not differ significantly; a bar joins those of a group.
-        critical_difference: the difference of ranks that is significant, drawn as a ruler above the axis.
+        critical_difference: the smallest significant difference of ranks, drawn as a ruler above the axis.
         ax: where to draw, :func:`cd_height` inches high; by default new axes.
     """
     ranks = average_ranks.dropna().sort_values(kind="stable")
@@ -57,15 +57,15 @@ def cd_diagram(
 
 
 def cd_height(optimizers: int, cliques: int) -> float:
-    """Return the inches below its axis that a critical-difference diagram takes."""
+    """Return the height in inches that a critical-difference diagram takes below its axis."""
     return LINE * ((min(optimizers, MOST_NAMES) + 1) // 2 + 1) + BAR * cliques
 
 
 def _bars(ax: Axes, ranks: pd.Series[float], cliques: Collection[Sequence[str]]) -> int:
-    """Draw a bar for each clique of two or more, each a step below the one before; return how many."""
+    """Draw a bar for each clique of two or more, each a step below the previous one; return the number of bars."""
     groups = [ranks.reindex(list(clique)).dropna() for clique in cliques]
     groups = [group for group in groups if len(group) > 1]
-    reach = 0.008 * np.diff(ax.get_xlim())[0]  # past the ranks, so that equal ones have a bar too
+    reach = 0.008 * np.diff(ax.get_xlim())[0]  # beyond the ranks, so that equal ranks have a bar too
     for step, group in enumerate(groups, 1):
         ax.hlines(BAR * step, group.min() - reach, group.max() + reach, color="black", linewidth=2.5, clip_on=False)
     return len(groups)
@@ -96,15 +96,15 @@ def _ruler(ax: Axes, start: float, length: float) -> None:
 
 
 def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | None = None) -> Axes:
-    """Draw how often the first of two optimizers does better, with its interval, a row a pair.
+    """Draw how often the first of two optimizers does better, with its interval, in a row per pair.
 
-    At 0.5 neither tends to be better; the faint lines are Vargha and Delaney's (2000) bounds of small, medium and
-    large effects. A filled point is one whose interval leaves out 0.5.
+    At 0.5 neither tends to be better; the faint lines are the bounds of small, medium and large effects by Vargha and
+    Delaney (2000). A point is filled where its interval excludes 0.5.
 
     Args:
         pairs: columns first, second, probability, low and high (:func:`bench.analysis.probability_of_improvement`),
             or a12, a12_low and a12_high with the column problem (:func:`bench.analysis.pairwise_tests`).
-        problem: whose pairs, where there are those of several.
+        problem: the label of the problem to draw, where ``pairs`` has several.
         ax: where to draw; by default new axes.
     """
     rows = pairs if problem is None else style.rows_of(pairs, problem)
@@ -127,6 +127,6 @@ def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | No
 
 
 def forest_names(pairs: pd.DataFrame) -> list[str]:
-    """Return what the rows of a forest are called."""
+    """Return the labels of the rows of a forest plot."""
     names = style.names(dict.fromkeys([*pairs["first"], *pairs["second"]]), 18)
     return [f"{names[first]} vs {names[second]}" for first, second in zip(pairs["first"], pairs["second"], strict=True)]

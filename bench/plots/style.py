@@ -1,6 +1,6 @@
-"""How figures look: one style, sizes for papers, and colours that never carry meaning alone.
+"""The look of all plots: one style, sizes for papers, and colours that never carry meaning alone.
 
-Every function of :mod:`bench.plots` draws with the matplotlib settings of its caller; the look of a report is that of
+Every function of :mod:`bench.plots` draws with the matplotlib settings of its caller; a report draws inside
 ``with style.context():``.
 """
 
@@ -42,11 +42,12 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 LINES = ("-", "--", "-.", ":", (0, (5, 1)))
 HATCHES = ("", "///")
 REFERENCE = "#D55E00"  # expected values and limits
-BAND = "#EAAE80"  # what is near enough to them: half as strong, as SVG and PDF differ on transparent hatches
+BAND = "#EAAE80"  # bands about them: a paler shade, as SVG and PDF render transparent hatches differently
 
-MANY_POINTS = 20_000  # beyond so many markers a figure keeps them as an image, or the page would not load
-HUGE = 1e100
-MANY_NAMES = 30  # a legend of more tells nobody anything
+MANY_POINTS = 20_000  # a plot with more markers keeps them as an image, or the page would not load
+HUGE = 1e100  # above it matplotlib's margins may overflow
+WIDE = 30.0  # the ratio of the largest to the least value above which a log axis reads better
+MANY_NAMES = 30  # nobody can read a longer legend
 
 RC: dict[str, Any] = {
     "font.family": "sans-serif",
@@ -75,18 +76,18 @@ RC: dict[str, Any] = {
     "legend.fontsize": "small",
     "figure.facecolor": "white",
     "savefig.dpi": 300,
-    "svg.hashsalt": "backlash-bench",  # identical figures must be identical files
+    "svg.hashsalt": "backlash-bench",  # the same figure must give the same bytes
     "svg.fonttype": "none",  # text stays text: small, searchable, read aloud
     "pdf.fonttype": 42,  # TrueType, which journals ask for
 }
 
-# The user's own settings must not change a report; the backend is theirs, since no window is ever opened.
+# A user's own settings must not change a report, except the backend: a report opens no window.
 DEFAULTS: dict[str, Any] = {key: value for key, value in matplotlib.rcParamsDefault.items() if "backend" not in key}
 
 
 @dataclass(frozen=True)
 class Look:
-    """The colour, marker and line by which one optimizer is told in every figure."""
+    """The colour, marker and line style that identify one optimizer in every figure."""
 
     color: str
     marker: str
@@ -97,7 +98,7 @@ Looks = Mapping[str, Look]
 
 
 def context() -> AbstractContextManager[None]:
-    """Return the context in which every figure of a report is drawn and saved, the user's own settings aside."""
+    """Return the context in which a report draws and saves its figures, whatever the user's own settings."""
     settings: Any = {**DEFAULTS, **RC}  # matplotlib's own type lists every key
     return matplotlib.rc_context(settings)
 
@@ -110,15 +111,15 @@ def looks(labels: Iterable[str]) -> dict[str, Look]:
     }
 
 
-def looks_of(frame: pd.DataFrame) -> dict[str, Look]:
-    """Return a look for each optimizer of a frame, in the study's order where the frame knows it."""
-    return looks(labels(frame, "optimizer"))
+def looks_of(frame: pd.DataFrame, given: Looks | None = None) -> Looks:
+    """Return the looks given, or one for each optimizer of a frame, in the study's order where the frame knows it."""
+    return looks(labels(frame, "optimizer")) if given is None else given
 
 
 def plain(label: str, at_most: int = 28) -> str:
-    """Return a label as a figure may show it: one short line, no control characters, no mathematics.
+    """Return a label for a figure: one short line without control characters or mathematics.
 
-    A long one keeps its beginning and its end, where labels that look alike mostly differ.
+    A long label keeps its beginning and its end, where similar labels mostly differ.
     """
     clean = " ".join("".join(c if c.isprintable() else " " for c in label).split())
     end = at_most // 3
@@ -127,7 +128,7 @@ def plain(label: str, at_most: int = 28) -> str:
 
 
 def names(labels: Iterable[str], at_most: int = 24) -> dict[str, str]:
-    """Return how a figure names each label: long ones that would read the same begin where they differ."""
+    """Return a short name for each label; long labels that would read the same begin where they differ."""
     short = {label: plain(label, at_most) for label in labels}
     alike: dict[str, list[str]] = {}
     for label, name in short.items():
@@ -140,7 +141,7 @@ def names(labels: Iterable[str], at_most: int = 24) -> dict[str, str]:
 
 
 def text_width(texts: Iterable[str], points: float = POINTS) -> float:
-    """Return the width in inches of the widest of some texts, 0 for none; a letter the font lacks counts as square."""
+    """Return the width in inches of the widest text, 0 without any; a letter that the font lacks counts as square."""
     font = FontProperties(family="sans-serif", size=points)
     widest = 0.0
     with warnings.catch_warnings():
@@ -148,7 +149,7 @@ def text_width(texts: Iterable[str], points: float = POINTS) -> float:
         for text in texts:
             width, _, _ = text_to_path.get_text_width_height_descent(text, font, ismath=False)
             square = sum(unicodedata.east_asian_width(letter) in "WF" for letter in text)
-            widest = max(widest, width + 0.4 * points * square)  # in a browser they are 1 em wide, not 0.6
+            widest = max(widest, width + 0.4 * points * square)  # a browser draws them 1 em wide, not 0.6
     return widest / 72
 
 
@@ -156,7 +157,7 @@ def own_axes(ax: Axes | None, *, height: float = 2.2) -> Axes:
     """Return the Axes given, or those of a new pyplot figure a column wide, which a notebook shows by itself."""
     if ax is not None:
         return ax
-    from matplotlib import pyplot  # only here: a report opens no window and needs none
+    from matplotlib import pyplot  # imported here, as a report opens no window
 
     _, ax = pyplot.subplots(figsize=(COLUMN, height), layout="constrained")
     return ax
@@ -187,14 +188,14 @@ def grid(
 
 
 def rows_height(count: int) -> float:
-    """Return the inches that so many labelled rows take, a page at most."""
+    """Return the height in inches of ``count`` labelled rows, a page at most."""
     return min(ROW * max(count, 1) + 0.1, TALLEST)
 
 
 def name_rows(ax: Axes, names: Sequence[str]) -> range:
-    """Write names at the rows 0, 1, … of an Axes, from the top, and return which: not all where rows are too narrow."""
+    """Name the rows 0, 1, … of an Axes from the top, only every n-th where rows are narrow; return the rows named."""
     inches = ax.get_window_extent().height / ax.figure.dpi
-    step = max(ceil(len(names) * 0.115 / inches), 1)  # that a line of small text takes
+    step = max(ceil(len(names) * 0.115 / inches), 1)  # inches of a line of small text
     named = range(0, len(names), step)
     ax.set_yticks(named, [names[row] for row in named])
     ax.set_ylim(max(len(names), 1) - 0.4, -0.6)
@@ -204,7 +205,7 @@ def name_rows(ax: Axes, names: Sequence[str]) -> range:
 
 
 def handles(looks: Looks) -> list[Line2D]:
-    """Return the entries of a legend of optimizers, of the first ones where there are too many to read."""
+    """Return the legend entries of the first :data:`MANY_NAMES` optimizers, and how many more there are."""
     shown = list(zip(names(looks).values(), looks.values(), strict=True))[:MANY_NAMES]
     entries = [
         Line2D([], [], color=look.color, linestyle=look.line, linewidth=1.2, marker=look.marker, markersize=3.5,
@@ -214,6 +215,16 @@ def handles(looks: Looks) -> list[Line2D]:
     if left_out := len(looks) - len(shown):
         entries.append(Line2D([], [], linestyle="none", label=f"and {left_out} more"))
     return entries
+
+
+def finish(ax: Axes, x: str, y: str, looks: Looks | None, problem: str = "") -> Axes:
+    """Write the problem and the labels on an Axes of curves, with a legend at its right if there are ``looks``."""
+    ax.set_title(plain(problem), loc="left")
+    ax.set_xlabel(x)
+    ax.set_ylabel(y)
+    if looks is not None:
+        legend_beside(ax, looks)
+    return ax
 
 
 def legend_beside(ax: Axes, looks: Looks) -> None:
@@ -228,7 +239,7 @@ def legend_above(figure: matplotlib.figure.Figure, entries: Sequence[Any]) -> No
 
 
 def legend_height(texts: Sequence[str]) -> float:
-    """Return the inches that a :func:`legend_above` with these texts takes."""
+    """Return the height in inches of a :func:`legend_above` with these texts."""
     return LEGEND_ROW * ceil(len(texts) / _legend_columns(texts)) + 0.08
 
 
@@ -243,23 +254,23 @@ def spread(count: int) -> np.ndarray:
 
 
 def drawable(values: ArrayLike) -> NDArray[np.bool_]:
-    """Return which values an axis can show: finite ones, short of those at which matplotlib's margins overflow."""
+    """Return which values an axis can show: finite ones smaller than :data:`HUGE`."""
     sizes: NDArray[np.float64] = np.abs(np.asarray(values, dtype=np.float64))
     return sizes < HUGE
 
 
-def is_wide(values: ArrayLike, ratio: float = 30.0) -> bool:
-    """Return whether values, all positive, span so much that a log axis reads better."""
+def is_wide(values: ArrayLike, ratio: float = WIDE) -> bool:
+    """Return whether the values that can be drawn are positive and span a factor of more than ``ratio``."""
     shown = np.asarray(values, dtype=float)
     shown = shown[drawable(shown)]
     return bool(len(shown) and shown.min() > 0 and shown.max() > ratio * shown.min())
 
 
 def log_scale(ax: Axes, which: Literal["x", "y"]) -> None:
-    """Make an axis that is already drawn on logarithmic, with plain numbers at 1, 2 and 5 where it spans little."""
+    """Make an axis logarithmic after drawing, with plain numbers, and ticks also at 2 and 5 where it spans little."""
     getattr(ax, f"set_{which}scale")("log")
     low, high = sorted(getattr(ax, f"get_{which}lim")())
-    if low <= 0:  # matplotlib's limits about curves without any point, which it then cannot draw
+    if low <= 0:  # the limits around curves without any point, which a log axis cannot draw
         low, high = getattr(ax, f"set_{which}lim")(1.0, 10.0)
     axis = ax.xaxis if which == "x" else ax.yaxis
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,), numticks=6))
@@ -268,7 +279,7 @@ def log_scale(ax: Axes, which: Literal["x", "y"]) -> None:
 
 
 def span(ax: Axes, values: pd.Series[float]) -> None:
-    """Let an x axis end where the values on it do; matplotlib finds its own ends for a single one."""
+    """Limit an x axis to the range of the values on it; matplotlib chooses the limits about a single value."""
     if values.nunique() > 1:
         ax.set_xlim(values.min(), values.max())
 
@@ -278,8 +289,13 @@ def linear_scale(ax: Axes, which: Literal["x", "y"]) -> None:
     (ax.xaxis if which == "x" else ax.yaxis).set_major_locator(MaxNLocator(4))
 
 
+def fitting_scale(ax: Axes, which: Literal["x", "y"], values: ArrayLike, ratio: float = WIDE) -> None:
+    """Make an axis logarithmic where the values on it are positive and span much, else linear with few ticks."""
+    (log_scale if is_wide(values, ratio) else linear_scale)(ax, which)
+
+
 def _number(value: float, _: int | None, largest: float) -> str:
-    """Return 1,000 or 0.01, and powers of ten as 1e7 on an axis that goes so far."""
+    """Return the text of a tick: 1,000 or 0.01, or 1e7 on an axis that goes beyond a million."""
     if value >= 1e3 and largest < 1e6:
         return f"{value:,.0f}"
     digits, power = f"{value:e}".split("e")
@@ -287,7 +303,11 @@ def _number(value: float, _: int | None, largest: float) -> str:
 
 
 def rows_of(frame: pd.DataFrame, problem: str) -> pd.DataFrame:
-    """Return a problem's rows; raises BenchError for one that the frame does not know, or a slip would draw nothing."""
+    """Return the rows of a problem.
+
+    Raises:
+        BenchError: the frame does not know the problem; a misspelt label would otherwise draw nothing.
+    """
     known = labels(frame, "problem")
     if problem not in known:
         raise BenchError(f"there is no problem {problem!r} to draw{nearest(problem, known)}")

@@ -10,11 +10,13 @@ from matplotlib.ticker import FixedLocator
 from bench.plots import style
 from bench.plots.convergence import EVALUATIONS, draw_curve
 
+AXES = {"evaluations": EVALUATIONS, "groups": "groups of d + 1 evaluations"}
+
 
 def ecdf(
     curves: pd.DataFrame, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
 ) -> Axes:
-    """Draw the share of all targets that each optimizer reached within so many evaluations (Hansen et al. 2022).
+    """Draw the share of all targets that each optimizer reached, over evaluations (Hansen et al. 2022).
 
     Args:
         curves: columns optimizer, evaluations and fraction (:func:`bench.analysis.ecdf`).
@@ -22,16 +24,13 @@ def ecdf(
         legend: whether to name the optimizers beside the axes.
         ax: where to draw; by default new axes.
     """
-    ax = _fractions(curves, "evaluations", looks=looks, legend=legend, ax=ax)
-    ax.set_xlabel(EVALUATIONS)
-    ax.set_ylabel("share of targets reached")
-    return ax
+    return _fractions(curves, "evaluations", "share of targets reached", looks, legend, ax)
 
 
 def data_profile(
     curves: pd.DataFrame, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
 ) -> Axes:
-    """Draw the share of trials that each optimizer solved within so many evaluations (Moré and Wild 2009).
+    """Draw the share of trials in which each optimizer reached a target, over evaluations (Moré and Wild 2009).
 
     Args:
         curves: columns optimizer, evaluations or groups (of d + 1 evaluations, "simplex gradients") and fraction
@@ -40,16 +39,14 @@ def data_profile(
         legend: whether to name the optimizers beside the axes.
         ax: where to draw; by default new axes.
     """
-    grouped = "groups" in curves
-    ax = _fractions(curves, "groups" if grouped else "evaluations", looks=looks, legend=legend, ax=ax)
-    ax.set_xlabel("groups of d + 1 evaluations" if grouped else EVALUATIONS)
-    ax.set_ylabel("share of trials solved")
-    return ax
+    along = "groups" if "groups" in curves else "evaluations"
+    return _fractions(curves, along, "share of trials solved", looks, legend, ax)
 
 
-def _fractions(curves: pd.DataFrame, along: str, *, looks: style.Looks | None, legend: bool, ax: Axes | None) -> Axes:
-    ax = style.own_axes(ax)
-    looks = style.looks_of(curves) if looks is None else looks
+def _fractions(
+    curves: pd.DataFrame, along: str, share: str, looks: style.Looks | None, legend: bool, ax: Axes | None
+) -> Axes:
+    ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
     for place, (optimizer, look) in enumerate(looks.items()):
         own = curves[curves["optimizer"] == optimizer]
         x, fraction = own[[along, "fraction"]].to_numpy(dtype=float).T
@@ -58,9 +55,7 @@ def _fractions(curves: pd.DataFrame, along: str, *, looks: style.Looks | None, l
     style.log_scale(ax, "x")
     ax.set_ylim(-0.02, 1.02)
     ax.yaxis.set_major_locator(FixedLocator([0.0, 0.25, 0.5, 0.75, 1.0]))
-    if legend:
-        style.legend_beside(ax, looks)
-    return ax
+    return style.finish(ax, AXES[along], share, looks if legend else None)
 
 
 def ert(
@@ -68,20 +63,19 @@ def ert(
 ) -> Axes:
     """Draw the expected running time of each optimizer on a problem over targets, harder ones to the right.
 
-    Both axes are logarithmic. A curve ends at the hardest target that any trial reached; where harder ones were left
-    unreached, its end is an open marker. tau = 0, the only target of a problem whose trials start at its reference,
-    has no place on a log axis: such a problem leaves the axes empty.
+    Both axes are logarithmic. A curve ends at the hardest target that any trial reached, in an open marker where no
+    trial reached the harder ones. A log axis cannot show tau = 0: the axes of a problem whose trials start at its
+    reference, which then has no other target, stay empty.
 
     Args:
         table: columns problem, optimizer, tau and ert, infinite where no trial reached the target
             (:func:`bench.analysis.expected_running_time`; Hansen et al. 2022).
-        problem: whose curves.
+        problem: the label of the problem to draw.
         looks: the look of each optimizer; by default by its place in ``table``.
         legend: whether to name the optimizers beside the axes.
         ax: where to draw; by default new axes.
     """
-    ax = style.own_axes(ax)
-    looks = style.looks_of(table) if looks is None else looks
+    ax, looks = style.own_axes(ax), style.looks_of(table, looks)
     own = style.rows_of(table, problem)
     own = own[own["tau"] > 0].sort_values("tau", ascending=False, kind="stable")
     for place, (optimizer, look) in enumerate(looks.items()):
@@ -95,9 +89,4 @@ def ert(
     style.log_scale(ax, "y")
     if len(own):
         ax.set_xlim(own["tau"].max() * 1.2, own["tau"].min() / 1.2)
-    ax.set_title(style.plain(problem), loc="left")
-    ax.set_xlabel("target tau")
-    ax.set_ylabel(f"ERT in {EVALUATIONS}")
-    if legend:
-        style.legend_beside(ax, looks)
-    return ax
+    return style.finish(ax, "target tau", f"ERT in {EVALUATIONS}", looks if legend else None, problem)

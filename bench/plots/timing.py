@@ -1,4 +1,4 @@
-"""What trials take."""
+"""Bars of the mean wall time of a trial."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from bench.plots import style
 def timing(table: pd.DataFrame, *, legend: bool = True, ax: Axes | None = None) -> Axes:
     """Draw the mean wall time of one trial of each optimizer, split into the objective and the rest.
 
-    Optimizers without a finished trial have a row that says so.
+    The row of an optimizer without a finished trial has a note instead.
 
     Args:
         table: columns optimizer, trials, wall_mean and objective_mean in seconds (:func:`bench.analysis.timing`).

@@ -23,13 +23,13 @@ COLUMNS = 3  # panels beside each other
 def distribution_figure(
     frame: pd.DataFrame, problem: str, optimum: float | None, expected: Mapping[str, tuple[float, float]]
 ) -> Figure:
-    """Return box plots of one problem: the objective value, and each domain figure whose true value is known.
+    """Return box plots of one problem: the objective value, and each domain metric whose true value is known.
 
     Args:
         frame: the tidy frame.
-        problem: whose trials.
+        problem: the label of the problem.
         optimum: the best known objective value, where there is one.
-        expected: the true value of domain figures and how far from it is near enough, by name.
+        expected: the true value and the tolerance of domain metrics, by name.
     """
     known = {name: value for name, value in expected.items() if name in frame}
     optimizers, own = labels(frame, "optimizer"), frame[frame["problem"] == problem]
@@ -49,7 +49,7 @@ def distribution_figure(
         if place % COLUMNS:
             axes[place].set_yticks([])
     lines = ["the optimum"] if optimum is not None else []
-    lines += ["the true values (hatched: near enough to them)"] if known else []
+    lines += ["the true values (hatched: their tolerances)"] if known else []
     truth = f"Line{'s' if known else ''}: {listing(lines)}. " if lines else ""
     caption = (
         f"{problem}: every trial (points), with quartile boxes and whiskers to the furthest point within 1.5 box "
@@ -64,7 +64,7 @@ def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figur
 
     Args:
         curves: of :func:`bench.analysis.convergence`.
-        optimizers: all of the study's, in its order, so that each looks as in every other figure.
+        optimizers: all optimizers of the study, in its order, so that each has the same look in every figure.
     """
     caption = (
         "Median best-so-far objective value over evaluations, with the quartiles as a band (log axes where the "
@@ -77,12 +77,12 @@ def regret_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
     """Return the median regret over evaluations with its quartiles, a panel a problem whose optimum is known.
 
     Args:
-        curves: of :func:`bench.analysis.convergence`, counted from the optimum (:func:`bench.analysis.regret`).
-        optimizers: all of the study's, in its order.
+        curves: of :func:`bench.analysis.convergence`, less the optimum (:func:`bench.analysis.regret`).
+        optimizers: all optimizers of the study, in its order.
     """
     caption = (
-        "Median regret, the best-so-far objective value less the problem’s optimum, over evaluations, with the "
-        f"quartiles as a band (log axes). A curve ends where its median is at the optimum, to a relative {NEAR:g}."
+        "Median regret, the best-so-far objective value less the optimum of the problem, over evaluations, with the "
+        f"quartiles as a band (log axes). A curve ends where its median reaches the optimum, to a relative {NEAR:g}."
     )
     return _over_evaluations("regret-curves", caption, regret, curves, optimizers)
 
@@ -106,7 +106,7 @@ def ert_figure(table: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
 
     Args:
         table: of :func:`bench.analysis.expected_running_time`.
-        optimizers: all of the study's, in its order.
+        optimizers: all optimizers of the study, in its order.
     """
     looks = style.looks(optimizers)
     figure, axes = _multiples(
@@ -125,7 +125,7 @@ def ert_figure(table: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
             style.log_scale(ax, "y")
     caption = (
         "Expected running time (ERT) over targets, harder ones to the right. A curve ends at the hardest target that "
-        "any trial reached; at an open marker harder ones were left unreached."
+        "any trial reached, in an open marker where no trial reached the harder ones."
     )
     if set(table["problem"]) > set(drawn["problem"]):
         caption += " A panel is empty where the trials start at the reference, which is then the only target (tau = 0)."
@@ -139,7 +139,7 @@ def ecdf_figure(reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequen
     Args:
         reached: of :func:`bench.analysis.ecdf`.
         profile: of :func:`bench.analysis.data_profiles`.
-        optimizers: all of the study's, in its order.
+        optimizers: all optimizers of the study, in its order.
         tau: the target of the profile.
     """
     looks = style.looks(optimizers)
@@ -147,10 +147,10 @@ def ecdf_figure(reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequen
     ecdf(reached, looks=looks, legend=False, ax=left)
     data_profile(profile, looks=looks, legend=False, ax=right)
     style.legend_above(figure, style.handles(looks))
-    unit = " within so many groups of d + 1 evaluations" if "groups" in profile else ""
+    unit = ", over groups of d + 1 evaluations" if "groups" in profile else ""
     caption = (
-        "Left: the share of all targets, over problems and trials, reached within so many evaluations. Right: the "
-        f"data profile at tau = {tau:g}, the share of trials, over problems, that reached this one target{unit}."
+        "Left: the share of all targets, of all problems and trials, that was reached, over evaluations. Right: the "
+        f"data profile at tau = {tau:g}, the share of all trials that reached this one target{unit}."
     )
     along = "groups" if "groups" in profile else "evaluations"
     panels = {"targets reached": (reached, "evaluations"), "data profile": (profile, along)}
@@ -182,15 +182,13 @@ def rank_figure(
 def forest_figure(pairs: pd.DataFrame) -> Figure:
     """Return the probability of improvement of each pair over all problems, with its interval."""
     left = _left(forest_names(pairs))
-    figure, (ax,) = style.grid(
-        1, width=_width(left), height=style.rows_height(len(pairs)),
-        left=left, bottom=0.5, top=0.08,
-    )  # fmt: skip
+    height = style.rows_height(len(pairs))
+    figure, (ax,) = style.grid(1, width=_width(left), height=height, left=left, bottom=0.5, top=0.08)
     a12_forest(pairs, ax=ax)
     caption = (
         "The chance that a trial of the first optimizer ends below one of the second, averaged over problems, with "
-        "its 95% bootstrap interval: how far new trials on the same problems would move it. A filled point is one "
-        "whose interval leaves out 0.5. Dotted: the bounds of small, medium and large effects to either side."
+        "its 95% bootstrap interval for new trials on the same problems. A point is filled where its interval excludes "
+        "0.5. Dotted: the bounds of small, medium and large effects on both sides of 0.5."
     )
     return Figure("probability-of-improvement", caption, figure, pairs)
 
@@ -225,12 +223,12 @@ def _multiples(
 
 
 def _left(names: Iterable[str]) -> float:
-    """Return the left margin in inches that the names of rows take."""
+    """Return the left margin in inches that the names of rows need."""
     return style.text_width(names, style.SMALL) + 0.12
 
 
 def _width(margins: float) -> float:
-    """Return a column's width, or the whole page's where margins left less than two fifths of the column."""
+    """Return the width of a column, or of the page where margins would leave less than two fifths of a column."""
     return style.COLUMN if margins < 0.6 * style.COLUMN else style.TEXT
 
 
@@ -239,9 +237,10 @@ def _legend_height(looks: style.Looks) -> float:
 
 
 def _at_round_numbers(frame: pd.DataFrame, rows: list[str], value: str, multiples: tuple[int, ...]) -> pd.DataFrame:
-    """Return a column of ``value`` an optimizer, at those of the last of ``rows`` next to round numbers, and the last.
+    """Return ``value`` in a column per optimizer, at round numbers of the last of ``rows`` and at its largest.
 
-    Round are the ``multiples`` of powers of ten, and 0; fewer where the table grew longer than :data:`SHOWN_ROWS`.
+    Round numbers are 0 and the ``multiples`` of powers of ten, or the next value below each; there are fewer of them
+    where the table would be longer than :data:`SHOWN_ROWS`.
     """
     *groups, along = rows
     grid = np.unique(frame[along].to_numpy(dtype=float))

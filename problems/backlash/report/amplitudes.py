@@ -92,7 +92,7 @@ def _dots(ax: Axes, at: np.ndarray, values: np.ndarray) -> None:
 
 
 def _boxes(ax: Axes, at: np.ndarray, values: np.ndarray) -> None:
-    """Draw Tukey's box plots, each kind of line at once: eighteen boxes of matplotlib's own are 126 artists."""
+    """Draw Tukey's box plots, each kind of line at once: eighteen boxes of matplotlib or seaborn are 126 artists."""
     places = np.unique(at)
     if not len(places):
         return

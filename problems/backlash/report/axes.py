@@ -1,4 +1,4 @@
-"""What the figures by dataset share: panels whose x axis is the datasets, with room for a legend above all of them."""
+"""Panels with the datasets on their x axis, and room for a legend above all panels."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def dataset_panels(
     Args:
         titles: a title for each panel; panels side by side share their y axis.
         problems: the labels of the datasets.
-        entries: what the legend above all panels will hold at most, see :func:`bench.plots.style.legend_above`.
+        entries: the texts of the legend above all panels (:func:`bench.plots.style.legend_above`), at most.
         columns: panels in a row.
         height: the height of a panel in inches.
     """
@@ -53,5 +53,5 @@ def dataset_panels(
 
 
 def short(problem: str) -> str:
-    """Return the number of a simulated or published dataset, any other label as it is."""
+    """Return the number of a simulated or published dataset, any other label unchanged."""
     return re.sub(r"^(signature|published)-0*(?=\d+$)", "", problem)

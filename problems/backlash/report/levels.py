@@ -121,7 +121,7 @@ def _figure(known: dict[str, pd.DataFrame]) -> Figure:
 
 
 def _truth(ax: Axes, truth: pd.DataFrame) -> None:
-    """Draw each truth as wide as the marks beside it, in grey, as the colours are the optimizers'."""
+    """Draw each true value as wide as the marks on it, in grey, as the colours mean optimizers."""
     at, expected, tolerance = np.arange(len(truth)), truth["expected"], truth["tolerance"]
     ax.use_sticky_edges = False  # the end of a bar is no limit of the axis
     ax.bar(at, 2 * tolerance, WIDTH, expected - tolerance, color="0.85", label=BAND)

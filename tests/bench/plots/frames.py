@@ -1,0 +1,97 @@
+"""Small frames of every kind that can be drawn, and what the tests of drawings share."""
+
+import io
+import itertools
+import warnings
+from contextlib import contextmanager
+
+import numpy as np
+import pandas as pd
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
+from bench.plots import style
+
+GRID = np.array([1, 2, 5, 10, 20, 50, 99])
+
+
+@contextmanager
+def strict():
+    """Draw as a report does, and let no warning through but of letters that the font lacks."""
+    with warnings.catch_warnings(), style.context():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", message="Glyph")
+        yield
+
+
+def trials(cells):
+    """Return a tidy frame of {(problem, optimizer): values}; an infinite value is a failed trial."""
+    rows = [
+        {
+            "problem": problem, "optimizer": optimizer, "trial": trial, "seed": trial, "nfev": 9,
+            "status": "ok" if np.isfinite(value) else "failed", "fun": value if np.isfinite(value) else np.nan,
+            "speed_rpm": 100 + value if np.isfinite(value) else np.nan,
+        }
+        for (problem, optimizer), values in cells.items()
+        for trial, value in enumerate(values)
+    ]  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def curves(problems, optimizers, median=10.0):
+    level = np.where(GRID < 5, np.inf, median)
+    parts = [
+        pd.DataFrame(
+            {"problem": p, "optimizer": o, "evaluations": GRID, "median": level, "q1": level - 1, "q3": level + 1}
+        )
+        for p in problems
+        for o in optimizers
+    ]
+    return pd.concat(parts, ignore_index=True)
+
+
+def times(problems, optimizers, unreached=()):
+    rows = [
+        (p, o, tau, 1.0, 3, 1, np.inf if o in unreached and tau < 0.05 else 10 / tau)
+        for p in problems
+        for o in optimizers
+        for tau in (1.0, 0.5, 0.1, 0.01, 0.001)
+    ]
+    return pd.DataFrame(rows, columns=["problem", "optimizer", "tau", "target", "trials", "successes", "ert"])
+
+
+def plateau(problems, optimizers):
+    rows = [(p, o, 0.0, 3.0, 3, 3, 1.0) for p in problems for o in optimizers]
+    return pd.DataFrame(rows, columns=["problem", "optimizer", "tau", "target", "trials", "successes", "ert"])
+
+
+def fractions(optimizers, along="evaluations"):
+    parts = [pd.DataFrame({"optimizer": o, along: GRID, "fraction": np.linspace(0, 1, len(GRID))}) for o in optimizers]
+    return pd.concat(parts, ignore_index=True)
+
+
+def improvements(optimizers):
+    rows = [(a, b, 3, 0.6, 0.45, 0.7) for a, b in itertools.combinations(optimizers, 2)]
+    return pd.DataFrame(rows, columns=["first", "second", "problems", "probability", "low", "high"])
+
+
+def clock(optimizers):
+    return pd.DataFrame({"optimizer": optimizers, "trials": 3, "wall_mean": 2.0, "objective_mean": 0.5})
+
+
+def ranks_of(optimizers):
+    return pd.Series(np.arange(1.0, len(optimizers) + 1), index=optimizers)
+
+
+def axes():
+    return Figure().subplots()
+
+
+def svg(figure):
+    file = io.BytesIO()
+    FigureCanvasSVG(figure).print_svg(file, metadata={"Date": None})
+    return file.getvalue().decode()
+
+
+def texts(ax):
+    return [text.get_text() for text in ax.texts if text.get_text()]

@@ -1,0 +1,37 @@
+"""Curves over evaluations: scales, and where they end."""
+
+import numpy as np
+import pytest
+
+from bench import plots
+from tests.bench.plots.frames import GRID, axes, curves, svg
+
+
+def test_an_infinite_median_is_not_drawn():
+    ax = plots.convergence(curves(["p"], ["a", "b"]), "p", ax=axes())
+    assert [line.get_xdata().tolist() for line in ax.lines] == [[5, 10, 20, 50, 99]] * 2
+    assert ax.get_xscale() == "log"
+    assert ax.get_yscale() == "linear"
+
+
+def test_wide_values_have_a_log_axis():
+    wide = curves(["p"], ["a"]).assign(median=np.geomspace(1, 100, len(GRID)))
+    assert plots.convergence(wide, "p", ax=axes()).get_yscale() == "log"
+    assert plots.convergence(wide.assign(median=-wide["median"]), "p", ax=axes()).get_yscale() == "linear"
+
+
+def test_a_curve_of_regret_ends_at_the_optimum_and_its_band_at_what_is_drawn():
+    above = curves(["p"], ["a", "b"]).assign(median=[*np.geomspace(8, 1e-9, 5), 0.0, 0.0, *np.full(7, 2.0)])
+    above = above.assign(q1=0.0, q3=above["median"] + 1)
+    ax = plots.regret(above, "p", ax=axes())
+    assert [line.get_xdata().tolist() for line in ax.lines] == [GRID[:5].tolist(), GRID.tolist()]
+    assert ax.get_yscale() == "log"
+    assert 1e-11 < ax.get_ylim()[0] < 1e-9
+    assert ax.collections[0].get_datalim(ax.transData).y0 == pytest.approx(1e-9)
+    svg(ax.figure)
+
+
+def test_regret_of_none_but_trials_at_the_optimum_has_axes_all_the_same():
+    ax = plots.regret(curves(["p"], ["a"]).assign(median=0.0, q1=0.0, q3=0.0), "p", ax=axes())
+    svg(ax.figure)
+    assert [len(line.get_xdata()) for line in ax.lines] == [0]

@@ -1,0 +1,47 @@
+"""Box plots: what they draw, and what they say of the rest."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.collections import LineCollection
+
+from bench import plots
+from tests.bench.plots.frames import axes, texts, trials
+
+
+def test_boxes_are_quartiles_and_every_trial_is_a_point():
+    values = np.array([1.0, 2.0, 3.0, 4.0, 100.0])
+    ax = plots.box_plot(trials({("p", "a"): -values, ("q", "a"): [7.0]}), "p", ax=axes())
+    (bar,) = ax.patches
+    assert (bar.get_x(), bar.get_width()) == (-4.0, 2.0)
+    assert sorted(ax.lines[0].get_xdata()) == sorted(-values)
+    whisker, median = (lines.get_segments()[0] for lines in ax.collections if isinstance(lines, LineCollection))
+    assert whisker[:, 0].tolist() == [-4.0, -1.0]
+    assert median[:, 0].tolist() == [-3.0, -3.0]
+
+
+def test_what_is_not_drawn_is_said():
+    frame = trials({("p", "good"): [1.0], ("p", "bad"): [np.inf, np.inf], ("p", "huge"): [1e300, 1.0]})
+    frame["optimizer"] = pd.Categorical(frame["optimizer"], ["good", "bad", "huge", "none"])
+    ax = plots.box_plot(frame, "p", ax=axes())
+    assert {round(text.xy[1]): text.get_text() for text in ax.texts if text.get_text()} == {
+        1: "2 failed", 2: "1 too large", 3: "no trial",
+    }  # fmt: skip
+    assert [len(line.get_xdata()) for line in ax.lines] == [1, 0, 1, 0]
+    assert "2 missing" in texts(plots.box_plot(frame, "p", column="speed_rpm", ax=axes()))
+
+
+def test_truth_is_a_line_with_a_hatched_band():
+    frame = trials({("p", "a"): [1.0, 2.0]})
+    ax = plots.box_plot(frame, "p", column="speed_rpm", expected=101.5, tolerance=0.25, ax=axes())
+    line, band = ax.lines[-1], ax.patches[-1]
+    assert set(line.get_xdata()) == {101.5}
+    assert (band.get_x(), band.get_width(), band.get_hatch()) == (101.25, 0.5, "/////")
+    assert [text.get_text() for text in ax.get_legend().texts] == ["expected 101.5", "± 0.25"]
+
+
+@pytest.mark.parametrize(("optimum", "text"), [(0.0, "optimum 0 (off the axis)"), (0.5, "optimum 0.5")])
+def test_an_optimum_that_a_log_axis_cannot_show_is_said(optimum, text):
+    ax = plots.box_plot(trials({("p", "a"): [1.0, 100.0]}), "p", optimum=optimum, ax=axes())
+    assert ax.get_xscale() == "log"
+    assert [each.get_text() for each in ax.get_legend().texts] == [text]
