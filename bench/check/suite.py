@@ -6,16 +6,12 @@ import dataclasses
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from bench.check.conformance import CHECKS, Check, each_check, failed, judge
-from bench.check.fault import describe
-from bench.check.searching import START
-from bench.check.subject import Subject, make_subject, pack, unpack
+from bench.check.conformance.checker import check_conformance
+from bench.check.conformance.rules import RULES
+from bench.check.conformance.subject import Subject, make_subject
 from bench.check.verdict import Verdict
 from bench.optimizer import Optimizer
 from bench.sandbox.messages import spell
-from bench.sandbox.process import DiedError, Process, Pulse, RemoteError, SilentError
-
-PICKLING = next(check for check in CHECKS if check.name == "pickling")
 
 Listener = Callable[[Verdict], None]
 
@@ -111,65 +107,14 @@ def check_optimizer(
         if on_check is not None:
             on_check(verdict)
 
-    for verdict in conformance(subject):
+    for verdict in check_conformance(subject):
         note(verdict)
     made = {verdict.check for verdict in verdicts}
-    unchecked = tuple(check.name for check in CHECKS if check.name not in made)
+    unchecked = tuple(rule.name for rule in RULES if rule.name not in made)
     if bias and {"run", "budget"} <= {verdict.check for verdict in verdicts if verdict.passed}:
         for verdict in _biases(subject, n_jobs):
             note(verdict)
     return Checkup(subject.label, tuple(verdicts), unchecked)
-
-
-def conformance(subject: Subject, haste: float = 1.0) -> Iterator[Verdict]:
-    """Yield the verdicts of all checks that can be made; ``haste`` divides the time allowed without a sign of life."""
-    try:
-        packed = pack(subject)
-    except Exception as error:  # what a stranger's parameters hold may raise anything
-        yield failed(PICKLING, f"it cannot be sent to another process: {spell(error)}")
-        return
-    runner = _Runner(packed, haste)
-    try:
-        yield from each_check(runner.ask)
-    except (RemoteError, SilentError, DiedError) as error:
-        yield failed(PICKLING, f"another process cannot load it: {error}")
-    finally:
-        runner.close()
-
-
-class _Runner:
-    """Makes checks in one process, and in a new one after an optimizer has hung or ended it."""
-
-    def __init__(self, packed: bytes, haste: float) -> None:
-        self._packed, self._haste = packed, haste
-        self._process: Process | None = None
-
-    def ask(self, check: Check) -> Verdict | None:
-        if self._process is None:
-            self._process = Process(hash_seed=0)
-            self._process.call(_load, self._packed, patience=START)
-        try:
-            verdict: Verdict | None = self._process.call(
-                _judge, self._packed, check.name, patience=check.patience / self._haste
-            )
-        except (SilentError, DiedError) as error:
-            verdict = failed(check, *describe(error, self._process))
-            self.close()
-        return verdict
-
-    def close(self) -> None:
-        if self._process is not None:
-            self._process.close()
-        self._process = None
-
-
-def _load(packed: bytes, pulse: Pulse) -> None:  # noqa: ARG001 - nothing to report
-    unpack(packed)
-
-
-def _judge(packed: bytes, name: str, pulse: Pulse) -> Verdict | None:
-    check = next(check for check in CHECKS if check.name == name)
-    return judge(check, dataclasses.replace(unpack(packed), pulse=pulse, expendable=True))
 
 
 def _biases(subject: Subject, n_jobs: int) -> list[Verdict]:

@@ -10,9 +10,9 @@ from scipy import stats
 
 from bench.analysis import holm
 from bench.analysis.integrity import CLAMPED
-from bench.check.functions import SHIFT
+from bench.check.bias.functions import SHIFT
+from bench.check.bias.runs import Runs, RunSummary, make_runs, on_bound
 from bench.check.verdict import Verdict
-from bench.check.watch import Run, Runs, on_bound, watch
 from bench.optimizer import Optimizer
 from bench.problem import Floats
 
@@ -44,7 +44,7 @@ def diagnose(
     Raises:
         BenchError: when the optimizer fails on one of the functions.
     """
-    made = watch(optimizer, dimension=dimension, runs=runs, noise_runs=noise_runs, n_jobs=n_jobs, seed=seed)
+    made = make_runs(optimizer, dimension=dimension, runs=runs, noise_runs=noise_runs, n_jobs=n_jobs, seed=seed)
     return [check(made) for check in CHECKS]
 
 
@@ -70,7 +70,7 @@ def centre_bias(runs: Runs) -> Verdict:
     return _verdict("centre bias", passed, finding, mend, ratio)
 
 
-def _mean_log_error(runs: Sequence[Run]) -> float:
+def _mean_log_error(runs: Sequence[RunSummary]) -> float:
     """Return the mean logarithm of the errors; a run without a finite value has the largest error there is."""
     errors = np.nan_to_num([run.best for run in runs], nan=np.inf, posinf=np.finfo(float).max)
     return float(np.log(np.maximum(errors, FLOOR)).mean())

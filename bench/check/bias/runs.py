@@ -10,7 +10,7 @@ from joblib import Parallel, delayed
 from joblib.externals.loky.process_executor import BrokenProcessPool
 from numpy.typing import NDArray
 
-from bench.check.functions import FUNCTIONS, function, noise
+from bench.check.bias.functions import FUNCTIONS, function, noise
 from bench.errors import BenchError
 from bench.execution.solve import solve
 from bench.optimizer import Optimizer
@@ -30,7 +30,7 @@ second, so that a method that is drawn to the origin shows it in one of the two.
 
 
 @dataclass(frozen=True)
-class Run:
+class RunSummary:
     """What is kept of one run; points are shares of the box, 0 at the lower and 1 at the upper bounds.
 
     Attributes:
@@ -58,12 +58,12 @@ class Runs:
         noise: those on noise, by box; their seeds are adjacent numbers in each, and each has noise of its own.
     """
 
-    centred: dict[str, list[Run]]
-    moved: dict[str, list[Run]]
-    noise: dict[str, list[Run]]
+    centred: dict[str, list[RunSummary]]
+    moved: dict[str, list[RunSummary]]
+    noise: dict[str, list[RunSummary]]
 
 
-def watch(
+def make_runs(
     optimizer: Optimizer, *, dimension: int = 7, runs: int = 10, noise_runs: int = 100, n_jobs: int = 1, seed: int = 0
 ) -> Runs:
     """Run an optimizer on every function, centred and moved, ``runs`` times each, and on noise, ``noise_runs`` a box.
@@ -80,14 +80,14 @@ def watch(
         done = Parallel(n_jobs=n_jobs)(delayed(_run)(optimizer, dimension, seed, *task) for task in tasks)
     except BrokenProcessPool as error:
         raise BenchError("the optimizer ended its worker process (killed, out of memory, or by an exit)") from error
-    made: dict[tuple[str, str], list[Run]] = {problem: [] for problem in counts}
+    made: dict[tuple[str, str], list[RunSummary]] = {problem: [] for problem in counts}
     for (name, place, _), run in zip(tasks, done, strict=True):
         made[name, place].append(run)
     centred, moved = ({name: made[name, place] for name in FUNCTIONS} for place in PLACES)
     return Runs(centred, moved, {box: made[NOISE, box] for box in BOXES})
 
 
-def _run(optimizer: Optimizer, dimension: int, seed: int, name: str, place: str, run: int) -> Run:
+def _run(optimizer: Optimizer, dimension: int, seed: int, name: str, place: str, run: int) -> RunSummary:
     """Make one run; a seed that depends on what the run is leaves it the same among any others."""
     generation, label = optimizer.minimum_budget, f"{name} {place}"
     if name == NOISE:
@@ -103,7 +103,7 @@ def _run(optimizer: Optimizer, dimension: int, seed: int, name: str, place: str,
     except (Exception, SystemExit) as error:  # a plug-in may raise anything
         raise BenchError(f"the optimizer failed on {name}: {spell(error)}") from error
     points = problem.points
-    return Run(
+    return RunSummary(
         best=found.fun,
         x=problem.share(found.x),
         first=problem.share(points[:generation]),

@@ -11,10 +11,10 @@ import pytest
 from joblib import parallel_config
 
 from bench import BenchError, Optimizer, load_optimizer, parameter
-from bench.check import bias
-from bench.check.bias import FLOOR, LIMIT, centre_bias, diagnose, starts_and_seeds, structural_bias
-from bench.check.functions import FUNCTIONS, HALF_WIDTH, SHIFT, function, noise
-from bench.check.watch import BOXES, Run, Runs, watch
+from bench.check.bias import diagnosis
+from bench.check.bias.diagnosis import FLOOR, LIMIT, centre_bias, diagnose, starts_and_seeds, structural_bias
+from bench.check.bias.functions import FUNCTIONS, HALF_WIDTH, SHIFT, function, noise
+from bench.check.bias.runs import BOXES, Runs, RunSummary, make_runs
 
 CHECKS = ["centre bias", "structural bias", "boundary clamping", "starts and seeds"]
 SMALL = {"dimension": 3, "runs": 2, "noise_runs": 40, "n_jobs": 1}
@@ -136,8 +136,8 @@ class Exiting(Optimizer):
 @pytest.fixture(autouse=True)
 def little_work(monkeypatch):
     """Leave one of the functions, and short runs on it; a worker process of this test's would not know of it."""
-    monkeypatch.setattr("bench.check.watch.FUNCTIONS", {"sphere": FUNCTIONS["sphere"]})
-    monkeypatch.setattr("bench.check.watch.FUNCTION_BUDGET", 2_000)
+    monkeypatch.setattr("bench.check.bias.runs.FUNCTIONS", {"sphere": FUNCTIONS["sphere"]})
+    monkeypatch.setattr("bench.check.bias.runs.FUNCTION_BUDGET", 2_000)
 
 
 @cache
@@ -148,7 +148,7 @@ def found(optimizer):
 def unbiased(seed, n=60, d=3):
     """Return runs whose final points and starts are uniform and independent."""
     rng = np.random.default_rng(seed)
-    runs = {box: [Run(0.0, rng.random(d), rng.random((1, d)), 0.0, b"") for _ in range(n)] for box in BOXES}
+    runs = {box: [RunSummary(0.0, rng.random(d), rng.random((1, d)), 0.0, b"") for _ in range(n)] for box in BOXES}
     return Runs({}, {}, runs)
 
 
@@ -231,7 +231,7 @@ def test_an_unbiased_method_is_hardly_ever_accused():
 
 def test_a_run_without_a_finite_value_counts_as_the_worst():
     def runs(*best):
-        return {"sphere": [Run(each, np.zeros(1), np.zeros((1, 1)), 0.0, b"") for each in best]}
+        return {"sphere": [RunSummary(each, np.zeros(1), np.zeros((1, 1)), 0.0, b"") for each in best]}
 
     assert centre_bias(Runs(runs(1.0, 2.0), runs(np.inf, 2.0), {})).figure > 1e100
     assert centre_bias(Runs(runs(np.inf, 0.0), runs(np.inf, 2e-9), {})).figure == pytest.approx(1.0)
@@ -257,7 +257,7 @@ def test_noise_depends_on_its_seed_and_the_number_of_evaluations_alone():
 
 
 def test_runs_are_kept_as_shares_of_their_box():
-    made = watch(Clipping(), dimension=2, runs=1, noise_runs=3)
+    made = make_runs(Clipping(), dimension=2, runs=1, noise_runs=3)
     assert [len(those) for those in made.noise.values()] == [3, 3]
     for run in (*made.noise["[-1, 1]"], *made.centred["sphere"]):
         assert run.first.shape == (20, 2)
@@ -286,4 +286,4 @@ def test_every_check_has_its_place_in_the_report():
     from bench.analysis.integrity import TRAITS
 
     assert list(TRAITS) == CHECKS
-    assert len(bias.CHECKS) == len(CHECKS)
+    assert len(diagnosis.CHECKS) == len(CHECKS)

@@ -10,13 +10,15 @@ import pytest
 import bench
 from bench import BenchError, load_optimizer
 from bench.check import check_optimizer, suite
-from bench.check.conformance import CHECKS, each_check, judge
-from bench.check.subject import Subject, make_subject, pack, unpack
+from bench.check.conformance import checker
+from bench.check.conformance.checker import check_conformance, each_verdict
+from bench.check.conformance.rules import RULES, judge
+from bench.check.conformance.subject import Subject, make_subject, pack, unpack
 from bench.check.verdict import Verdict
 from tests.bench.check import faulty
 
-ALL = {check.name for check in CHECKS}
-IN_ONE_PROCESS = [check for check in CHECKS if check.name != "processes"]
+ALL = {rule.name for rule in RULES}
+IN_ONE_PROCESS = [rule for rule in RULES if rule.name != "processes"]
 
 
 @pytest.fixture(autouse=True)
@@ -25,10 +27,10 @@ def elsewhere(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-def verdicts(optimizer, checks=IN_ONE_PROCESS, **options):
+def verdicts(optimizer, rules=IN_ONE_PROCESS, **options):
     """The verdicts by check, made in this process."""
     subject = make_subject(optimizer, options, seed=0)
-    return {verdict.check: verdict for verdict in each_check(lambda check: judge(check, subject), checks)}
+    return {verdict.check: verdict for verdict in each_verdict(lambda rule: judge(rule, subject), rules)}
 
 
 def failures(found):
@@ -94,7 +96,7 @@ def test_a_fault_fails_its_own_check_alone_and_says_how_to_mend_it(optimizer, ch
 
 @pytest.mark.parametrize("optimizer", [faulty.Hashing, faulty.Foreign])
 def test_a_run_that_depends_on_its_process_is_found(optimizer):
-    found = failures(verdicts(optimizer, CHECKS))
+    found = failures(verdicts(optimizer, RULES))
     assert [verdict.check for verdict in found] == ["processes"]
     assert "another run in another process" in found[0].finding
     assert "do not loop over a set" in found[0].mend
@@ -118,7 +120,7 @@ def test_a_run_that_depends_on_its_process_is_found(optimizer):
     ],
 )
 def test_what_hangs_crashes_or_spoils_its_process_costs_its_own_check_alone(optimizer, check, finding, mend):
-    found = {verdict.check: verdict for verdict in suite.conformance(Subject(optimizer), haste=15)}
+    found = {verdict.check: verdict for verdict in check_conformance(Subject(optimizer), haste=15)}
     assert [verdict.check for verdict in failures(found)] == [check]
     assert finding in found[check].finding
     assert mend in found[check].mend
@@ -127,7 +129,7 @@ def test_what_hangs_crashes_or_spoils_its_process_costs_its_own_check_alone(opti
 
 @pytest.mark.parametrize("name", ["random-search", "gwo", "alo", "goa", "da", "cma-es"])
 def test_built_ins_conform(name):
-    found = verdicts(name, CHECKS)
+    found = verdicts(name, RULES)
     assert not failures(found)
     assert found.keys() == ALL
 
@@ -161,7 +163,7 @@ def test_the_readme_s_optimizer_passes_with_a_readable_report():
     assert checkup
     assert checkup.passed
     assert heard == list(checkup) == list(checkup.verdicts)
-    assert [verdict.check for verdict in checkup] == [check.name for check in CHECKS]
+    assert [verdict.check for verdict in checkup] == [rule.name for rule in RULES]
     lines = str(checkup).splitlines()
     assert lines[0] == "hill-climber"
     assert lines[-1] == checkup.summary == "hill-climber keeps the contract"
@@ -275,7 +277,7 @@ def test_an_instance_that_cannot_be_pickled_is_told_so():
 
 
 def test_a_class_that_no_other_process_can_load_is_told_so(monkeypatch):
-    monkeypatch.setattr(suite, "pack", lambda subject: b"nothing of the kind")
+    monkeypatch.setattr(checker, "pack", lambda subject: b"nothing of the kind")
     checkup = check_optimizer(faulty.Sound, bias=False)
     assert [(verdict.check, verdict.passed) for verdict in checkup] == [("pickling", False)]
     assert "another process cannot load it: UnpicklingError" in checkup.verdicts[0].finding
@@ -317,8 +319,8 @@ def test_a_process_that_dies_while_it_loads_is_told(tmp_path, monkeypatch):
 @pytest.fixture
 def conforming(monkeypatch):
     """Spare the checks of the contract."""
-    made = [Verdict(check.name, "conformance", True, "well") for check in CHECKS]
-    monkeypatch.setattr(suite, "conformance", lambda subject: iter(made))
+    made = [Verdict(rule.name, "conformance", True, "well") for rule in RULES]
+    monkeypatch.setattr(suite, "check_conformance", lambda subject: iter(made))
     return made
 
 

@@ -13,13 +13,16 @@ from typing import Any, get_type_hints
 
 import cloudpickle
 
-from bench.check.probe import Run, run
+from bench.check.conformance.recording import RecordedRun, record_run
 from bench.errors import BenchError
 from bench.optimizer import Optimizer, build, settings
 from bench.plugins.loading import load_optimizer
 from bench.problem import Problem
 from bench.sandbox.process import Pulse
 from bench.seeds import check_seed
+
+START_PATIENCE = 120.0
+"""Seconds without a sign of life that are allowed while a process imports, compiles and makes its first run."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -31,7 +34,7 @@ class Subject:
         options: its parameters, for a name or a class.
         seed: the first seed of its runs.
         packed: what :func:`pack` made of it before its first run, where that is known.
-        pulse: see :func:`bench.check.probe.run`.
+        pulse: see :func:`bench.check.conformance.recording.record_run`.
         expendable: see there too.
     """
 
@@ -67,8 +70,8 @@ class Subject:
         budget: int | None = None,
         seed: int = 0,
         global_seed: int = 0,
-    ) -> Run:
-        """Run a new instance, or ``optimizer``; see :func:`bench.check.probe.run`.
+    ) -> RecordedRun:
+        """Run a new instance, or ``optimizer``; see :func:`bench.check.conformance.recording.record_run`.
 
         Args:
             problem: what is minimised.
@@ -78,7 +81,7 @@ class Subject:
             global_seed: of the global random states.
         """
         optimizer = optimizer if optimizer is not None else self.fresh()
-        return run(
+        return record_run(
             optimizer,
             problem,
             budget if budget is not None else ordinary_budget(optimizer),

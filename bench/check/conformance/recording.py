@@ -26,11 +26,11 @@ OFFERED = frozenset(
 )  # fmt: skip
 """What an objective offers beside its call; ``evaluations`` is but ``budget`` less ``remaining``."""
 
-_PATIENCE = 10_000  # asks after the end of the budget before its process is ended
+_MOST_REFUSALS = 10_000  # asks after the end of the budget before its process is ended
 
 
 @dataclass
-class Run:
+class RecordedRun:
     """What was seen of one run.
 
     Attributes:
@@ -56,7 +56,7 @@ class Run:
         return [crc32(point.tobytes()) for point in self.points]
 
 
-def run(
+def record_run(
     optimizer: Optimizer,
     problem: Problem,
     budget: int,
@@ -65,7 +65,7 @@ def run(
     pulse: Pulse | None = None,
     expendable: bool = False,
     global_seed: int = 0,
-) -> Run:
+) -> RecordedRun:
     """Run the optimizer as a trial does and return what was seen.
 
     Args:
@@ -77,14 +77,14 @@ def run(
         expendable: whether this process may be ended to stop an optimizer that goes on asking for ever.
         global_seed: of Python's and numpy's global random states during the run.
     """
-    seen = Run()
-    watched = _Watched(optimizer, seen, pulse, expendable)
+    seen = RecordedRun()
+    observed = _ObservedOptimizer(optimizer, seen, pulse, expendable)
     points: list[Floats] = []
     with _global_states(global_seed) as changed:
         try:
-            result = solve(_Recorded(problem, points), watched, budget=budget, seed=seed)
+            result = solve(_RecordingProblem(problem, points), observed, budget=budget, seed=seed)
         except RuntimeError:
-            if points or not watched.returned:
+            if points or not observed.returned:
                 raise
         else:
             seen.stop, seen.outside = result.stop, result.outside_box
@@ -93,7 +93,7 @@ def run(
     return seen
 
 
-class _Recorded(FunctionProblem):
+class _RecordingProblem(FunctionProblem):
     """A problem that keeps the points it is asked for."""
 
     def __init__(self, problem: Problem, points: list[Floats]) -> None:
@@ -107,17 +107,17 @@ class _Recorded(FunctionProblem):
         return super().evaluate(x)
 
 
-class _Watched(Optimizer):
+class _ObservedOptimizer(Optimizer):
     """The optimizer, which is handed an objective that takes notes."""
 
-    def __init__(self, optimizer: Optimizer, seen: Run, pulse: Pulse | None, expendable: bool) -> None:
+    def __init__(self, optimizer: Optimizer, seen: RecordedRun, pulse: Pulse | None, expendable: bool) -> None:
         self.optimizer, self.seen, self.pulse, self.expendable = optimizer, seen, pulse, expendable
         self.returned = False
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         lower, upper, before = objective.lower.copy(), objective.upper.copy(), _state(rng)
         try:
-            self.optimizer.minimize(_Noting(objective, self), rng)  # type: ignore[arg-type]
+            self.optimizer.minimize(_ObjectiveProxy(objective, self), rng)  # type: ignore[arg-type]
             self.returned = True
         finally:
             self.seen.drew = _state(rng) != before
@@ -125,16 +125,16 @@ class _Watched(Optimizer):
                 self.seen.reached.add("the values of lower and upper")
 
 
-class _Noting:
+class _ObjectiveProxy:
     """Stands in for an objective, passes everything on and notes what an optimizer should not touch.
 
     Only what a real objective has is noted: tools that look an object over ask for many a name that is not there.
     """
 
-    __slots__ = ("_ends", "_objective", "_watched")
+    __slots__ = ("_ends", "_objective", "_observed")
 
-    def __init__(self, objective: Objective, watched: _Watched) -> None:
-        for name, value in (("_objective", objective), ("_watched", watched), ("_ends", [])):
+    def __init__(self, objective: Objective, observed: _ObservedOptimizer) -> None:
+        for name, value in (("_objective", objective), ("_observed", observed), ("_ends", [])):
             object.__setattr__(self, name, value)
 
     @property  # type: ignore[misc]
@@ -144,31 +144,31 @@ class _Noting:
     def __getattr__(self, name: str) -> Any:
         value = getattr(self._objective, name)
         if name not in OFFERED and not name.startswith("__"):
-            self._watched.seen.reached.add(name)
+            self._observed.seen.reached.add(name)
         return value
 
     def __setattr__(self, name: str, value: Any) -> None:
-        self._watched.seen.reached.add(name)
+        self._observed.seen.reached.add(name)
         setattr(self._objective, name, value)
 
     def __call__(self, x: ArrayLike) -> Any:
-        objective, watched = self._objective, self._watched
+        objective, observed = self._objective, self._observed
         try:
             values = objective(x)
         except BudgetExhausted:
-            watched.seen.asked_after = len(self._ends)
+            observed.seen.asked_after = len(self._ends)
             self._ends.append(True)
             if len(self._ends) == 1:
                 self._pulse()
-            if watched.expendable and len(self._ends) > _PATIENCE:
+            if observed.expendable and len(self._ends) > _MOST_REFUSALS:
                 os._exit(STILL_ASKING)
             raise
         self._pulse()
         return values
 
     def _pulse(self) -> None:
-        if self._watched.pulse is not None:
-            self._watched.pulse(self._objective.evaluations, self._objective.budget)
+        if self._observed.pulse is not None:
+            self._observed.pulse(self._objective.evaluations, self._objective.budget)
 
 
 def _state(rng: np.random.Generator) -> str:
