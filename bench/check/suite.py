@@ -18,12 +18,12 @@ Listener = Callable[[Verdict], None]
 
 @dataclasses.dataclass(frozen=True)
 class Checkup:
-    """What the checks of one optimizer found; true where it conforms to the contract.
+    """The verdicts on one optimizer; true where it conforms to the contract.
 
     Attributes:
         label: the optimizer's name.
-        verdicts: one a check, in the order in which they were made.
-        unchecked: the checks that could not be made, because one that they build on failed.
+        verdicts: one for each check, in order.
+        unchecked: the rules that could not be checked, because the optimizer breaks a rule that they need.
     """
 
     label: str
@@ -37,7 +37,7 @@ class Checkup:
 
     @property
     def passed(self) -> bool:
-        """Whether it keeps the contract and is free of the biases that were looked for."""
+        """Whether it keeps the contract and no bias was found."""
         return all(verdict.passed for verdict in self.verdicts)
 
     @property
@@ -82,7 +82,7 @@ def check_optimizer(
 ) -> Checkup:
     """Check that an optimizer keeps the contract, and look for biases of its method.
 
-    It runs in processes of its own, so that one that hangs, prints or crashes costs a verdict and nothing else.
+    The optimizer runs in separate processes, so that hanging, printing or crashing costs a verdict and nothing else.
 
     Example:
         >>> assert bench.check_optimizer(HillClimber, bias=False)
@@ -93,11 +93,11 @@ def check_optimizer(
         bias: whether to look for biases too; they are only looked for where ordinary runs keep the contract.
         n_jobs: processes that look for biases, -1 for one a core.
         seed: of the runs; the same one gives the same verdicts.
-        on_check: called with every verdict as soon as it is there.
-        options: parameters, for a name or a class; one that is called as an argument above goes into an instance.
+        on_check: called with every verdict as soon as it is known.
+        options: parameters, for a name or a class; give an instance for a parameter named like an argument above.
 
     Raises:
-        BenchError: for an unknown name or parameter, a value out of its range, or what is no optimizer.
+        BenchError: for an unknown name or parameter, a value out of its range, or an argument that is no optimizer.
     """
     subject = make_subject(optimizer, options, seed)
     verdicts: list[Verdict] = []

@@ -1,4 +1,4 @@
-"""The problems on which optimizers are watched: classic functions, and noise that has no better or worse places."""
+"""Problems for the diagnosis of biases: classic functions, and noise on which no place is better than another."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Function = Callable[[Floats], Floats]
 
 
 class RecordingProblem(FunctionProblem):
-    """A problem on [lower, upper]^d that takes down where it is evaluated; it serves one run alone."""
+    """A problem on [lower, upper]^d that records the points of one run."""
 
     def __init__(self, function: Function, lower: float, upper: float, dimension: int, name: str) -> None:
         super().__init__(function, [lower] * dimension, [upper] * dimension, name=name)
@@ -37,7 +37,7 @@ class RecordingProblem(FunctionProblem):
 
 
 def function(name: str, dimension: int, *, moved: bool) -> RecordingProblem:
-    """Return one of ``FUNCTIONS`` with its optimum, 0, at the centre of the box or moved from there by ``SHIFT``."""
+    """Return one of ``FUNCTIONS`` with its optimum, 0, at the centre of the box or moved by ``SHIFT``."""
     shift = SHIFT * 2 * HALF_WIDTH if moved else 0.0
     return RecordingProblem(lambda x: FUNCTIONS[name](x - shift), -HALF_WIDTH, HALF_WIDTH, dimension, name)
 

@@ -12,7 +12,7 @@ def check_run(subject: Subject) -> str:
     """One ordinary run comes to its end."""
     try:
         subject.fresh()
-    except Exception as error:  # which the check of the parameters has met too
+    except Exception as error:  # the rule of the parameters reports it
         raise ConstructionError from error
     run = subject.run(problems.bowl())
     if not len(run.points):
@@ -21,7 +21,7 @@ def check_run(subject: Subject) -> str:
 
 
 def check_budget(subject: Subject) -> str:
-    """All of any budget is spent, or the stop is declared; and nothing is asked for after the end."""
+    """Any budget is spent completely, or the stop is declared; the objective is not called after the end."""
     agents = subject.fresh().minimum_budget
     budgets = sorted({1, max(1, agents - 1), agents, agents + 1, 3 * agents + 3, 1000})
     stops = set()
@@ -29,15 +29,15 @@ def check_budget(subject: Subject) -> str:
         stops.add(expect_kept_budget(subject.run(problems.bowl(), budget=budget), budget))
     declared = sorted(stops - {"budget"})
     kept = f"kept budgets of {', '.join(map(str, budgets))}"
-    return f"{kept}; stopped early, saying: {'; '.join(declared)}" if declared else f"{kept} to the evaluation"
+    return f"{kept}; stopped early and declared: {'; '.join(declared)}" if declared else f"{kept} to the evaluation"
 
 
 def expect_kept_budget(run: RecordedRun, budget: int, where: str = "") -> str:
     """Return why the run ended; raises ViolationError unless it was by the budget or by a declared stop."""
     if run.asked_after:
         raise ViolationError(
-            f"it asked {run.asked_after} more time{'s' * (run.asked_after > 1)} after the budget of {budget} was "
-            f"spent{where}",
+            f"it called the objective {run.asked_after} more time{'s' * (run.asked_after > 1)} after the "
+            f"budget of {budget} was spent{where}",
             LET_IT_PASS,
         )
     if not len(run.points):
@@ -47,8 +47,8 @@ def expect_kept_budget(run: RecordedRun, budget: int, where: str = "") -> str:
         )
     if run.stop == "undeclared":
         raise ViolationError(
-            f"it returned after {len(run.points)} of {budget} evaluations{where} and did not say why",
-            "loop until the budget ends the run, or draw the last batch from objective.remaining; say that you stop "
-            'by a criterion of your own with objective.stop("reason")',
+            f"it returned after {len(run.points)} of {budget} evaluations{where} and declared no reason",
+            "loop until the budget ends the run, or draw the last batch from objective.remaining; declare a "
+            'criterion of your own with objective.stop("reason")',
         )
     return run.stop

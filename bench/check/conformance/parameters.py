@@ -1,4 +1,4 @@
-"""Whether an optimizer declares its parameters as the contract asks."""
+"""Rule of the parameters: typed fields with defaults, checked on construction."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def check_parameters(subject: Subject) -> str:
         for name, kind in inspect.get_annotations(base).items():
             if name not in fields and not name.startswith("_") and "ClassVar" not in str(kind):
                 raise ViolationError(
-                    f"{name!r} of {base.__name__} looks like a parameter and is none",
+                    f"{name!r} of {base.__name__} looks like a parameter but is none",
                     f"put @dataclass(frozen=True) above {base.__name__} too, or annotate {name!r} as a ClassVar",
                 )
     for field in fields.values():
@@ -59,7 +59,7 @@ def check_parameters(subject: Subject) -> str:
 
 
 def _wrong_values(cls: type[Optimizer], fields: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield values that no parameter of a declared type may take, and populations that are none."""
+    """Yield values that do not fit a parameter's declared type, and population sizes below 1."""
     hints = get_type_hints(cls)
     for name in (name for name, field in fields.items() if field.init):
         if _is_plain(hints[name]):

@@ -1,4 +1,4 @@
-"""A run under observation: what an optimizer evaluated, what it reached for, and what it left changed."""
+"""Record a run: its points, its use of the objective, and the global random states that it changed."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ from bench.seeds import global_states
 OFFERED = frozenset(
     {"lower", "upper", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
 )  # fmt: skip
-"""What an objective offers beside its call; ``evaluations`` is but ``budget`` less ``remaining``."""
+"""Attributes that the contract offers, and ``evaluations``, which is ``budget`` minus ``remaining``."""
 
-_MOST_REFUSALS = 10_000  # asks after the end of the budget before its process is ended
+_MOST_REFUSALS = 10_000  # calls after the end of the budget until the process is ended
 
 
 @dataclass
 class RecordedRun:
-    """What was seen of one run.
+    """The record of one run.
 
     Attributes:
         points: (n, d) all evaluated points, in order.
         stop: ``"budget"``, the declared reason, or ``"undeclared"``.
-        asked_after: how many times it asked for more after it was told that the budget is spent.
+        asked_after: how many times it called the objective again after BudgetExhausted was raised.
         outside: points outside the box or not finite.
-        reached: attributes of the objective that it read or set beyond what is offered.
+        reached: attributes of the objective that it read or set although the contract does not offer them.
         drew: whether it drew from its generator.
         touched: the global random states that it left changed.
     """
@@ -66,15 +66,15 @@ def record_run(
     expendable: bool = False,
     global_seed: int = 0,
 ) -> RecordedRun:
-    """Run the optimizer as a trial does and return what was seen.
+    """Run the optimizer as a trial does and return the record.
 
     Args:
         optimizer: what is run.
         problem: what is minimised.
         budget: evaluations it may spend.
         seed: the trial's.
-        pulse: called with the evaluations made and the budget, whenever the optimizer has asked for values.
-        expendable: whether this process may be ended to stop an optimizer that goes on asking for ever.
+        pulse: called with the evaluations made and the budget after every call of the objective.
+        expendable: whether this process may be ended to stop an optimizer that calls the objective for ever.
         global_seed: of Python's and numpy's global random states during the run.
     """
     seen = RecordedRun()
@@ -94,7 +94,7 @@ def record_run(
 
 
 class _RecordingProblem(FunctionProblem):
-    """A problem that keeps the points it is asked for."""
+    """A problem that records its evaluated points."""
 
     def __init__(self, problem: Problem, points: list[Floats]) -> None:
         super().__init__(problem.evaluate, problem.lower, problem.upper, name=problem.name, optimum=problem.optimum,
@@ -108,7 +108,7 @@ class _RecordingProblem(FunctionProblem):
 
 
 class _ObservedOptimizer(Optimizer):
-    """The optimizer, which is handed an objective that takes notes."""
+    """The optimizer, which gets a recording objective."""
 
     def __init__(self, optimizer: Optimizer, seen: RecordedRun, pulse: Pulse | None, expendable: bool) -> None:
         self.optimizer, self.seen, self.pulse, self.expendable = optimizer, seen, pulse, expendable
@@ -126,9 +126,9 @@ class _ObservedOptimizer(Optimizer):
 
 
 class _ObjectiveProxy:
-    """Stands in for an objective, passes everything on and notes what an optimizer should not touch.
+    """Pass everything on to an objective, and record what an optimizer should not use.
 
-    Only what a real objective has is noted: tools that look an object over ask for many a name that is not there.
+    A name that no objective has is not recorded: tools that inspect an object ask for many such names.
     """
 
     __slots__ = ("_ends", "_objective", "_observed")
@@ -177,7 +177,7 @@ def _state(rng: np.random.Generator) -> str:
 
 @contextmanager
 def _global_states(seed: int) -> Iterator[Callable[[], tuple[str, ...]]]:
-    """Seed the global random states, offer to say which have changed, and put back what was there."""
+    """Seed the global random states, yield a function that names those that have changed, and restore all of them."""
     before = random.getstate(), np.random.get_state()  # noqa: NPY002
     random.seed(seed)
     np.random.seed(seed)  # noqa: NPY002

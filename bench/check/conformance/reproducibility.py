@@ -65,15 +65,15 @@ def check_state(subject: Subject) -> str:
             f"a run changes its parameter {changed[0]!r} from {before[changed[0]]} to {after[changed[0]]}", mend
         )
     new, again = (subject.run(problems.bowl(), optimizer=each, seed=1) for each in (None, used))
-    expect_same(new, again, "a second run of one instance is not that of a new one", mend)
-    return "a second run of one instance is that of a new one"
+    expect_same(new, again, "a second run of one instance differs from that of a new one", mend)
+    return "a second run of one instance equals that of a new one"
 
 
 def check_pickling(subject: Subject) -> str:
     """Workers get their optimizer by pickle."""
     optimizer = subject.fresh()
     copy = pickle.loads(cloudpickle.dumps(optimizer))
-    mend = "keep all that makes the optimizer in its fields, and these plain values"
+    mend = "keep the whole configuration of the optimizer in its fields, as plain values"
     if type(copy).__qualname__ != type(optimizer).__qualname__:
         raise ViolationError(f"its pickled copy is a {type(copy).__name__}, not a {type(optimizer).__name__}", mend)
     if parameters(copy) != parameters(optimizer) and copy != optimizer:

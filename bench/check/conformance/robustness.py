@@ -1,4 +1,4 @@
-"""Rules of robustness: any box, any number of variables and any objective values are met."""
+"""Rules of robustness: runs handle any box, any number of variables and any objective values."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ GUARD = "guard divisions by ranges or sums of values: they can be zero or infini
 
 
 def check_box(subject: Subject) -> str:
-    """No evaluation is wasted outside the box, be it uneven, narrow and with the optimum in a corner."""
+    """No point lies outside the box, even where the box is uneven and narrow and its optimum in a corner."""
     problem, optimizer = problems.corner(), subject.fresh()
     run = subject.run(problem, optimizer=optimizer, budget=4 * ordinary_budget(optimizer))
     if run.outside:
@@ -37,7 +37,7 @@ def check_box(subject: Subject) -> str:
 
 
 def check_repair(subject: Subject) -> str:
-    """A problem may repair more than the box; whether the optimizer has it do so is its own choice, and is told."""
+    """A problem may restrict points further than its box; the share of such points is reported and not judged."""
     problem = problems.half()
     run = subject.run(problem)
     share = float((problem.repair(run.points) != run.points).any(axis=1).mean())
@@ -47,7 +47,7 @@ def check_repair(subject: Subject) -> str:
 
 
 def check_dimensions(subject: Subject) -> str:
-    """Problems of any dimension are run."""
+    """Problems of any dimension are handled."""
     dimensions = (1, 2, 7, 50)
     for dimension in dimensions:
         _each(subject, problems.bowl(dimension), f" in {dimension} dimension{'s' * (dimension > 1)}")
@@ -55,7 +55,7 @@ def check_dimensions(subject: Subject) -> str:
 
 
 def check_values(subject: Subject) -> str:
-    """Any values are met: equal, infinite, huge, tiny and negative ones; NaN reaches an optimizer as +inf."""
+    """Any values are handled: equal, infinite, huge, tiny and negative ones; NaN reaches an optimizer as +inf."""
     for name, problem in problems.odd().items():
         run = _each(subject, problem, f" with {name}")
         bad = int((~np.isfinite(run.points)).any(axis=1).sum())
@@ -74,6 +74,6 @@ def _each(subject: Subject, problem: FunctionProblem, where: str) -> RecordedRun
         run = subject.run(problem, optimizer=optimizer)
     except (Exception, SystemExit) as error:
         raise ViolationError(f"it raised {spell(error)}{where}", "") from error
-    if run.stop == "undeclared" and subject.run(problems.bowl()).stop != run.stop:  # one that is usual is told once
+    if run.stop == "undeclared" and subject.run(problems.bowl()).stop != run.stop:  # else the budget's rule reports it
         expect_kept_budget(dataclasses.replace(run, asked_after=0), ordinary_budget(optimizer), where)
     return run

@@ -25,9 +25,9 @@ class Rule:
 
     Attributes:
         name: what verdicts call it.
-        examine: returns what it saw, or raises ViolationError.
-        mend: how to mend an exception of the optimizer in this check.
-        needs: the checks without whose success this one tells nothing.
+        examine: returns one sentence on what it observed, or raises ViolationError.
+        mend: how to mend an exception that the optimizer raises in this check.
+        needs: the rules that an optimizer must keep before this one can be checked.
         patience: seconds without a sign of life that are allowed.
     """
 

@@ -1,4 +1,4 @@
-"""Whether a run uses nothing but its objective and leaves nothing behind."""
+"""Rules of side effects: a run uses only what the objective offers, prints nothing and leaves nothing behind."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from bench.sandbox.messages import spell
 
 
 def check_contract(subject: Subject) -> str:
-    """Nothing is used of the problem but what the objective offers."""
+    """The optimizer uses only what the objective offers."""
     run = subject.run(problems.bowl())
     if run.reached:
         raise ViolationError(
@@ -34,7 +34,7 @@ def check_contract(subject: Subject) -> str:
 
 
 def check_silence(subject: Subject) -> str:
-    """A run prints nothing: progress is the harness's business, and a study makes thousands of runs."""
+    """A run prints nothing: the harness shows progress, and a study makes thousands of runs."""
     with warnings.catch_warnings(record=True) as warned, _captured() as printed:
         warnings.simplefilter("default")
         subject.run(problems.bowl())
@@ -78,7 +78,7 @@ def _running() -> tuple[int, int]:
 
 
 def _settled(before: tuple[int, int]) -> tuple[int, int]:
-    """Return the numbers of threads and processes once what is about to end has had time to."""
+    """Return the numbers of threads and processes, after those that are about to end have had time to."""
     until = monotonic() + 0.5
     now = _running()
     while any(np.greater(now, before)) and monotonic() < until:
@@ -99,7 +99,7 @@ def _inside(folder: str) -> Iterator[None]:
 
 @contextmanager
 def _captured() -> Iterator[list[str]]:
-    """Collect what is written to the standard streams, by Python or below it; it is there when the context ends."""
+    """Collect the output to the standard streams, also from outside Python; it is complete when the context ends."""
     written: list[str] = []
     sys.stdout.flush()
     sys.stderr.flush()

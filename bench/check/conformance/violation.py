@@ -1,4 +1,4 @@
-"""What breaks a rule of the contract, in words that tell an author how to mend it."""
+"""Violations of a rule: what was observed, and how to mend it."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ LET_IT_PASS = "let BudgetExhausted pass: catch Exception, never BaseException or
 
 
 class ConstructionError(Exception):
-    """The optimizer cannot be made at all, so that there is nothing to examine."""
+    """The optimizer cannot be constructed, so that there is nothing to examine."""
 
 
 class ViolationError(Exception):
-    """The optimizer breaks the rule: what was seen, and how to mend it."""
+    """The optimizer breaks the rule: what was observed, and how to mend it."""
 
     def __init__(self, finding: str, mend: str) -> None:
         super().__init__(finding)
@@ -27,7 +27,7 @@ def expect_same(run: RecordedRun, other: RecordedRun, finding: str, mend: str) -
 
 
 def expect_same_course(one: list[int], other: list[int], finding: str, mend: str) -> None:
-    """Do the same with courses of runs, see :meth:`RecordedRun.course`."""
+    """Raise ViolationError unless both courses are equal, see :meth:`RecordedRun.course`."""
     if one != other:
         length = min(len(one), len(other))
         first = next((i for i in range(length) if one[i] != other[i]), length) + 1
@@ -35,10 +35,10 @@ def expect_same_course(one: list[int], other: list[int], finding: str, mend: str
 
 
 def explain_lost_process(error: SilentError | DiedError, process: Process) -> tuple[str, str]:
-    """Return what an optimizer did that hung or ended its process, and how to mend it."""
+    """Return the finding on an optimizer that hung or ended its process, and how to mend it."""
     made, budget = process.pulse or (0, 0)
     if isinstance(error, DiedError) and error.code == STILL_ASKING:
-        return f"it goes on asking for values for ever after its budget of {budget} is spent", LET_IT_PASS
+        return f"it calls the objective for ever after its budget of {budget} is spent", LET_IT_PASS
     if isinstance(error, DiedError):
         return f"it ended the process that it ran in ({error})", (
             "raise an exception where it cannot go on; a signal means a crash in compiled code"

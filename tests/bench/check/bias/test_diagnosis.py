@@ -168,7 +168,7 @@ def test_a_method_without_bias_passes_every_check():
         (Shrinking(), "structural bias", "are not uniform", "drawn to the centre"),
         (Clipping(), "boundary clamping", "above the limit of 1%", "reflect"),
         (Cornered(), "starts and seeds", "80 seeds are not uniform in the box", "objective.initial"),
-        (Numbered(), "starts and seeds", "depend on those of the seeds next to them", "objective.initial"),
+        (Numbered(), "starts and seeds", "depend on the starts of adjacent seeds", "objective.initial"),
         (Constant(), "starts and seeds", "80 runs with different seeds have only 1 different first", "from the rng"),
         (Deterministic(), "starts and seeds", "2 of 4 runs on functions repeat another", "make one trial"),
     ],
