@@ -61,11 +61,10 @@ class ProcessJudge:
 
     Args:
         subject: the optimizer.
-        haste: divides the time that a rule allows without a sign of life.
     """
 
-    def __init__(self, subject: Subject, haste: float = 1.0) -> None:
-        self._subject, self._haste = subject, haste
+    def __init__(self, subject: Subject) -> None:
+        self._subject = subject
         self._packed: bytes | None = None
         self._process: Process | None = None
         self._unloadable: UnloadableError | None = None
@@ -80,10 +79,12 @@ class ProcessJudge:
             raise self._unloadable
         try:
             packed, process = self._start()
-            verdict: Verdict | None = process.call(_judge, packed, rule.name, patience=rule.patience / self._haste)
+            verdict: Verdict | None = process.call(_judge, packed, rule.name, patience=rule.patience)
         except UnloadableError as error:
             self._unloadable = error
             raise
+        except RemoteError as error:  # such as KeyboardInterrupt; other exceptions are in the verdict
+            verdict = failed(rule, f"it raised {error}")
         except (SilentError, DiedError) as error:
             verdict = failed(rule, *explain_lost_process(error, process))
             self.close()
@@ -111,9 +112,9 @@ class ProcessJudge:
         return self._packed, self._process
 
 
-def check_conformance(subject: Subject, haste: float = 1.0) -> Iterator[Verdict]:
+def check_conformance(subject: Subject) -> Iterator[Verdict]:
     """Yield the verdicts on all rules that can be checked; see :class:`ProcessJudge`."""
-    with closing(ProcessJudge(subject, haste)) as ask:
+    with closing(ProcessJudge(subject)) as ask:
         try:
             yield from each_verdict(ask)
         except UnloadableError as error:

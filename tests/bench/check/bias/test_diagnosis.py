@@ -1,8 +1,5 @@
 """Biases: each is found in an optimizer that was made to have it, and one that has none is cleared of all."""
 
-import os
-import sys
-from dataclasses import dataclass
 from functools import cache
 
 import cloudpickle
@@ -10,134 +7,29 @@ import numpy as np
 import pytest
 from joblib import parallel_config
 
-from bench import BenchError, Optimizer, load_optimizer, parameter
+from bench import BenchError, load_optimizer
 from bench.check.bias import diagnosis
-from bench.check.bias.diagnosis import FLOOR, LIMIT, centre_bias, diagnose, starts_and_seeds, structural_bias
-from bench.check.bias.functions import FUNCTIONS, HALF_WIDTH, SHIFT, function, noise
-from bench.check.bias.runs import BOXES, Runs, RunSummary, make_runs
+from bench.check.bias.diagnosis import LIMIT, centre_bias, diagnose, starts_and_seeds, structural_bias
+from bench.check.bias.runs import BOXES, Runs, RunSummary
+from tests.bench.check.bias import biased
+from tests.bench.check.bias.biased import (
+    Central,
+    Chains,
+    Clipping,
+    Constant,
+    Cornered,
+    Deterministic,
+    Exiting,
+    Guessing,
+    Numbered,
+    Raising,
+    Shrinking,
+)
+
+pytestmark = pytest.mark.usefixtures("little_work")
 
 CHECKS = ["centre bias", "structural bias", "boundary clamping", "starts and seeds"]
 SMALL = {"dimension": 3, "runs": 2, "noise_runs": 40, "n_jobs": 1}
-
-
-@dataclass(frozen=True)
-class Chains(Optimizer):
-    """Hill climbers side by side on a torus, where no place differs from another."""
-
-    agents: int = parameter(20, minimum=1)
-
-    def start(self, objective, rng):
-        return objective.initial(self.agents)
-
-    def confine(self, objective, x):
-        return objective.lower + np.mod(x - objective.lower, objective.upper - objective.lower)
-
-    def minimize(self, objective, rng):
-        span, step = objective.upper - objective.lower, np.full((self.agents, 1), 0.2)
-        x = self.start(objective, rng)
-        f = objective(x)
-        while True:
-            y = self.confine(objective, x + step * span * rng.standard_normal(x.shape))
-            g = objective(y)
-            better = g <= f
-            x, f = np.where(better[:, None], y, x), np.where(better, g, f)
-            step *= np.where(better, 1.5, 1.5**-0.25)[:, None]
-
-
-@dataclass(frozen=True)
-class Shrinking(Chains):
-    """Draws ever closer to the centre, whatever it sees."""
-
-    def confine(self, objective, x):
-        middle = (objective.lower + objective.upper) / 2
-        return middle + 0.5 * (super().confine(objective, x) - middle)
-
-
-@dataclass(frozen=True)
-class Guessing(Chains):
-    """Knows where the functions' optimum is moved to."""
-
-    def start(self, objective, rng):
-        return (
-            super().start(objective, rng) * [[0.0]] + 20.0 if objective.upper[0] > 1 else super().start(objective, rng)
-        )
-
-
-@dataclass(frozen=True)
-class Clipping(Chains):
-    """Takes what leaves the box back to its bound."""
-
-    def confine(self, objective, x):
-        return objective.repair(x)
-
-
-@dataclass(frozen=True)
-class Cornered(Chains):
-    """Starts in the lower half of the box."""
-
-    def start(self, objective, rng):
-        return objective.lower + 0.5 * (super().start(objective, rng) - objective.lower)
-
-
-@dataclass(frozen=True)
-class Numbered(Chains):
-    """Starts where the number of its seed puts it."""
-
-    def start(self, objective, rng):
-        place = rng.bit_generator.seed_seq.entropy % 1000 / 1000
-        return objective.lower + (objective.upper - objective.lower) * np.full(
-            (self.agents, objective.dimension), place
-        )
-
-
-@dataclass(frozen=True)
-class Constant(Chains):
-    """Starts with the same points in every run."""
-
-    def start(self, objective, rng):
-        return np.random.default_rng(0).uniform(objective.lower, objective.upper, (self.agents, objective.dimension))
-
-
-@dataclass(frozen=True)
-class Deterministic(Constant):
-    """Does the same in every run."""
-
-    def minimize(self, objective, rng):
-        super().minimize(objective, np.random.default_rng(0))
-
-
-@dataclass(frozen=True)
-class Central(Chains):
-    """Tries the midpoint of the box before all else."""
-
-    minimum_budget = 1
-
-    def minimize(self, objective, rng):
-        objective((objective.lower + objective.upper) / 2)
-        super().minimize(objective, rng)
-
-
-@dataclass(frozen=True)
-class Raising(Optimizer):
-    """Fails at once."""
-
-    def minimize(self, objective, rng):
-        raise ZeroDivisionError("boom")
-
-
-@dataclass(frozen=True)
-class Exiting(Optimizer):
-    """Takes its process along."""
-
-    def minimize(self, objective, rng):
-        os._exit(1)
-
-
-@pytest.fixture(autouse=True)
-def little_work(monkeypatch):
-    """Leave one of the functions, and short runs on it; a worker process of this test's would not know of it."""
-    monkeypatch.setattr("bench.check.bias.runs.FUNCTIONS", {"sphere": FUNCTIONS["sphere"]})
-    monkeypatch.setattr("bench.check.bias.runs.FUNCTION_BUDGET", 2_000)
 
 
 @cache
@@ -237,49 +129,18 @@ def test_a_run_without_a_finite_value_counts_as_the_worst():
     assert centre_bias(Runs(runs(np.inf, 0.0), runs(np.inf, 2e-9), {})).figure == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
-def test_every_function_has_its_optimum_where_it_is_said_to_be(name):
-    for moved in (False, True):
-        problem = function(name, 5, moved=moved)
-        place = SHIFT * 2 * HALF_WIDTH * moved
-        assert problem.evaluate(np.full((1, 5), place))[0] == pytest.approx(0.0, abs=FLOOR)
-        around = np.random.default_rng(0).uniform(-100, 100, (2000, 5))
-        assert problem.evaluate(around).min() > 0
-
-
-def test_noise_depends_on_its_seed_and_the_number_of_evaluations_alone():
-    points = np.random.default_rng(0).random((30, 2))
-    values = noise((0.0, 1.0), 2, seed=1).evaluate(points)
-    again = noise((0.0, 1.0), 2, seed=1)
-    assert np.array_equal(np.concatenate([again.evaluate(points[:7] * 0), again.evaluate(points[7:])]), values)
-    assert len(set(values)) == 30
-    assert not np.array_equal(noise((0.0, 1.0), 2, seed=2).evaluate(points), values)
-
-
-def test_runs_are_kept_as_shares_of_their_box():
-    made = make_runs(Clipping(), dimension=2, runs=1, noise_runs=3)
-    assert [len(those) for those in made.noise.values()] == [3, 3]
-    for run in (*made.noise["[-1, 1]"], *made.centred["sphere"]):
-        assert run.first.shape == (20, 2)
-        assert 0.2 < run.first.mean() < 0.8
-        assert ((run.x >= 0) & (run.x <= 1)).all()
-    assert made.centred["sphere"][0].x == pytest.approx(0.5, abs=1e-3)
-    assert made.moved["sphere"][0].x == pytest.approx(0.6, abs=1e-3)
-    assert all(0 < run.clamped < 0.5 for run in made.noise["[0, 1]"])
-
-
 def test_a_failing_optimizer_is_named_with_its_error():
     with pytest.raises(BenchError, match="failed on sphere: ZeroDivisionError: boom"):
         diagnose(Raising(), n_jobs=1)
 
 
 def test_an_optimizer_that_ends_its_process_is_told_in_a_sentence():
-    cloudpickle.register_pickle_by_value(sys.modules[__name__])  # workers cannot import this module
+    cloudpickle.register_pickle_by_value(biased)  # workers cannot import this module
     try:
         with pytest.raises(BenchError, match="ended its worker process"):
             diagnose(Exiting(), n_jobs=2)
     finally:
-        cloudpickle.unregister_pickle_by_value(sys.modules[__name__])
+        cloudpickle.unregister_pickle_by_value(biased)
 
 
 def test_every_check_has_its_place_in_the_report():
