@@ -47,12 +47,13 @@ def parametrize_with_checks(
     Args:
         optimizers: names, classes or instances, as for :func:`bench.check_optimizer`.
         expected_failures: the reason for every rule that is known to be broken, by the rule's name, such as
-            ``{"silence": "the library prints a banner"}``; for some of the optimizers, a function that takes one as
-            given in ``optimizers`` and returns such a mapping. The failure is then expected (xfail), and a check that
-            passes all the same fails.
+            ``{"silence": "the library prints a banner"}``; or a function that takes an optimizer, as given in
+            ``optimizers``, and returns such a mapping. A failure is then expected (xfail, strict): a check of that rule
+            that passes is reported as a failure.
 
     Raises:
-        BenchError: when ``optimizers`` is a single one or holds none, and for an unknown rule.
+        BenchError: when ``optimizers`` is a single optimizer, is empty or contains anything else, and for an unknown
+            rule or a missing reason in ``expected_failures``.
     """
     if isinstance(optimizers, (str, type, Optimizer)):
         raise BenchError(f"give a list of optimizers, such as [{optimizers!r}]")

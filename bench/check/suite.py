@@ -1,4 +1,4 @@
-"""The conformance suite: every check of an optimizer in a process of its own, with a verdict and how to mend it."""
+"""Check an optimizer: the rules of the contract, in separate processes, and the biases of its method."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Checkup:
             for kind in ("conformance", "bias")
         }
         contract = f"fails the contract in: {', '.join(failed['conformance'])}"
-        left = f"; not checked before that is mended: {', '.join(self.unchecked)}" if self.unchecked else ""
+        left = f"; not checked until that is mended: {', '.join(self.unchecked)}" if self.unchecked else ""
         biased = f"; biased: fails the checks of {', '.join(failed['bias'])}" if failed["bias"] else ""
         looked = any(verdict.kind == "bias" for verdict in self.verdicts)
         free = "; no bias was found" if looked and not biased else ""

@@ -86,7 +86,7 @@ def check_pickling(subject: Subject) -> str:
 def check_global_states(subject: Subject) -> str:
     """Neither Python's nor numpy's global random state is used or changed."""
     mend = "draw from rng alone: no random.random(), no np.random.rand() and no seeding of them; a library that needs "
-    mend += "them gets a seed drawn from rng, and the states are put back afterwards"
+    mend += "them gets a seed drawn from rng, and the states are restored afterwards"
     run = subject.run(problems.bowl())
     if run.touched:
         raise ViolationError(f"a run changes the global random state of {' and '.join(run.touched)}", mend)

@@ -24,7 +24,7 @@ class Rule:
     """One rule of the contract.
 
     Attributes:
-        name: what verdicts call it.
+        name: the name in verdicts, such as ``"budget"``.
         examine: returns one sentence on what it observed, or raises ViolationError.
         mend: how to mend an exception that the optimizer raises in this check.
         needs: the rules that an optimizer must keep before this one can be checked.
