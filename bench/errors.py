@@ -1,4 +1,4 @@
-"""The one exception a user of the harness sees for input that cannot be worked with."""
+"""The one exception for bad input, and helpers for its messages."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -14,12 +14,12 @@ class BenchError(ValueError):
 
 
 def require(module: str, extra: str, needed: str) -> Any:
-    """Return a module that comes with an extra.
+    """Import and return a module that an extra of this package installs.
 
     Args:
         module: its name, such as "pyarrow".
         extra: the extra of this package that installs it.
-        needed: the begin of the sentence without it, such as "the parquet format needs".
+        needed: the start of the message where the module is missing, such as "the parquet format needs".
 
     Raises:
         BenchError: where it is not installed.
@@ -33,7 +33,7 @@ def require(module: str, extra: str, needed: str) -> Any:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Return a hint such as ``"; did you mean 'gwo'?"`` or, with nothing near, the list of what is known."""
+    """Return a hint such as ``"; did you mean 'gwo'?"`` or, where none is near, the list of known names."""
     known = sorted(known)
     close = get_close_matches(name, known, n=1, cutoff=0.5)
     if close:

@@ -1,4 +1,4 @@
-"""What an optimizer sees of a problem: a counted, clocked and recorded function with a hard budget."""
+"""The objective, all that an optimizer sees of a problem: a counted and clocked function with a hard budget."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ _LONGEST_REASON = 200  # characters
 class BudgetExhausted(BaseException):
     """Raised by an objective that has no evaluation left; the harness catches it, an optimizer need not.
 
-    No subclass of Exception, so that an optimizer's own ``except Exception`` does not swallow its end.
+    It is no subclass of Exception, so that an optimizer's own ``except Exception`` does not catch it.
     """
 
 
@@ -42,17 +42,17 @@ class Trace:
 
 
 class Objective:
-    """The function an optimizer minimises, and all that it may know of the problem.
+    """The function that an optimizer minimises, and all that it may know of the problem.
 
     ``objective(x)`` takes (n, d) points and returns (n,) values, or one (d,) point and returns a float. Every row
-    counts as one evaluation; a row outside the box or not finite is counted too, and its value is +inf, so nothing
-    is won by leaving the box. A NaN value counts as +inf. No row past the budget is evaluated.
+    counts as one evaluation; a row outside the box or not finite is counted too, and its value is +inf, so
+    leaving the box gains nothing. A NaN value counts as +inf. No row past the budget is evaluated.
 
     Args:
         problem: what is minimised.
         budget: the number of evaluations allowed, at least 1.
         rng: the trial's stream for initial points, independent of the optimizer's own.
-        on_refusal: called with their number, from 1, whenever points are refused because the budget is spent.
+        on_refusal: called whenever points are refused because the budget is spent, with the number of refusals so far.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class Objective:
         self._improved_to: list[float] = []
         self._refusals = 0
         self._on_refusal = on_refusal
-        self._lock = Lock()  # threads of an optimizer must not outrun the budget
+        self._lock = Lock()  # threads of an optimizer must not exceed the budget together
 
     @property
     def dimension(self) -> int:
@@ -94,7 +94,7 @@ class Objective:
 
     @property
     def stop_reason(self) -> str | None:
-        """Why the optimizer said that it ends early, if it did."""
+        """The reason that the optimizer declared for ending before its budget, if any."""
         return self._stop_reason
 
     @property
@@ -184,7 +184,7 @@ class Objective:
 
 
 def _floats(given: ArrayLike, what: str) -> Floats:
-    """Return an array of float64; raises TypeError where numpy would drop imaginary parts or read texts."""
+    """Return an array of float64; raises TypeError where numpy would drop imaginary parts or parse strings."""
     array = np.asarray(given)
     if array.dtype.kind not in "fiubO":
         raise TypeError(f"{what} must be real numbers, not {array.dtype}")

@@ -1,4 +1,4 @@
-"""The second of the two contracts: what the harness asks of an optimizer."""
+"""The contract of an optimizer: its parameters and its search."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class Optimizer(ABC):
     A field ``agents`` is the population size, and a trial's budget must hold at least one generation of it.
 
     Attributes:
-        bibtex: BibTeX of the work the method comes from, of several where one does not suffice; reports cite it.
+        bibtex: BibTeX of the publications that introduced the method; reports cite them.
         code: whose implementation runs, such as ``"the cma package"``.
-        unmapped: one sentence for everything of another library's algorithm that its adapter could not carry over.
-        fingerprint: a hash of the code where no package's version stands for it, as with a file of one's own.
+        unmapped: one sentence for each feature of another library's algorithm that its adapter cannot reproduce.
+        fingerprint: a hash of the code where no package version identifies it, as for a user's own file.
     """
 
     bibtex: ClassVar[str] = ""
@@ -51,7 +51,7 @@ class Optimizer(ABC):
         """Minimise until the budget is spent, seeing only ``objective`` and drawing only from ``rng``.
 
         The call may loop forever: ``objective`` raises BudgetExhausted when the budget ends, and the harness keeps
-        the best point. An optimizer that stops by a criterion of its own says so with ``objective.stop(reason)``.
+        the best point. An optimizer that stops by a criterion of its own declares it with ``objective.stop(reason)``.
         """
 
     @property
@@ -94,7 +94,7 @@ def build(cls: type[Optimizer], name: str, options: dict[str, Any]) -> Optimizer
 
 @lru_cache(maxsize=512)
 def _hints(cls: type) -> dict[str, Any]:
-    """Return the types of a class's fields, whose evaluation takes longer than a short trial."""
+    """Return the types of a class's fields; cached, because their evaluation takes longer than a short trial."""
     return get_type_hints(cls)
 
 

@@ -1,4 +1,4 @@
-"""The first of the two contracts: what the harness asks of a problem."""
+"""The contract of a problem, and a problem from a user's own function."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
@@ -25,8 +25,8 @@ class Problem(ABC):
         lower: (d,) float64, the lower end of the box.
         upper: (d,) float64, the upper end of the box.
         optimum: the best known objective value, or None where none is known.
-        expected: the true value of a domain figure and how far from it is near enough, by the name that
-            :meth:`describe` gives it, such as ``{"amplitude_rpm": (140.2, 1.93)}``; drawn in reports.
+        expected: the true value and the acceptable error of domain metrics, by their names in :meth:`describe`, such as
+            ``{"amplitude_rpm": (140.2, 1.93)}``; reports draw them.
     """
 
     name: str
@@ -46,15 +46,15 @@ class Problem(ABC):
         """Return the (n,) objective values of the (n, d) points ``x``, each finite or +inf; lower is better."""
 
     def repair(self, x: Floats) -> Floats:
-        """Return the (n, d) feasible points nearest to ``x`` by the problem's own rule; by default the box's clip."""
+        """Return the (n, d) feasible points nearest to ``x`` by the problem's own rule; by default, clip to the box."""
         return np.clip(x, self.lower, self.upper)
 
     def describe(self, x: Floats) -> dict[str, float]:  # noqa: ARG002 - part of the contract
-        """Return the domain figures of the (d,) point ``x``, one column each in the tidy frame; by default none."""
+        """Return the domain metrics of the (d,) point ``x``, one column each in the tidy frame; by default none."""
         return {}
 
     def fingerprint(self) -> str:
-        """Return a hash of the data the problem is made of, or "" where the name says it all."""
+        """Return a hash of the data that the problem is made of, or "" where its name identifies it."""
         return ""
 
 
@@ -71,9 +71,10 @@ class FunctionProblem(Problem):
         name: the name results are stored under.
         vectorized: whether ``fun`` takes many points at once.
         optimum: the best known value, if any.
+        variables: d different names of the search variables; by default x1, x2, …
 
     Raises:
-        BenchError: when the bounds are not two finite vectors of one length with lower < upper.
+        BenchError: when the bounds are not two finite vectors of one length with lower < upper, or names repeat.
     """
 
     def __init__(
@@ -91,7 +92,7 @@ class FunctionProblem(Problem):
         self.upper = np.array(upper, dtype=np.float64, ndmin=1)
         if self.lower.ndim != 1 or self.lower.shape != self.upper.shape:
             raise BenchError(
-                f"problem {name!r}: lower and upper must be vectors of one length; give one value a variable"
+                f"problem {name!r}: lower and upper must be vectors of one length; give one value for each variable"
             )
         if not (np.isfinite(self.lower).all() and np.isfinite(self.upper).all() and (self.lower < self.upper).all()):
             raise BenchError(f"problem {name!r}: every lower bound must be finite and below its upper bound")

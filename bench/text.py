@@ -1,4 +1,4 @@
-"""Names made safe for files. Labels are data and may hold anything."""
+"""Turn names, which may contain anything, into file names, unique names and printable text."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from collections.abc import Container, Iterable
 
 
 def file_name(name: str) -> str:
-    """Return a file name without extension: letters, digits, ``_`` and ``-`` of ``name``, told apart by a hash.
+    """Return a file name without extension: the letters, digits, ``_`` and ``-`` of ``name``.
 
-    Names are data and may hold anything; what had to be changed ends in a hash, so that two names never share a file.
+    A name that had to be changed ends in a hash, so that two names never share a file.
     """
     safe = re.sub(r"[^a-z0-9_]+", "-", name.lower()).strip("-")[:60]
     return safe if safe and safe == name else f"{safe or 'part'}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
@@ -26,7 +26,7 @@ def free(name: str, taken: Container[str]) -> str:
 
 
 def unique(names: Iterable[str]) -> list[str]:
-    """Return the names in their order, numbered from 2 on where one has stood before."""
+    """Return the names in their order, numbered from 2 on where an equal one came before."""
     taken: dict[str, None] = {}
     for name in names:
         taken[free(name, taken)] = None
@@ -34,9 +34,9 @@ def unique(names: Iterable[str]) -> list[str]:
 
 
 def printable(text: str, limit: int) -> str:
-    """Return a text without control characters but line breaks, and cut where it is longer than ``limit``.
+    """Return a text without control characters other than line breaks, cut to ``limit`` characters.
 
-    Gone with them are marks that turn the direction of what follows, and those that nobody sees.
+    Marks that change the direction of text and invisible marks are replaced too.
     """
     cut = (text if len(text) <= limit else f"{text[:limit]}…").replace("\t", " ")
     return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in cut)

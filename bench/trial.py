@@ -1,4 +1,4 @@
-"""One trial: an optimizer on a problem, within a budget, from a seed; and what it found."""
+"""One trial: run an optimizer on a problem, within a budget and from a seed, and return its result."""
 
 import inspect
 from collections.abc import Callable
@@ -15,7 +15,7 @@ FRAME_COLUMNS = (
     "study", "problem", "optimizer", "trial", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s",
     "stop", "outside_box", "error",
 )  # fmt: skip
-"""The tidy frame's own columns; one ``x_<variable>`` each and the problem's domain metrics follow."""
+"""The tidy frame's own columns; one ``x_<variable>`` for each variable and the domain metrics follow."""
 
 Row = dict[str, Any]
 """A trial's columns by name, as :func:`as_row` makes them and :mod:`bench.storage.store` keeps them."""
@@ -23,7 +23,7 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """One run to be made: a cell of the study (problem label, optimizer label), its number from 0, and its seed."""
+    """A planned run: a cell of the study (problem label, optimizer label), its number from 0, and its seed."""
 
     problem: str
     optimizer: str
@@ -32,13 +32,13 @@ class Trial:
 
     @property
     def key(self) -> tuple[str, str, int]:
-        """What identifies the trial within its study."""
+        """The identity of the trial within its study."""
         return self.problem, self.optimizer, self.number
 
 
 @dataclass(frozen=True)
 class Result:
-    """What a trial found and what it took.
+    """The result of a trial: the best point, its value and the resources used.
 
     Attributes:
         x: (d,) the best point.
@@ -48,7 +48,7 @@ class Result:
         time: wall seconds of the whole search.
         cpu_time: processor seconds of the same.
         objective_time: wall seconds inside the problem's evaluate; the optimizer's overhead is ``time`` less this.
-        stop: ``"budget"``, or the reason the optimizer declared, or ``"undeclared"`` when it returned early in silence.
+        stop: ``"budget"``, or the reason the optimizer declared, or ``"undeclared"`` when it declared none.
         outside_box: evaluations spent outside the box.
         metrics: the problem's domain metrics of ``x``.
         seed: the seed that repeats the trial.
@@ -75,7 +75,7 @@ class Result:
 def search(
     problem: Problem, optimizer: Optimizer, budget: int, seed: int, on_refusal: Callable[[int], None] | None = None
 ) -> Result:
-    """Run one optimizer once, as :func:`solve` does, where a BLAS is held to one thread already.
+    """Run one optimizer once, as :func:`bench.solve` does, in a process whose BLAS is limited to one thread already.
 
     Args:
         problem: what is minimised.
@@ -85,7 +85,8 @@ def search(
         on_refusal: see :class:`bench.objective.Objective`.
 
     Raises:
-        RuntimeError: when the optimizer returns without an evaluation; else whatever it or the problem raises.
+        RuntimeError: when the optimizer returns without an evaluation.
+        BaseException: whatever the optimizer or the problem raises.
     """
     start_stream, search_stream = streams(seed)
     objective = Objective(problem, budget, start_stream, on_refusal)
@@ -123,8 +124,8 @@ def as_row(result: Result, variables: tuple[str, ...]) -> dict[str, Any]:
     """Return the result as the columns of its store row (see bench.storage.store).
 
     Raises:
-        ValueError: when the problem's variables or domain metrics make no columns: not one name a variable, a name
-            twice or one of the frame's own, a metric that is no number.
+        ValueError: when variables or domain metrics cannot be columns: variable names are missing or repeated, a metric
+            has the name of a column of the frame or is no number.
     """
     if len(set(variables)) != len(result.x):
         raise ValueError(f"the problem names {len(set(variables))} different variables for {len(result.x)} dimensions")

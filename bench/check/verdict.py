@@ -1,4 +1,4 @@
-"""What a check of an optimizer found."""
+"""The outcome of one check of an optimizer."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ class Verdict:
 
     Attributes:
         check: what was checked, such as ``"budget"`` or ``"centre bias"``.
-        kind: ``"conformance"`` to the contract, which every optimizer owes; or ``"bias"``, a trait of the method
-            that readers of a comparison must know of, and that is no error of the plug-in.
+        kind: ``"conformance"`` to the contract, which is required of every optimizer; or ``"bias"``, a
+            property of the method that readers of a comparison must know, and no error of the plug-in.
         passed: whether the optimizer conforms, or is free of the bias.
-        finding: one sentence on what was seen.
+        finding: one sentence on what was observed.
         mend: how to mend it, "" where the check passed.
-        figure: the number it was judged by, where there is one.
+        figure: the number that decided the outcome, where there is one.
     """
 
     check: str
@@ -29,9 +29,9 @@ class Verdict:
 
     @property
     def outcome(self) -> str:
-        """One word: ``"passed"``, ``"FAILED"`` for a breach of the contract, ``"BIASED"`` for a trait of the method."""
+        """One word: ``"passed"``, ``"FAILED"`` for a breach of the contract, ``"BIASED"`` for a bias of the method."""
         return "passed" if self.passed else "FAILED" if self.kind == "conformance" else "BIASED"
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the verdict as JSON can hold it."""
+        """Return the verdict as a dict for JSON."""
         return asdict(self)

@@ -176,6 +176,16 @@ class Quitting(Walker):
 
 
 @dataclass(frozen=True)
+class Interrupting(Walker):
+    """Raises what is no Exception in one dimension."""
+
+    def move(self, x, f, objective, rng):
+        if objective.dimension == 1:
+            raise KeyboardInterrupt
+        return super().move(x, f, objective, rng)
+
+
+@dataclass(frozen=True)
 class Crashing(Walker):
     """Reads from address 0 in one dimension."""
 

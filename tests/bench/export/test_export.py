@@ -19,7 +19,7 @@ from bench import BenchError, Results, Trace
 from bench.export import FORMATS, coco, export, ioh, tabular
 from bench.storage.folder import Folder
 from bench.study import Entry, Study
-from bench.text import file_name, unique
+from bench.text import file_name
 
 HOSTILE = ("gwo", "GWO", "../../x", "<script>", "日本", "database", "base", "dat-abase", "'q', a = \"1\"", "NA")
 BUDGET = 120
@@ -121,9 +121,6 @@ def some_fail(trial, values):
 
 
 class TestNames:
-    def test_names_that_collide_are_numbered(self):
-        assert unique(["a", "b", "a", "a-2", "a"]) == ["a", "b", "a-2", "a-2-2", "a-3"]
-
     @pytest.mark.parametrize("folders", [ioh.optimizer_folders, coco.optimizer_folders])
     def test_no_two_optimizers_share_a_folder(self, folders, tmp_path):
         labels = (*HOSTILE, file_name("GWO"))  # the last is what another label's folder is called

@@ -1,17 +1,15 @@
-"""Finding plug-ins, refusing wrong ones, and the contract's parameters."""
+"""Finding plug-ins, and refusing wrong ones."""
 
 import ast
 import subprocess
 import sys
-from dataclasses import dataclass
 from importlib.metadata import EntryPoint
 from pathlib import Path
-from typing import Literal
 
 import pytest
 
 import bench
-from bench import BenchError, Optimizer, load_optimizer, load_problem, parameter
+from bench import BenchError, load_optimizer, load_problem
 from bench.plugins import registry
 
 ROOT = Path(bench.__file__).parent
@@ -95,41 +93,3 @@ def test_a_foreign_module_of_a_generic_name_is_refused_at_start_up(tmp_path, nam
     assert done.returncode == 2
     assert f"the module '{name}' found at" in done.stderr
     assert "Traceback" not in done.stderr
-
-
-@dataclass(frozen=True)
-class Sample(Optimizer):
-    rate: float = parameter(0.5, minimum=0.0, maximum=1.0)
-    mode: Literal["a", "b"] = "a"
-    size: int | None = parameter(None, minimum=2)
-
-    def minimize(self, objective, rng):
-        """Do nothing."""
-
-
-@pytest.mark.parametrize("options", [{"rate": 1}, {"rate": 0.0}, {"mode": "b"}, {"size": 2}, {"size": None}])
-def test_parameters_in_range_are_taken(options):
-    Sample(**options)
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({"rate": 1.5}, "'rate' of Sample must be from 0.0 to 1.0, not 1.5"),
-        ({"rate": float("nan")}, "must be from 0.0 to 1.0, not nan"),
-        ({"rate": "x"}, "must be a number"),
-        ({"mode": "c"}, "must be one of 'a', 'b'"),
-        ({"size": 1}, "must be at least 2, not 1"),
-        ({"size": 2.5}, "must be a whole number or nothing"),
-    ],
-)
-def test_parameters_out_of_range_are_named(options, said):
-    with pytest.raises(BenchError) as caught:
-        Sample(**options)
-    assert said in str(caught.value)
-
-
-def test_the_smallest_budget_is_one_generation():
-    assert Sample().minimum_budget == 1
-    assert load_optimizer("scatter", agents=7).minimum_budget == 7
-    assert load_optimizer("cma-es").minimum_budget == 1

@@ -1,6 +1,5 @@
 """The report's parts: words, tables, file names and figures."""
 
-import re
 import warnings
 
 import matplotlib.figure
@@ -13,7 +12,6 @@ from bench.report import Figure, Table
 from bench.report.output import save_figure, save_table
 from bench.report.page import inline
 from bench.report.wording import cell_text, count, listing, seconds, usual_decimals
-from bench.text import file_name
 
 HOSTILE = [
     "../../etc/passwd",
@@ -53,19 +51,6 @@ class TestWords:
         assert listing(["a", "b", "c"]) == "a, b and c"
         assert listing(list("abcdef"), at_most=3) == "a, b and 4 more"
         assert (seconds(0.0123), seconds(3.456)) == ("12.3 ms", "3.46 s")
-
-
-class TestFileNames:
-    @pytest.mark.parametrize("name", HOSTILE)
-    def test_hostile_names_stay_in_their_folder(self, name):
-        assert re.fullmatch(r"[a-z0-9_][a-z0-9_-]*", file_name(name))
-
-    def test_names_that_differ_never_share_a_file(self):
-        names = [*HOSTILE, "a-b", "a/b", "a:b", "A-B"]
-        assert len({file_name(name) for name in names}) == len(names)
-
-    def test_a_plain_name_is_kept(self):
-        assert file_name("tests-signature-03") == "tests-signature-03"
 
 
 class TestTables:

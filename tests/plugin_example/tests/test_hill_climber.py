@@ -3,11 +3,12 @@
 from hill_climber import HillClimber
 
 import bench
+from bench.testing import parametrize_with_checks
 
 
-def test_it_keeps_the_contract():
-    checkup = bench.check_optimizer(HillClimber, bias=False)
-    assert checkup, str(checkup)
+@parametrize_with_checks([HillClimber, HillClimber(sigma=0.05)])
+def test_it_keeps_the_contract(check):
+    check()
 
 
 def test_it_solves_a_sphere():

@@ -1,4 +1,4 @@
-"""What an optimizer is by itself, whatever the study: what it favours, and whether its trials are independent."""
+"""Diagnose biases of an optimizer: places of the box that it favours, and trials that are not independent."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from scipy import stats
 
 from bench.analysis import holm
 from bench.analysis.integrity import CLAMPED
-from bench.check.functions import SHIFT
+from bench.check.bias.functions import SHIFT
+from bench.check.bias.runs import Runs, RunSummary, make_runs, on_bound
 from bench.check.verdict import Verdict
-from bench.check.watch import Run, Runs, on_bound, watch
 from bench.optimizer import Optimizer
 from bench.problem import Floats
 
 LIMIT = 10.0  # a geometric mean ratio of errors above this is a bias (Kudela 2022)
-FLOOR = 1e-8  # errors below this are no longer told apart
+FLOOR = 1e-8  # errors below this count as equal
 ALPHA = 0.01  # of the tests for structural bias
-ALPHA_STARTS = 0.001  # of the tests of starts: an unbiased optimizer then passes all checks with 99 % of seeds
+ALPHA_STARTS = 0.001  # of the tests of starts: an unbiased optimizer then passes all checks for 99 % of the seeds
 HALFWAY = 0.25  # mean distance of a uniform coordinate from the centre, as a share of the box's width
 
-PUBLISHED = "for a published algorithm report it, and offer a mended version under a name of its own, never silently"
+PUBLISHED = "in a published algorithm, report the bias and offer a corrected version under another name, never silently"
 
 
 def diagnose(
     optimizer: Optimizer, *, dimension: int = 7, runs: int = 10, noise_runs: int = 100, n_jobs: int = -1, seed: int = 0
 ) -> list[Verdict]:
-    """Return what an optimizer favours: the centre of the box, other places, its bounds; and how its runs start.
+    """Return verdicts on an optimizer's centre bias, structural bias, boundary clamping, and starts and seeds.
 
     Example:
         >>> [verdict.check for verdict in diagnose(bench.load_optimizer("gwo")) if not verdict.passed]
@@ -38,21 +38,21 @@ def diagnose(
         dimension: the number of variables of every function.
         runs: of each of five functions at each of two places, 10,000 evaluations or 50 generations long.
         noise_runs: on noise in each of two boxes, at least 2, 1,000 evaluations or 50 generations long.
-        n_jobs: worker processes; -1 takes every core. It changes no figure.
-        seed: repeats every figure.
+        n_jobs: worker processes; -1 takes every core. The numbers do not depend on it.
+        seed: repeats every number.
 
     Raises:
         BenchError: when the optimizer fails on one of the functions.
     """
-    made = watch(optimizer, dimension=dimension, runs=runs, noise_runs=noise_runs, n_jobs=n_jobs, seed=seed)
+    made = make_runs(optimizer, dimension=dimension, runs=runs, noise_runs=noise_runs, n_jobs=n_jobs, seed=seed)
     return [check(made) for check in CHECKS]
 
 
 def centre_bias(runs: Runs) -> Verdict:
-    """Say how much lower the errors are when the optimum lies at the centre of the box.
+    """Judge centre bias: how much lower errors are when the optimum lies at the centre of the box.
 
-    The figure is the geometric mean of the ratios of errors, moved over centred, over five functions; errors are
-    taken as at least 1e-8. An unbiased method has a ratio near 1, one that draws its points to the centre a large one
+    The deciding number is the geometric mean over five functions of the ratio of errors, moved to centred; errors
+    count as at least 1e-8. An unbiased method has a ratio near 1, one that draws its points to the centre a large one
     (Kudela, Nature Machine Intelligence 4, 2022, doi:10.1038/s42256-022-00579-0).
     """
     logarithms = [_mean_log_error(runs.moved[name]) - _mean_log_error(runs.centred[name]) for name in runs.centred]
@@ -70,19 +70,19 @@ def centre_bias(runs: Runs) -> Verdict:
     return _verdict("centre bias", passed, finding, mend, ratio)
 
 
-def _mean_log_error(runs: Sequence[Run]) -> float:
-    """Return the mean logarithm of the errors; a run without a finite value has the largest error there is."""
+def _mean_log_error(runs: Sequence[RunSummary]) -> float:
+    """Return the mean logarithm of the errors; a run without a finite value has the largest float as its error."""
     errors = np.nan_to_num([run.best for run in runs], nan=np.inf, posinf=np.finfo(float).max)
     return float(np.log(np.maximum(errors, FLOOR)).mean())
 
 
 def structural_bias(runs: Runs) -> Verdict:
-    """Say whether the best points found on pure noise are uniform in the box, as those of an unbiased method are.
+    """Judge structural bias: whether the best points on pure noise are uniform in the box, as for an unbiased method.
 
     In each of two boxes every coordinate is compared with the uniform law by a Kolmogorov-Smirnov test, and the runs'
-    mean distances from the centre with that of uniform points by Wilcoxon's signed-rank test. The figure is the
-    smallest p-value after Holm's adjustment over all of these tests. (Kononova et al., Information Sciences 298, 2015,
-    doi:10.1016/j.ins.2014.11.035; Vermetten et al., IEEE Transactions on Evolutionary Computation 26(6), 2022,
+    mean distances from the centre with that of uniform points by Wilcoxon's signed-rank test. The deciding number
+    is the smallest p-value after Holm's adjustment over all of these tests. (Kononova et al., Information Sciences 298,
+    2015, doi:10.1016/j.ins.2014.11.035; Vermetten et al., IEEE Transactions on Evolutionary Computation 26(6), 2022,
     doi:10.1109/TEVC.2022.3189848.)
     """
     finals = {box: np.array([run.x for run in those]) for box, those in runs.noise.items()}
@@ -104,9 +104,9 @@ def structural_bias(runs: Runs) -> Verdict:
 
 
 def boundary_clamping(runs: Runs) -> Verdict:
-    """Say how many coordinates of the best points lie exactly on a bound where no optimum lies there.
+    """Judge boundary clamping: how many coordinates of the best points lie exactly on a bound, where no optimum lies.
 
-    The figure is the share of the coordinates of the best points, on the functions or on noise, whichever is larger.
+    The deciding number is the share of those coordinates, on the functions or on noise, whichever is larger.
     """
     groups = {
         "on functions with their optimum inside the box": [*runs.centred.values(), *runs.moved.values()],
@@ -117,52 +117,54 @@ def boundary_clamping(runs: Runs) -> Verdict:
         own = list(chain.from_iterable(problems))
         shares.append(float(on_bound(np.array([run.x for run in own])).mean()))
         evaluated = np.mean([run.clamped for run in own])
-        sentences.append(f"{where} {shares[-1]:.2%} of the best points' coordinates and {evaluated:.2%} of all")
+        sentences.append(f"{shares[-1]:.2%} of the best points' and {evaluated:.2%} of all coordinates {where}")
     passed = max(shares) <= CLAMPED
     finding = (
-        f"exactly on a bound of the box lie, {'; '.join(sentences)} "
-        f"({'within' if passed else 'above'} the limit of {CLAMPED:.0%} of the best points')"
+        f"{' and '.join(sentences)} lie exactly on a bound of the box "
+        f"({'within' if passed else 'above'} the limit of {CLAMPED:.0%} for the best points)"
     )
-    mend = f"reflect or draw again what leaves the box rather than clip it to the bound; {PUBLISHED}"
+    mend = f"reflect or redraw coordinates that leave the box instead of clipping them to the bound; {PUBLISHED}"
     return _verdict("boundary clamping", passed, finding, mend, max(shares))
 
 
 def starts_and_seeds(runs: Runs) -> Verdict:
-    """Say whether trials of different seeds are trials of their own that start anywhere in the box.
+    """Judge starts and seeds: whether trials of different seeds are independent and start anywhere in the box.
 
     Two runs on one function with different seeds must differ, and so must the first generations of two runs on noise,
     unless every run begins at one and the same point. One point of each first generation is compared with the uniform
     law, coordinate by coordinate, and with that of the run with the next seed (Kolmogorov-Smirnov and Pearson's r). The
-    figure is the smallest p-value after Holm's adjustment, None where there is nothing to test.
+    deciding number is the smallest p-value after Holm's adjustment, None where there is nothing to test.
     """
     check, independent = "starts and seeds", "draw every random number from the rng that minimize is given"
     problems = [*runs.centred.values(), *runs.moved.values()]
     total = sum(map(len, problems))
     repeats = total - sum(len({run.course for run in those}) for those in problems)
     if repeats:
-        finding = f"{repeats} of {total} runs on functions repeat another to the last point, in spite of another seed"
-        mend = f"{independent}; of a deterministic method make one trial, for its trials are one"
+        finding = (
+            f"{repeats} of {total} runs on functions repeat another run to the last point, although their seeds differ"
+        )
+        mend = f"{independent}; make one trial of a deterministic method: all its trials are equal"
         return _verdict(check, False, finding, mend)
     starts = [run.first for run in chain.from_iterable(runs.noise.values())]
     different = len({start.tobytes() for start in starts})
     if different == 1 and len(starts[0]) == 1:
-        return _verdict(check, True, "every run starts at the same point and goes on by its seed")
+        return _verdict(check, True, "every run starts at the same point and then depends on its seed")
     if different < len(starts):
         finding = f"{len(starts)} runs with different seeds have only {different} different first generations"
         return _verdict(check, False, finding, f"{independent}, and the start from objective.initial")
-    points = np.array([start[i % len(start)] for i, start in enumerate(starts)])  # of one run points may be dependent
+    points = np.array([start[i % len(start)] for i, start in enumerate(starts)])  # those of a run may be dependent
     uniform, adjacent = _p_of_uniform(points), _p_of_neighbours(points)
     adjusted = holm(np.concatenate([uniform, adjacent]))
     figure, trouble = float(adjusted.min()), int(adjusted.argmin())
     passed = figure > ALPHA_STARTS
-    said = (
+    conclusion = (
         "look uniform in the box and independent"
         if passed
-        else ("are not uniform in the box" if trouble < len(uniform) else "depend on those of the seeds next to them")
+        else ("are not uniform in the box" if trouble < len(uniform) else "depend on the starts of adjacent seeds")
     )
     finding = (
-        f"the starts of {len(starts)} seeds {said} (smallest p = {figure:.2g} of {len(adjusted)} tests, Holm; level "
-        f"{ALPHA_STARTS:g})"
+        f"the starts of {len(starts)} seeds {conclusion} (smallest p = {figure:.2g} of {len(adjusted)} tests, Holm; "
+        f"level {ALPHA_STARTS:g})"
     )
     return _verdict(check, passed, finding, f"start from objective.initial; {PUBLISHED}", figure)
 

@@ -1,4 +1,4 @@
-"""Runs of an optimizer on functions and on noise, and what of them tells its biases."""
+"""Run an optimizer on functions and on noise, and keep what the diagnosis of biases needs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from joblib import Parallel, delayed
 from joblib.externals.loky.process_executor import BrokenProcessPool
 from numpy.typing import NDArray
 
-from bench.check.functions import FUNCTIONS, function, noise
+from bench.check.bias.functions import FUNCTIONS, function, noise
 from bench.errors import BenchError
 from bench.execution.solve import solve
 from bench.optimizer import Optimizer
@@ -18,25 +18,25 @@ from bench.problem import Floats
 from bench.sandbox.messages import spell
 from bench.seeds import trial_seed
 
-GENERATIONS = 50  # that a run makes at least: a bias of the moves needs time to show
+GENERATIONS = 50  # of a run, at least: a bias of the moves needs time to show
 FUNCTION_BUDGET = 10_000  # evaluations of a function, at least
-NOISE_BUDGET = 1_000  # evaluations of noise, at least: CMA-ES and hill climbers need not have a field ``agents``
+NOISE_BUDGET = 1_000  # evaluations of noise, at least: without a field ``agents`` a generation counts as one evaluation
 
 NOISE = "noise"
 PLACES = ("centred", "moved")
 BOXES = {"[0, 1]": (0.0, 1.0), "[-1, 1]": (-1.0, 1.0)}
-"""The boxes of the noise. The origin is a corner of the first, which is that of the toolbox BIAS, and the centre of the
-second, so that a method that is drawn to the origin shows it in one of the two."""
+"""The boxes of the noise. The origin is a corner of the first, the box of the toolbox BIAS, and the centre of the
+second, so that a method that is drawn to the origin shows it in one of them."""
 
 
 @dataclass(frozen=True)
-class Run:
-    """What is kept of one run; points are shares of the box, 0 at the lower and 1 at the upper bounds.
+class RunSummary:
+    """The record of one run; points are shares of the box, 0 at the lower and 1 at the upper bounds.
 
     Attributes:
         best: the lowest value.
         x: (d,) where it was found.
-        first: (m, d) the points of the first generation, or what there was of it.
+        first: (m, d) the points of the first generation, fewer where the run ended earlier.
         clamped: the share of all evaluated coordinates that lay exactly on a bound.
         course: a hash of all points in the order of their evaluation.
     """
@@ -50,7 +50,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Runs:
-    """The runs by which an optimizer is judged.
+    """The runs from which an optimizer is judged.
 
     Attributes:
         centred: by function, those with the optimum at the centre of the box; each has a seed of its own.
@@ -58,12 +58,12 @@ class Runs:
         noise: those on noise, by box; their seeds are adjacent numbers in each, and each has noise of its own.
     """
 
-    centred: dict[str, list[Run]]
-    moved: dict[str, list[Run]]
-    noise: dict[str, list[Run]]
+    centred: dict[str, list[RunSummary]]
+    moved: dict[str, list[RunSummary]]
+    noise: dict[str, list[RunSummary]]
 
 
-def watch(
+def make_runs(
     optimizer: Optimizer, *, dimension: int = 7, runs: int = 10, noise_runs: int = 100, n_jobs: int = 1, seed: int = 0
 ) -> Runs:
     """Run an optimizer on every function, centred and moved, ``runs`` times each, and on noise, ``noise_runs`` a box.
@@ -80,15 +80,15 @@ def watch(
         done = Parallel(n_jobs=n_jobs)(delayed(_run)(optimizer, dimension, seed, *task) for task in tasks)
     except BrokenProcessPool as error:
         raise BenchError("the optimizer ended its worker process (killed, out of memory, or by an exit)") from error
-    made: dict[tuple[str, str], list[Run]] = {problem: [] for problem in counts}
+    made: dict[tuple[str, str], list[RunSummary]] = {problem: [] for problem in counts}
     for (name, place, _), run in zip(tasks, done, strict=True):
         made[name, place].append(run)
     centred, moved = ({name: made[name, place] for name in FUNCTIONS} for place in PLACES)
     return Runs(centred, moved, {box: made[NOISE, box] for box in BOXES})
 
 
-def _run(optimizer: Optimizer, dimension: int, seed: int, name: str, place: str, run: int) -> Run:
-    """Make one run; a seed that depends on what the run is leaves it the same among any others."""
+def _run(optimizer: Optimizer, dimension: int, seed: int, name: str, place: str, run: int) -> RunSummary:
+    """Make one run; its seed depends on its problem and number alone, so that other runs do not change it."""
     generation, label = optimizer.minimum_budget, f"{name} {place}"
     if name == NOISE:
         problem = noise(BOXES[place], dimension, trial_seed(seed, label, "values", run))
@@ -103,7 +103,7 @@ def _run(optimizer: Optimizer, dimension: int, seed: int, name: str, place: str,
     except (Exception, SystemExit) as error:  # a plug-in may raise anything
         raise BenchError(f"the optimizer failed on {name}: {spell(error)}") from error
     points = problem.points
-    return Run(
+    return RunSummary(
         best=found.fun,
         x=problem.share(found.x),
         first=problem.share(points[:generation]),

@@ -1,4 +1,4 @@
-"""Whether a run uses nothing but its objective and leaves nothing behind."""
+"""Rules of side effects: a run uses only what the objective offers, prints nothing and leaves nothing behind."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from time import monotonic, sleep
 
 import numpy as np
 
-from bench.check import landscapes
-from bench.check.fault import FaultError, expect_same
-from bench.check.subject import Subject
+from bench.check.conformance import problems
+from bench.check.conformance.subject import Subject
+from bench.check.conformance.violation import ViolationError
 from bench.sandbox.messages import spell
 
 
 def check_contract(subject: Subject) -> str:
-    """Nothing is used of the problem but what the objective offers."""
-    run = subject.run(landscapes.bowl())
+    """The optimizer uses only what the objective offers."""
+    run = subject.run(problems.bowl())
     if run.reached:
-        raise FaultError(
+        raise ViolationError(
             f"it reads or sets {', '.join(sorted(run.reached))} of the objective",
             "use what the contract offers: objective(x), .lower, .upper, .dimension, .budget, .remaining, .repair(x), "
             ".initial(n) and .stop(reason)",
@@ -33,24 +33,15 @@ def check_contract(subject: Subject) -> str:
     return "it uses nothing of the objective but what the contract offers"
 
 
-def check_anonymity(subject: Subject) -> str:
-    """A problem's name, variables and known optimum change nothing."""
-    other = landscapes.bowl(name="other", variables=("a", "b", "c"), optimum=-1.0)
-    expect_same(subject.run(landscapes.bowl()), subject.run(other),
-          "its run depends on the problem's name, variables or known optimum",
-          "use nothing of the problem but the objective's values and bounds")  # fmt: skip
-    return "the problem's name, variables and known optimum change nothing"
-
-
 def check_silence(subject: Subject) -> str:
-    """A run prints nothing: progress is the harness's business, and a study makes thousands of runs."""
+    """A run prints nothing: the harness shows progress, and a study makes thousands of runs."""
     with warnings.catch_warnings(record=True) as warned, _captured() as printed:
         warnings.simplefilter("default")
-        subject.run(landscapes.bowl())
+        subject.run(problems.bowl())
     text = "".join(printed)
     if text.strip():
         first = next(line for line in text.splitlines() if line.strip()).strip()
-        raise FaultError(
+        raise ViolationError(
             f"a run printed {len(text)} characters, such as {first[:60]!r}",
             "print and log nothing; switch off the messages of the libraries that you call",
         )
@@ -65,17 +56,17 @@ def check_leftovers(subject: Subject) -> str:
     running = [_running()]
     with tempfile.TemporaryDirectory() as folder, _inside(folder):
         for optimizer in optimizers:
-            subject.run(landscapes.bowl(), optimizer=optimizer)
+            subject.run(problems.bowl(), optimizer=optimizer)
             running.append(_settled(running[-1]))
         files = sorted(path.name for path in Path(folder).iterdir())
     if files:
-        raise FaultError(
+        raise ViolationError(
             f"a run leaves {len(files)} file{'s' * (len(files) > 1)} in the working folder, such as {files[0]!r}",
             "write no files; switch off the logs of the libraries that you call",
         )
     for kind, before, after in zip(("thread", "process"), *running[1:], strict=True):
         if after > before:
-            raise FaultError(
+            raise ViolationError(
                 f"every run leaves a {kind} running", f"end every {kind} before minimize ends, in a finally"
             )
     return "no files, threads or processes are left"
@@ -87,7 +78,7 @@ def _running() -> tuple[int, int]:
 
 
 def _settled(before: tuple[int, int]) -> tuple[int, int]:
-    """Return the numbers of threads and processes once what is about to end has had time to."""
+    """Return the numbers of threads and processes, after those that are about to end have had time to."""
     until = monotonic() + 0.5
     now = _running()
     while any(np.greater(now, before)) and monotonic() < until:
@@ -108,7 +99,7 @@ def _inside(folder: str) -> Iterator[None]:
 
 @contextmanager
 def _captured() -> Iterator[list[str]]:
-    """Collect what is written to the standard streams, by Python or below it; it is there when the context ends."""
+    """Collect the output to the standard streams, also from outside Python; it is complete when the context ends."""
     written: list[str] = []
     sys.stdout.flush()
     sys.stderr.flush()

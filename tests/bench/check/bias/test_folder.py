@@ -8,16 +8,16 @@ import pytest
 
 from bench import Results, Study, run
 from bench.check.bias import diagnose
-from bench.check.folder import diagnose_folder
-from bench.check.functions import FUNCTIONS
+from bench.check.bias.folder import diagnose_folder
+from bench.check.bias.functions import FUNCTIONS
 from bench.check.verdict import Verdict
 from bench.storage.folder import Folder
 
 
 @pytest.fixture(autouse=True)
 def few_runs(monkeypatch):
-    monkeypatch.setattr("bench.check.watch.FUNCTIONS", {"sphere": FUNCTIONS["sphere"]})
-    monkeypatch.setattr("bench.check.folder.diagnose", partial(diagnose, dimension=2, runs=1, noise_runs=3))
+    monkeypatch.setattr("bench.check.bias.runs.FUNCTIONS", {"sphere": FUNCTIONS["sphere"]})
+    monkeypatch.setattr("bench.check.bias.folder.diagnose", partial(diagnose, dimension=2, runs=1, noise_runs=3))
 
 
 def test_a_folder_keeps_the_verdicts_on_its_optimizers(tmp_path):

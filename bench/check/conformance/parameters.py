@@ -1,4 +1,4 @@
-"""Whether an optimizer declares its parameters as the contract asks."""
+"""Rule of the parameters: typed fields with defaults, checked on construction."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import types
 from collections.abc import Iterator
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from bench.check.fault import FaultError
-from bench.check.subject import Subject
+from bench.check.conformance.subject import Subject
+from bench.check.conformance.violation import ViolationError
 from bench.errors import BenchError
 from bench.optimizer import Optimizer, is_frozen
 from bench.sandbox.messages import spell
@@ -20,20 +20,20 @@ def check_parameters(subject: Subject) -> str:
     source = subject.source
     cls: type[Optimizer] = source if isinstance(source, type) else type(subject.fresh())
     if not is_frozen(cls):
-        raise FaultError(f"{cls.__name__} is no frozen dataclass", "put @dataclass(frozen=True) above the class")
+        raise ViolationError(f"{cls.__name__} is no frozen dataclass", "put @dataclass(frozen=True) above the class")
     if cls.__abstractmethods__:
-        raise FaultError("it has no method minimize", "write minimize(self, objective, rng)")
+        raise ViolationError("it has no method minimize", "write minimize(self, objective, rng)")
     fields = {field.name: field for field in dataclasses.fields(cls)}  # type: ignore[arg-type]
     for base in (base for base in cls.__mro__ if base is not Optimizer):
         for name, kind in inspect.get_annotations(base).items():
             if name not in fields and not name.startswith("_") and "ClassVar" not in str(kind):
-                raise FaultError(
-                    f"{name!r} of {base.__name__} looks like a parameter and is none",
+                raise ViolationError(
+                    f"{name!r} of {base.__name__} looks like a parameter but is none",
                     f"put @dataclass(frozen=True) above {base.__name__} too, or annotate {name!r} as a ClassVar",
                 )
     for field in fields.values():
         if field.init and field.default is field.default_factory is dataclasses.MISSING:
-            raise FaultError(f"its parameter {field.name!r} has no default", "give every parameter a default")
+            raise ViolationError(f"its parameter {field.name!r} has no default", "give every parameter a default")
     cls()
     for name, wrong in _wrong_values(cls, fields):
         try:
@@ -41,13 +41,15 @@ def check_parameters(subject: Subject) -> str:
         except BenchError:
             continue
         except Exception as error:
-            raise FaultError(
+            raise ViolationError(
                 f"a wrong {name!r} raises {spell(error)} instead of a BenchError",
                 "call super().__post_init__() before anything else in __post_init__",
             ) from error
         if name == "agents" and isinstance(wrong, int):
-            raise FaultError(f"it takes agents={wrong}", "declare it as agents: int = bench.parameter(30, minimum=1)")
-        raise FaultError(
+            raise ViolationError(
+                f"it takes agents={wrong}", "declare it as agents: int = bench.parameter(30, minimum=1)"
+            )
+        raise ViolationError(
             f"it takes anything as {name!r}, whatever its declared type",
             "call super().__post_init__() in __post_init__: it checks every parameter",
         )
@@ -57,7 +59,7 @@ def check_parameters(subject: Subject) -> str:
 
 
 def _wrong_values(cls: type[Optimizer], fields: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield values that no parameter of a declared type may take, and populations that are none."""
+    """Yield values that do not fit a parameter's declared type, and population sizes below 1."""
     hints = get_type_hints(cls)
     for name in (name for name, field in fields.items() if field.init):
         if _is_plain(hints[name]):

@@ -1,4 +1,4 @@
-"""The problems on which optimizers are watched: classic functions, and noise that has no better or worse places."""
+"""Problems for the diagnosis of biases: classic functions, and noise on which no place is better than another."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ HALF_WIDTH = 100.0  # of the functions' box [-100, 100]
 Function = Callable[[Floats], Floats]
 
 
-class Watched(FunctionProblem):
-    """A problem on [lower, upper]^d that takes down where it is evaluated; it serves one run alone."""
+class RecordingProblem(FunctionProblem):
+    """A problem on [lower, upper]^d that records the points of one run."""
 
     def __init__(self, function: Function, lower: float, upper: float, dimension: int, name: str) -> None:
         super().__init__(function, [lower] * dimension, [upper] * dimension, name=name)
@@ -36,20 +36,20 @@ class Watched(FunctionProblem):
         return np.asarray((x - self.lower) / (self.upper - self.lower))
 
 
-def function(name: str, dimension: int, *, moved: bool) -> Watched:
-    """Return one of ``FUNCTIONS`` with its optimum, 0, at the centre of the box or moved from there by ``SHIFT``."""
+def function(name: str, dimension: int, *, moved: bool) -> RecordingProblem:
+    """Return one of ``FUNCTIONS`` with its optimum, 0, at the centre of the box or moved by ``SHIFT``."""
     shift = SHIFT * 2 * HALF_WIDTH if moved else 0.0
-    return Watched(lambda x: FUNCTIONS[name](x - shift), -HALF_WIDTH, HALF_WIDTH, dimension, name)
+    return RecordingProblem(lambda x: FUNCTIONS[name](x - shift), -HALF_WIDTH, HALF_WIDTH, dimension, name)
 
 
-def noise(box: tuple[float, float], dimension: int, seed: int) -> Watched:
+def noise(box: tuple[float, float], dimension: int, seed: int) -> RecordingProblem:
     """Return pure noise on a box: the k-th evaluation of a run has the k-th uniform number of the seed's stream.
 
     No point is better than another, so only the optimizer's own rules decide where its best point lies (the function
     f0 of Kononova et al., Information Sciences 298, 2015, doi:10.1016/j.ins.2014.11.035).
     """
     rng = np.random.default_rng(seed)
-    return Watched(lambda x: rng.random(len(x)), *box, dimension, "noise")
+    return RecordingProblem(lambda x: rng.random(len(x)), *box, dimension, "noise")
 
 
 def _sphere(z: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""A run under observation: what an optimizer evaluated, what it reached for, and what it left changed."""
+"""Record a run: its points, its use of the objective, and the global random states that it changed."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ from bench.seeds import global_states
 OFFERED = frozenset(
     {"lower", "upper", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
 )  # fmt: skip
-"""What an objective offers beside its call; ``evaluations`` is but ``budget`` less ``remaining``."""
+"""Attributes that the contract offers, and ``evaluations``, which is ``budget`` minus ``remaining``."""
 
-_PATIENCE = 10_000  # asks after the end of the budget before its process is ended
+_MOST_REFUSALS = 10_000  # calls after the end of the budget until the process is ended
 
 
 @dataclass
-class Run:
-    """What was seen of one run.
+class RecordedRun:
+    """The record of one run.
 
     Attributes:
         points: (n, d) all evaluated points, in order.
         stop: ``"budget"``, the declared reason, or ``"undeclared"``.
-        asked_after: how many times it asked for more after it was told that the budget is spent.
+        asked_after: how many times it called the objective again after BudgetExhausted was raised.
         outside: points outside the box or not finite.
-        reached: attributes of the objective that it read or set beyond what is offered.
+        reached: attributes of the objective that it read or set although the contract does not offer them.
         drew: whether it drew from its generator.
         touched: the global random states that it left changed.
     """
@@ -56,7 +56,7 @@ class Run:
         return [crc32(point.tobytes()) for point in self.points]
 
 
-def run(
+def record_run(
     optimizer: Optimizer,
     problem: Problem,
     budget: int,
@@ -65,26 +65,26 @@ def run(
     pulse: Pulse | None = None,
     expendable: bool = False,
     global_seed: int = 0,
-) -> Run:
-    """Run the optimizer as a trial does and return what was seen.
+) -> RecordedRun:
+    """Run the optimizer as a trial does and return the record.
 
     Args:
         optimizer: what is run.
         problem: what is minimised.
         budget: evaluations it may spend.
         seed: the trial's.
-        pulse: called with the evaluations made and the budget, whenever the optimizer has asked for values.
-        expendable: whether this process may be ended to stop an optimizer that goes on asking for ever.
+        pulse: called with the evaluations made and the budget after every call of the objective.
+        expendable: whether this process may be ended to stop an optimizer that calls the objective for ever.
         global_seed: of Python's and numpy's global random states during the run.
     """
-    seen = Run()
-    watched = _Watched(optimizer, seen, pulse, expendable)
+    seen = RecordedRun()
+    observed = _ObservedOptimizer(optimizer, seen, pulse, expendable)
     points: list[Floats] = []
     with _global_states(global_seed) as changed:
         try:
-            result = solve(_Recorded(problem, points), watched, budget=budget, seed=seed)
+            result = solve(_RecordingProblem(problem, points), observed, budget=budget, seed=seed)
         except RuntimeError:
-            if points or not watched.returned:
+            if points or not observed.returned:
                 raise
         else:
             seen.stop, seen.outside = result.stop, result.outside_box
@@ -93,8 +93,8 @@ def run(
     return seen
 
 
-class _Recorded(FunctionProblem):
-    """A problem that keeps the points it is asked for."""
+class _RecordingProblem(FunctionProblem):
+    """A problem that records its evaluated points."""
 
     def __init__(self, problem: Problem, points: list[Floats]) -> None:
         super().__init__(problem.evaluate, problem.lower, problem.upper, name=problem.name, optimum=problem.optimum,
@@ -107,17 +107,17 @@ class _Recorded(FunctionProblem):
         return super().evaluate(x)
 
 
-class _Watched(Optimizer):
-    """The optimizer, which is handed an objective that takes notes."""
+class _ObservedOptimizer(Optimizer):
+    """The optimizer, which gets a recording objective."""
 
-    def __init__(self, optimizer: Optimizer, seen: Run, pulse: Pulse | None, expendable: bool) -> None:
+    def __init__(self, optimizer: Optimizer, seen: RecordedRun, pulse: Pulse | None, expendable: bool) -> None:
         self.optimizer, self.seen, self.pulse, self.expendable = optimizer, seen, pulse, expendable
         self.returned = False
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         lower, upper, before = objective.lower.copy(), objective.upper.copy(), _state(rng)
         try:
-            self.optimizer.minimize(_Noting(objective, self), rng)  # type: ignore[arg-type]
+            self.optimizer.minimize(_ObjectiveProxy(objective, self), rng)  # type: ignore[arg-type]
             self.returned = True
         finally:
             self.seen.drew = _state(rng) != before
@@ -125,16 +125,16 @@ class _Watched(Optimizer):
                 self.seen.reached.add("the values of lower and upper")
 
 
-class _Noting:
-    """Stands in for an objective, passes everything on and notes what an optimizer should not touch.
+class _ObjectiveProxy:
+    """Pass everything on to an objective, and record what an optimizer should not use.
 
-    Only what a real objective has is noted: tools that look an object over ask for many a name that is not there.
+    A name that no objective has is not recorded: tools that inspect an object ask for many such names.
     """
 
-    __slots__ = ("_ends", "_objective", "_watched")
+    __slots__ = ("_ends", "_objective", "_observed")
 
-    def __init__(self, objective: Objective, watched: _Watched) -> None:
-        for name, value in (("_objective", objective), ("_watched", watched), ("_ends", [])):
+    def __init__(self, objective: Objective, observed: _ObservedOptimizer) -> None:
+        for name, value in (("_objective", objective), ("_observed", observed), ("_ends", [])):
             object.__setattr__(self, name, value)
 
     @property  # type: ignore[misc]
@@ -144,31 +144,31 @@ class _Noting:
     def __getattr__(self, name: str) -> Any:
         value = getattr(self._objective, name)
         if name not in OFFERED and not name.startswith("__"):
-            self._watched.seen.reached.add(name)
+            self._observed.seen.reached.add(name)
         return value
 
     def __setattr__(self, name: str, value: Any) -> None:
-        self._watched.seen.reached.add(name)
+        self._observed.seen.reached.add(name)
         setattr(self._objective, name, value)
 
     def __call__(self, x: ArrayLike) -> Any:
-        objective, watched = self._objective, self._watched
+        objective, observed = self._objective, self._observed
         try:
             values = objective(x)
         except BudgetExhausted:
-            watched.seen.asked_after = len(self._ends)
+            observed.seen.asked_after = len(self._ends)
             self._ends.append(True)
             if len(self._ends) == 1:
                 self._pulse()
-            if watched.expendable and len(self._ends) > _PATIENCE:
+            if observed.expendable and len(self._ends) > _MOST_REFUSALS:
                 os._exit(STILL_ASKING)
             raise
         self._pulse()
         return values
 
     def _pulse(self) -> None:
-        if self._watched.pulse is not None:
-            self._watched.pulse(self._objective.evaluations, self._objective.budget)
+        if self._observed.pulse is not None:
+            self._observed.pulse(self._objective.evaluations, self._objective.budget)
 
 
 def _state(rng: np.random.Generator) -> str:
@@ -177,7 +177,7 @@ def _state(rng: np.random.Generator) -> str:
 
 @contextmanager
 def _global_states(seed: int) -> Iterator[Callable[[], tuple[str, ...]]]:
-    """Seed the global random states, offer to say which have changed, and put back what was there."""
+    """Seed the global random states, yield a function that names those that have changed, and restore all of them."""
     before = random.getstate(), np.random.get_state()  # noqa: NPY002
     random.seed(seed)
     np.random.seed(seed)  # noqa: NPY002

@@ -1,44 +1,44 @@
-"""What breaks a rule of the contract, in words that tell an author how to mend it."""
+"""Violations of a rule: what was observed, and how to mend it."""
 
 from __future__ import annotations
 
-from bench.check.probe import Run
+from bench.check.conformance.recording import RecordedRun
 from bench.execution.trial_process import STILL_ASKING
 from bench.sandbox.process import DiedError, Process, SilentError
 
 LET_IT_PASS = "let BudgetExhausted pass: catch Exception, never BaseException or everything (a bare except)"
 
 
-class UnmadeError(Exception):
-    """The optimizer cannot be made at all, so that there is nothing to examine."""
+class ConstructionError(Exception):
+    """The optimizer cannot be constructed, so that there is nothing to examine."""
 
 
-class FaultError(Exception):
-    """The optimizer breaks the rule: what was seen, and how to mend it."""
+class ViolationError(Exception):
+    """The optimizer breaks the rule: what was observed, and how to mend it."""
 
     def __init__(self, finding: str, mend: str) -> None:
         super().__init__(finding)
         self.finding, self.mend = finding, mend
 
 
-def expect_same(run: Run, other: Run, finding: str, mend: str) -> None:
-    """Raise FaultError, naming the first evaluation that differs, unless both runs evaluated the same points."""
+def expect_same(run: RecordedRun, other: RecordedRun, finding: str, mend: str) -> None:
+    """Raise ViolationError, naming the first evaluation that differs, unless both runs evaluated the same points."""
     expect_same_course(run.course(), other.course(), finding, mend)
 
 
 def expect_same_course(one: list[int], other: list[int], finding: str, mend: str) -> None:
-    """Do the same with courses of runs, see :meth:`Run.course`."""
+    """Raise ViolationError unless both courses are equal, see :meth:`RecordedRun.course`."""
     if one != other:
         length = min(len(one), len(other))
         first = next((i for i in range(length) if one[i] != other[i]), length) + 1
-        raise FaultError(f"{finding} (from evaluation {first} on)", mend)
+        raise ViolationError(f"{finding} (from evaluation {first} on)", mend)
 
 
-def describe(error: SilentError | DiedError, process: Process) -> tuple[str, str]:
-    """Return what an optimizer did that hung or ended its process, and how to mend it."""
+def explain_lost_process(error: SilentError | DiedError, process: Process) -> tuple[str, str]:
+    """Return the finding on an optimizer that hung or ended its process, and how to mend it."""
     made, budget = process.pulse or (0, 0)
     if isinstance(error, DiedError) and error.code == STILL_ASKING:
-        return f"it goes on asking for values for ever after its budget of {budget} is spent", LET_IT_PASS
+        return f"it calls the objective for ever after its budget of {budget} is spent", LET_IT_PASS
     if isinstance(error, DiedError):
         return f"it ended the process that it ran in ({error})", (
             "raise an exception where it cannot go on; a signal means a crash in compiled code"

@@ -1,4 +1,4 @@
-"""The functions on which optimizers show whether they keep the contract; each takes one rule to its edge."""
+"""The problems on which optimizers are checked; each is demanding for one rule."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from bench.problem import Floats, FunctionProblem
 
 Values = Callable[[Floats, Floats], Floats]
 
-# The ordinary box, uneven and without the origin, and the place of the optimum in it as a share of its widths; they are
-# repeated as often as there are variables.
+# The ordinary box, uneven and without the origin, and the place of the optimum as a share of its widths; they are
+# repeated up to the number of variables.
 _LOWER, _UPPER, _BEST = (-2.0, 10.0, -1000.0), (5.0, 10.5, -10.0), (0.3, 0.65, 0.8)
 
 
@@ -38,7 +38,7 @@ def half() -> FunctionProblem:
 
 
 def odd() -> dict[str, FunctionProblem]:
-    """Return problems with values that are rare but allowed, by what they are."""
+    """Return problems with values that are rare but allowed, by their description."""
     kinds: dict[str, Values] = {
         "equal values": lambda _, f: np.zeros_like(f),
         "+inf everywhere": lambda _, f: np.full_like(f, np.inf),

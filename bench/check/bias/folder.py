@@ -1,4 +1,4 @@
-"""The biases of all optimizers of a study, noted in its folder for reports."""
+"""Diagnose all optimizers of a study and store the verdicts in its folder for reports."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from bench.storage.folder import Folder
 
 
 def diagnose_folder(folder: Folder, n_jobs: int = -1) -> tuple[dict[str, list[Verdict]], dict[str, str]]:
-    """Diagnose every optimizer of a study with its own options, and note the outcome in the folder.
+    """Diagnose every optimizer of a study with its own options, and store the verdicts in the folder.
 
     Returns:
         the verdicts by optimizer label, and why an optimizer could not be diagnosed, by label.
@@ -20,7 +20,7 @@ def diagnose_folder(folder: Folder, n_jobs: int = -1) -> tuple[dict[str, list[Ve
     for entry in study.optimizers:
         try:
             found[entry.label] = diagnose(study.optimizer(entry.label), n_jobs=n_jobs)
-        except BenchError as error:  # one that fails must not cost the others their verdicts
+        except BenchError as error:  # the other optimizers get their verdicts all the same
             failed[entry.label] = str(error)
     folder.note_checks({label: [each.as_dict() for each in verdicts] for label, verdicts in found.items()})
     return found, failed

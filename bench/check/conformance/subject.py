@@ -1,4 +1,4 @@
-"""The optimizer under check, in a form that another process can make it from."""
+"""The optimizer under check, in a form from which another process can construct it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any, get_type_hints
 
 import cloudpickle
 
-from bench.check.probe import Run, run
+from bench.check.conformance.recording import RecordedRun, record_run
 from bench.errors import BenchError
 from bench.optimizer import Optimizer, build, settings
 from bench.plugins.loading import load_optimizer
@@ -21,18 +21,21 @@ from bench.problem import Problem
 from bench.sandbox.process import Pulse
 from bench.seeds import check_seed
 
+START_PATIENCE = 120.0
+"""Seconds without a sign of life that are allowed while a process imports, compiles and makes its first run."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Subject:
-    """An optimizer that can be made anew for every run, so that no run sees what another left in the instance.
+    """An optimizer that is constructed anew for every run, so that no run depends on the state that another one left.
 
     Attributes:
         source: its name, its class, or an instance of it.
         options: its parameters, for a name or a class.
         seed: the first seed of its runs.
-        packed: what :func:`pack` made of it before its first run, where that is known.
-        pulse: see :func:`bench.check.probe.run`.
-        expendable: see there too.
+        packed: the bytes that :func:`pack` made before its first run, where known.
+        pulse: see :func:`bench.check.conformance.recording.record_run`.
+        expendable: likewise.
     """
 
     source: str | type[Optimizer] | Optimizer
@@ -44,7 +47,7 @@ class Subject:
 
     @property
     def label(self) -> str:
-        """The name by which it is shown."""
+        """The name that verdicts show."""
         if isinstance(self.source, str):
             return self.source
         cls = self.source if isinstance(self.source, type) else type(self.source)
@@ -67,18 +70,18 @@ class Subject:
         budget: int | None = None,
         seed: int = 0,
         global_seed: int = 0,
-    ) -> Run:
-        """Run a new instance, or ``optimizer``; see :func:`bench.check.probe.run`.
+    ) -> RecordedRun:
+        """Run a new instance, or ``optimizer``; see :func:`bench.check.conformance.recording.record_run`.
 
         Args:
             problem: what is minimised.
             optimizer: an instance to run instead of a new one.
             budget: evaluations it may spend; by default those of an ordinary run.
-            seed: counted from the subject's own.
+            seed: added to the subject's own.
             global_seed: of the global random states.
         """
         optimizer = optimizer if optimizer is not None else self.fresh()
-        return run(
+        return record_run(
             optimizer,
             problem,
             budget if budget is not None else ordinary_budget(optimizer),
@@ -111,14 +114,14 @@ def make_subject(optimizer: object, options: dict[str, Any], seed: int) -> Subje
         raise BenchError(
             f"{next(iter(options))!r} cannot be set: the optimizer is made already; give its class or name"
         )
-    if "plugin" in vars(type(optimizer)):  # one made at run time is loaded by its name
+    if "plugin" in vars(type(optimizer)):  # a class made at run time is loaded by its name
         own = settings(optimizer)
         return Subject(vars(type(optimizer))["plugin"], own, seed)
     return Subject(optimizer, {}, seed)
 
 
 def _refuse(make: Callable[[], Optimizer]) -> None:
-    """Have bad input refused; what a stranger's own code raises is for the check of the parameters to tell."""
+    """Raise BenchError for bad input; other exceptions of a plug-in are for the rule of the parameters to report."""
     try:
         make()
     except BenchError:
@@ -133,17 +136,17 @@ def ordinary_budget(optimizer: Optimizer) -> int:
 
 
 def parameters(optimizer: Optimizer) -> dict[str, str]:
-    """Return what the optimizer holds, spelled out: its fields, or all attributes where it has no fields."""
+    """Return the optimizer's fields as text, or all attributes where it has no fields."""
     if dataclasses.is_dataclass(optimizer):
         return {name: repr(value) for name, value in settings(optimizer).items()}
     return {name: repr(value) for name, value in vars(optimizer).items()}
 
 
 def pack(subject: Subject) -> bytes:
-    """Return the subject as bytes; a class that another process cannot import travels by value.
+    """Return the subject as bytes; a class that another process cannot import is sent by value.
 
     Raises:
-        Exception: whatever a parameter, or what a local class refers to, raises on pickling.
+        Exception: whatever a parameter, or an object that a local class uses, raises on pickling.
     """
     cls = subject.source if isinstance(subject.source, type) else type(subject.source)
     local = [each for each in cls.__mro__ if not _importable(each)]
@@ -157,17 +160,17 @@ def unpack(packed: bytes) -> Subject:
     """Return the subject of :func:`pack`."""
     subject, annotations = pickle.loads(packed)
     for cls, types in annotations:
-        # annotations that are texts are looked up in the class's module, which is not there in this process
+        # annotations in the form of strings are looked up in the class's module, which this process does not have
         cls.__annotations__ = types
     return dataclasses.replace(subject, packed=packed)  # type: ignore[no-any-return]
 
 
 def _annotations(cls: type) -> dict[str, Any]:
-    """Return the class's own annotations as types; as they are where one of them means nothing here either."""
+    """Return the class's own annotations as types; unchanged where one of them cannot be evaluated."""
     own = inspect.get_annotations(cls)
     try:
         hints = get_type_hints(cls)
-    except Exception:  # the check of the parameters meets this again, and says so
+    except Exception:  # the rule of the parameters reports it
         return own
     return {name: hints[name] for name in own if "ClassVar" not in str(own[name])}
 

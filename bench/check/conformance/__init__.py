@@ -1,0 +1,1 @@
+"""Conformance of an optimizer to the contract: the table of rules, and one function a rule."""

@@ -1,0 +1,91 @@
+"""The table of the contract's rules, which ``check_optimizer``, ``bench check`` and ``bench.testing`` share.
+
+A rule's function takes a :class:`~bench.check.conformance.subject.Subject` and returns one sentence on what it
+observed, or raises :class:`~bench.check.conformance.violation.ViolationError`. It judges one rule alone: an optimizer
+that breaks another rule passes it wherever possible.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from bench.check.conformance import budget, parameters, reproducibility, robustness, side_effects
+from bench.check.conformance.subject import START_PATIENCE, Subject
+from bench.check.conformance.violation import ConstructionError, ViolationError
+from bench.check.verdict import Verdict
+from bench.sandbox.messages import spell
+
+PATIENCE = 30.0  # seconds without a sign of life that are allowed once everything is imported and compiled
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One rule of the contract.
+
+    Attributes:
+        name: the name in verdicts, such as ``"budget"``.
+        examine: returns one sentence on what it observed, or raises ViolationError.
+        mend: how to mend an exception that the optimizer raises in this check.
+        needs: the rules that an optimizer must keep before this one can be checked.
+        patience: seconds without a sign of life that are allowed.
+    """
+
+    name: str
+    examine: Callable[[Subject], str]
+    mend: str
+    needs: tuple[str, ...] = ("run",)
+    patience: float = PATIENCE
+
+
+_REPEATED = ("run", "repetition")
+_ROBUST = "mend what raises: any dimension, any finite value and +inf can occur"
+
+RULES = (
+    Rule("parameters", parameters.check_parameters, "declare fields of plain types with defaults that fit", ()),
+    Rule(
+        "run", budget.check_run, "mend what raises: this is an ordinary function of three variables", (), START_PATIENCE
+    ),
+    Rule("budget", budget.check_budget, "mend what raises: any budget from 1 on can occur"),
+    Rule("repetition", reproducibility.check_repetition, "mend what raises: this is an ordinary run with another seed"),
+    Rule(
+        "processes", reproducibility.check_processes, "mend what raises in a new process", _REPEATED, 2 * START_PATIENCE
+    ),
+    Rule("no state", reproducibility.check_state, "a second run of an instance must start as the first did", _REPEATED),
+    Rule("pickling", reproducibility.check_pickling, "keep plain values in the fields: no locks, no files", _REPEATED),
+    Rule("global states", reproducibility.check_global_states, "draw from rng alone", _REPEATED),
+    Rule("box", robustness.check_box, _ROBUST),
+    Rule("repair", robustness.check_repair, "objective.repair(x) may move points within the box"),
+    Rule("dimensions", robustness.check_dimensions, _ROBUST),
+    Rule("values", robustness.check_values, _ROBUST),
+    Rule("contract", side_effects.check_contract, "use nothing but what the objective offers"),
+    Rule("anonymity", reproducibility.check_anonymity, "use nothing but what the objective offers", _REPEATED),
+    Rule("silence", side_effects.check_silence, "a run must not need a terminal"),
+    Rule("leftovers", side_effects.check_leftovers, "a run must not depend on the working folder"),
+)
+"""All rules, in the order in which they are checked."""
+
+
+def find_rule(name: str) -> Rule:
+    """Return the rule of that name."""
+    return next(rule for rule in RULES if rule.name == name)
+
+
+def judge(rule: Rule, subject: Subject) -> Verdict | None:
+    """Return the verdict on one rule, None where the optimizer cannot be constructed.
+
+    Any exception of the optimizer becomes the finding.
+    """
+    try:
+        return Verdict(rule.name, "conformance", True, rule.examine(subject))
+    except ConstructionError:
+        return None
+    except ViolationError as violation:
+        return failed(rule, violation.finding, violation.mend)
+    except (Exception, SystemExit) as error:
+        return failed(rule, f"it raised {spell(error)}")
+
+
+def failed(rule: Rule, finding: str, mend: str = "") -> Verdict:
+    """Return a failed verdict on the rule; without a ``mend`` of its own it gets the rule's."""
+    return Verdict(rule.name, "conformance", False, finding, mend or rule.mend)

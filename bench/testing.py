@@ -1,0 +1,166 @@
+"""Tests for authors of plug-ins: the rules of the contract as cases of pytest.
+
+This module needs pytest, which backlash-bench does not install.
+"""
+
+from __future__ import annotations
+
+import atexit
+import dataclasses
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import cached_property
+from typing import Any, ClassVar
+
+import pytest
+
+from bench.check.conformance.checker import PICKLING, Checker, ProcessJudge, UnloadableError
+from bench.check.conformance.rules import RULES, Rule, failed
+from bench.check.conformance.subject import make_subject
+from bench.check.verdict import Verdict
+from bench.errors import BenchError, nearest
+from bench.optimizer import Optimizer, is_frozen
+
+__all__ = ["RuleCheck", "parametrize_with_checks"]
+
+Source = str | type[Optimizer] | Optimizer
+ExpectedFailures = Mapping[str, str] | Callable[[Source], Mapping[str, str]]
+
+
+def parametrize_with_checks(
+    optimizers: Iterable[Source], *, expected_failures: ExpectedFailures | None = None
+) -> pytest.MarkDecorator:
+    """Decorate a test function, so that pytest runs it once for every optimizer and rule of the contract.
+
+    The function has one argument, ``check``, and calls it. The ids are the optimizer and the rule, such as
+    ``HillClimber-budget`` or ``HillClimber(sigma=0.1)-no-state``. A check runs in a process of its own and within a
+    time limit, as in :func:`bench.check_optimizer`. It fails with the finding and how to mend it, and is skipped where
+    it means nothing because the optimizer breaks another rule. While pytest collects tests, no optimizer runs and none
+    is loaded by its name.
+
+    Example:
+        >>> from bench.testing import parametrize_with_checks
+        >>>
+        >>> @parametrize_with_checks([HillClimber, "my-optimizer", HillClimber(sigma=0.1)])
+        ... def test_conforms(check):
+        ...     check()
+
+    Args:
+        optimizers: names, classes or instances, as for :func:`bench.check_optimizer`.
+        expected_failures: the reason for every rule that is known to be broken, by the rule's name, such as
+            ``{"silence": "the library prints a banner"}``; or a function that takes an optimizer, as given in
+            ``optimizers``, and returns such a mapping. A failure is then expected (xfail, strict): a check of that rule
+            that passes is reported as a failure.
+
+    Raises:
+        BenchError: when ``optimizers`` is a single optimizer, is empty or contains anything else, and for an unknown
+            rule or a missing reason in ``expected_failures``.
+    """
+    if isinstance(optimizers, (str, type, Optimizer)):
+        raise BenchError(f"give a list of optimizers, such as [{optimizers!r}]")
+    cases = [case for source in optimizers for case in _cases(source, expected_failures)]
+    if not cases:
+        raise BenchError("give at least one optimizer to check")
+    return pytest.mark.parametrize("check", cases)
+
+
+class RuleCheck:
+    """The check of one optimizer against one rule of the contract; a test calls it.
+
+    Attributes:
+        optimizer: the optimizer as it was given.
+        rule: the name of the rule, such as ``"budget"``.
+    """
+
+    def __init__(self, examined: _Examined, rule: Rule) -> None:
+        self.optimizer, self.rule = examined.source, rule.name
+        self._examined, self._rule = examined, rule
+
+    def __repr__(self) -> str:
+        return f"<check of {self._examined.label}: {self.rule}>"
+
+    def __call__(self) -> None:
+        """Return where the optimizer keeps the rule, and fail the test where it breaks the rule.
+
+        The test is skipped where the rule cannot be checked because another one is broken.
+
+        Raises:
+            BenchError: for an unknown name.
+        """
+        __tracebackhide__ = True
+        try:
+            verdict = self._examined.checker.verdict(self._rule)
+        except UnloadableError as error:
+            if self._rule is not PICKLING:
+                pytest.skip(f"not checked: {error}")
+            verdict = failed(PICKLING, str(error))
+        except BenchError as error:
+            raise BenchError(str(error)) from None  # without the frames in which the name was looked up
+        if verdict is None:
+            obstacle = self._examined.checker.obstacle(self._rule)
+            pytest.skip(f"not checked, because {self._examined.label} breaks the rule {obstacle.name!r}")
+        if not verdict.passed:
+            finding = f"{self._examined.label} breaks the rule {self.rule!r}: {verdict.finding}"
+            pytest.fail(f"{finding}\nto mend it: {verdict.mend}", pytrace=False)
+
+
+class _Examined:
+    """An optimizer with its checks, which share what they find."""
+
+    _running: ClassVar[ProcessJudge | None] = None  # of all optimizers, so that one process is there at a time
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self._subject = None if isinstance(source, str) else make_subject(source, {}, 0)  # a name is loaded later
+        self.label = _label(source)
+        self.checker = Checker(self._ask)
+
+    @cached_property
+    def _judge(self) -> ProcessJudge:
+        return ProcessJudge(self._subject or make_subject(self.source, {}, 0))
+
+    def _ask(self, rule: Rule) -> Verdict | None:
+        judge = self._judge
+        if _Examined._running is not judge:
+            self.end_process()
+            _Examined._running = judge
+        return judge(rule)
+
+    @classmethod
+    def end_process(cls) -> None:
+        """End the process of the optimizer that was checked last."""
+        if cls._running is not None:
+            cls._running.close()
+        cls._running = None
+
+
+atexit.register(_Examined.end_process)
+
+
+def _cases(source: Source, expected_failures: ExpectedFailures | None) -> Iterator[Any]:
+    """Yield one case for every rule, with its id and, where it is expected to fail, its mark."""
+    expected = expected_failures(source) if callable(expected_failures) else expected_failures or {}
+    examined, names = _Examined(source), [rule.name for rule in RULES]
+    for name, reason in expected.items():
+        if name not in names:
+            raise BenchError(f"expected_failures names an unknown rule {name!r}{nearest(name, names)}")
+        if not isinstance(reason, str) or not reason.strip():
+            raise BenchError(f"expected_failures must give the reason for {name!r} as a text, not {reason!r}")
+    for rule in RULES:
+        marks = []
+        if rule.name in expected:
+            marks.append(pytest.mark.xfail(reason=expected[rule.name], strict=True, raises=pytest.fail.Exception))
+        yield pytest.param(RuleCheck(examined, rule), id=f"{examined.label}-{rule.name.replace(' ', '-')}", marks=marks)
+
+
+def _label(source: Source) -> str:
+    """Return the optimizer's part of an id: a name, a class's name, or that with the parameters that were set."""
+    if isinstance(source, str):
+        return source
+    if isinstance(source, type):
+        return source.__name__
+    given = []
+    for field in dataclasses.fields(source) if is_frozen(type(source)) else ():  # type: ignore[arg-type]
+        value = getattr(source, field.name)
+        if isinstance(value, (bool, int, float, str)) and value != field.default:
+            given.append(f"{field.name}={value!r}")  # no others: they may show an address, and ids must repeat
+    return f"{type(source).__name__}({', '.join(given)})"

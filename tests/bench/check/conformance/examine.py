@@ -1,0 +1,35 @@
+"""Verdicts on faulty optimizers, made in this process."""
+
+import pytest
+
+from bench.check.conformance.checker import each_verdict
+from bench.check.conformance.rules import RULES, judge
+from bench.check.conformance.subject import make_subject
+
+ALL = {rule.name for rule in RULES}
+IN_ONE_PROCESS = [rule for rule in RULES if rule.name != "processes"]
+
+
+def verdicts(optimizer, rules=IN_ONE_PROCESS, **options):
+    """Return the verdicts by rule."""
+    subject = make_subject(optimizer, options, seed=0)
+    return {verdict.check: verdict for verdict in each_verdict(lambda rule: judge(rule, subject), rules)}
+
+
+def failures(found):
+    return [verdict for verdict in found.values() if not verdict.passed]
+
+
+def each_fault(faults):
+    """Give a test one faulty optimizer after another, with the rule that it breaks, a finding and advice."""
+    names = ("optimizer", "rule", "finding", "mend")
+    return pytest.mark.parametrize(names, faults, ids=lambda each: getattr(each, "__name__", ""))
+
+
+def expect_broken(optimizer, rule, finding, mend):
+    """Assert that the optimizer breaks this rule alone, with a finding and advice that hold these words."""
+    found = failures(verdicts(optimizer))
+    assert [verdict.check for verdict in found] == [rule]
+    assert finding in found[0].finding
+    assert mend in found[0].mend
+    assert "\n" not in found[0].finding

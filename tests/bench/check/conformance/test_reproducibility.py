@@ -1,0 +1,50 @@
+"""The rules of reproducibility."""
+
+import pytest
+
+from bench.check.conformance.rules import RULES
+from tests.bench.check import faulty
+from tests.bench.check.conformance.examine import expect_broken, failures, verdicts
+
+FAULTS = [
+    (faulty.Clocked, "repetition", "two runs of one seed differ (from evaluation 5 on)", "draw from rng alone"),
+    (faulty.Counting, "repetition", "two runs of one seed differ", "kept in the module"),
+    (faulty.Remembering, "no state", "a second run of one instance differs from that of a new one", "local variables"),
+    (faulty.Adapting, "no state", "changes its parameter 'step' from 0.1 to 0.2", "local variables"),
+    (faulty.Locked, "pickling", "TypeError: cannot pickle '_thread.lock' object", "plain values"),
+    (faulty.Legacy, "global states", "changes the global random state of numpy.random", "draw from rng alone"),
+    (faulty.Peeking, "global states", "depends on the global random states", "draw from rng alone"),
+    (
+        faulty.Knowing,
+        "anonymity",
+        "depends on the problem's name, variables or known optimum",
+        "nothing of the problem",
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("optimizer", "rule", "finding", "mend"), FAULTS, ids=lambda each: getattr(each, "__name__", "")
+)
+def test_a_fault_breaks_its_own_rule_alone_and_says_how_to_mend_it(optimizer, rule, finding, mend):
+    expect_broken(optimizer, rule, finding, mend)
+
+
+@pytest.mark.parametrize("optimizer", [faulty.Hashing, faulty.Foreign])
+def test_a_run_that_depends_on_its_process_is_found(optimizer):
+    found = failures(verdicts(optimizer, RULES))
+    assert [verdict.check for verdict in found] == ["processes"]
+    assert "another run in another process" in found[0].finding
+    assert "do not loop over a set" in found[0].mend
+
+
+def test_a_copy_of_another_class_is_found():
+    found = failures(verdicts(faulty.Changeling))
+    assert [verdict.check for verdict in found] == ["pickling"]
+    assert found[0].finding == "its pickled copy is a Sound, not a Changeling"
+
+
+def test_a_copy_that_loses_a_parameter_is_found():
+    found = failures(verdicts(faulty.Forgetful, step=0.3))
+    assert [verdict.check for verdict in found] == ["pickling"]
+    assert found[0].finding == "its pickled copy has other parameters"

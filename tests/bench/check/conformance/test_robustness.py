@@ -1,0 +1,31 @@
+"""The rules of robustness."""
+
+import pytest
+
+from tests.bench.check import faulty
+from tests.bench.check.conformance.examine import expect_broken, verdicts
+
+FAULTS = [
+    (faulty.Escaping, "box", "lie outside the box, such as [", "clip to objective.lower"),
+    (
+        faulty.Planar,
+        "dimensions",
+        "IndexError: index 1 is out of bounds for axis 1 with size 1 in 1 dimension",
+        "any dimension",
+    ),
+    (faulty.Finite, "values", "it raised ValueError: autodetected range of", "+inf can occur"),
+    (faulty.Ranging, "values", "points that are not finite with equal values", "guard divisions"),
+    (faulty.Content, "values", "returned after 4 of 150 evaluations with equal values", "objective.stop"),
+]
+
+
+@pytest.mark.parametrize(
+    ("optimizer", "rule", "finding", "mend"), FAULTS, ids=lambda each: getattr(each, "__name__", "")
+)
+def test_a_fault_breaks_its_own_rule_alone_and_says_how_to_mend_it(optimizer, rule, finding, mend):
+    expect_broken(optimizer, rule, finding, mend)
+
+
+def test_whether_the_problem_s_own_repair_is_used_is_told_and_not_judged():
+    assert "all points are feasible" in verdicts("random-search")["repair"].finding
+    assert "% of the points are infeasible" in verdicts("random-search", handling="box")["repair"].finding

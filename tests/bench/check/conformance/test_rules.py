@@ -1,0 +1,53 @@
+"""The table of rules: sound optimizers keep all of them, and every rule stands after those that it needs."""
+
+from dataclasses import dataclass
+
+import pytest
+
+from bench.check.conformance.rules import RULES, find_rule
+from tests.bench.check import faulty
+from tests.bench.check.conformance.examine import ALL, failures, verdicts
+
+
+def test_every_rule_has_a_name_of_its_own_and_stands_after_those_that_it_needs():
+    names = [rule.name for rule in RULES]
+    assert len(set(names)) == len(names) == 16
+    for number, rule in enumerate(RULES):
+        assert set(rule.needs) <= set(names[:number])
+        assert find_rule(rule.name) is rule
+        assert rule.mend
+
+
+@pytest.mark.parametrize("name", ["random-search", "gwo", "alo", "goa", "da", "cma-es"])
+def test_built_ins_conform(name):
+    found = verdicts(name, RULES)
+    assert not failures(found)
+    assert found.keys() == ALL
+
+
+@pytest.mark.parametrize(
+    ("optimizer", "check", "finding"),
+    [
+        (faulty.Sound, "repetition", "a seed repeats its run, other seeds give others"),
+        (faulty.Deterministic, "repetition", "deterministic: "),
+        (faulty.Pattern, "repetition", "other seeds give others; nothing is drawn from rng"),
+        (faulty.Tired, "budget", "stopped early and declared: tired"),
+        (faulty.Careful, "budget", "kept budgets of 1, 2, 6, 1000 to the evaluation"),
+        (faulty.Outdated, "silence", "nothing printed; warned: UserWarning: deprecated"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:deprecated")
+def test_a_sound_optimizer_passes_whatever_its_ways(optimizer, check, finding):
+    found = verdicts(optimizer)
+    assert not failures(found)
+    assert finding in found[check].finding
+
+
+def test_an_interrupt_is_the_user_s(monkeypatch):
+    @dataclass(frozen=True)
+    class Interrupted(faulty.Walker):
+        def move(self, x, f, objective, rng):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        verdicts(Interrupted)

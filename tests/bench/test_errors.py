@@ -1,0 +1,45 @@
+"""BenchError, and the hints in its messages."""
+
+import json
+
+import pytest
+
+from bench import BenchError
+from bench.errors import nearest, require
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "hint"),
+    [
+        ("gwp", ["alo", "gwo"], "; did you mean 'gwo'?"),
+        ("xyz", ["gwo", "alo"], "; known: alo, gwo"),
+        ("xyz", [], "; there are none"),
+        (
+            "?",
+            [f"n{i:02}" for i in range(13)],
+            "; known: n00, n01, n02, n03, n04, n05, n06, n07, n08, n09, n10, n11, …",
+        ),
+    ],
+)
+def test_a_hint_names_the_nearest_or_what_is_known(name, known, hint):
+    assert nearest(name, known) == hint
+
+
+def test_bad_input_is_a_value_error():
+    assert issubclass(BenchError, ValueError)
+
+
+def test_a_missing_extra_is_named_with_its_command():
+    assert require("json", "none", "this needs") is json
+    with pytest.raises(BenchError) as caught:
+        require("bench_missing.part", "parquet", "the format needs")
+    assert str(caught.value) == (
+        "the format needs bench_missing.part; install it with: pip install 'backlash-bench[parquet]'"
+    )
+
+
+def test_an_extra_that_lacks_a_module_of_its_own_is_not_taken_for_missing(tmp_path, monkeypatch):
+    (tmp_path / "bench_incomplete.py").write_text("import bench_missing")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(ModuleNotFoundError, match="bench_missing"):
+        require("bench_incomplete", "parquet", "the format needs")

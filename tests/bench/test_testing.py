@@ -1,0 +1,187 @@
+"""The rules of the contract as cases of pytest: each test here is one run of pytest on the tests of an author."""
+
+from textwrap import dedent
+
+import pytest
+
+from bench import BenchError
+from bench.check.conformance.rules import RULES
+from bench.testing import RuleCheck, parametrize_with_checks
+from tests.bench.check import faulty
+
+pytest_plugins = ["pytester"]
+
+IDS = [rule.name.replace(" ", "-") for rule in RULES]
+
+AUTHOR = """
+import os
+import threading
+import time
+from dataclasses import dataclass, field
+
+import numpy as np
+
+import bench.check.conformance.checker
+from bench import Optimizer
+from bench.testing import parametrize_with_checks
+
+
+@dataclass(frozen=True)
+class Sound(Optimizer):
+    step: float = 0.1
+
+    def minimize(self, objective, rng):
+        while True:
+            self.look(objective(objective.initial(4)))
+
+    def look(self, values):
+        pass
+
+
+class Chatty(Sound):
+    def look(self, values):
+        print("generation", values.min())
+
+
+class Quitting(Sound):
+    def look(self, values):
+        if values.min() == values.max() == 0:
+            os._exit(3)
+
+
+@dataclass(frozen=True)
+class Clocked(Sound):
+    def minimize(self, objective, rng):
+        clock = np.random.default_rng(time.perf_counter_ns())
+        while True:
+            points = clock.uniform(objective.lower, objective.upper, (4, objective.dimension))
+            self.look(objective(objective.repair(points)))
+
+
+@dataclass(frozen=True)
+class Locked(Sound):
+    lock: object = field(default_factory=threading.Lock, compare=False, repr=False)
+"""
+
+
+@pytest.fixture
+def author(pytester):
+    """Return a function that runs pytest on an author's tests and returns outcomes by id, and what was printed."""
+
+    def run(decorator, *arguments, setup=""):
+        test = f"\n{setup}\n{decorator}\ndef test_conforms(check):\n    check()\n"
+        pytester.makepyfile(test_author=dedent(AUTHOR) + test)
+        done = pytester.runpytest_subprocess("-rA", "-vv", "-p", "no:cacheprovider", "-p", "no:xdist", *arguments)
+        outcomes = {}
+        for line in done.outlines:
+            name, bracket, rest = line.partition("::test_conforms[")
+            if name == "test_author.py" and bracket:
+                label, _, outcome = rest.partition("] ")
+                outcomes[label] = outcome.split()[0] if outcome else ""
+        return outcomes, done.stdout.str()
+
+    return run
+
+
+def all_but(optimizer, **other):
+    return {f"{optimizer}-{name}": "PASSED" for name in IDS} | {f"{optimizer}-{name}": o for name, o in other.items()}
+
+
+def test_each_rule_and_optimizer_has_an_id(author):
+    outcomes, _ = author('@parametrize_with_checks([Sound, "hill-climber", Sound(step=0.3)])')
+    assert outcomes == all_but("Sound") | all_but("hill-climber") | all_but("Sound(step=0.3)")
+
+
+def test_a_broken_rule_fails_its_own_id_alone_and_says_how_to_mend_it(author):
+    outcomes, printed = author("@parametrize_with_checks([Chatty, Quitting])")
+    assert outcomes == all_but("Chatty", silence="FAILED") | all_but("Quitting", values="FAILED")
+    assert "Chatty breaks the rule 'silence': a run printed" in printed
+    assert "to mend it: print and log nothing" in printed
+    assert "Quitting breaks the rule 'values': it ended the process that it ran in (exit code 3)" in printed
+    assert "Traceback" not in printed
+
+
+def test_a_rule_that_needs_a_broken_one_is_skipped(author):
+    outcomes, printed = author("@parametrize_with_checks([Clocked])")
+    needing = ("processes", "no-state", "pickling", "global-states", "anonymity")
+    assert outcomes == all_but("Clocked", repetition="FAILED", **dict.fromkeys(needing, "SKIPPED"))
+    assert "not checked, because Clocked breaks the rule 'repetition'" in printed
+
+
+def test_one_rule_can_be_checked_alone(author):
+    outcomes, _ = author("@parametrize_with_checks([Sound, Clocked])", "-k", "no-state")
+    assert outcomes == {"Sound-no-state": "PASSED", "Clocked-no-state": "SKIPPED"}
+
+
+def test_a_failure_can_be_expected_and_must_then_occur(author):
+    outcomes, printed = author("@parametrize_with_checks([Chatty, Sound], expected_failures={'silence': 'a banner'})")
+    assert outcomes == all_but("Chatty", silence="XFAIL") | all_but("Sound", silence="FAILED")
+    assert "XFAIL test_author.py::test_conforms[Chatty-silence] - a banner" in printed
+    assert "[XPASS(strict)] a banner" in printed
+
+
+def test_a_failure_can_be_expected_of_one_optimizer(author):
+    expected = "lambda optimizer: {'silence': 'a banner'} if optimizer is Chatty else {}"
+    outcomes, _ = author(f"@parametrize_with_checks([Chatty, Sound], expected_failures={expected})", "-k", "silence")
+    assert outcomes == {"Chatty-silence": "XFAIL", "Sound-silence": "PASSED"}
+
+
+def test_an_optimizer_that_no_process_can_load_breaks_the_rule_of_pickling(author):
+    outcomes, printed = author("@parametrize_with_checks([Locked()])")
+    assert outcomes == {f"Locked()-{name}": "FAILED" if name == "pickling" else "SKIPPED" for name in IDS}
+    assert "not checked: it cannot be sent to another process: TypeError: cannot pickle" in printed
+
+
+def test_an_unknown_name_is_no_expected_failure(author):
+    decorator = "@parametrize_with_checks(['gwp'], expected_failures={'box': 'it leaves the box'})"
+    outcomes, printed = author(decorator, "-k", "box")
+    assert outcomes == {"gwp-box": "FAILED"}
+    assert "unknown optimizer 'gwp'; did you mean 'gwo'?" in printed
+
+
+def test_nothing_runs_and_no_name_is_loaded_while_tests_are_collected(author):
+    refuse = "bench.check.conformance.checker.Process = bench.plugins.loading.load_optimizer = None"
+    outcomes, printed = author("@parametrize_with_checks([Sound, 'gwp'])", "--collect-only", "-q", setup=refuse)
+    assert list(outcomes) == []
+    assert "32 tests collected" in printed
+
+
+def test_a_check_names_its_optimizer_and_its_rule():
+    mark = parametrize_with_checks([faulty.Sound])
+    name, cases = mark.args
+    assert name == "check"
+    checks = [case.values[0] for case in cases]
+    assert all(isinstance(check, RuleCheck) for check in checks)
+    assert [check.rule for check in checks] == [rule.name for rule in RULES]
+    assert {check.optimizer for check in checks} == {faulty.Sound}
+    assert repr(checks[2]) == "<check of Sound: budget>"
+
+
+@pytest.mark.parametrize(
+    ("optimizer", "label"),
+    [
+        (faulty.Sound(), "Sound()"),
+        (faulty.Sound(agents=2, way="near"), "Sound(agents=2, way='near')"),
+        (faulty.Locked(), "Locked()"),
+        (faulty.Plain(), "Plain()"),
+        ("mealpy:OriginalGWO", "mealpy:OriginalGWO"),
+    ],
+)
+def test_an_id_shows_the_parameters_that_were_set_and_repeats(optimizer, label):
+    assert parametrize_with_checks([optimizer]).args[1][0].id == f"{label}-parameters"
+
+
+@pytest.mark.parametrize(
+    ("optimizers", "expected", "sentence"),
+    [
+        ("gwo", None, "give a list of optimizers, such as ['gwo']"),
+        ([], None, "give at least one optimizer to check"),
+        ([3], None, "give the name of an optimizer, an Optimizer subclass or an instance of one, not 3"),
+        (["gwo"], {"no-state": "known"}, "unknown rule 'no-state'; did you mean 'no state'?"),
+        (["gwo"], {"silence": ""}, "expected_failures must give the reason for 'silence' as a text, not ''"),
+    ],
+)
+def test_what_cannot_be_checked_is_refused_in_a_sentence(optimizers, expected, sentence):
+    with pytest.raises(BenchError) as caught:
+        parametrize_with_checks(optimizers, expected_failures=expected)
+    assert sentence in str(caught.value)

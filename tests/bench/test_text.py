@@ -1,0 +1,53 @@
+"""Names as file names, unique names, and printable text."""
+
+import re
+
+import pytest
+
+from bench.text import file_name, free, printable, unique
+
+HOSTILE = [
+    "../../etc/passwd",
+    "a/b:c",
+    "<script>alert(1)</script>",
+    "x & y_1 100% $z$ {q} ~ ^ \\",
+    "..",
+    "",
+    "con\nnew",
+    "日本",
+]
+
+
+class TestFileNames:
+    @pytest.mark.parametrize("name", HOSTILE)
+    def test_hostile_names_stay_in_their_folder(self, name):
+        assert re.fullmatch(r"[a-z0-9_][a-z0-9_-]*", file_name(name))
+
+    def test_names_that_differ_never_share_a_file(self):
+        names = [*HOSTILE, "a-b", "a/b", "a:b", "A-B"]
+        assert len({file_name(name) for name in names}) == len(names)
+
+    def test_a_plain_name_is_kept(self):
+        assert file_name("tests-signature-03") == "tests-signature-03"
+
+
+def test_names_that_collide_are_numbered():
+    assert unique(["a", "b", "a", "a-2", "a"]) == ["a", "b", "a-2", "a-2-2", "a-3"]
+    assert free("a", ["b"]) == "a"
+    assert free("a", ["a", "a-2"]) == "a-3"
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("plain\nlines", "plain\nlines"),
+        ("a\tb", "a b"),
+        ("bell\x07", "bell\ufffd"),
+        ("\u202eltr\u202c", "\ufffdltr\ufffd"),
+        ("zero\u200bwidth", "zero\ufffdwidth"),
+        ("x" * 20, "x" * 20),
+        ("x" * 21, "x" * 20 + "…"),
+    ],
+)
+def test_printable_text_has_no_hidden_characters_and_a_limit(text, shown):
+    assert printable(text, 20) == shown

@@ -1,0 +1,105 @@
+"""One trial: how it ends, what its result holds, and its row in the store."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from bench import FunctionProblem, Optimizer
+from bench.trial import Trial, as_row, search
+
+
+class Described(FunctionProblem):
+    def describe(self, x):
+        return {"norm": np.abs(x).sum()}
+
+
+SPHERE = Described(lambda x: (x**2).sum(axis=1), [-1, -1], [1, 1], variables=("a", "b"))
+
+
+@dataclass(frozen=True)
+class Drawing(Optimizer):
+    """Evaluates ``points`` random points and returns, or goes on for ever."""
+
+    points: int | None = None
+    reason: str = ""
+
+    def minimize(self, objective, rng):
+        if self.reason:
+            objective.stop(self.reason)
+        if self.points is None:
+            while True:
+                objective(objective.initial(4))
+        if self.points:
+            objective(objective.initial(self.points))
+
+
+class Lazy(Drawing):
+    def minimize(self, objective, rng):
+        yield objective(objective.initial(1))
+
+
+@pytest.mark.parametrize(
+    ("optimizer", "stop", "nfev"),
+    [
+        (Drawing(), "budget", 10),
+        (Drawing(reason="tolfun"), "budget", 10),
+        (Drawing(points=10, reason="tolfun"), "budget", 10),
+        (Drawing(points=4, reason="tolfun"), "tolfun", 4),
+        (Drawing(points=4), "undeclared", 4),
+    ],
+)
+def test_a_trial_ends_by_its_budget_a_declared_reason_or_without_one(optimizer, stop, nfev):
+    result = search(SPHERE, optimizer, 10, seed=3)
+    assert (result.stop, result.nfev, result.seed) == (stop, nfev, 3)
+    assert result.fun == (result.x**2).sum() == result.trace.values[-1]
+    assert result.figures == {"norm": np.abs(result.x).sum()}
+
+
+def test_the_seed_repeats_a_trial():
+    one, two, other = (search(SPHERE, Drawing(), 10, seed=seed) for seed in (1, 1, 2))
+    assert one.x.tolist() == two.x.tolist() != other.x.tolist()
+
+
+def test_an_optimizer_that_evaluates_nothing_is_an_error():
+    with pytest.raises(RuntimeError, match=r"^the optimizer returned without a single evaluation$"):
+        search(SPHERE, Drawing(points=0), 10, seed=0)
+    with pytest.raises(RuntimeError, match="its minimize holds a yield or is async"):
+        search(SPHERE, Lazy(), 10, seed=0)
+
+
+def test_times_are_those_of_the_search(monkeypatch):
+    clocks = {"perf_counter": iter([1.0, 8.0]), "process_time": iter([2.0, 5.0])}
+    for name, times in clocks.items():
+        monkeypatch.setattr(f"bench.trial.{name}", times.__next__)
+    monkeypatch.setattr("bench.objective.perf_counter", iter([0.0, 2.5]).__next__)
+    result = search(SPHERE, Drawing(points=4), 10, seed=0)
+    assert (result.time, result.cpu_time, result.objective_time, result.overhead_time) == (7.0, 3.0, 2.5, 4.5)
+
+
+def test_a_row_has_the_variables_and_metrics_by_name():
+    result = search(SPHERE, Drawing(), 10, seed=0)
+    row = as_row(result, SPHERE.variables)
+    assert row["x"] == dict(zip("ab", result.x.tolist(), strict=True))
+    assert row["figures"] == {"norm": np.abs(result.x).sum()}
+    assert (row["status"], row["fun"], row["nfev"], row["stop"]) == ("ok", result.fun, 10, "budget")
+
+
+@pytest.mark.parametrize(
+    ("variables", "figures", "sentence"),
+    [
+        (("a",), {}, "the problem names 1 different variables for 2 dimensions"),
+        (("a", "a"), {}, "the problem names 1 different variables for 2 dimensions"),
+        (("a", "b"), {"fun": 1.0}, "a name of the tidy frame: 'fun'"),
+        (("a", "b"), {"x_a": 1.0}, "a name of the tidy frame: 'x_a'"),
+        (("a", "b"), {"norm": "long"}, "could not convert"),
+    ],
+)
+def test_what_makes_no_columns_is_refused(variables, figures, sentence):
+    result = replace(search(SPHERE, Drawing(), 10, seed=0), figures=figures)
+    with pytest.raises(ValueError, match=sentence):
+        as_row(result, variables)
+
+
+def test_a_trial_is_known_by_its_cell_and_number():
+    assert Trial("sphere", "gwo", 3, seed=99).key == ("sphere", "gwo", 3)
