@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.population import Population, compiled
+from optimizers.common.compiled import compiled
+from optimizers.common.population import Population
 
 Words = NDArray[np.uint64]
 

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-import cma
 import numpy as np
 
 from bench.objective import Objective
 from bench.problem import Floats
 from optimizers.common.cma import BoxedCMA, BoxMap
 from optimizers.common.works import HANSEN
+
+if TYPE_CHECKING:
+    import cma
 
 UNLIMITED: dict[str, Any] = {"maxiter": np.inf, "maxfevals": np.inf}
 """pycma's own limits on length are off: the harness's budget ends a trial, or a tolerance of pycma does."""
@@ -56,6 +58,8 @@ class CMAES(BoxedCMA):
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent or a tolerance of pycma is met."""
+        import cma
+
         box = BoxMap(objective.lower, objective.upper)
         width = objective.upper - objective.lower
         options = {
@@ -90,8 +94,10 @@ def ask(strategy: cma.CMAEvolutionStrategy) -> list[Floats] | Floats:
     points: Floats = strategy.ask_geno()
     if strategy.gp.isidentity:
         return points
-    if isinstance(strategy.sent_solutions, cma.evolution_strategy.get_CMASolutionDict(functional=False)):
-        strategy.sent_solutions = cma.evolution_strategy.get_CMASolutionDict(functional=True)()
+    from cma.evolution_strategy import get_CMASolutionDict
+
+    if isinstance(strategy.sent_solutions, get_CMASolutionDict(functional=False)):
+        strategy.sent_solutions = get_CMASolutionDict(functional=True)()
     mapped = [strategy.gp.pheno(point, copy=True) for point in points]
     for image, point in zip(mapped, points, strict=True):
         strategy.sent_solutions.insert(image, geno=point, iteration=strategy.countiter)

@@ -13,7 +13,7 @@ from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
 from optimizers.common.cma import BoxedCMA, BoxMap
-from optimizers.common.population import compiled
+from optimizers.common.compiled import compiled
 from optimizers.common.works import HANSEN
 
 TOLFUN, TOLFUNHIST, TOLX, TOLFACUPX, TOLUPSIGMA, TOLCONDITIONCOV = 1e-11, 1e-12, 1e-11, 1e3, 1e20, 1e14

@@ -11,7 +11,8 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.population import Population, compiled
+from optimizers.common.compiled import compiled
+from optimizers.common.population import Population
 
 BETA = 1.5  # (below eq. 3.9)
 SIGMA = gamma(1 + BETA) * sin(pi * BETA / 2) / (gamma((1 + BETA) / 2) * BETA * 2 ** ((BETA - 1) / 2))  # (eq. 3.10)

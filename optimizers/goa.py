@@ -11,7 +11,8 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.population import Population, compiled
+from optimizers.common.compiled import compiled
+from optimizers.common.population import Population
 
 C_MAX, C_MIN = 1.0, 0.00004  # (GOA.m)
 EPS = 2.0**-52  # (GOA.m: eps)

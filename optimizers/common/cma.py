@@ -10,7 +10,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
-from optimizers.common.population import compiled
+from optimizers.common.compiled import compiled
 
 
 @dataclass(frozen=True)

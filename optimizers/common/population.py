@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar
-
-from numba import njit
 
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
 from optimizers.common.bounds import Handling, confine
-
-Function = TypeVar("Function", bound=Callable[..., object])
 
 
 @dataclass(frozen=True)
@@ -37,11 +31,3 @@ class Population(Optimizer):
     def confine(self, objective: Objective, x: Floats) -> Floats:
         """Return the (n, d) points ``x`` clipped to the box and, unless ``handling`` is ``"box"``, repaired."""
         return confine(objective, x, self.handling)
-
-
-def compiled(function: Function) -> Function:
-    """Return ``function`` compiled by numba, with numpy's rules of division.
-
-    Without ``fastmath``, no sum is reordered: results depend on the seed and not on the width of the CPU's vectors.
-    """
-    return njit(function, cache=True, error_model="numpy")  # type: ignore[no-any-return]
