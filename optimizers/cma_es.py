@@ -10,8 +10,8 @@ import numpy as np
 
 from bench.objective import Objective
 from bench.problem import Floats
+from optimizers.common.bibtex import HANSEN
 from optimizers.common.cma import BoxedCMA, BoxMap
-from optimizers.common.works import HANSEN
 
 if TYPE_CHECKING:
     import cma

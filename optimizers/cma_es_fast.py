@@ -12,9 +12,9 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
+from optimizers.common.bibtex import HANSEN
 from optimizers.common.cma import BoxedCMA, BoxMap
 from optimizers.common.compiled import compiled
-from optimizers.common.works import HANSEN
 
 TOLFUN, TOLFUNHIST, TOLX, TOLFACUPX, TOLUPSIGMA, TOLCONDITIONCOV = 1e-11, 1e-12, 1e-11, 1e3, 1e20, 1e14
 TOLXSTAGNATION = (1e-9, 20, 0.1)  # distance, generations, share of the generations so far

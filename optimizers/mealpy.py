@@ -19,7 +19,7 @@ from bench.optimizer import Optimizer, parameter
 from bench.plugins.derived import derive
 from bench.problem import Floats
 from optimizers.alo import ALO
-from optimizers.common.library import Adapter, Library, global_random_state
+from optimizers.common.family import Adapter, Family, global_random_state
 from optimizers.da import DA
 from optimizers.goa import GOA
 from optimizers.gwo import GWO
@@ -179,7 +179,7 @@ class MealpyOptimizer(Adapter):
         model.update_target_for_population = update_target_for_population
 
 
-class Mealpy(Library):
+class Mealpy(Family):
     """The family ``mealpy:<class>``: the classes that ``mealpy.get_all_optimizers`` lists."""
 
     name = "mealpy"

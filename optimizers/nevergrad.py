@@ -22,8 +22,8 @@ from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.plugins.derived import derive
 from optimizers.cma_es import CMAES
-from optimizers.common.library import Adapter, Library, global_random_state
-from optimizers.common.works import STORN
+from optimizers.common.bibtex import STORN
+from optimizers.common.family import Adapter, Family, global_random_state
 
 LIBRARY = """
     @misc{rapin2018,
@@ -238,7 +238,7 @@ def own_settings(optimizer: Any) -> Any:
     return optimizer
 
 
-class Nevergrad(Library):
+class Nevergrad(Family):
     """Nevergrad's registry, some hundred optimizers and their combinations, less what cannot run here."""
 
     name = "nevergrad"

@@ -19,8 +19,8 @@ from bench.optimizer import Optimizer, parameter
 from bench.plugins.derived import derive
 from bench.problem import Floats
 from optimizers.cma_es import CMAES, SILENT, UNLIMITED
-from optimizers.common.library import Adapter, Library, global_random_state
-from optimizers.common.works import JONES, STORN
+from optimizers.common.bibtex import JONES, STORN
+from optimizers.common.family import Adapter, Family, global_random_state
 
 FOLDER = "pymoo.algorithms.soo.nonconvex"
 
@@ -245,7 +245,7 @@ def prepare(algorithm: Any, objective: Objective) -> str:
     return "no new offspring"
 
 
-class Pymoo(Library):
+class Pymoo(Family):
     """The family ``pymoo:<class>``: pymoo's single-objective algorithms for real variables."""
 
     name = "pymoo"

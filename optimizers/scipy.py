@@ -18,8 +18,8 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
-from optimizers.common.library import CEILING, Adapter, Library
-from optimizers.common.works import JONES, STORN
+from optimizers.common.bibtex import JONES, STORN
+from optimizers.common.family import CEILING, Adapter, Family
 
 LIBRARY = """
     @article{virtanen2020,
@@ -372,7 +372,7 @@ MEMBERS: dict[str, type[ScipyOptimizer]] = {
 }
 
 
-class Scipy(Library):
+class Scipy(Family):
     """scipy's global optimizers; ``brute``, a grid, is left out, for it has no way to spend a budget."""
 
     name = "scipy"

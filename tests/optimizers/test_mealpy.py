@@ -11,7 +11,7 @@ import pytest
 from bench import BenchError, FunctionProblem, Objective, solve
 from bench.bibtex import parse
 from bench.seeds import streams
-from optimizers.common.library import global_random_state
+from optimizers.common.family import global_random_state
 from optimizers.mealpy import NEGATIVE_BOUNDS, OS_ENTROPY, SEVERAL_VARIABLES, MealpyOptimizer, mealpy
 from tests.optimizers.observed import OPTIMUM, Ordered, Watched, trace
 

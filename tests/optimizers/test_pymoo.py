@@ -12,7 +12,7 @@ import pytest
 from bench import BenchError, FunctionProblem, Objective, solve
 from bench.bibtex import parse
 from bench.seeds import streams
-from optimizers.common.library import global_random_state
+from optimizers.common.family import global_random_state
 from optimizers.pymoo import CHOICES, FOLDER, KEYWORDS, LEFT_OUT, MEMBERS, UNMAPPED, WORKS, prepare, pymoo
 from tests.optimizers.observed import OPTIMUM, Ordered, Watched, trace
 

@@ -1,4 +1,4 @@
-"""What the families of other libraries' optimizers share: names, parameters, randomness, the way to the objective."""
+"""Adapt the optimizers of another library: a family of names, their loading, their random numbers and evaluations."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from bench.problem import Floats
 from optimizers.common.bounds import Handling, confine
 
 CEILING = 1e100
-"""Given for a greater value, such as +inf, to a library that computes with values: its sums and weights stay finite."""
+"""The greatest value given to a library, also for +inf, so that its sums and weights stay finite."""
 
 
 @dataclass(frozen=True)
@@ -27,29 +27,29 @@ class Adapter(Optimizer):
     """An algorithm of another library.
 
     Attributes:
-        handling: what becomes of points before they are evaluated. ``"repair"`` clips them to the box and applies the
-            problem's own rule; ``"box"`` only clips them. The library goes on from the points it proposed.
+        handling: ``"repair"`` clips the points to the box and applies the problem's own rule before they are evaluated;
+            ``"box"`` only clips them. The library goes on from the points it proposed.
     """
 
     handling: Handling = "repair"
 
     def values(self, objective: Objective, x: Floats) -> Floats:
-        """Return the (n,) values of the (n, d) points ``x``, confined as ``handling`` says."""
+        """Return the (n,) values of the (n, d) points ``x``, which are confined first as ``handling`` says."""
         values: Floats = objective(confine(objective, x, self.handling))
         return values
 
     def finite_values(self, objective: Objective, x: Floats) -> Floats:
-        """Return :meth:`values`, those above CEILING as CEILING."""
+        """Return :meth:`values` with CEILING in place of greater ones."""
         return np.minimum(self.values(objective, x), CEILING)
 
 
-class Library(ABC):
+class Family(ABC):
     """A family: the optimizers of one library, behind one entry point.
 
     Attributes:
         name: the family's name, the first half of ``"mealpy:OriginalGWO"``.
         module: the module to import.
-        extra: the optional extra that installs the library, "" where it always is.
+        extra: the optional extra that installs the library, "" for a library that is always installed.
     """
 
     name: ClassVar[str]
@@ -65,12 +65,12 @@ class Library(ABC):
         """Return the optimizer class of one of ``members()``; see :func:`bench.plugins.derived.derive`."""
 
     def names(self) -> list[str]:
-        """Return the full names; raises BenchError that names the extra where the library is missing."""
+        """Return the full names of the members; raises BenchError, with the extra to install, for a missing library."""
         self.require()
         return [f"{self.name}:{member}" for member in _members(self)]
 
     def load(self, name: str, **options: Any) -> Optimizer:
-        """Return the optimizer of that full name; raises BenchError for an unknown name or parameter."""
+        """Return the optimizer of the full name; raises BenchError for an unknown name or parameter."""
         self.require()
         member = name.partition(":")[2]
         if member not in _members(self):
@@ -78,25 +78,25 @@ class Library(ABC):
         return build(_derived(self, member), name, options)
 
     def require(self) -> Any:
-        """Return the library's module; raises BenchError, naming the extra, where it is missing."""
+        """Return the library's module; raises BenchError, with the extra to install, for a missing library."""
         return require(self.module, self.extra, f"the {self.name} optimizers need")
 
 
 @cache
-def _members(library: Library) -> list[str]:
-    return sorted(library.members())
+def _members(family: Family) -> list[str]:
+    return sorted(family.members())
 
 
 @cache
-def _derived(library: Library, member: str) -> type[Optimizer]:
-    return library.derive(member)
+def _derived(family: Family, member: str) -> type[Optimizer]:
+    return family.derive(member)
 
 
 @contextmanager
 def global_random_state(rng: np.random.Generator) -> Iterator[None]:
-    """Seed Python's and numpy's global random states from ``rng``, and put back afterwards what was there.
+    """Seed Python's and numpy's global random states from ``rng``, and restore both afterwards.
 
-    Some libraries draw from these states; within a trial they thus follow the trial's seed, and nobody else sees it.
+    Some libraries draw from these states: within a trial they follow the trial's seed, and no other code sees it.
     """
     python, legacy = random.getstate(), np.random.get_state()  # noqa: NPY002
     seed = int(rng.integers(2**32))
