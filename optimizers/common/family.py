@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import random
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any, ClassVar
 
@@ -50,11 +51,17 @@ class Family(ABC):
         name: the family's name, the first half of ``"mealpy:OriginalGWO"``.
         module: the module to import.
         extra: the optional extra that installs the library, "" for a library that is always installed.
+        left_out: why optimizers of the library are no members, and which: patterns of their names, by reason.
     """
 
     name: ClassVar[str]
     module: ClassVar[str]
     extra: ClassVar[str] = ""
+    left_out: ClassVar[Mapping[str, str]] = {}
+
+    def __reduce__(self) -> str:
+        """Pickle by reference, as ``mealpy`` of optimizers.mealpy: a process then makes each member's class once."""
+        return self.name
 
     @abstractmethod
     def members(self) -> list[str]:
@@ -74,8 +81,18 @@ class Family(ABC):
         self.require()
         member = name.partition(":")[2]
         if member not in _members(self):
-            raise BenchError(f"{self.name} has no optimizer {member!r}{nearest(member, _members(self))}")
+            why = self.why_left_out(member)
+            raise BenchError(
+                f"{self.name}'s {member} is left out: {why}"
+                if why
+                else f"{self.name} has no optimizer {member!r}{nearest(member, _members(self))}"
+            )
         return build(_derived(self, member), name, options)
+
+    def why_left_out(self, member: str) -> str:
+        """Return the reason for which an optimizer of the library is no member, "" for a member or an unknown name."""
+        reasons = (why for why, names in self.left_out.items() if any(fnmatchcase(member, n) for n in names.split()))
+        return next(reasons, "")
 
     def require(self) -> Any:
         """Return the library's module; raises BenchError, with the extra to install, for a missing library."""
