@@ -32,7 +32,7 @@ class GOA(Population):
     and is never evaluated. After the start population nothing is random.
 
     Attributes:
-        agents: N, the number of grasshoppers; at least 2, as one feels no force.
+        agents: N, the number of grasshoppers; at least 2, as a single one feels no force.
         handling: see :class:`~optimizers.common.population.Population`.
         variant: ``"code"`` follows GOA.m; ``"full-distance"`` takes the distance over all coordinates at once and needs
             no dummy, as most re-implementations do: a very different algorithm. On five functions (d = 7, 30 agents,
