@@ -11,19 +11,20 @@ from numpy.typing import NDArray
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.population import Population, compiled
+from optimizers.common.compiled import compiled
+from optimizers.common.population import Population
 
 Words = NDArray[np.uint64]
 
 # The +-1 steps of a random walk are random bits, taken eight at a time. For each byte (lowest bit first) and k = 0..8:
 _STEPS = 2 * (np.arange(256)[:, np.newaxis] >> np.arange(8) & 1) - 1
-SUM = np.hstack([np.zeros((256, 1), dtype=np.int64), _STEPS.cumsum(axis=1)])  # where its first k steps lead
-LOW, HIGH = np.minimum.accumulate(SUM, axis=1), np.maximum.accumulate(SUM, axis=1)  # the extremes on the way there
+SUM = np.hstack([np.zeros((256, 1), dtype=np.int64), _STEPS.cumsum(axis=1)])  # position after its first k steps
+LOW, HIGH = np.minimum.accumulate(SUM, axis=1), np.maximum.accumulate(SUM, axis=1)  # its extremes up to there
 
 
 @dataclass(frozen=True)
 class ALO(Population):
-    """Ant lion optimizer: ants walk at random around an antlion and around the elite; the fitter ant takes the place.
+    """Ant lion optimizer: ants walk at random around an antlion and around the elite; fitter ants replace antlions.
 
     Example:
         >>> bench.solve("signature-12", ALO(agents=300), budget=60_000, seed=1).fun
@@ -33,7 +34,7 @@ class ALO(Population):
     paper: the ratio I has a ``1 +``; the interval's two ends are each mirrored with probability one half; and the
     fitness that the roulette wheel and the merge see of the antlions **stays that of the initial population**,
     while their positions move on. The roulette weighs with 1/f and is sound for positive objective values only:
-    otherwise it takes, like the code, the first entry of the running sum that exceeds its draw, or else antlion 1.
+    otherwise it takes, like the code, the first entry of the running sum that exceeds its draw, or antlion 1.
 
     Attributes:
         agents: N, the number of ants and of antlions.
@@ -42,7 +43,7 @@ class ALO(Population):
             is in all else the same. On five functions (d = 7, 30 agents, 200 generations, 200 seeds; ``python
             performance/variants.py``) the median of the final bests is then 1.8e-4 against 4.2e-4 on Ackley's function
             (exact KS, p = 7e-9), 11 against 13 on Rastrigin's (p = .001), 3.1e3 against 2.5e3 on a rotated ellipsoid
-            (p = .004), and the same on the sphere (5e-10) and, as far as these runs tell, on Rosenbrock's.
+            (p = .004), and the same on the sphere (5e-10) and, within the precision of these runs, on Rosenbrock's.
     """
 
     bibtex: ClassVar[str] = """
@@ -82,11 +83,11 @@ class ALO(Population):
                 elite, elite_fitness = antlions[0].copy(), merged[0]
             antlions[0], merged[0] = elite, elite_fitness
             if self.variant == "paper":
-                fitness = merged  # an antlion takes the place, and the fitness, of the ant it caught (eq. 2.12)
+                fitness = merged  # an antlion takes the position, and the fitness, of the ant it caught (eq. 2.12)
 
 
 def ratio(t: int, T: int) -> float:
-    """Return I, by which the walks' interval shrinks in generation ``t`` of ``T``."""
+    """Return I, the factor that shrinks the walks' interval in generation ``t`` of ``T``."""
     for share, w in ((0.95, 6), (0.9, 5), (0.75, 4), (0.5, 3), (0.1, 2)):  # (below eq. 2.11)
         if t > share * T:
             return 1 + 10.0**w * t / T  # (the paper has no "1 +")
@@ -119,7 +120,7 @@ def walk_ants(
     N, d = antlions.shape
     ants = np.empty((N, d))
     for i in range(N):
-        chosen = 0  # no hit: the first
+        chosen = 0  # without a hit: the first
         for j in range(N):
             if wheel[j] > uniforms[i, 0] * wheel[-1]:
                 chosen = j

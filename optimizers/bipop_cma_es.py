@@ -24,9 +24,9 @@ class BIPOPCMAES(BoxedCMA):
 
     Source: N. Hansen, Benchmarking a BI-population CMA-ES on the BBOB-2009 function testbed, GECCO workshop, 2009,
     doi:10.1145/1570256.1570333. One regime doubles the population at each of its restarts; the other draws a small
-    population and a small step at random. The first run, of the default population, counts to the latter, as it does
-    in pycma; the paper's limit of nine doublings is left to the budget. Every run is one of ``cma-es-fast``, the
-    CMA-ES compiled here: the small populations are where Python's share of the time is largest.
+    population and a small step at random. The first run, of the default population, counts as one of the latter, as
+    in pycma; the budget replaces the paper's limit of nine doublings. Every run is one of ``cma-es-fast``, the CMA-ES
+    compiled here, as Python's share of the time is largest in small populations.
 
     Attributes:
         agents: the population size of the first run, at least 6; None is 4 + floor(3 ln d).
@@ -68,13 +68,13 @@ class BIPOPCMAES(BoxedCMA):
 
 
 def restarts(first: int, rng: np.random.Generator) -> Generator[tuple[int, float, float], int, None]:
-    """Yield the runs, the first included: population, factor of the initial step, and evaluations allowed.
+    """Yield population, factor of the initial step and allowed evaluations of each run, the first included.
+
+    Each ``send`` takes the number of evaluations that the run spent.
 
     Args:
         first: the population of the first run.
         rng: draws the small populations and steps.
-
-    Each ``send`` takes the evaluations that the run spent.
     """
     small = yield first, 1.0, math.inf
     large = last = 0

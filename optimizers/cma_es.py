@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-import cma
 import numpy as np
 
 from bench.objective import Objective
 from bench.problem import Floats
+from optimizers.common.bibtex import HANSEN
 from optimizers.common.cma import BoxedCMA, BoxMap
-from optimizers.common.works import HANSEN
+
+if TYPE_CHECKING:
+    import cma
 
 UNLIMITED: dict[str, Any] = {"maxiter": np.inf, "maxfevals": np.inf}
-"""pycma's own limits on length are off: the harness's budget ends a trial, or a tolerance of pycma does."""
+"""Options that switch pycma's limits on length off: the budget ends a trial, or a tolerance of pycma does."""
 
 SILENT: dict[str, Any] = {"verbose": -9, "verb_log": 0, "verb_disp": 0, "signals_filename": None}
 
@@ -31,10 +33,10 @@ class CMAES(BoxedCMA):
     Computation 9(2), 2001, doi:10.1162/106365601750190398; the code is N. Hansen's ``cma``. A stop by one of its
     tolerances (tolfun, tolx, tolstagnation, …) is declared, and leaves budget unused.
 
-    The box is kept as by pycma's option ``bounds``: the search runs in an unbounded space, and a piecewise linear and
-    quadratic, periodic map takes its points into the box. pycma maps them one by one in Python; here the same map,
-    to the last bit, takes all at once, and pycma's archive of the points it has sent is left out where it would hold
-    each point as its own image.
+    The bounds are handled as by pycma's option ``bounds``: the search runs in an unbounded space, and a periodic,
+    piecewise linear and quadratic map takes its points into the box. pycma maps single points in Python; here the same
+    map, to the last bit, takes all at once. pycma's archive of the points it has sent is left out where it would map
+    each point to itself.
 
     Attributes:
         agents, handling, start, sigma: see :class:`~optimizers.common.cma.BoxedCMA`.
@@ -56,6 +58,8 @@ class CMAES(BoxedCMA):
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent or a tolerance of pycma is met."""
+        import cma
+
         box = BoxMap(objective.lower, objective.upper)
         width = objective.upper - objective.lower
         options = {
@@ -70,19 +74,19 @@ class CMAES(BoxedCMA):
         else:  # pycma has no coordinate-wise scales in one dimension
             step = self.sigma * float(width[0])
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # pycma warns of what the harness records: flat fitness, early stops
+            warnings.simplefilter("ignore")  # of flat fitness and early stops, which the harness records
             strategy = cma.CMAEvolutionStrategy(box.inverse(self.mean(objective)), step, options)
             strategy.sent_solutions = cma.evolution_strategy.get_CMASolutionDict(functional=False)()
             while not strategy.stop():
                 asked = ask(strategy)
                 f = self.evaluate(objective, box(np.asarray(asked)))
-                # the points are pycma's own, so none is to be checked or pulled towards the mean
+                # the points are pycma's own: they need no check, and none is pulled towards the mean
                 strategy.tell(asked, f.tolist(), check_points=False)
         objective.stop(" ".join(sorted(strategy.stop())))
 
 
 def ask(strategy: cma.CMAEvolutionStrategy) -> list[Floats] | Floats:
-    """Return the lambda unbounded points that ``strategy.ask()`` would, without copying and archiving each of them.
+    """Return the lambda unbounded points of ``strategy.ask()``, without a copy and an archive entry for each.
 
     Once pycma searches an ill-conditioned problem in other coordinates (its ``alleviate_conditioning``), ``tell``
     needs the archive to find a point's coordinates to the last bit.
@@ -90,8 +94,10 @@ def ask(strategy: cma.CMAEvolutionStrategy) -> list[Floats] | Floats:
     points: Floats = strategy.ask_geno()
     if strategy.gp.isidentity:
         return points
-    if isinstance(strategy.sent_solutions, cma.evolution_strategy.get_CMASolutionDict(functional=False)):
-        strategy.sent_solutions = cma.evolution_strategy.get_CMASolutionDict(functional=True)()
+    from cma.evolution_strategy import get_CMASolutionDict
+
+    if isinstance(strategy.sent_solutions, get_CMASolutionDict(functional=False)):
+        strategy.sent_solutions = get_CMASolutionDict(functional=True)()
     mapped = [strategy.gp.pheno(point, copy=True) for point in points]
     for image, point in zip(mapped, points, strict=True):
         strategy.sent_solutions.insert(image, geno=point, iteration=strategy.countiter)

@@ -12,9 +12,9 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
+from optimizers.common.bibtex import HANSEN
 from optimizers.common.cma import BoxedCMA, BoxMap
-from optimizers.common.population import compiled
-from optimizers.common.works import HANSEN
+from optimizers.common.compiled import compiled
 
 TOLFUN, TOLFUNHIST, TOLX, TOLFACUPX, TOLUPSIGMA, TOLCONDITIONCOV = 1e-11, 1e-12, 1e-11, 1e3, 1e20, 1e14
 TOLXSTAGNATION = (1e-9, 20, 0.1)  # distance, generations, share of the generations so far
@@ -33,7 +33,7 @@ class CMAESFast(BoxedCMA):
     Source: the thesis, eqs. 6.1 to 6.6, with the negative weights and the parameters of N. Hansen, The CMA Evolution
     Strategy: A Tutorial, arXiv:1604.00772, eqs. 48 to 58. Where pycma 4.5 goes beyond the tutorial (damping at large
     populations, limits of the standard deviations, coordinates for ill-conditioned problems, stopping tolerances),
-    this does as pycma does; from the same draws both evaluate the same points up to rounding, and so they end alike
+    this follows pycma: from the same draws both evaluate the same points up to rounding, so that their results agree
     in distribution, not bit by bit. pycma's mirrored samples, which it uses below six agents, and its other step-size
     rule from 300 variables on are left out. Eigenvectors come from numpy's LAPACK: another LAPACK moves last digits.
 
@@ -102,7 +102,7 @@ def rates(d: int, agents: int) -> tuple[Floats, Rates]:
 
 
 class Strategy:
-    """One run of CMA-ES, asked for points of the box and told their values.
+    """One run of CMA-ES: :meth:`ask` returns points of the box, :meth:`tell` takes their values.
 
     Args:
         box: where the points lie.
@@ -121,7 +121,7 @@ class Strategy:
         self.scale = self.first_scale.copy()  # by coordinate; a point is mean + sigma * scale * N(0, C)
         self.sigma, self.mean = 1.0, box.inverse(mean)
         self.pc, self.ps = np.zeros(d), np.zeros(d)
-        self.coordinates: Floats | None = None  # (d, d), takes the search's own coordinates into the unbounded space
+        self.coordinates: Floats | None = None  # (d, d), maps the search's own coordinates to the unbounded space
         self.gap = 1 / (self.rates.c1 + self.rates.cmu) / d / 10  # generations between decompositions
         self.generation = self.decomposed = 0
         self._whiten()
@@ -135,7 +135,7 @@ class Strategy:
         self._tolupsigma = TOLUPSIGMA
 
     def ask(self) -> Floats:
-        """Return (agents, d) points of the box."""
+        """Return (agents, d) points of the box to evaluate."""
         variances = np.diag(self.C)
         if variances.max() >= COORDINATES_CONDITION * variances.min():
             self._scale_coordinates()
@@ -149,7 +149,7 @@ class Strategy:
         return self.box(self._points if self.coordinates is None else self._points @ self.coordinates.T)
 
     def tell(self, f: Floats) -> None:
-        """Learn from the (agents,) values of the points asked for last, and set :attr:`stops`."""
+        """Learn from the (agents,) values of the last points, and set :attr:`stops`."""
         self.generation += 1
         order = np.argsort(f)
         self.mean, self.sigma = learn(
@@ -197,7 +197,7 @@ class Strategy:
         self._whiten()
 
     def _tolerances_of_values(self, f: Floats) -> set[str]:
-        """Return which tolerances the sorted values ``f`` meet, with those of the generations before."""
+        """Return the tolerances that the sorted values ``f`` meet, together with those of earlier generations."""
         n, d = self.agents, len(self.mean)
         best, worst = float(f[0]), float(f[-1])
         if best < self._best:
@@ -227,7 +227,7 @@ class Strategy:
         return met
 
     def _tolerances_of_the_distribution(self) -> set[str]:
-        """Return which tolerances the mean and the covariance matrix meet."""
+        """Return the tolerances that the mean and the covariance matrix meet."""
         least, generations, share = TOLXSTAGNATION
         allowed = generations + share * self.generation
         waited = self.generation - self._anchored
@@ -251,7 +251,7 @@ class Strategy:
 
 @compiled
 def sample(z: Floats, mean: Floats, sigma: float, scale: Floats, B: Floats, D: Floats) -> Floats:
-    """Return (lambda, d) points from N(mean, sigma^2 C) in the scaled coordinates, made of the normal ``z``."""
+    """Return (lambda, d) points from N(mean, sigma^2 C) in the scaled coordinates, computed from the normal ``z``."""
     n, d = z.shape
     x = np.empty((n, d))
     axes = B * D
@@ -295,7 +295,7 @@ def learn(
     for i in range(n):
         weight = rates.cmu * weights[i]
         y[:] = (x[order[i]] - old) / (sigma * scale)
-        if weight < 0:  # a vector against which C shrinks has a length that keeps C positive
+        if weight < 0:  # the length of a vector with a negative weight is scaled so that C stays positive
             norm = 0.0
             for k in range(d):
                 white[k] = 0.0
@@ -312,7 +312,7 @@ def learn(
 
     change = rates.cs / rates.damps * (math.sqrt(length) / rates.chi - 1)
     sigma *= math.exp(min(max(change, -1.0), 1.0))  # (eq. 6.4)
-    slack = math.exp(1e-4) if generation <= 2 else 1.0  # for the eigenvalues that differ at the start
+    slack = math.exp(1e-4) if generation <= 2 else 1.0  # as the eigenvalues differ at the start
     for j in range(d):
         deviation = sigma * scale[j] * math.sqrt(C[j, j])
         if deviation > limit[j] * slack:
@@ -325,10 +325,11 @@ def measure(
     generation: int, mean: Floats, sigma: float, scale: Floats, C: Floats, B: Floats, D: Floats, pc: Floats,
     first: Floats, anchor: Floats,
 ) -> tuple[float, float, bool, bool, float]:  # fmt: skip
-    """Return what the tolerances of the distribution are compared with.
+    """Return the quantities that the tolerances of the distribution limit.
 
-    The largest growth of a standard deviation; the largest step still made; whether a fifth of a standard deviation
-    is lost beside the mean in any coordinate; whether a tenth of one is along an axis; how far the mean has moved.
+    These are the largest growth of a standard deviation; the largest step; whether a fifth of a standard deviation
+    vanishes when it is added to the mean in any coordinate; whether a tenth of one does along an axis; and the
+    distance that the mean has moved.
     """
     d = len(mean)
     grown, small, moved, coordinate, axis, i = 0.0, 0.0, 0.0, False, True, generation % d

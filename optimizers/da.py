@@ -11,7 +11,8 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.population import Population, compiled
+from optimizers.common.compiled import compiled
+from optimizers.common.population import Population
 
 BETA = 1.5  # (below eq. 3.9)
 SIGMA = gamma(1 + BETA) * sin(pi * BETA / 2) / (gamma((1 + BETA) / 2) * BETA * 2 ** ((BETA - 1) / 2))  # (eq. 3.10)
@@ -26,14 +27,14 @@ class DA(Population):
         >>> bench.solve("signature-12", DA(agents=300), budget=60_000, seed=1).fun
 
     Source: S. Mirjalili, Dragonfly algorithm, Neural Computing and Applications 27, 2016,
-    doi:10.1007/s00521-015-1920-1; the details follow the author's MATLAB code, DA.m. What the paper does not tell: the
-    radius is compared in each coordinate and neighbours differ in every one; the dragonflies move **in place**, so a
-    later one sees its neighbours where they are already; a dragonfly far from the food follows its neighbours
-    with fresh random weights, and flies a Lévy flight, relative to the origin, only if it has fewer than two.
+    doi:10.1007/s00521-015-1920-1; the details follow the author's MATLAB code, DA.m. The paper leaves out that the
+    radius is compared in each coordinate and neighbours differ in every one; that the dragonflies move **in place**, so
+    that a later one sees its neighbours' new positions; that a dragonfly far from the food follows its neighbours with
+    fresh random weights, and flies a Lévy flight, relative to the origin, only if it has fewer than two.
 
     Attributes:
         agents: N, the number of dragonflies; at least 3, so that one can have the two neighbours of a swarm.
-        handling: see :class:`~optimizers.common.population.Population`. Each is clipped as it moves, and all are
+        handling: see :class:`~optimizers.common.population.Population`. Each dragonfly is clipped as it moves; all are
             repaired afterwards.
     """
 
@@ -111,7 +112,7 @@ def fly(
         for k in range(d):
             far |= abs(x[k, i] - food[k]) > r[k]
             threatened &= abs(x[k, i] - enemy[k]) <= r[k]
-        social = far or s > 0 or a > 0 or c > 0  # no time is spent on neighbours in a run's second half
+        social = far or s > 0 or a > 0 or c > 0  # in a run's second half no time is spent on neighbours
         neighbours = find_neighbours(x, i, r, near) if social else 0
         swarm = neighbours > 1
         for k in range(d):

@@ -11,7 +11,8 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.population import Population, compiled
+from optimizers.common.compiled import compiled
+from optimizers.common.population import Population
 
 C_MAX, C_MIN = 1.0, 0.00004  # (GOA.m)
 EPS = 2.0**-52  # (GOA.m: eps)
@@ -31,7 +32,7 @@ class GOA(Population):
     and is never evaluated. After the start population nothing is random.
 
     Attributes:
-        agents: N, the number of grasshoppers; at least 2, as one feels no force.
+        agents: N, the number of grasshoppers; at least 2, as a single one feels no force.
         handling: see :class:`~optimizers.common.population.Population`.
         variant: ``"code"`` follows GOA.m; ``"full-distance"`` takes the distance over all coordinates at once and needs
             no dummy, as most re-implementations do: a very different algorithm. On five functions (d = 7, 30 agents,

@@ -19,7 +19,7 @@ from bench.optimizer import Optimizer, parameter
 from bench.plugins.derived import derive
 from bench.problem import Floats
 from optimizers.alo import ALO
-from optimizers.common.library import Adapter, Library, global_random_state
+from optimizers.common.family import Adapter, Family, global_random_state
 from optimizers.da import DA
 from optimizers.goa import GOA
 from optimizers.gwo import GWO
@@ -28,24 +28,24 @@ LEAST_EPOCHS = 2
 """The shortest schedule: some formulas divide by the number of epochs less 1."""
 
 IDLE_EPOCHS = 1000
-"""After so many epochs without an evaluation a search has come to its end."""
+"""A search ends after this number of epochs without an evaluation."""
 
-OS_ENTROPY = {"OriginalPSS"}
-"""Left out, as no seed repeats their runs: they sample by a generator that the operating system seeds."""
-
-NEGATIVE_BOUNDS = {"DevFOA", "DevHS", "OriginalFOA"}
-"""Left out, as they take the upper bounds for standard deviations, and fail where one is negative."""
+LEFT_OUT = {
+    "no seed repeats its runs: it draws from a generator that the operating system seeds": "OriginalPSS",
+    "it takes the upper bounds for standard deviations, and fails where one is negative": "DevFOA DevHS OriginalFOA",
+}
+"""Names of mealpy's classes that are no members, by the reason."""
 
 SEVERAL_VARIABLES = {
     "CleverBookBeesA", "EliteMultiGA", "EliteSingleGA", "ImprovedNMRA", "OCRO", "OriginalCRO", "SingleGA",
 }  # fmt: skip
-"""Those that fail in one dimension."""
+"""Classes that fail in one dimension."""
 
 FEW_AGENTS = {"DevGSKA", "OriginalGSKA", "OriginalICA", "OriginalSHO", "OriginalWCA"}
-"""Those that mealpy lets have fewer agents than they can do with: 10, or 30 for OriginalICA."""
+"""Classes for which mealpy accepts fewer agents than they need: 10, or 30 for OriginalICA."""
 
 NO_SWARM = {"ABFO", "GaussianSA", "OriginalEFO", "OriginalSA", "OriginalSSpiderA"}
-"""Those that evaluate one by one in mode "swarm" too, and OriginalSSpiderA, which fails in it."""
+"""Classes that evaluate single points in mode "swarm" too, and OriginalSSpiderA, which fails in this mode."""
 
 PLANNED_AT_START: dict[str, Callable[[Any], float]] = {
     "DevBRO": lambda model: 1.8 * model.pop_size,
@@ -54,7 +54,7 @@ PLANNED_AT_START: dict[str, Callable[[Any], float]] = {
     "OriginalEFO": lambda _: 1,
     "SwarmSA": lambda model: model.max_sub_iter * model.move_count * model.pop_size,
 }
-"""What an epoch costs, for those that fix their schedule before the first one; numbers with a point are measured."""
+"""Evaluations of an epoch, for classes that fix their schedule before the first; numbers with a point are measured."""
 
 REMARKS: tuple[tuple[set[str], str], ...] = (
     (SEVERAL_VARIABLES, "It needs at least two variables."),
@@ -65,7 +65,7 @@ REMARKS: tuple[tuple[set[str], str], ...] = (
         "Its schedule is planned for one evaluation an agent and epoch; it spends more, and is cut.",
     ),
 )
-"""What is not as in mealpy, or as elsewhere, and of whom."""
+"""What differs from mealpy, or from other optimizers, and for which classes."""
 
 LIBRARY = """
     @article{vanthieu2023,
@@ -80,7 +80,7 @@ LIBRARY = """
 """
 
 WORKS = {"OriginalALO": ALO.bibtex, "OriginalDO": DA.bibtex, "OriginalGOA": GOA.bibtex, "OriginalGWO": GWO.bibtex}
-"""The works of the algorithms that this package has from their authors' codes; all members cite mealpy's own."""
+"""BibTeX of the algorithms that this package has from their authors' codes; all members cite mealpy's too."""
 
 
 @dataclass(frozen=True)
@@ -88,8 +88,8 @@ class MealpyOptimizer(Adapter):
     """An algorithm of mealpy.
 
     mealpy plans in epochs. Most algorithms evaluate ``agents`` points at the start and as many in an epoch, and a
-    budget of N (T + 1) evaluations makes T epochs. Where they cost more or less, T is planned anew after each epoch
-    from what the epochs have cost so far, so that the schedule ends with the budget.
+    budget of N (T + 1) evaluations makes T epochs. Where an epoch takes more or fewer evaluations, T is planned anew
+    after each epoch from the evaluations so far, so that the schedule ends with the budget.
 
     Every point that mealpy draws uniformly in the box, the start population first, comes from ``objective.initial``.
     mealpy sees values above 1e100, +inf among them, as 1e100.
@@ -101,7 +101,7 @@ class MealpyOptimizer(Adapter):
     own: ClassVar[tuple[str, ...]]  # the parameters of its constructor
 
     def __post_init__(self) -> None:
-        """Check every parameter, by mealpy's own rules too; raises BenchError for what does not fit."""
+        """Check every parameter, by mealpy's own rules too; raises BenchError for one that does not fit."""
         super().__post_init__()
         self._model()
 
@@ -114,7 +114,7 @@ class MealpyOptimizer(Adapter):
             raise BenchError(f"mealpy refuses these parameters of {type(self).__name__}: {error}") from error
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
-        """Minimise until the budget is spent, or nothing more is evaluated.
+        """Minimise until the budget is spent or mealpy evaluates no more.
 
         Raises:
             BenchError: on a problem of one variable, for the algorithms that need two.
@@ -179,20 +179,20 @@ class MealpyOptimizer(Adapter):
         model.update_target_for_population = update_target_for_population
 
 
-class Mealpy(Library):
+class Mealpy(Family):
     """The family ``mealpy:<class>``: the classes that ``mealpy.get_all_optimizers`` lists."""
 
     name = "mealpy"
     module = "mealpy"
     extra = "mealpy"
+    left_out = LEFT_OUT
 
     def members(self) -> list[str]:
-        """Return the names of mealpy's classes that work here."""
-        left_out = OS_ENTROPY | NEGATIVE_BOUNDS
-        return [name for name in self.require().get_all_optimizers(verbose=False) if name not in left_out]
+        """Return the names of mealpy's classes but those in LEFT_OUT."""
+        return [name for name in self.require().get_all_optimizers(verbose=False) if not self.why_left_out(name)]
 
     def derive(self, member: str) -> type[Optimizer]:
-        """Return the optimizer class of a mealpy class, its parameters those of the constructor."""
+        """Return the optimizer class of a mealpy class, with the parameters of its constructor."""
         solver = self.require().get_all_optimizers(verbose=False)[member]
         parameters = constructor_parameters(solver)
         own = tuple(name for name in parameters if name != "agents")
@@ -209,7 +209,7 @@ mealpy = Mealpy()
 
 
 class _Checks(dict[str, tuple[str, Any]]):
-    """Stands in for a model's validator, and notes the kind and the bounds of every check."""
+    """Replaces a model's validator, and records the kind and the bounds of every check."""
 
     def __getattr__(self, check: str) -> Callable[..., Any]:
         def note(name: str, value: Any, bound: Any = None, *_: Any) -> Any:
@@ -220,7 +220,7 @@ class _Checks(dict[str, tuple[str, Any]]):
 
 
 def constructor_checks(solver: type, agents: int) -> dict[str, tuple[str, Any]]:
-    """Return what mealpy checks each parameter for when it makes a ``solver`` of so many agents."""
+    """Return, by parameter, kind and bounds of the check that mealpy makes in a ``solver`` with ``agents`` agents."""
     checks = _Checks()
     watched = property(lambda _: checks, lambda _, __: None)
     type(solver.__name__, (solver,), {"validator": watched})(pop_size=agents)
@@ -230,7 +230,7 @@ def constructor_checks(solver: type, agents: int) -> dict[str, tuple[str, Any]]:
 def constructor_parameters(solver: type) -> dict[str, tuple[Any, Any]]:
     """Return type and default of each parameter of a mealpy class; ``pop_size`` is called agents.
 
-    The ends of mealpy's open intervals pass here and are refused by mealpy, like what depends on the number of agents.
+    The ends of mealpy's open intervals pass here, as do ranges that depend on the number of agents; mealpy checks both.
     """
     defaults = {
         name: each.default
@@ -249,7 +249,7 @@ def constructor_parameters(solver: type) -> dict[str, tuple[Any, Any]]:
 
 
 def declared(default: Any, check: str, bounds: Any) -> tuple[Any, Any]:
-    """Return type and default, with its range, of a parameter that mealpy checks so."""
+    """Return type and default, with its range, of a parameter from the kind and the bounds of mealpy's check."""
     if isinstance(default, bool):
         return bool, default
     if isinstance(default, str):
@@ -260,7 +260,7 @@ def declared(default: Any, check: str, bounds: Any) -> tuple[Any, Any]:
 
 
 def describe(solver: type) -> str:
-    """Return the docstring of a mealpy class: what it is called, and the works that mealpy names for it."""
+    """Return the docstring of a member: the title and the sources in the docstring of mealpy's class."""
     text = inspect.getdoc(solver) or solver.__name__
     title = " ".join(text.splitlines()[0].split()).rstrip(".")
     works = re.split(r"\[\d+\]", text.partition("References\n")[2])[1:]

@@ -1,15 +1,14 @@
-"""The optimizers of nevergrad's registry, as ``"nevergrad:DE"``, ``"nevergrad:NGOpt"``, …"""
+"""The optimizers of nevergrad's registry, as ``"nevergrad:DE"``, ``"nevergrad:TwoPointsDE"``, …"""
 
 from __future__ import annotations
 
+import gc
 import inspect
 import threading
-import time
 import types
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
-from copy import copy
 from dataclasses import dataclass
 from importlib.metadata import version
 from io import StringIO
@@ -22,8 +21,8 @@ from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.plugins.derived import derive
 from optimizers.cma_es import CMAES
-from optimizers.common.library import Adapter, Library, global_random_state
-from optimizers.common.works import STORN
+from optimizers.common.bibtex import STORN
+from optimizers.common.family import Adapter, Family, global_random_state
 
 LIBRARY = """
     @misc{rapin2018,
@@ -45,49 +44,42 @@ LIBRARY = """
     }
 """
 LINEAGE = {"DifferentialEvolution": STORN, "ParametrizedCMA": CMAES.bibtex}
-"""The works that nevergrad's configurable classes come from, where known."""
+"""BibTeX of the works that nevergrad's configurable classes come from, where known."""
 
-NEED_PACKAGES = {
-    "AX", "AXP", "BOBYQA", "BayesOptimBO", "NGOptF", "NGOptF2", "NGOptF3", "NGOptF5", "PCABO", "PCABO80",
-    "PCABO95DoE20", "PymooBIPOP", "PymooCMAES", "PymooNSGA2", "SMAC3", "pysot",
+LEFT_OUT = {
+    "it needs a package that nevergrad does not install":
+        "AX AXP BOBYQA BayesOptimBO FCMA* NLOPT_* PCABO* Pymoo* SMAC3 pysot",
+    "it searches a surrogate until the clock ends the search, and fails with numpy 2.4":
+        "*MetaModel* BAR4 CMAILL CMandAS2 Carola[1-79] Carola15 DS[24569] [Pp]Carola6",
+    "it takes a seed from the clock": "Carola8 Carola1[03] CmaFmin2",
+    "its threads draw from one random state, in an order that no seed repeats": "DS14 MultiDS",
+    "it takes more than 20 s for 500 evaluations in three dimensions": "BO BOSplit",
+    "in some dimensions or for some budgets it uses an optimizer that is left out":
+        "*CSEC* FCarola6 MetaNGOpt10 NGDSRW NGOpt NGOpt[1-9]* NGOptF* NGOptRW NGOptSingle* Ng* Wiz",
 }  # fmt: skip
-"""They need packages which nevergrad does not install, or versions long gone; so do all FCMA… and NLOPT_….
-
-NGOptF2 and NGOptF5 need them at times only, but follow the order of a set, which differs from process to process.
-"""
-
-CLOCKED = {"VoxelizeMetaModelOnePlusOne"}
-"""It trains a network for seven seconds of the clock, so that no seed repeats its runs."""
-
-STUCK = {"NgIohLn", "NgIohMLn", "NgIohRS"}
-"""They ask a thread twice for a point, which waits for ever (and here ends in an error)."""
-
-SLOW = {"BO", "BOSplit", "NGOptSingle25"}
-"""They compute for more than 20 s over 500 evaluations in three dimensions; so do all RF1…."""
-
-EXCLUDED = NEED_PACKAGES | CLOCKED | STUCK | SLOW
-PREFIXES = ("FCMA", "NLOPT_", "RF1")
+"""Names of the registry that are no members, by the reason: the members run with nevergrad's code as it is, in two and
+in seven dimensions, and repeat their runs bit by bit with the same seed."""
 
 SCALARS = (bool, int, float, str, types.NoneType)
 
 UNMAPPED = (
     "one point of the harness is the centre of its search space; its start population, if any, is nevergrad's own",
     "values above 5e20, such as +inf, are 5e20 to it",
-    "in one dimension what leads to CMA-ES needs a package that nevergrad does not install (fcmaes or pybobyqa)",
+    "in one dimension its CMA-ES needs a package that nevergrad does not install (fcmaes)",
 )
 
 
 @dataclass(frozen=True)
 class NevergradOptimizer(Adapter):
-    """An optimizer of nevergrad's registry, asked for points and told their values.
+    """An optimizer of nevergrad's registry, run by its ask and tell.
 
     Attributes:
-        workers: the points asked for before any is told, which are evaluated in one batch (nevergrad: num_workers).
+        workers: the number of points that are evaluated in one batch (nevergrad: num_workers).
         start: the centre of nevergrad's search space: ``"random"``, a point of ``objective.initial``, or the
-            ``"midpoint"`` of the box, as it is for nevergrad's users who give none.
+            ``"midpoint"`` of the box, nevergrad's own default.
 
-    A configurable optimizer's scalar settings are parameters too, under nevergrad's names but for ``agents``, which is
-    its ``popsize``; None leaves that to the registry, whose value may be a rule such as ``"standard"``.
+    The scalar settings of a configurable optimizer are parameters too, under nevergrad's names; only its ``popsize``
+    is called ``agents``, where None keeps the registry's value, which may be a rule such as ``"standard"``.
     """
 
     workers: int = parameter(1, minimum=1)
@@ -97,7 +89,7 @@ class NevergradOptimizer(Adapter):
     mapped: ClassVar[dict[str, str]] = {}  # a parameter's name here, and nevergrad's
 
     def __post_init__(self) -> None:
-        """Check the parameters; raises BenchError for what nevergrad refuses, too."""
+        """Check the parameters, by nevergrad's own rules too; raises BenchError for one that does not fit."""
         super().__post_init__()
         if self.workers == 1 and not self._changed():
             return
@@ -117,7 +109,10 @@ class NevergradOptimizer(Adapter):
         """Minimise until the budget is spent."""
         import nevergrad
 
-        with global_random_state(rng), in_step(), redirect_stdout(StringIO()), warnings.catch_warnings():
+        with (
+            global_random_state(rng), settings_restored(objective.dimension), threads_ended(),
+            redirect_stdout(StringIO()), warnings.catch_warnings(),
+        ):  # fmt: skip
             warnings.simplefilter("ignore")
             midpoint = (objective.lower + objective.upper) / 2
             centre = midpoint if self.start == "midpoint" else objective.initial(1)[0]
@@ -139,13 +134,13 @@ class NevergradOptimizer(Adapter):
                 ) from error
 
     def _changed(self) -> dict[str, Any]:
-        """Return the settings that differ from the registry's, by nevergrad's names."""
+        """Return the settings that differ from the registry's, under nevergrad's names."""
         registered = configuration(self.member)
         given = {theirs: getattr(self, ours) for ours, theirs in self.mapped.items()}
         return {key: value for key, value in given.items() if value != registered[key] and (key, value) != NO_AGENTS}
 
     def _make(self, space: Any, budget: int) -> Any:
-        """Return nevergrad's optimizer of the space, with this one's parameters."""
+        """Return nevergrad's optimizer of the space, with the parameters of this instance."""
         import nevergrad
 
         found: Any = nevergrad.optimizers.registry[self.member]
@@ -156,11 +151,11 @@ class NevergradOptimizer(Adapter):
 
 
 NO_AGENTS = ("popsize", None)
-"""What ``agents`` left at None sets: nothing."""
+"""``agents=None`` sets nothing."""
 
 
 def configuration(member: str) -> dict[str, Any]:
-    """Return the settings of a configurable optimizer of the registry, none of one that is a class."""
+    """Return the settings of a configurable optimizer of the registry, or {} for one that is a class."""
     import nevergrad
 
     found: Any = nevergrad.optimizers.registry[member]
@@ -168,97 +163,62 @@ def configuration(member: str) -> dict[str, Any]:
 
 
 def scalar(hint: Any) -> Any:
-    """Return the part of a type hint that a parameter can have, None where that is nothing."""
+    """Return the scalar types of a type hint as a hint, or None without any."""
     options = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
     kept = tuple(option for option in options if option in SCALARS)
     return Union[kept] if set(kept) - {types.NoneType} else None  # noqa: UP007 - made at run time
 
 
 @contextmanager
-def in_step() -> Iterator[None]:
-    """Have nevergrad's threads take turns with the caller, and end; mend what keeps its runs from being repeated.
-
-    Nevergrad runs optimizers that want to call a function themselves in a thread, which goes on while the caller does:
-    what each finds of the other's work depends on the machine. Here a value given to such a thread is followed by
-    waiting for the thread's next point.
-    """
-    from unittest.mock import patch
-
-    from cma.options_parameters import cma_default_options
-    from nevergrad.optimization import callbacks, metamodel, optimizerlib, recaster
+def threads_ended() -> Iterator[None]:
+    """End the threads in which nevergrad runs optimizers that call a function themselves."""
+    from nevergrad.optimization.recaster import _MessagingThread
 
     before = set(threading.enumerate())
-    es = optimizerlib._CMA.es.fget
-    with (
-        patch.object(recaster.MessagingThread, "messages_ask", property(lambda self: Turns(self._thread))),
-        patch.object(recaster.MessagingThread, "messages_tell", property(lambda self: Turns(self._thread))),
-        # its CmaFmin2 would be seeded by the clock; so it draws from numpy's global state
-        patch.dict(cma_default_options, seed=np.nan),
-        # in one dimension it writes into settings that all its later optimizers share
-        patch.object(optimizerlib._CMA, "es", property(lambda self: es(own_settings(self)))),
-        # its surrogates' searches, of a fixed number of evaluations, would end after 20 seconds of the clock
-        patch.object(callbacks.EarlyStopping, "timer", staticmethod(lambda _: lambda _: None)),
-        # they call float() of an array of one value, which numpy refuses since 2.4
-        patch.object(metamodel, "float", lambda value: np.asarray(value).item(), create=True),
-    ):
-        try:
-            yield
-        finally:
-            for thread in set(threading.enumerate()) - before:
-                while isinstance(thread, recaster._MessagingThread) and thread.is_alive():
-                    thread.stop()
-                    thread.join(0.1)
+    try:
+        yield
+    finally:
+        for thread in set(threading.enumerate()) - before:
+            while isinstance(thread, _MessagingThread) and thread.is_alive():
+                thread.stop()
+                thread.join(0.1)
 
 
-class Turns:
-    """The two queues of a thread of nevergrad: the points it asks about, and the values it is told."""
+@contextmanager
+def settings_restored(dimension: int) -> Iterator[None]:
+    """Restore the settings that all runs of CMA-ES share, into which nevergrad writes in one dimension."""
+    from nevergrad.optimization.optimizerlib import ParametrizedCMA
 
-    def __init__(self, thread: Any) -> None:
-        self.thread = thread
-        self.asked, self.told = thread.messages_ask, thread.messages_tell
-
-    def put(self, value: Any) -> None:
-        """Tell the thread a value; returns when it has asked about its next point, or ended."""
-        self.told.put(value)
-        while self.thread.is_alive() and self.thread.call_count == self.told.unfinished_tasks:  # none is marked as done
-            time.sleep(0)
-
-    def get(self) -> Any:
-        """Return the next point; raises RuntimeError where the thread waits for a value and would for ever."""
-        waits = self.thread.is_alive() and self.asked.unfinished_tasks > self.told.unfinished_tasks
-        if waits and self.asked.empty():
-            raise RuntimeError("nevergrad asked twice for a point of an optimizer that takes one after the other")
-        return self.asked.get()
+    shared = [each for each in gc.get_objects() if type(each) is ParametrizedCMA] if dimension == 1 else []
+    before = [each.fcmaes for each in shared]
+    try:
+        yield
+    finally:
+        for each, value in zip(shared, before, strict=True):
+            each.fcmaes = value
 
 
-def own_settings(optimizer: Any) -> Any:
-    """Return the CMA-ES optimizer, with settings of its own in one dimension."""
-    if optimizer.dimension == 1:
-        optimizer._config = copy(optimizer._config)
-    return optimizer
-
-
-class Nevergrad(Library):
-    """Nevergrad's registry, some hundred optimizers and their combinations, less what cannot run here."""
+class Nevergrad(Family):
+    """The family ``nevergrad:<name>``: nevergrad's registry of optimizers and their combinations."""
 
     name = "nevergrad"
     module = "nevergrad"
     extra = "nevergrad"
+    left_out = LEFT_OUT
 
     def require(self) -> Any:
-        """Return nevergrad; its import draws random numbers, which here are always the same and nobody else's."""
+        """Return nevergrad; its import draws random numbers, here from a fixed seed and without a trace."""
         with global_random_state(np.random.default_rng(0)), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return super().require()
 
     def members(self) -> list[str]:
-        """Return the names of the registry that can run here."""
-        registry = self.require().optimizers.registry
-        wanted = set(registry) - EXCLUDED
-        return [name for name in wanted if name.isidentifier() and not name.startswith(PREFIXES)]
+        """Return the names of the registry but those in LEFT_OUT."""
+        names = self.require().optimizers.registry
+        return [name for name in names if name.isidentifier() and not self.why_left_out(name)]
 
     def derive(self, member: str) -> type[Optimizer]:
-        """Return the optimizer class of one of them; its parameters are the settings that are scalars."""
+        """Return the optimizer class of a member; its parameters are the settings that are scalars."""
         found: Any = self.require().optimizers.registry[member]
         settings = configuration(member)
         signature = inspect.signature(type(found).__init__).parameters if settings else {}
@@ -289,7 +249,7 @@ class Nevergrad(Library):
 
 
 def about(member: str, found: Any) -> str:
-    """Return one line on an optimizer of the registry: its own, or what it is a configuration of."""
+    """Describe an optimizer of the registry in one line: its own docstring, or its class and settings."""
     if isinstance(found, type):
         own = (found.__doc__ or "").strip().splitlines()
         return own[0] if own else f"Nevergrad's {member}, derived from its {found.__bases__[0].__name__}."

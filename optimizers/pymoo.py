@@ -19,8 +19,8 @@ from bench.optimizer import Optimizer, parameter
 from bench.plugins.derived import derive
 from bench.problem import Floats
 from optimizers.cma_es import CMAES, SILENT, UNLIMITED
-from optimizers.common.library import Adapter, Library, global_random_state
-from optimizers.common.works import JONES, STORN
+from optimizers.common.bibtex import JONES, STORN
+from optimizers.common.family import Adapter, Family, global_random_state
 
 FOLDER = "pymoo.algorithms.soo.nonconvex"
 
@@ -47,18 +47,17 @@ MEMBERS: dict[str, tuple[str, str, str]] = {
     "SRES": ("sres", "n_offsprings pop_size rule phi gamma", "The stochastic ranking evolution strategy."),
     "SimpleCMAES": ("cmaes", "sigma n_sample_points normalize", "CMA-ES by cma's ask and tell."),
 }  # fmt: skip
-"""pymoo's classes that work here: the module, the parameters by pymoo's names, and what it is."""
+"""pymoo's classes that are members: the module, the parameters under pymoo's names, and a description."""
 
 LEFT_OUT = {
-    "BGA": "it searches binary strings",
-    "NicheGA": "no seed repeats its runs: it draws from a generator that the operating system seeds",
-    "Optuna": "it wraps a package that pymoo does not install",
-    "PatternSearch": "no seed repeats its runs: it draws from a generator that the operating system seeds",
+    "it searches binary strings": "BGA",
+    "no seed repeats its runs: it draws from a generator that the operating system seeds": "NicheGA PatternSearch",
+    "it wraps a package that pymoo does not install": "Optuna",
 }
-"""The other single-objective algorithms of pymoo, and why they are no members."""
+"""The other single-objective algorithms of pymoo, which are no members, by the reason."""
 
 KEYWORDS: dict[str, Any] = {"F": 0.5, "CR": 0.2, "jitter": False, "prob_mut": 0.1}
-"""The defaults of what DE takes by keywords alone: those of pymoo's ``Variant``."""
+"""Defaults of the parameters that DE accepts as keywords only: those of pymoo's ``Variant``."""
 
 CHOICES: dict[str, tuple[str, ...]] = {
     "init_V": ("zero", "random"),
@@ -151,7 +150,7 @@ WORKS = {
     }
 """,
 }
-"""The works that some members come from; all of them cite pymoo's own."""
+"""BibTeX of the works that some members come from; all members cite pymoo's too."""
 
 OPERATORS = "Its operators (selection, crossover, mutation, survival) are no scalars and keep pymoo's defaults."
 TWENTY_POINTS = "It starts from the best of 20 points, and their number cannot be changed."
@@ -170,7 +169,7 @@ UNMAPPED: dict[str, tuple[str, ...]] = {
 }
 
 AGENTS = {"pop_size": "agents"}
-"""What is called otherwise here."""
+"""Parameters with another name here than in pymoo."""
 
 
 @dataclass(frozen=True)
@@ -178,16 +177,16 @@ class PymooOptimizer(Adapter):
     """An algorithm of pymoo, which evaluates a generation as one batch.
 
     The start population, or the points of which a local search takes the best, come from ``objective.initial``.
-    The budget takes the place of pymoo's default termination, a set of tolerances and limits; what belongs to the
-    algorithm itself ends a run early, and is declared: the tolerances of cma and of Nelder and Mead's simplex, and a
-    mating that finds nothing new. pymoo sees values above 1e100, +inf among them, as 1e100.
+    The budget replaces pymoo's default termination, a set of tolerances and limits. Criteria of the algorithm itself
+    end a run early, and are declared: the tolerances of cma and of Nelder and Mead's simplex, and a mating that finds
+    nothing new. pymoo sees values above 1e100, +inf among them, as 1e100.
     """
 
     solver: ClassVar[Any]  # pymoo's class
     own: ClassVar[tuple[str, ...]]  # the parameters of its constructor, by pymoo's names
 
     def __post_init__(self) -> None:
-        """Check every parameter, by pymoo's own rules too; raises BenchError for what does not fit."""
+        """Check every parameter, by pymoo's own rules too; raises BenchError for one that does not fit."""
         super().__post_init__()
         self._algorithm()
 
@@ -202,7 +201,7 @@ class PymooOptimizer(Adapter):
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent, or the algorithm ends by a criterion of its own."""
         with global_random_state(rng), warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what pymoo and cma warn of is in the record
+            warnings.simplefilter("ignore")  # the harness records what pymoo and cma warn of
             algorithm = self._algorithm()
             reason = prepare(algorithm, objective)
             problem = self._problem(objective)
@@ -224,7 +223,7 @@ class PymooOptimizer(Adapter):
 
 
 def prepare(algorithm: Any, objective: Objective) -> str:
-    """Give the algorithm its start and its length; returns the reason for which alone it can end early."""
+    """Set the algorithm's start and length; returns the only reason for which it can end early."""
     from pymoo.algorithms.soo.nonconvex.nelder import NelderAndMeadTermination, NelderMead
     from pymoo.core.population import Population
     from pymoo.core.termination import NoTermination
@@ -245,15 +244,16 @@ def prepare(algorithm: Any, objective: Objective) -> str:
     return "no new offspring"
 
 
-class Pymoo(Library):
+class Pymoo(Family):
     """The family ``pymoo:<class>``: pymoo's single-objective algorithms for real variables."""
 
     name = "pymoo"
     module = "pymoo"
     extra = "pymoo"
+    left_out = LEFT_OUT
 
     def members(self) -> list[str]:
-        """Return the names of pymoo's classes that work here."""
+        """Return the names in MEMBERS."""
         return list(MEMBERS)
 
     def derive(self, member: str) -> type[Optimizer]:

@@ -1,4 +1,4 @@
-"""Uniform random search, the floor that every other method has to rise above."""
+"""Uniform random search, the baseline for every other method."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class RandomSearch(Population):
         >>> bench.solve("signature-12", RandomSearch(), budget=60_000, seed=1).fun
 
     Source: S. H. Brooks, A discussion of random methods for seeking maxima, Operations Research 6(2), 1958,
-    doi:10.1287/opre.6.2.244. With ``handling="repair"`` the points are those of the uniform law after the problem's
-    repair, which is the law of every other method's start.
+    doi:10.1287/opre.6.2.244. With ``handling="repair"`` the points follow the uniform law after the problem's
+    repair, the law of every other method's start.
 
     Attributes:
-        agents: the points evaluated at once; it changes the speed and not the law.
+        agents: the number of points evaluated at once, which changes the speed and not the law.
         handling: see :class:`~optimizers.common.population.Population`.
     """
 

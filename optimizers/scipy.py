@@ -18,8 +18,8 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
-from optimizers.common.library import CEILING, Adapter, Library
-from optimizers.common.works import JONES, STORN
+from optimizers.common.bibtex import JONES, STORN
+from optimizers.common.family import CEILING, Adapter, Family
 
 LIBRARY = """
     @article{virtanen2020,
@@ -42,19 +42,19 @@ class ScipyOptimizer(Adapter):
     """A global optimizer of ``scipy.optimize``."""
 
     code: ClassVar[str] = f"scipy {version('scipy')}"
-    ceiling: ClassVar[float] = np.inf  # what greater values are to scipy
+    ceiling: ClassVar[float] = np.inf  # the greatest value that scipy sees
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent or scipy ends by a criterion of its own, which is declared."""
         try:
             with silence():
                 objective.stop(self.run(objective, rng))
-        except (RuntimeError, SystemError) as error:  # scipy's own, raised from the problem's or from the budget's end
+        except (RuntimeError, SystemError) as error:  # by scipy, from an error of the problem or the end of the budget
             raise error.__cause__ or error from None
 
     @abstractmethod
     def run(self, objective: Objective, rng: np.random.Generator) -> str:
-        """Run scipy without a limit on length; return why it ended before the budget did."""
+        """Run scipy without a limit on length; return the criterion by which it ended before the budget did."""
 
     def value(self, objective: Objective) -> Callable[[Floats], float]:
         """Return the function of one (d,) point that scipy minimises."""
@@ -67,7 +67,7 @@ class DifferentialEvolution(ScipyOptimizer):
 
     Attributes:
         agents: the population size; None is scipy's 15 d. (scipy's ``popsize`` is this size over d.)
-        strategy: how a trial vector is made: what is moved, from how many differences, by which crossover.
+        strategy: how a trial vector is made: the base vector, the number of differences, the crossover.
         mutation: F, the weight of the differences; with ``mutation_to`` the lower end of its dither.
         mutation_to: every generation draws its F from between ``mutation`` and this; None keeps F fixed.
         recombination: CR, the probability of crossover.
@@ -124,7 +124,7 @@ class DualAnnealing(ScipyOptimizer):
 
     Attributes:
         initial_temp: the temperature at the start and after every restart.
-        restart_temp_ratio: it restarts where the temperature falls below this part of ``initial_temp``.
+        restart_temp_ratio: the search restarts when the temperature falls below this part of ``initial_temp``.
         visit: the visiting distribution's parameter; the greater, the heavier its tail.
         accept: the acceptance distribution's parameter; the lower, the rarer a worse point is accepted.
         no_local_search: leave the local search out.
@@ -172,11 +172,11 @@ class Shgo(ScipyOptimizer):
     """Simplicial homology global optimization (Endres et al. 2018), with local searches by SLSQP.
 
     Attributes:
-        n: the points sampled in an iteration; 100 with ``"simplicial"`` is scipy's word for 2^d + 1.
-        iters: the iterations, each a refinement and the local searches from its new minima; None goes on until the
-            budget ends. Its own work grows with the square of the points.
-        sampling_method: how the points are chosen; but for ``"simplicial"`` they are triangulated, which takes long
-            in more than five dimensions.
+        n: the number of points sampled in an iteration; scipy takes 100 with ``"simplicial"`` for 2^d + 1.
+        iters: the number of iterations, each a refinement and the local searches from its new minima; None goes on
+            until the budget ends. scipy's own work grows with the square of the number of points.
+        sampling_method: how the points are chosen; with ``"halton"`` and ``"sobol"`` they are triangulated, which
+            takes long in more than five dimensions.
     """
 
     bibtex: ClassVar[str] = """
@@ -218,12 +218,12 @@ class Direct(ScipyOptimizer):
     """DIRECT, dividing rectangles (Jones et al. 1993), locally biased by default (Gablonsky and Kelley 2001).
 
     Attributes:
-        eps: by how much a rectangle must promise to fall below the best value to be divided; the smaller, the more
+        eps: the least improvement on the best value that a rectangle must promise to be divided; the smaller, the more
             local the search.
         locally_biased: False is the original of 1993.
-        vol_tol: it ends where the best point's rectangle has less than this part of the box's volume.
-        len_tol: it ends where half of that rectangle's longest side (of its diagonal, unless locally biased) is less
-            than this part of the box's.
+        vol_tol: the search ends when the best point's rectangle has less than this part of the box's volume.
+        len_tol: the search ends when half of that rectangle's longest side (of its diagonal, unless locally biased) is
+            less than this part of the box's.
     """
 
     bibtex: ClassVar[str] = JONES + """
@@ -266,10 +266,10 @@ class BasinHopping(ScipyOptimizer):
     Attributes:
         T: the temperature of the Metropolis test, in units of the objective's values.
         stepsize: the longest hop at the start in every coordinate, in units of the box's width.
-        interval: the hops after which the step size adapts.
-        target_accept_rate: the part of hops that it should have accepted.
-        stepwise_factor: by what the step size is multiplied or divided when it adapts.
-        niter_success: the hops without a better minimum after which it ends; None never does.
+        interval: the number of hops after which the step size adapts.
+        target_accept_rate: the part of hops to accept, towards which the step size adapts.
+        stepwise_factor: the factor or divisor of the step size when it adapts.
+        niter_success: the number of hops without a better minimum after which the search ends; None for no limit.
     """
 
     bibtex: ClassVar[str] = """
@@ -325,7 +325,7 @@ class Hop:
         self.rng = rng
 
     def __call__(self, x: Floats) -> Floats:
-        """Return the (d,) point that a hop from ``x`` ends at."""
+        """Return the (d,) end point of a hop from ``x``."""
         lower, upper = self.objective.lower, self.objective.upper
         step = self.rng.uniform(-self.stepsize, self.stepsize, len(x)) * (upper - lower)
         return np.clip(x + step, lower, upper)
@@ -337,7 +337,7 @@ def box(objective: Objective) -> list[tuple[float, float]]:
 
 
 def function(name: str, rng: np.random.Generator | None = None) -> Any:
-    """Return the function of ``scipy.optimize``; given ``rng``, one that draws from it."""
+    """Return the function of ``scipy.optimize``, which draws from ``rng`` if it is given."""
     from scipy import optimize
 
     found = getattr(optimize, name)
@@ -372,8 +372,8 @@ MEMBERS: dict[str, type[ScipyOptimizer]] = {
 }
 
 
-class Scipy(Library):
-    """scipy's global optimizers; ``brute``, a grid, is left out, for it has no way to spend a budget."""
+class Scipy(Family):
+    """The family ``scipy:<function>``; ``brute``, a grid, is left out, as it cannot spend a given budget."""
 
     name = "scipy"
     module = "scipy.optimize"
@@ -383,7 +383,7 @@ class Scipy(Library):
         return list(MEMBERS)
 
     def derive(self, member: str) -> type[Optimizer]:
-        """Return the class of one of them."""
+        """Return the class of a member."""
         return MEMBERS[member]
 
 

@@ -1,9 +1,9 @@
-"""Overhead of the swarms here against mealpy's classes of the same algorithms, in one run on one core.
+"""Compare the overhead of the swarms here with that of mealpy's classes of the same algorithms, on one core.
 
 Run with ``python performance/against_mealpy.py`` (about two minutes; needs ``pip install mealpy``). Both sides minimise
-the same sphere with the same agents and a schedule of the same generations; a run here makes all of them, one of
-mealpy's only the first few. What the objective takes is left out on both sides, and the two take turns. mealpy's
-dragonflies spend two evaluations an agent and generation, so the ratio is given by generation and by evaluation.
+the same sphere with the same agents and a schedule of the same generations; a run here makes all of them, a run of
+mealpy only the first few. The time in the objective is left out on both sides, and the two alternate. mealpy's
+dragonflies spend two evaluations an agent and generation, so the ratio is printed by generation and by evaluation.
 """
 
 from statistics import median
@@ -26,7 +26,7 @@ from optimizers.gwo import GWO
 
 ROUNDS = 5
 
-PAIRS: list[tuple[str, Optimizer, type, int]] = [  # and how many generations of mealpy's a round can wait for
+PAIRS: list[tuple[str, Optimizer, type, int]] = [  # and the number of mealpy's generations in a round
     ("gwo", GWO(agents=AGENTS), MEALPY_GWO.OriginalGWO, 50),
     ("alo", ALO(agents=AGENTS), MEALPY_ALO.OriginalALO, 10),
     ("goa", GOA(agents=AGENTS), MEALPY_GOA.OriginalGOA, 2),
@@ -35,7 +35,7 @@ PAIRS: list[tuple[str, Optimizer, type, int]] = [  # and how many generations of
 
 
 def mealpy_overhead(solver: type, generations: int, seed: int) -> tuple[float, float]:
-    """Return the milliseconds a generation of mealpy's takes beside the objective, and the evaluations it makes."""
+    """Return the milliseconds of a generation of mealpy outside the objective, and its number of evaluations."""
     durations = []
 
     def sphere(x: np.ndarray) -> float:

@@ -1,4 +1,4 @@
-"""What the built-in optimizers favour by themselves, as ``bench check`` finds it, as a table in Markdown.
+"""Print the biases of the built-in optimizers that ``bench check`` measures, as a table in Markdown.
 
 Run with ``python performance/diagnosis.py``; names after it pick optimizers. To diagnose another, add it to OPTIMIZERS.
 """
@@ -31,9 +31,9 @@ OPTIMIZERS: list[tuple[str, dict[str, Any]]] = [
 
 
 def cell(verdict: Verdict) -> str:
-    """Return the figure that a verdict was judged by, in bold where the optimizer did not pass."""
-    figure = "-" if verdict.figure is None else f"{verdict.figure:.2g}"
-    return figure if verdict.passed else f"**{figure}**"
+    """Return the number that a verdict is based on, in bold where the optimizer did not pass."""
+    number = "-" if verdict.figure is None else f"{verdict.figure:.2g}"
+    return number if verdict.passed else f"**{number}**"
 
 
 def main() -> None:

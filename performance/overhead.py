@@ -1,4 +1,4 @@
-"""Overhead per generation of each optimizer: what a run takes beside its objective function.
+"""Measure the overhead of each optimizer: the time of a generation outside the objective function.
 
 Run with ``python performance/overhead.py``. To measure another optimizer, add its pair to OPTIMIZERS.
 """
@@ -38,7 +38,7 @@ DEFAULT_AGENTS = CMAES().population(DIMENSION)
 def overhead(
     optimizer: Optimizer, seed: int, agents: int = AGENTS, dimension: int = DIMENSION, generations: int = GENERATIONS
 ) -> float:
-    """Return the milliseconds a generation takes beside the objective, in a run of at most so many on a sphere."""
+    """Return the milliseconds of a generation outside the objective, in a run on a sphere."""
     problem = FunctionProblem(lambda x: (x * x).sum(axis=1), [-5.0] * dimension, [5.0] * dimension)
     start, search = (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(2))
     objective = Objective(problem, agents * generations, start)
@@ -51,7 +51,7 @@ def overhead(
 def cma_es_against_its_compiled_form(agents: int) -> tuple[float, float, float]:
     """Return the milliseconds a generation of cma-es and of cma-es-fast, and their ratio, each a median of RUNS.
 
-    The two take turns, so that a busy moment of the machine strikes both.
+    The two alternate, so that a busy moment of the machine slows both.
     """
     both = [form(agents=agents, handling="box", start="midpoint") for form in (CMAES, CMAESFast)]
     rounds = [[overhead(optimizer, seed, agents) for optimizer in both] for seed in range(RUNS + 1)]

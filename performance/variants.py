@@ -1,10 +1,10 @@
-"""What another version of an algorithm changes: final bests of the built-in's default beside those of the other.
+"""Compare the final bests of each built-in's default with those of another version of its algorithm.
 
     python performance/variants.py           # the variants of GWO, ALO and GOA: about three minutes
     python performance/variants.py mealpy    # mealpy's classes of the same names: about fifteen minutes; needs mealpy
 
 Five functions with d = 7, 30 agents and 200 generations' evaluations (6,000). p is of the exact two-sample
-Kolmogorov-Smirnov test, A12 the chance that the other's run ends lower than the default's, ties counted by half.
+Kolmogorov-Smirnov test; A12 is the chance that a run of the other version ends lower, ties counted by half.
 """
 
 import sys
@@ -22,7 +22,7 @@ NAMESAKES = [("gwo", "mealpy:OriginalGWO"), ("alo", "mealpy:OriginalALO"), ("goa
 
 def main() -> None:
     sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "optimizers"))
-    from functions import AGENTS, GENERATIONS, PROBLEMS, D  # the very functions that the tests compare on
+    from functions import AGENTS, GENERATIONS, PROBLEMS, D  # the functions of the tests
 
     def final_bests(optimizer, problem, first):
         runs = range(first, first + trials)

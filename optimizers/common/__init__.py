@@ -1,1 +1,1 @@
-"""What several optimizers share."""
+"""Base classes, compilation and bounds that several optimizers share."""

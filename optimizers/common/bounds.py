@@ -1,4 +1,4 @@
-"""What becomes of points that leave the feasible region, before they are evaluated."""
+"""Bring points back to the feasible region before they are evaluated."""
 
 from __future__ import annotations
 

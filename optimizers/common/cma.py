@@ -1,4 +1,4 @@
-"""What the CMA-ES optimizers share: their parameters, and the search of a box in an unbounded space."""
+"""Base class of the CMA-ES optimizers: their parameters, and the map from an unbounded space into the box."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
-from optimizers.common.population import compiled
+from optimizers.common.compiled import compiled
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class BoxedCMA(Optimizer):
     Attributes:
         agents: the population size lambda; None is pycma's 4 + floor(3 ln d). The thesis uses 300.
         handling: ``"box"`` maps the points into the box alone, as in the thesis; ``"repair"`` then applies the
-            problem's own rule before evaluation, which the search does not see (it goes on from the points unrepaired).
+            problem's own rule before evaluation; the search goes on from the points before this repair.
         start: the initial mean: ``"random"``, a point of ``objective.initial``, or ``"midpoint"`` of the box, as in
             section 7.1.1 of the thesis.
         sigma: the initial standard deviation in units of the box's width; 1/4 in section 7.1.1.
@@ -34,7 +34,7 @@ class BoxedCMA(Optimizer):
     sigma: float = parameter(0.25, minimum=1e-9, maximum=10.0)
 
     def population(self, dimension: int) -> int:
-        """Return lambda for ``dimension`` variables (Hansen, arXiv:1604.00772, eq. 48, unless it is given)."""
+        """Return lambda for ``dimension`` variables: ``agents``, or Hansen, arXiv:1604.00772, eq. 48."""
         return self.agents if self.agents is not None else max(self.fewest, 4 + int(3 * np.log(dimension)))
 
     def mean(self, objective: Objective) -> Floats:
@@ -44,7 +44,7 @@ class BoxedCMA(Optimizer):
         return np.asarray(objective.initial(1)[0])
 
     def evaluate(self, objective: Objective, x: Floats) -> Floats:
-        """Return the (n,) values of the (n, d) points ``x`` of the box, repaired if ``handling`` says so."""
+        """Return the (n,) values of the (n, d) points ``x`` of the box, first repaired if ``handling`` says so."""
         return np.asarray(objective(objective.repair(x) if self.handling == "repair" else x))
 
 

@@ -1,19 +1,13 @@
-"""What the population methods share: their common parameters, the count of generations and the handling of bounds."""
+"""Base class of the population methods: their common parameters, count of generations and handling of bounds."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar
-
-from numba import njit
 
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
 from optimizers.common.bounds import Handling, confine
-
-Function = TypeVar("Function", bound=Callable[..., object])
 
 
 @dataclass(frozen=True)
@@ -22,26 +16,18 @@ class Population(Optimizer):
 
     Attributes:
         agents: N, the population size; 30 is what the authors of the swarms here use (the thesis uses 300).
-        handling: what becomes of agents that leave the feasible region, once all of them have moved. ``"repair"``
-            clips them to the box and then applies the problem's own rule; ``"box"`` only clips them. What comes out
-            is evaluated and is where the algorithm goes on from. The start population is repaired in both cases.
+        handling: how agents return to the feasible region once all of them have moved. ``"repair"`` clips them to the
+            box and then applies the problem's own rule; ``"box"`` only clips them. The resulting points are evaluated,
+            and the algorithm goes on from them. The start population is repaired in both cases.
     """
 
     agents: int = parameter(30, minimum=1)
     handling: Handling = "repair"
 
     def generations(self, objective: Objective) -> int:
-        """Return T, the generations that a budget of N T evaluations makes; the objective cuts the last one short."""
+        """Return T = ceil(budget / N), the number of generations; the objective cuts the last one short."""
         return -(-objective.budget // self.agents)
 
     def confine(self, objective: Objective, x: Floats) -> Floats:
         """Return the (n, d) points ``x`` clipped to the box and, unless ``handling`` is ``"box"``, repaired."""
         return confine(objective, x, self.handling)
-
-
-def compiled(function: Function) -> Function:
-    """Return ``function`` compiled by numba, with numpy's rules of division.
-
-    Without ``fastmath``, no sum is reordered: results depend on the seed and not on the width of the CPU's vectors.
-    """
-    return njit(function, cache=True, error_model="numpy")  # type: ignore[no-any-return]

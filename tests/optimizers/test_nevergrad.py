@@ -7,24 +7,25 @@ import sys
 import threading
 import time
 import warnings
+from fnmatch import fnmatchcase
 
 import numpy as np
 import pytest
 
 from bench import BenchError, load_optimizer, solve
 from bench.seeds import streams
-from optimizers.nevergrad import EXCLUDED, PREFIXES, in_step, nevergrad
+from optimizers.nevergrad import LEFT_OUT, nevergrad
 from tests.optimizers.observed import LOWER, UPPER, Capped, Recorded, bowl
 
 ng = pytest.importorskip("nevergrad", reason="the extra 'nevergrad' is not installed")
 
 SAMPLE = [
-    "DE", "TwoPointsDE", "LhsDE", "CMA", "DiagonalCMA", "CmaFmin2", "PSO", "OnePlusOne", "DiscreteOnePlusOne", "ES",
+    "DE", "TwoPointsDE", "LhsDE", "CMA", "DiagonalCMA", "HSDE", "PSO", "OnePlusOne", "DiscreteOnePlusOne", "ES",
     "TBPSA", "NaiveIsoEMNA", "EDA", "cGA", "SPSA", "RandomSearch", "LHSSearch", "ScrHammersleySearch", "SQP", "Cobyla",
-    "Powell", "NelderMead", "DSproba", "MetaModel", "ChainMetaModelSQP", "MultiCobyla", "Portfolio",
-    "Shiwa", "NgIoh", "NGOpt",
+    "Powell", "NelderMead", "RBFGS", "DSproba", "ChainCMASQP", "DS8", "MultiCobyla", "ParaPortfolio", "Portfolio",
+    "Shiwa", "NGOptBase",
 ]  # fmt: skip
-"""Members of every kind: populations, one-shot designs, threads, surrogates, chains, portfolios, competence maps."""
+"""Members of every kind: populations, one-shot designs, threads, chains, portfolios, competence maps."""
 
 
 def run(name, *, on=bowl, d=3, budget=60, seed=1, **options):
@@ -39,7 +40,7 @@ def states():
 
 def test_every_member_loads_and_says_what_it_is():
     names = nevergrad.names()
-    assert len(names) > 400
+    assert len(names) > 350
     assert names == sorted(set(names))
     for name in names:
         loaded = nevergrad.load(name)
@@ -63,7 +64,7 @@ def test_a_run_keeps_the_budget_and_depends_on_the_seed_alone(name):
     assert not np.array_equal(run(name, seed=2)[1], points[0])
 
 
-@pytest.mark.parametrize("name", ["DE", "CMA", "SQP", "MetaModel", "NGOpt"])
+@pytest.mark.parametrize("name", ["DE", "CMA", "SQP", "ParaPortfolio", "NGOptBase"])
 @pytest.mark.parametrize("on", [lambda x: np.ones(len(x)), lambda x: np.full(len(x), np.inf)])
 def test_flat_and_infinite_values_are_no_end_of_a_run(name, on):
     assert run(name, on=on)[0].nfev == 60
@@ -110,7 +111,7 @@ def test_parameters_are_the_registry_s_settings():
     assert nevergrad.load("nevergrad:TwoPointsDE").crossover == "twopoints"
     assert (
         "the parameter 'optimizers' is no scalar and keeps nevergrad's value"
-        in nevergrad.load("nevergrad:ChainMetaModelSQP").unmapped
+        in nevergrad.load("nevergrad:ChainCMASQP").unmapped
     )
     np.testing.assert_array_equal(run("DE", crossover=0.9)[1], run("AlmostRotationInvariantDE")[1])
 
@@ -123,8 +124,13 @@ def test_parameters_are_the_registry_s_settings():
         ("DE", {"popsize": 30}, "has no parameter 'popsize'"),
         ("DE", {"initialization": "nowhere"}, "nevergrad refuses these parameters of DE: "),
         ("SQP", {"workers": 2}, "nevergrad's SQP takes one point after the other: its workers must be 1"),
-        ("NGOp", {}, "nevergrad has no optimizer 'NGOp'; did you mean"),
-        ("SMAC3", {}, "nevergrad has no optimizer 'SMAC3'"),
+        ("TwoPointDE", {}, "nevergrad has no optimizer 'TwoPointDE'; did you mean"),
+        ("SMAC3", {}, "nevergrad's SMAC3 is left out: it needs a package that nevergrad does not install"),
+        (
+            "NGOpt",
+            {},
+            "nevergrad's NGOpt is left out: in some dimensions or for some budgets it uses an optimizer that",
+        ),
     ],
 )
 def test_wrong_options_are_refused_in_one_sentence(name, options, message):
@@ -133,9 +139,16 @@ def test_wrong_options_are_refused_in_one_sentence(name, options, message):
 
 
 def test_what_is_left_out_is_no_member():
-    assert set(ng.optimizers.registry) >= EXCLUDED
-    assert not EXCLUDED & set(nevergrad.members())
-    assert all(name.isidentifier() and not name.startswith(PREFIXES) for name in nevergrad.members())
+    patterns = " ".join(LEFT_OUT.values()).split()
+    left_out = {each: {name for name in ng.optimizers.registry if fnmatchcase(name, each)} for each in patterns}
+    assert all(left_out.values())
+    assert sum(map(len, left_out.values())) == len(set.union(*left_out.values()))  # one reason each
+    assert set(nevergrad.members()) | set.union(*left_out.values()) == set(
+        filter(str.isidentifier, ng.optimizers.registry)
+    )
+    assert not set(nevergrad.members()) & set.union(*left_out.values())
+    if ng.__version__ == "1.0.12":
+        assert (len(nevergrad.members()), len(ng.optimizers.registry)) == (370, 542)  # as optimizers/README.md says
 
 
 def test_one_dimension_leaves_no_setting_behind():
@@ -149,27 +162,28 @@ def test_one_dimension_leaves_no_setting_behind():
     assert run("DE", d=1)[0].nfev == 60
 
 
-def test_nevergrad_s_threads_take_turns_with_the_caller_and_no_clock_ends_a_search():
-    from nevergrad.optimization import callbacks, recaster
+@pytest.mark.parametrize("name", ["SQP", "RPowell", "DSproba", "DS8", "ParaPortfolio", "NGOptBase"])
+def test_a_thread_s_pace_changes_nothing(name, monkeypatch):
+    from nevergrad.optimization import recaster
 
-    def slow(function):
-        function(1.0)
-        time.sleep(0.05)
-        function(2.0)
-
-    with in_step():
-        thread = recaster.MessagingThread(slow)
-        assert thread.messages_ask.get() == 1.0
-        thread.messages_tell.put(0.0)
-        assert thread._thread.call_count == 2
-        assert thread.messages_ask.get() == 2.0
-        with pytest.raises(RuntimeError, match="asked twice"):
-            thread.messages_ask.get()
-        assert not callbacks.EarlyStopping.timer(-1)(None)
-    assert not thread.is_alive()
+    before = run(name, d=2)[1]
+    answer, tell = recaster._MessagingThread._fake_callable, recaster.SequentialRecastOptimizer._internal_tell_candidate
+    for owner, method in ((recaster._MessagingThread, answer), (recaster.SequentialRecastOptimizer, tell)):
+        with monkeypatch.context() as patch:
+            patch.setattr(owner, method.__name__, slowed(method))
+            np.testing.assert_array_equal(run(name, d=2)[1], before)
 
 
-@pytest.mark.parametrize("name", ["SQP", "NGOpt", "MultiCobyla"])
+def slowed(method):
+    def then_waits(*args):
+        value = method(*args)
+        time.sleep(0.001)
+        return value
+
+    return then_waits
+
+
+@pytest.mark.parametrize("name", ["SQP", "ParaPortfolio", "DSproba", "Cobyla"])
 def test_no_thread_and_no_change_of_a_library_outlives_a_run(name):
     from cma.options_parameters import cma_default_options
     from nevergrad.optimization import metamodel, optimizerlib, recaster
@@ -198,7 +212,7 @@ def test_handling_decides_what_is_evaluated(name, handling, highest):
     assert np.concatenate(problem.points)[:, 0].max() <= highest
 
 
-@pytest.mark.parametrize("name", ["DE", "SQP", "NGOpt", "Portfolio"])
+@pytest.mark.parametrize("name", ["DE", "SQP", "NGOptBase", "Portfolio"])
 def test_a_run_is_silent(name, capfd):
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -1,4 +1,4 @@
-"""Works that algorithms of several libraries come from, as BibTeX."""
+"""BibTeX of the works that optimizers in several modules come from."""
 
 HANSEN = """
     @article{hansen2001,

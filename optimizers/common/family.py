@@ -1,0 +1,126 @@
+"""Adapt the optimizers of another library: a family of names, their loading, their random numbers and evaluations."""
+
+from __future__ import annotations
+
+import random
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from functools import cache
+from typing import Any, ClassVar
+
+import numpy as np
+
+from bench.errors import BenchError, nearest, require
+from bench.objective import Objective
+from bench.optimizer import Optimizer, build
+from bench.problem import Floats
+from optimizers.common.bounds import Handling, confine
+
+CEILING = 1e100
+"""The greatest value given to a library, also for +inf, so that its sums and weights stay finite."""
+
+
+@dataclass(frozen=True)
+class Adapter(Optimizer):
+    """An algorithm of another library.
+
+    Attributes:
+        handling: ``"repair"`` clips the points to the box and applies the problem's own rule before they are evaluated;
+            ``"box"`` only clips them. The library goes on from the points it proposed.
+    """
+
+    handling: Handling = "repair"
+
+    def values(self, objective: Objective, x: Floats) -> Floats:
+        """Return the (n,) values of the (n, d) points ``x``, which are confined first as ``handling`` says."""
+        values: Floats = objective(confine(objective, x, self.handling))
+        return values
+
+    def finite_values(self, objective: Objective, x: Floats) -> Floats:
+        """Return :meth:`values` with CEILING in place of greater ones."""
+        return np.minimum(self.values(objective, x), CEILING)
+
+
+class Family(ABC):
+    """A family: the optimizers of one library, behind one entry point.
+
+    Attributes:
+        name: the family's name, the first half of ``"mealpy:OriginalGWO"``.
+        module: the module to import.
+        extra: the optional extra that installs the library, "" for a library that is always installed.
+        left_out: why optimizers of the library are no members, and which: patterns of their names, by reason.
+    """
+
+    name: ClassVar[str]
+    module: ClassVar[str]
+    extra: ClassVar[str] = ""
+    left_out: ClassVar[Mapping[str, str]] = {}
+
+    def __reduce__(self) -> str:
+        """Pickle by reference, as ``mealpy`` of optimizers.mealpy: a process then makes each member's class once."""
+        return self.name
+
+    @abstractmethod
+    def members(self) -> list[str]:
+        """Return the library's own names of its optimizers."""
+
+    @abstractmethod
+    def derive(self, member: str) -> type[Optimizer]:
+        """Return the optimizer class of one of ``members()``; see :func:`bench.plugins.derived.derive`."""
+
+    def names(self) -> list[str]:
+        """Return the full names of the members; raises BenchError, with the extra to install, for a missing library."""
+        self.require()
+        return [f"{self.name}:{member}" for member in _members(self)]
+
+    def load(self, name: str, **options: Any) -> Optimizer:
+        """Return the optimizer of the full name; raises BenchError for an unknown name or parameter."""
+        self.require()
+        member = name.partition(":")[2]
+        if member not in _members(self):
+            why = self.why_left_out(member)
+            raise BenchError(
+                f"{self.name}'s {member} is left out: {why}"
+                if why
+                else f"{self.name} has no optimizer {member!r}{nearest(member, _members(self))}"
+            )
+        return build(_derived(self, member), name, options)
+
+    def why_left_out(self, member: str) -> str:
+        """Return the reason for which an optimizer of the library is no member, "" for a member or an unknown name."""
+        reasons = (why for why, names in self.left_out.items() if any(fnmatchcase(member, n) for n in names.split()))
+        return next(reasons, "")
+
+    def require(self) -> Any:
+        """Return the library's module; raises BenchError, with the extra to install, for a missing library."""
+        return require(self.module, self.extra, f"the {self.name} optimizers need")
+
+
+@cache
+def _members(family: Family) -> list[str]:
+    return sorted(family.members())
+
+
+@cache
+def _derived(family: Family, member: str) -> type[Optimizer]:
+    return family.derive(member)
+
+
+@contextmanager
+def global_random_state(rng: np.random.Generator) -> Iterator[None]:
+    """Seed Python's and numpy's global random states from ``rng``, and restore both afterwards.
+
+    Some libraries draw from these states: within a trial they follow the trial's seed, and no other code sees it.
+    """
+    python, legacy = random.getstate(), np.random.get_state()  # noqa: NPY002
+    seed = int(rng.integers(2**32))
+    random.seed(seed)
+    np.random.seed(seed)  # noqa: NPY002
+    try:
+        yield
+    finally:
+        random.setstate(python)
+        np.random.set_state(legacy)  # noqa: NPY002

@@ -1,0 +1,43 @@
+"""Loops are compiled at their first call, may call each other, and are read from the disk by the next process."""
+
+import subprocess
+import sys
+
+LOOPS = """
+import math
+
+from optimizers.common.compiled import compiled
+
+
+@compiled
+def outer(n):
+    total = 0.0
+    for i in range(n):
+        total += inner(i + 1) / 0.0
+    return total
+
+
+@compiled
+def inner(i):
+    '''Return a square.'''
+    return float(i * i)
+"""
+
+PROGRAM = """
+import sys
+
+import loops
+
+assert "numba" not in sys.modules
+assert (loops.inner.__name__, loops.inner.__doc__) == ("inner", "Return a square.")
+assert loops.outer(3) == float("inf")  # by numpy's rules of division
+assert loops.inner(3) == 9.0
+print(sum(loops.outer.dispatcher.stats.cache_hits.values()), sum(loops.inner.dispatcher.stats.cache_hits.values()))
+"""
+
+
+def test_a_function_is_compiled_at_its_first_call_and_read_from_the_disk_by_the_next_process(tmp_path):
+    (tmp_path / "loops.py").write_text(LOOPS)
+    run = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n{PROGRAM}"]
+    hits = [subprocess.run(run, check=True, capture_output=True, text=True).stdout.split() for _ in range(2)]
+    assert hits == [["0", "0"], ["1", "1"]]
