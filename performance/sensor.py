@@ -1,10 +1,11 @@
-"""How right the virtual sensor is: estimates of simulated recordings with noise and a random start, against the truth.
+"""Measure the accuracy of the virtual sensor: estimates of simulated recordings with noise and a random start, against the truth.
 
     python performance/sensor.py [--draws 10] [--resamples 200]
 
 Levels 2 to 20 of section 7.2.1 with both levels of noise of section 7.3, and as many signals of noise alone, white,
-coloured, and with the load's ripple of a joint without backlash. Told are the relative errors of the amplitude and of
-the fit's |A|, the errors of the backlash, how often the intervals hold the truth, and the verdicts.
+coloured, and with the load's ripple of a joint without backlash. Prints the relative
+errors of the amplitude and of the fit's |A|, the errors of the backlash, how often the intervals hold the truth, and
+the verdicts.
 """
 
 import argparse
@@ -25,7 +26,7 @@ def main() -> None:
     parser.add_argument("--resamples", type=int, default=200)
     options = parser.parse_args()
     settings = Settings(resamples=options.resamples)
-    estimate(noisy(3), settings)  # compiled before the clock starts
+    estimate(noisy(3), settings)  # compile before the clock starts
     rows = []
     for noise in ("low", "high"):
         for level in range(2, 21):

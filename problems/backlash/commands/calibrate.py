@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
+import math
 import re
 import shlex
-from dataclasses import replace
-from math import isfinite
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from bench.cli.console import print_line
 from bench.errors import BenchError
 
 
@@ -58,31 +59,31 @@ def calibrate(
         from problems.backlash.sensor.response import response
 
         fitted, scatter = response(own, half_gaps, jobs=jobs, shown=True)
-        made = replace(made, fitted=fitted, scatter=scatter)
-    typer.echo(made.name)
+        made = dataclasses.replace(made, fitted=fitted, scatter=scatter)
+    print_line(made.name)
     columns = {"amplitude in rpm": made.amplitude, "half-gap in rad": made.half_gap}
     if made.fitted is not None and made.scatter is not None:
         columns |= {"fit in rpm": made.fitted, "its scatter": made.scatter}
-    typer.echo("   ".join(columns))
+    print_line("   ".join(columns))
     for row in zip(*columns.values(), strict=True):
         texts = (
             f"{value:.{6 if 'rad' in title else 4}f}".rjust(len(title))
             for title, value in zip(columns, row, strict=True)
         )
-        typer.echo("   ".join(texts))
+        print_line("   ".join(texts))
     if method == "cubic":
-        typer.echo(f"{made.formula()}; at most {made.residual:.2g} rad from the pairs")
-    typer.echo(f"range: {made.range[0]:.4g} to {made.range[1]:.4g} rpm; no backlash is told outside")
-    if own == Joint() and isfinite(made.deviation):
-        typer.echo(f"from eq. 4.7 of the thesis: at most {made.deviation:.3%}")
+        print_line(f"{made.formula()}; at most {made.residual:.2g} rad from the pairs")
+    print_line(f"range: {made.range[0]:.4g} to {made.range[1]:.4g} rpm; no backlash is told outside")
+    if own == Joint() and math.isfinite(made.deviation):
+        print_line(f"from eq. 4.7 of the thesis: at most {made.deviation:.3%}")
     if plot is not None:
         from problems.backlash.signature.figures import save_figures
 
         for path in save_figures(plot, own, made):
-            typer.echo(path)
+            print_line(str(path))
     if output is not None:
         made.save(output, command=_command(joint, levels, gaps, method, fits=fits))
-        typer.echo(output)
+        print_line(str(output))
 
 
 def _command(joint: Path | None, levels: str | None, gaps: str | None, method: str, *, fits: bool) -> str:

@@ -13,9 +13,9 @@ from bench import Study
 from bench.analysis import labels
 from bench.plots import style
 from bench.report import Figure, Section, Table
+from problems.backlash.report.accuracy import errors_by, estimates, expected_by_problem
 from problems.backlash.report.axes import dataset_panels
 from problems.backlash.report.conclusions import in_words
-from problems.backlash.report.estimates import errors_by, estimates, expected_by_problem
 from problems.backlash.signature.problem import TOLERANCE_RPM
 
 REFERENCES = ("expected amplitude", "accuracy band")

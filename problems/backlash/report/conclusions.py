@@ -8,7 +8,7 @@ from scipy.stats import binomtest, spearmanr
 from bench import Study
 from bench.analysis import ALPHA
 from bench.report.wording import count, listing, shares
-from problems.backlash.report.estimates import errors_by, within_in_words
+from problems.backlash.report.accuracy import errors_by, within_in_words
 from problems.backlash.report.fitting_errors import EXTRA, SWARMS, algorithms
 from problems.backlash.signature.problem import TOLERANCE_RPM
 
@@ -19,7 +19,7 @@ def in_words(data: pd.DataFrame, study: Study) -> tuple[str, ...]:
     """Return the shares within the accuracy band, and each conclusion of the thesis beside what was found here.
 
     Args:
-        data: from :func:`problems.backlash.report.estimates.estimates`, of the amplitude.
+        data: from :func:`problems.backlash.report.accuracy.estimates`, of the amplitude.
         study: tells which optimizers are the thesis's; a conclusion on others is left out.
     """
     known = algorithms(study)

@@ -10,8 +10,8 @@ from bench.analysis import labels
 from bench.plots import style
 from bench.report import Figure, Section, Table
 from bench.report.wording import count, listing
+from problems.backlash.report.accuracy import errors_by, estimates, expected_by_problem, with_truth, within_in_words
 from problems.backlash.report.axes import dataset_panels
-from problems.backlash.report.estimates import errors_by, estimates, expected_by_problem, with_truth, within_in_words
 from problems.backlash.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM
 
 TITLE = "Backlash and amplitude of the datasets (thesis Fig. 7.3)"

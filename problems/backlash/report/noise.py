@@ -13,9 +13,9 @@ from bench.plots import style
 from bench.report import Figure, Part, Section, Table
 from bench.report.wording import count, listing
 from problems.backlash.published.table_7_3 import TABLE_7_3
-from problems.backlash.report.estimates import estimates
+from problems.backlash.report.accuracy import estimates
 from problems.backlash.report.fitting_errors import conditions
-from problems.backlash.sensor.estimate import Settings, told
+from problems.backlash.sensor.estimate import Settings, infer_backlash
 from problems.backlash.signature import NOISES
 from problems.backlash.signature.noise import peak_to_peak
 from problems.backlash.signature.problem import SignatureFit
@@ -59,7 +59,7 @@ def by_cell(data: pd.DataFrame, known: pd.DataFrame) -> pd.DataFrame:
     """Return a row a problem and optimizer in the columns of Table 7.3, in rps and percent.
 
     Args:
-        data: from :func:`problems.backlash.report.estimates.estimates`, of the amplitude.
+        data: from :func:`problems.backlash.report.accuracy.estimates`, of the amplitude.
         known: from :func:`noisy_problems`.
 
     Columns: problem, optimizer, trials, dataset, noise level, theoretical, noise (amplitude), mean and stdev of |A|,
@@ -99,8 +99,8 @@ def best_fits(results: Results, cells: pd.DataFrame) -> pd.DataFrame:
     """
     rows = cells.drop_duplicates("problem")[["problem", "dataset", "noise level", "theoretical"]]
     rows = rows[[not results.known(label).reason for label in rows["problem"]]]
-    rows[["mean", "told"]] = [_amplitudes_of_best(results, label) for label in rows["problem"]]
-    for amplitude, error in (("mean", "error"), ("told", "told error")):
+    rows[["mean", "estimate"]] = [_amplitudes_of_best(results, label) for label in rows["problem"]]
+    for amplitude, error in (("mean", "error"), ("estimate", "estimate error")):
         rows[error] = relative(rows[amplitude] - rows["theoretical"], rows["theoretical"])
     return rows.dropna(subset="mean")
 
@@ -112,7 +112,7 @@ def _amplitudes_of_best(results: Results, label: str) -> tuple[float, float]:
         return float("nan"), float("nan")
     size = problem.describe(problem.reference().x)["amplitude_rpm"] / 60
     known = problem.unit == "rps"  # the sensor's own unit, and the noise study's
-    return size, told(problem, Settings(resamples=0)).amplitude if known else float("nan")
+    return size, infer_backlash(problem, Settings(resamples=0)).amplitude if known else float("nan")
 
 
 def in_words(cells: pd.DataFrame, best: pd.DataFrame, noise: str) -> list[str]:
@@ -129,7 +129,7 @@ def in_words(cells: pd.DataFrame, best: pd.DataFrame, noise: str) -> list[str]:
     fits = best[best["noise level"] == noise]
     text += _stand(f"{noise.capitalize()} noise, the best fit there is, whoever finds it", "|A|", fits)
     text += _without_backlash("the best fit has an |A|", fits)
-    sensor = fits.assign(mean=fits["told"], error=fits["told error"])
+    sensor = fits.assign(mean=fits["estimate"], error=fits["estimate error"])
     text += _stand(f"{noise.capitalize()} noise, the virtual sensor by the best fit and its calibration", "A", sensor)
     return text + _without_backlash("the virtual sensor tells an amplitude", sensor)
 
@@ -188,7 +188,7 @@ def beside_best(best: pd.DataFrame) -> Table:
     theirs = published()["error"].reindex(best["dataset"]).set_axis(best.index)
     shown = pd.DataFrame(
         {"A": best["theoretical"], "|A| of best fit": best["mean"], "error %": best["error"],
-         "A told by sensor": best["told"], "its error %": best["told error"], "error % published": theirs}
+         "A by sensor": best["estimate"], "its error %": best["estimate error"], "error % published": theirs}
     )  # fmt: skip
     return Table(
         "table-7-3-best-fit",
@@ -198,7 +198,7 @@ def beside_best(best: pd.DataFrame) -> Table:
             "A": 4,
             "|A| of best fit": 4,
             "error %": 2,
-            "A told by sensor": 4,
+            "A by sensor": 4,
             "its error %": 2,
             "error % published": 2,
         },

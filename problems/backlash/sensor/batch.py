@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from bench.errors import BenchError
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.estimate import Estimate, Settings, estimate
-from problems.backlash.sensor.repeated import Plan, Repeated, repeat
+from problems.backlash.sensor.repeated_runs import RepeatedRuns, RunSettings, repeat
 
 FEW = 3
 """So many recordings are estimated before worker processes have started."""
@@ -25,12 +25,12 @@ class Estimated:
     Attributes:
         path: the file.
         estimate: the estimate.
-        repeated: what an optimizer's runs found in it, where some were asked for.
+        runs: what an optimizer's runs found in it, where some were asked for.
     """
 
     path: Path
     estimate: Estimate
-    repeated: Repeated | None = None
+    runs: RepeatedRuns | None = None
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def estimate_files(
     paths: Sequence[Path],
     read: Callable[[Path], Recording],
     settings: Settings,
-    plan: Plan | None = None,
+    runs: RunSettings | None = None,
     *,
     jobs: int = 1,
 ) -> Iterator[Estimated | Failed]:
@@ -55,7 +55,7 @@ def estimate_files(
         paths: the files.
         read: returns a file's recording; raises BenchError.
         settings: how each is estimated.
-        plan: an optimizer to run on each besides.
+        runs: an optimizer to run on each besides.
         jobs: worker processes; -1 takes every core. The estimates do not depend on it.
 
     Raises:
@@ -64,17 +64,17 @@ def estimate_files(
     if jobs == 0:
         raise BenchError("there must be at least one worker process; give --jobs 1 or more, or -1 for every core")
     workers = Parallel(n_jobs=jobs if len(paths) > FEW else 1, return_as="generator")
-    made: Iterator[Estimated | Failed] = workers(delayed(_estimated)(path, read, settings, plan) for path in paths)
+    made: Iterator[Estimated | Failed] = workers(delayed(_estimated)(path, read, settings, runs) for path in paths)
     return made
 
 
 def _estimated(
-    path: Path, read: Callable[[Path], Recording], settings: Settings, plan: Plan | None
+    path: Path, read: Callable[[Path], Recording], settings: Settings, runs: RunSettings | None
 ) -> Estimated | Failed:
     try:
         with threadpool_limits(limits=1):  # no last digit may depend on how many threads a BLAS finds
             found = estimate(read(path), settings)
-            return Estimated(path, found, repeat(found, settings, plan) if plan else None)
+            return Estimated(path, found, repeat(found, settings, runs) if runs else None)
     except BenchError as error:
         return Failed(path, _named(path, str(error)))
 

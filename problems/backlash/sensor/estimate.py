@@ -150,7 +150,7 @@ def estimate(recording: Recording, settings: Settings | None = None, *, screened
     residual = problem.signal - fitted
     if source == "assumed" and not settings.single:
         notes.append(f"no period was found in the signal; {problem.period:g} s is assumed (--period gives another)")
-    found = told(problem, settings)
+    found = infer_backlash(problem, settings)
     return Estimate(
         amplitude_rps=found.amplitude,
         amplitude_interval_rps=found.amplitudes,
@@ -205,7 +205,7 @@ def signature_problem(recording: Recording, settings: Settings, period: float) -
     return SignatureFit("recording", recording, period=period, turns=turns, single=settings.single)
 
 
-class Told(NamedTuple):
+class Inference(NamedTuple):
     """What a reference fit tells: see :class:`Estimate`."""
 
     p_value: float
@@ -217,21 +217,21 @@ class Told(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-def told(problem: SignatureFit, settings: Settings) -> Told:
+def infer_backlash(problem: SignatureFit, settings: Settings) -> Inference:
     """Return what the reference fit of a problem in rps tells of the backlash."""
     x = problem.reference(constrained=settings.constrained).x
     p = p_value(problem, problem.model(x))
     return _undetected(problem, p, settings) if p > SIGNIFICANT else _detected(problem, x, p, settings)
 
 
-def _undetected(problem: SignatureFit, p: float, settings: Settings) -> Told:
+def _undetected(problem: SignatureFit, p: float, settings: Settings) -> Inference:
     """Return what is told where no disturbance can be told from noise: 0, and up to what could have been."""
     calibration, most = settings.calibration, detectable(problem)
-    largest = float(np.maximum(gap_told(most, calibration), TOLERANCE_RAD))  # less is told from none nowhere
-    gaps = (gap_told(0.0, calibration), largest)
+    largest = float(np.maximum(infer_gap(most, calibration), TOLERANCE_RAD))  # less is told from none nowhere
+    gaps = (infer_gap(0.0, calibration), largest)
     hidden = may_hide(most, largest, settings)
     notes = (f"so much noise may hide a backlash above the limit of {settings.limit_rad:g} rad",) if hidden else ()
-    return Told(p, 0.0, (0.0, most), gaps[0], gaps, "no backlash", notes)
+    return Inference(p, 0.0, (0.0, most), gaps[0], gaps, "no backlash", notes)
 
 
 def may_hide(amplitude: float, gap: float, settings: Settings) -> bool:
@@ -241,29 +241,29 @@ def may_hide(amplitude: float, gap: float, settings: Settings) -> bool:
     return 60 * amplitude > settings.calibration.range[1] or gap > settings.limit_rad
 
 
-def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) -> Told:
+def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) -> Inference:
     """Return what a disturbance that is there tells of the backlash."""
     calibration, rng = settings.calibration, np.random.default_rng(settings.seed)
     notes = []
-    amplitude = peak_told(x, calibration)
+    amplitude = infer_peak(x, calibration)
     low, high = math.nan, math.nan
     if settings.resamples:
         fits = resampled(problem, x, settings.resamples, rng, constrained=settings.constrained)
-        peaks = np.array([peak_told(each, calibration) for each in fits])
+        peaks = np.array([infer_peak(each, calibration) for each in fits])
         if calibration:
             peaks *= 1 + calibration.relative_scatter(60 * strength(x)) * rng.standard_normal(len(peaks))
         outside = (1 - settings.confidence) / 2
         low, high = (float(each) for each in np.quantile(peaks, [outside, 1 - outside]))
-    gap = gap_told(amplitude, calibration)
+    gap = infer_gap(amplitude, calibration)
     slow = float(x[OMEGA]) * problem.period / 2 < 2 * math.pi
     if calibration and math.isnan(gap):
         limits = " to ".join(f"{each / 60:.3g}" for each in calibration.range)
         notes.append(f"the amplitude is outside the calibrated range ({limits} rps), so no backlash is told")
     if slow:
         notes.append("the disturbance is slower than one oscillation a half turn: the load's own, not that of impacts")
-    gaps = (gap_told(low, calibration), gap_told(high, calibration))
+    gaps = (infer_gap(low, calibration), infer_gap(high, calibration))
     verdict = _verdict(amplitude, gap, settings, slow=slow)
-    return Told(p, amplitude, (low, high), gap, gaps, verdict, tuple(notes))
+    return Inference(p, amplitude, (low, high), gap, gaps, verdict, tuple(notes))
 
 
 def _verdict(amplitude: float, gap: float, settings: Settings, *, slow: bool) -> str:
@@ -280,14 +280,14 @@ def _verdict(amplitude: float, gap: float, settings: Settings, *, slow: bool) ->
     return "progressed" if gap > settings.limit_rad else "early"
 
 
-def peak_told(x: Floats, calibration: Calibration | None) -> float:
+def infer_peak(x: Floats, calibration: Calibration | None) -> float:
     """Return the peak in rps that a fit (7,) tells of; its |A| beyond what was calibrated."""
     known = calibration is not None and calibration.fitted is not None
     expected = calibration.expected(60 * strength(x)) / 60 if calibration and known else math.nan
     return abs(float(x[A])) if math.isnan(expected) else expected
 
 
-def gap_told(amplitude: float, calibration: Calibration | None) -> float:
+def infer_gap(amplitude: float, calibration: Calibration | None) -> float:
     """Return the half-gap in rad of a peak in rps; below the calibration its smallest, where that is none at all."""
     if calibration is None or math.isnan(amplitude):
         return math.nan

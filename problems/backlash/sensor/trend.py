@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import kendalltau, theilslopes
 
-from problems.backlash.sensor.calibration_files import Series
 from problems.backlash.sensor.estimate import Estimate
+from problems.backlash.sensor.recording_files import Series
 
 Floats = NDArray[np.float64]
 Interval = tuple[float, float]

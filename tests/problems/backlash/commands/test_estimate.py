@@ -30,13 +30,13 @@ def recording(tmp_path_factory):
 
 
 @pytest.fixture
-def stub(monkeypatch, told):
+def stub(monkeypatch, make_estimate):
     """Have every recording be told as half-gap the first digit of its speed, in mrad; returns the settings it got."""
     seen = []
 
     def estimate(recording, settings):
         seen.append((recording, settings))
-        return told(0.001 * int(str(abs(recording.speed[0]))[0]), recording=recording)
+        return make_estimate(0.001 * int(str(abs(recording.speed[0]))[0]), recording=recording)
 
     monkeypatch.setattr(batch, "estimate", estimate)
     return seen

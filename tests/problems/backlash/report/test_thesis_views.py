@@ -12,7 +12,7 @@ from bench.report import Figure, Table
 from bench.report.output import save_figure
 from bench.storage.folder import Folder
 from bench.study import Entry, Study
-from problems.backlash.report import estimates, fitting_errors, levels, sections
+from problems.backlash.report import accuracy, fitting_errors, levels, sections
 from problems.backlash.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM, Fit, SignatureFit
 
 SWARMS = ("alo", "goa", "da", "gwo")
@@ -290,7 +290,7 @@ def test_only_problems_with_the_figure_are_estimated():
         }
     )  # fmt: skip
     truths = pd.DataFrame([("b", "amplitude_rpm", 6.0, 1.0)], columns=["problem", "figure", "expected", "tolerance"])
-    data = estimates.estimates(frame, truths, "amplitude_rpm")
+    data = accuracy.estimates(frame, truths, "amplitude_rpm")
     assert list(data["problem"].cat.categories) == ["b"]
     assert data["error"].tolist() == pytest.approx([-1.0, np.nan], nan_ok=True)
     assert data["within"].tolist() == [True, False]

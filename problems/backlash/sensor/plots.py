@@ -19,9 +19,9 @@ from bench.errors import BenchError
 from bench.plots import style
 from bench.text import file_name, unique
 from problems.backlash.sensor.batch import Estimated
-from problems.backlash.sensor.calibration_files import Series
 from problems.backlash.sensor.estimate import Estimate, Settings
-from problems.backlash.sensor.output import BY, UNIT
+from problems.backlash.sensor.formatting import BY, UNIT
+from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import Trend
 from problems.backlash.signature.model import VARIABLES, oscillation
 

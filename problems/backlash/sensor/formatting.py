@@ -11,9 +11,9 @@ from rich.table import Table
 from rich.text import Text
 
 from problems.backlash.sensor.batch import Estimated, Failed
-from problems.backlash.sensor.calibration_files import Series
 from problems.backlash.sensor.estimate import Estimate, Settings, may_hide
-from problems.backlash.sensor.repeated import Repeated
+from problems.backlash.sensor.recording_files import Series
+from problems.backlash.sensor.repeated_runs import RepeatedRuns
 from problems.backlash.sensor.trend import Trend
 from problems.backlash.signature.problem import FOUND
 
@@ -29,7 +29,7 @@ WORD = {"month": "", "number": "number ", "file": "recording "}
 SHOWN = 5  # files that are named with a note
 
 
-def words(outcome: Estimated, settings: Settings) -> list[str]:
+def estimate_lines(outcome: Estimated, settings: Settings) -> list[str]:
     """Return the lines that tell a maintenance engineer of one estimate."""
     found = outcome.estimate
     rows = [*(_amount(found, settings) if found.amplitude_rps else _hidden(found, settings))]
@@ -41,26 +41,26 @@ def words(outcome: Estimated, settings: Settings) -> list[str]:
     ]
     if found.calibration:
         rows.append(("calibration", found.calibration))
-    if outcome.repeated:
-        rows += [(outcome.repeated.plan.name, line) for line in repeated_words(outcome.repeated, found)]
+    if outcome.runs:
+        rows += [(outcome.runs.settings.name, line) for line in runs_lines(outcome.runs, found)]
     rows += [("note", note) for note in found.notes]
     width = max(len(name) for name, _ in rows)
     return [f"{outcome.path}: {_verdict(found, settings)}", *(f"  {name:{width}}  {said}" for name, said in rows)]
 
 
-def repeated_words(repeated: Repeated, estimate: Estimate) -> list[str]:
+def runs_lines(runs: RepeatedRuns, estimate: Estimate) -> list[str]:
     """Return the lines that tell of an optimizer's runs."""
-    plan, sizes, gaps = repeated.plan, repeated.sizes_rps, repeated.backlashes_rad
+    asked, sizes, gaps = runs.settings, runs.sizes_rps, runs.backlashes_rad
     best = abs(estimate.variables["A"])
     size = f"fitted |A| {sizes.mean():.4f} rps, standard deviation {_deviation(sizes):.4f} (the best fit's: {best:.4f})"
-    lines = [f"{plan.runs} runs of {plan.budget} evaluations: {size}"]
+    lines = [f"{asked.runs} runs of {asked.budget} evaluations: {size}"]
     known = gaps[np.isfinite(gaps)]  # the others are outside the calibration
     if len(known):
         outside = f", {len(gaps) - len(known)} runs outside the calibration left out" if len(known) < len(gaps) else ""
         lines.append(
             f"half-gap {1e3 * known.mean():.3f} mrad, standard deviation {1e3 * _deviation(known):.3f}{outside}"
         )
-    lines.append(f"the best fit was found, within {FOUND:.0%} of its RMSE, in {repeated.found} of {plan.runs} runs")
+    lines.append(f"the best fit was found, within {FOUND:.0%} of its RMSE, in {runs.found} of {asked.runs} runs")
     return lines
 
 
@@ -72,7 +72,7 @@ def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], settings
         made.add_column(heading, justify="right", no_wrap=True)
     made.add_column("verdict")
     made.add_column("RMSE, rps", justify="right", no_wrap=True)
-    if any(isinstance(outcome, Estimated) and outcome.repeated for outcome in outcomes):
+    if any(isinstance(outcome, Estimated) and outcome.runs for outcome in outcomes):
         for heading in ("fitted |A| of the runs, rps", "half-gap of the runs, mrad", "best fit found"):
             made.add_column(heading, justify="right")
     for name, outcome in zip(names, outcomes, strict=True):
@@ -88,12 +88,12 @@ def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], settings
             "undecided" if _undecided(found, settings) else found.verdict,
             f"{found.rmse_rps:.4f}",
         ]
-        if each := outcome.repeated:
+        if each := outcome.runs:
             sizes, gaps = each.sizes_rps, 1e3 * each.backlashes_rad
             cells += [
                 f"{sizes.mean():.4f} ± {_deviation(sizes):.4f}",
                 f"{gaps.mean():.3f} ± {_deviation(gaps):.3f}" if not math.isnan(gaps.mean()) else "",
-                f"{each.found} of {each.plan.runs}",
+                f"{each.found} of {each.settings.runs}",
             ]
         made.add_row(Text(name), *cells)
     return made
@@ -112,7 +112,7 @@ def notes(outcomes: Sequence[Estimated | Failed], names: Sequence[str]) -> list[
     return lines
 
 
-def trend_words(trend: Trend, settings: Settings) -> list[str]:
+def trend_lines(trend: Trend, settings: Settings) -> list[str]:
     """Return the lines that tell how the backlash of a joint has changed, and when it reaches the limit."""
     series, (factor, unit) = trend.series, UNIT[trend.quantity]
     first, last = _when(series, series.at[0]), _when(series, series.at[-1])
@@ -141,7 +141,7 @@ def trend_words(trend: Trend, settings: Settings) -> list[str]:
     return lines
 
 
-def record(outcome: Estimated | Failed) -> dict[str, Any]:
+def json_object(outcome: Estimated | Failed) -> dict[str, Any]:
     """Return an outcome as a JSON object; what is not known is null."""
     if isinstance(outcome, Failed):
         return {"file": str(outcome.path), "error": outcome.error}
@@ -163,10 +163,10 @@ def record(outcome: Estimated | Failed) -> dict[str, Any]:
         "calibration": found.calibration,
         "notes": list(found.notes),
     }
-    if each := outcome.repeated:
+    if each := outcome.runs:
         content["runs"] = {
-            "optimizer": each.plan.name,
-            "budget": each.plan.budget,
+            "optimizer": each.settings.name,
+            "budget": each.settings.budget,
             "amplitudes_rps": each.sizes_rps.tolist(),
             "backlashes_rad": each.backlashes_rad.tolist(),
             "rmses_rps": each.values_rps.tolist(),

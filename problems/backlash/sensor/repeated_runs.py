@@ -14,7 +14,7 @@ from bench.execution.solve import solve
 from bench.optimizer import Optimizer
 from bench.plugins.loading import load_optimizer
 from bench.seeds import trial_seed
-from problems.backlash.sensor.estimate import Estimate, Settings, gap_told, peak_told, signature_problem
+from problems.backlash.sensor.estimate import Estimate, Settings, infer_gap, infer_peak, signature_problem
 from problems.backlash.signature.model import A
 from problems.backlash.signature.problem import FOUND
 
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Plan:
+class RunSettings:
     """Which optimizer is run on a recording, how often, and how long.
 
     Attributes:
@@ -53,44 +53,44 @@ class Plan:
 
 
 @dataclass(frozen=True, eq=False)
-class Repeated:
+class RepeatedRuns:
     """What the runs of an optimizer found.
 
     Attributes:
-        plan: what was run.
+        settings: what was run.
         sizes_rps: (runs,) |A| of their fits.
         backlashes_rad: (runs,) the half-gaps that these tell of, NaN where the calibration does not reach.
         values_rps: (runs,) RMSEs.
         found: in how many runs the reference fit was found.
     """
 
-    plan: Plan
+    settings: RunSettings
     sizes_rps: Floats
     backlashes_rad: Floats
     values_rps: Floats
     found: int
 
 
-def repeat(estimate: Estimate, settings: Settings, plan: Plan) -> Repeated:
+def repeat(estimate: Estimate, settings: Settings, runs: RunSettings) -> RepeatedRuns:
     """Return what seeded runs of an optimizer find in the recording of an estimate that was made by these settings.
 
     Raises:
         BenchError: where the optimizer fails.
     """
     problem = signature_problem(estimate.recording, settings, estimate.period_s)
-    optimizer = plan.optimizer()
+    optimizer = runs.optimizer()
     points, values = [], []
-    for number in range(plan.runs):
-        seed = trial_seed(plan.seed, problem.name, plan.name, number)
+    for number in range(runs.runs):
+        seed = trial_seed(runs.seed, problem.name, runs.name, number)
         try:
-            result = solve(problem, optimizer, budget=plan.budget, seed=seed)
+            result = solve(problem, optimizer, budget=runs.budget, seed=seed)
         except BenchError:
             raise
         except Exception as error:  # a plug-in may raise anything
-            raise BenchError(f"{plan.name} failed in run {number}: {type(error).__name__}: {error}") from error
+            raise BenchError(f"{runs.name} failed in run {number}: {type(error).__name__}: {error}") from error
         points.append(result.x)
         values.append(result.fun)
     sizes = np.abs(np.array(points)[:, A])
-    gaps = [gap_told(peak_told(x, settings.calibration), settings.calibration) for x in points]
+    gaps = [infer_gap(infer_peak(x, settings.calibration), settings.calibration) for x in points]
     found = sum(value <= estimate.rmse_rps * (1 + FOUND) for value in values)
-    return Repeated(plan, sizes, np.array(gaps), np.array(values), found)
+    return RepeatedRuns(runs, sizes, np.array(gaps), np.array(values), found)
