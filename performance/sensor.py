@@ -1,11 +1,11 @@
-"""Measure the accuracy of the virtual sensor: estimates of simulated recordings with noise and a random start, against the truth.
+"""Measure the accuracy of the virtual sensor on simulated recordings with noise and a random start.
 
     python performance/sensor.py [--draws 10] [--resamples 200]
 
-Levels 2 to 20 of section 7.2.1 with both levels of noise of section 7.3, and as many signals of noise alone, white,
-coloured, and with the load's ripple of a joint without backlash. Prints the relative
+The recordings are those of levels 2 to 20 of section 7.2.1 with both levels of noise of section 7.3, and as many
+signals of noise alone: white, coloured, and with the load's ripple of a joint without backlash. Print the relative
 errors of the amplitude and of the fit's |A|, the errors of the backlash, how often the intervals hold the truth, and
-the verdicts.
+the shares of right verdicts.
 """
 
 import argparse

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+import sys
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -50,7 +51,7 @@ def estimate(
         str | None, _recording(metavar="BEGIN:END", help="The part to use in s, as 18.99:20.11, 2: or :10.")
     ] = None,
     nominal: Annotated[
-        float | None, _recording(metavar="RPS", help="The motor's nominal speed, which reveals a wrong unit.")
+        float | None, _recording(metavar="RPS", help="The motor's nominal speed; a wrong unit is reported.")
     ] = None,
     period: Annotated[
         float | None, _fit(metavar="S", help="The time of a load turn.", show_default="found in the signal")
@@ -166,17 +167,16 @@ def _estimate_all(
     paths: Sequence[Path], read: Callable[[Path], Recording], settings: Settings, runs: RunSettings | None, jobs: int
 ) -> list[Estimated | Failed]:
     """Return the outcome of every file; show a bar on a terminal, and print each of several failures at once."""
-    from rich.console import Console
-    from rich.progress import track
-
     from problems.backlash.sensor.batch import Failed, estimate_files
 
-    console = Console(stderr=True)
-    made = estimate_files(paths, read, settings, runs, jobs=jobs)
+    made: Iterable[Estimated | Failed] = estimate_files(paths, read, settings, runs, jobs=jobs)
+    if len(paths) > 1 and sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import track
+
+        made = track(made, "estimating", len(paths), console=Console(stderr=True), transient=True)
     outcomes = []
-    for outcome in track(
-        made, "estimating", len(paths), console=console, transient=True, disable=not console.is_terminal
-    ):
+    for outcome in made:
         outcomes.append(outcome)
         if isinstance(outcome, Failed) and len(paths) > 1:
             print_error(outcome.error)

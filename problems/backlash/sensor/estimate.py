@@ -15,9 +15,10 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.numbers import require_positive, require_whole
+from bench.problem import Floats
 from problems.backlash.recordings import Recording
 from problems.backlash.recordings.period import find_period
 from problems.backlash.recordings.screen import drift, screen, warnings
@@ -26,7 +27,6 @@ from problems.backlash.signature.calibration import Calibration, sensor_calibrat
 from problems.backlash.signature.model import OMEGA, A, strength
 from problems.backlash.signature.problem import TOLERANCE_RAD, SignatureFit
 
-Floats = NDArray[np.float64]
 Interval = tuple[float, float]
 
 USUAL_PERIOD = 0.4
@@ -75,12 +75,12 @@ class Settings:
     def __post_init__(self) -> None:
         for name in ("period", "gear_ratio", "nominal_rps", "limit_rad"):
             value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0):
-                raise BenchError(f"{name.replace('_', ' ')} must be a positive number, not {value!r}")
+            if value is not None:
+                require_positive(name.replace("_", " "), value)
         if not 0.0 < self.confidence < 1.0:
             raise BenchError(f"confidence must lie between 0 and 1, such as 0.95, not {self.confidence!r}")
-        if self.resamples < 0 or self.seed < 0:
-            raise BenchError("resamples and seed must not be negative")
+        require_whole("resamples", self.resamples, 0)
+        require_whole("seed", self.seed, 0)
 
 
 @dataclass(frozen=True, eq=False)

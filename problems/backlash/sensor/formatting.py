@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.table import Table
-from rich.text import Text
 
 from problems.backlash.sensor.batch import Estimated, Failed
 from problems.backlash.sensor.estimate import Estimate, Settings, may_hide
-from problems.backlash.sensor.recording_files import Series
-from problems.backlash.sensor.repeated_runs import RepeatedRuns
-from problems.backlash.sensor.trend import Trend
 from problems.backlash.signature.problem import FOUND
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from problems.backlash.sensor.recording_files import Series
+    from problems.backlash.sensor.repeated_runs import RepeatedRuns
+    from problems.backlash.sensor.trend import Trend
 
 ARC_MINUTES = 60 * 180 / math.pi
 """So many in a rad."""
@@ -66,6 +68,9 @@ def runs_lines(runs: RepeatedRuns, estimate: Estimate) -> list[str]:
 
 def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], settings: Settings) -> Table:
     """Return a row a file under its name: amplitude and half-gap with their intervals, verdict, RMSE."""
+    from rich.table import Table
+    from rich.text import Text
+
     made = Table(box=None, pad_edge=False)
     made.add_column("file", overflow="fold")
     for heading in ("amplitude, rps", "interval", "half-gap, mrad", "interval"):

@@ -12,7 +12,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, MultipleLocator
-from numpy.typing import NDArray
 
 from bench.atomic import replacing
 from bench.errors import BenchError
@@ -24,8 +23,6 @@ from problems.backlash.sensor.formatting import BY, UNIT
 from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import Trend
 from problems.backlash.signature.model import VARIABLES, oscillation
-
-Floats = NDArray[np.float64]
 
 METADATA: dict[str, dict[str, Any]] = {
     ".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None},

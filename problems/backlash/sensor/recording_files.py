@@ -20,12 +20,10 @@ from os.path import commonpath
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.problem import Floats
 from problems.backlash.recordings.tables import READERS
-
-Floats = NDArray[np.float64]
 
 TRUTH = "truth.csv"
 """What 'bench simulate --wear' writes beside the recordings."""

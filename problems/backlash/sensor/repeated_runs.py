@@ -7,18 +7,17 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
 from bench.execution.solve import solve
+from bench.numbers import require_whole
 from bench.optimizer import Optimizer
 from bench.plugins.loading import load_optimizer
+from bench.problem import Floats
 from bench.seeds import trial_seed
 from problems.backlash.sensor.estimate import Estimate, Settings, infer_gap, infer_peak, signature_problem
 from problems.backlash.signature.model import A
 from problems.backlash.signature.problem import FOUND
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -43,8 +42,7 @@ class RunSettings:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if self.runs < 1:
-            raise BenchError(f"the runs of an optimizer must be at least 1, not {self.runs}")
+        require_whole("the runs of an optimizer", self.runs, 1)
         self.optimizer().check_budget(self.budget, self.name)
 
     def optimizer(self) -> Optimizer:

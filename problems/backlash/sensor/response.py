@@ -19,16 +19,14 @@ from collections.abc import Sequence
 
 import numpy as np
 from joblib import Parallel, delayed
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import track
 
+from bench.problem import Floats
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.signature.model import strength
 from problems.backlash.signature.problem import SignatureFit
-
-Floats = NDArray[np.float64]
 
 TURNS = 12
 """Load turns of a recording, as the published ones have."""

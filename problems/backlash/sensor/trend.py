@@ -15,13 +15,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.stats import kendalltau, theilslopes
 
+from bench.problem import Floats
 from problems.backlash.sensor.estimate import Estimate
 from problems.backlash.sensor.recording_files import Series
 
-Floats = NDArray[np.float64]
 Interval = tuple[float, float]
 
 FEWEST = 3
@@ -128,6 +126,8 @@ def fit_line(time: Floats, values: Floats, confidence: float) -> Line | None:
     """Return the line through (n,) values at (n,) times, None for fewer than three times or recordings."""
     if len(values) < FEWEST or len(np.unique(time)) < FEWEST:
         return None
+    from scipy.stats import kendalltau, theilslopes  # 0.5 s, which a single estimate need not wait for
+
     slope, _, low, high = map(float, theilslopes(values, time, confidence))
     middle = float(np.median(time)), float(np.median(values))
     return Line(slope, (low, high), middle, float(kendalltau(time, values).pvalue))

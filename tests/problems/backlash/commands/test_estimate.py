@@ -31,7 +31,7 @@ def recording(tmp_path_factory):
 
 @pytest.fixture
 def stub(monkeypatch, make_estimate):
-    """Have every recording be told as half-gap the first digit of its speed, in mrad; returns the settings it got."""
+    """Estimate every recording as the first digit of its speed in mrad; return the settings of each estimate."""
     seen = []
 
     def estimate(recording, settings):
@@ -85,7 +85,7 @@ def test_workers_change_nothing_and_a_bad_file_costs_itself_only(stub, series, c
         printed = capsys.readouterr()
         made[jobs] = json.loads(printed.out)
         assert "bench: 1 of the 4 recordings could not be estimated" in printed.err
-        monkeypatch.setattr(batch, "Parallel", Workers)
+        monkeypatch.setattr("joblib.Parallel", Workers)
     assert made["1"] == made["2"]
     assert [list(each) == ["file", "error"] for each in made["1"]] == [False, False, True, False]
     assert "2024-03.csv: line 3 has no number" in made["1"][2]["error"]
