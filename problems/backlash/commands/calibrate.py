@@ -73,9 +73,9 @@ def calibrate(
         print_line("   ".join(texts))
     if method == "cubic":
         print_line(f"{made.formula()}; at most {made.residual:.2g} rad from the pairs")
-    print_line(f"range: {made.range[0]:.4g} to {made.range[1]:.4g} rpm; no backlash is told outside")
+    print_line(f"range: {made.range[0]:.4g} to {made.range[1]:.4g} rpm; no backlash is estimated outside")
     if own == Joint() and math.isfinite(made.deviation):
-        print_line(f"from eq. 4.7 of the thesis: at most {made.deviation:.3%}")
+        print_line(f"difference from eq. 4.7 of the thesis: at most {made.deviation:.3%}")
     if plot is not None:
         from problems.backlash.signature.figures import save_figures
 

@@ -1,4 +1,4 @@
-"""An estimate the thesis's way (sections 7.3 and 8.3): many seeded runs of an optimizer, their mean and deviation."""
+"""Estimate as the thesis does (sections 7.3 and 8.3): by many seeded runs of an optimizer."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from problems.backlash.signature.problem import FOUND
 
 @dataclass(frozen=True)
 class RunSettings:
-    """Which optimizer is run on a recording, how often, and how long.
+    """The settings of an optimizer's runs on a recording: which optimizer, how often, and how long.
 
     Attributes:
-        name: the optimizer's name, by which it is loaded.
+        name: the name that the optimizer is loaded by.
         options: its parameters.
-        runs: how many runs.
-        budget: evaluations of each.
+        runs: the number of runs.
+        budget: evaluations of each run.
         seed: the root of the runs' seeds.
 
     Raises:
-        BenchError: for an unknown optimizer or parameter, less than one run, and a budget below one generation.
+        BenchError: for an unknown optimizer or parameter, fewer than one run, and a budget below one generation.
     """
 
     name: str
@@ -46,20 +46,20 @@ class RunSettings:
         self.optimizer().check_budget(self.budget, self.name)
 
     def optimizer(self) -> Optimizer:
-        """Return the optimizer, loaded where it is run: a class from a file cannot be sent to another process."""
+        """Return the optimizer, loaded where it runs: a class from a file cannot be sent to another process."""
         return load_optimizer(self.name, **self.options)
 
 
 @dataclass(frozen=True, eq=False)
 class RepeatedRuns:
-    """What the runs of an optimizer found.
+    """The results of an optimizer's runs on a recording.
 
     Attributes:
-        settings: what was run.
+        settings: the settings of the runs.
         sizes_rps: (runs,) |A| of their fits.
-        backlashes_rad: (runs,) the half-gaps that these tell of, NaN where the calibration does not reach.
-        values_rps: (runs,) RMSEs.
-        found: in how many runs the reference fit was found.
+        backlashes_rad: (runs,) the half-gaps inferred from them, NaN outside the calibration.
+        values_rps: (runs,) RMSEs of their fits.
+        found: how many runs found the reference fit.
     """
 
     settings: RunSettings
@@ -70,7 +70,7 @@ class RepeatedRuns:
 
 
 def repeat(estimate: Estimate, settings: Settings, runs: RunSettings) -> RepeatedRuns:
-    """Return what seeded runs of an optimizer find in the recording of an estimate that was made by these settings.
+    """Run an optimizer with several seeds on the recording of an estimate that was made with these settings.
 
     Raises:
         BenchError: where the optimizer fails.

@@ -136,7 +136,7 @@ def test_an_optimizer_s_runs_are_told_besides(command, recording, calibration):
         "--optimizer", "gwo", "--runs", 2, "--budget", 60, "--set", "agents=20",
     )  # fmt: skip
     assert "gwo          2 runs of 60 evaluations: fitted |A| " in said
-    assert "of 2 runs\n" in said
+    assert "of 2 runs found the best fit, within 1% of its RMSE\n" in said
 
 
 def test_nothing_that_can_be_estimated_is_an_error(refused, tmp_path, capsys):

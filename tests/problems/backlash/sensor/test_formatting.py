@@ -47,14 +47,14 @@ def test_an_estimate_is_told_with_units_intervals_and_the_total_gap(make_estimat
 
 def test_what_is_not_known_is_not_told(make_estimate):
     outside = words(make_estimate(math.nan, amplitude_rps=2.0, amplitude_interval_rps=(1.9, 2.1), interval_rad=NAN))
-    assert "half-gap     not told from this amplitude" in outside
+    assert "half-gap     not estimated: the amplitude is outside the calibration" in outside
     assert "nan" not in outside
     without = words(
         make_estimate(0.001, backlash_rad=math.nan, interval_rad=NAN, amplitude_interval_rps=NAN, verdict="backlash",
              calibration=""),
         Settings(calibration=None),
     )  # fmt: skip
-    assert "backlash is seen; how much takes a calibration" in without
+    assert "backlash detected; its size needs a calibration" in without
     assert "amplitude  0.6000 rps of the motor\n" in without
     assert "calibration  " not in without
     half = words(make_estimate(0.001, interval_rad=(0.0009, math.nan)))
@@ -64,27 +64,25 @@ def test_what_is_not_known_is_not_told(make_estimate):
 def test_no_backlash_tells_what_could_be_hidden_and_is_undecided_where_that_is_too_much(make_estimate):
     quiet = {"verdict": "no backlash", "amplitude_rps": 0.0, "p_value": 0.5}
     said = words(make_estimate(0.0, **quiet, amplitude_interval_rps=(0.0, 0.1), interval_rad=(0.0, 0.0001)))
-    assert said.startswith("a.csv: no backlash is seen\n")
-    assert "none that stands out of the noise; one of 0.1000 rps or more would" in said
-    assert "up to 0.100 mrad (0.34 arc minutes) would not be seen" in said
+    assert said.startswith("a.csv: no backlash detected\n")
+    assert "none detected; the noise hides any below 0.1000 rps" in said
+    assert "the noise hides any up to 0.100 mrad (0.34 arc minutes)" in said
     for most, hidden in ((1.2, 0.0022), (9.0, math.nan)):
         loud = make_estimate(0.0, **quiet, amplitude_interval_rps=(0.0, most), interval_rad=(0.0, hidden))
-        assert words(loud).startswith("a.csv: UNDECIDED: in so much noise not even a backlash above the limit")
-        assert "no backlash is seen" in words(loud, Settings(calibration=None))
+        assert words(loud).startswith("a.csv: UNDECIDED: the noise may hide a backlash above the limit")
+        assert "no backlash detected" in words(loud, Settings(calibration=None))
     assert words(make_estimate(0.002, width=0.001)).startswith("a.csv: early backlash")
     from_one = Settings(calibration=Calibration(np.array([10.0, 100.0]), np.array([0.001, 0.004])))
     below = words(make_estimate(math.nan, **quiet, amplitude_interval_rps=(0.0, 0.1), interval_rad=NAN), from_one)
-    assert below.startswith("a.csv: no backlash is seen\n")
+    assert below.startswith("a.csv: no backlash detected\n")
     assert "up to 1.000 mrad" in below
 
 
 def test_runs_are_told_by_mean_and_deviation(make_estimate):
     said = words(make_estimate(), found=runs())
-    assert (
-        "2 runs of 100 evaluations: fitted |A| 0.5500 rps, standard deviation 0.0707 (the best fit's: 0.5000)" in said
-    )
+    assert "2 runs of 100 evaluations: fitted |A| 0.5500 rps, standard deviation 0.0707 (best fit: 0.5000)" in said
     assert "half-gap 1.100 mrad, standard deviation 0.141\n" in said
-    assert "found, within 1% of its RMSE, in 1 of 2 runs" in said
+    assert "1 of 2 runs found the best fit, within 1% of its RMSE" in said
     assert "half-gap 1.000 mrad, standard deviation 0.000, 1 runs outside" in words(
         make_estimate(), found=runs((0.001, math.nan))
     )
@@ -146,7 +144,7 @@ def trend_words(make_estimate, gaps, unit="month", settings=SETTINGS, **others):
             [0.001 + 0.0001 * i for i in range(8)], "month",
             ["joint4: half-gap 1.000 mrad in 2024-01, 1.700 in 2024-08: a change of +0.700 (+0.559 to +0.841)",
              "  it grows by 0.1 mrad a month (95 % interval 0.1 to 0.1, p < 0.001)",
-             "  the limit of 2.1 mrad is reached in 2024-12 (2024-12 to 2024-12) if it grows on as in the latest 6"],
+             "  the limit of 2.1 mrad is reached in 2024-12 (2024-12 to 2024-12) if the growth of the latest 6"],
         ),
         (
             [0.001, 0.0022, 0.0023], "number",
@@ -156,9 +154,9 @@ def trend_words(make_estimate, gaps, unit="month", settings=SETTINGS, **others):
         (
             [0.002 - 0.0001 * i for i in range(8)], "file",
             ["2.000 mrad in recording 1", "it falls by 0.1 mrad a recording (95 % interval 0.1 to 0.1, p < 0.001)",
-             "is not foreseen to be reached: the latest 6 recordings show no growth beyond chance"],
+             "is not predicted to be reached: the latest 6 recordings show no significant growth"],
         ),
-        ([0.001, 0.002], "month", ["a slope takes three recordings of different times"]),
+        ([0.001, 0.002], "month", ["a slope needs three recordings of different times"]),
         (
             [0.001, 0.002, math.nan], "month",
             ["amplitude (not all have a half-gap) 0.700 rps in 2024-01, 0.700 in 2024-03: a change of +0.000"],
