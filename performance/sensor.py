@@ -46,9 +46,12 @@ def main() -> None:
         )
         held, gap_held = own["held"].mean(), own["gap held"].mean()
         print(f"  the 95% interval holds the amplitude in {held:.0%}, the backlash in {gap_held:.0%}")
-        print(f"  verdict as the truth has it: {own['right'].mean():.0%}")
+        print(f"  right verdicts: {own['right'].mean():.0%}")
     print(f"an estimate took {frame['seconds'].median():.2f} s in the median, {frame['seconds'].max():.2f} s at most")
-    print("no backlash, called so:", ", ".join(f"{kind} {right} of {of}" for kind, right, of in healthy(options.draws)))
+    print(
+        "verdict no backlash on noise and ripple:",
+        ", ".join(f"{kind} {right} of {of}" for kind, right, of in healthy(options.draws)),
+    )
 
 
 def row(noise, level, made, found, seconds):
@@ -69,7 +72,7 @@ def row(noise, level, made, found, seconds):
 
 
 def healthy(draws):
-    """Yield a kind of signal without backlash, how many of its draws were called so, and their number."""
+    """Yield a kind of signal without backlash, how many of its draws got that verdict, and their number."""
     settings, ripple = Settings(resamples=0), simulate(half_gap=0.0).speed
     for noise in ("low", "high"):
         signals = {"white": [], "coloured": [], "with ripple": []}
