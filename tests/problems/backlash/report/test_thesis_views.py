@@ -140,7 +140,7 @@ def test_a_failed_trial_leaves_its_cell_without_a_mean(tmp_path):
     results = make(tmp_path / "s", fail=[("signature-03", "my alo", 0)])
     assert np.isnan(table(results, "table-7-2").frame.at[3, "ALO"])
     assert "of 7 cells" in words(results)
-    assert "Without a mean, as trials failed or are missing: ALO on dataset 3." in words(results)
+    assert "No mean, as trials failed or are missing: ALO on dataset 3." in words(results)
 
 
 @pytest.mark.parametrize(
