@@ -49,7 +49,7 @@ def main() -> None:
         print(f"  right verdicts: {own['right'].mean():.0%}")
     print(f"an estimate took {frame['seconds'].median():.2f} s in the median, {frame['seconds'].max():.2f} s at most")
     print(
-        "verdict no backlash on noise and ripple:",
+        "no backlash, with that verdict:",
         ", ".join(f"{kind} {right} of {of}" for kind, right, of in healthy(options.draws)),
     )
 

@@ -1,4 +1,4 @@
-"""bench simulate: write recordings of the simulated joint, its parameters, or those of its wear over months."""
+"""bench simulate: write a recording of the simulated joint, its parameters, or recordings of its wear over months."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ def _write_one(output: Path, joint: Joint, gap: float, noise: float, seed: int, 
 
 
 def _write_months(folder: Path, force: bool, joint: Joint, options: dict[str, Any]) -> None:
-    """Write the folder of a wear curve, whole or not at all."""
+    """Write the folder of a wear curve, complete or not at all."""
     from bench.atomic import replacing
     from problems.backlash.joint.wear import monthly_recordings
     from problems.backlash.joint.writing import write_recording
@@ -159,7 +159,7 @@ def _write_months(folder: Path, force: bool, joint: Joint, options: dict[str, An
 
 
 def _check_folder(folder: Path, force: bool) -> None:
-    """Raise BenchError for a folder that may not be replaced: only one with nothing but a wear curve's files may."""
+    """Raise BenchError for a folder that may not be replaced: one that holds other files than a wear curve's."""
     if not folder.resolve().parent.is_dir():
         raise BenchError(f"{folder} cannot be written: there is no folder {folder.parent}")
     if folder.exists() and not folder.is_dir():
