@@ -110,8 +110,6 @@ def _about(kind: str, name: str, members: bool) -> str:
         from bench.study import Study
 
         return Study.load(name).title
-    if isinstance(plugin, typer.Typer):  # a command with sub-commands; its docstring is typer's own
-        return str(plugin.info.help or "").partition("\n")[0]
     return catalogue.first_line(plugin)
 
 
