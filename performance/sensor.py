@@ -1,10 +1,11 @@
-"""How right the virtual sensor is: estimates of simulated recordings with noise and a random start, against the truth.
+"""Measure the accuracy of the virtual sensor on simulated recordings with noise and a random start.
 
     python performance/sensor.py [--draws 10] [--resamples 200]
 
-Levels 2 to 20 of section 7.2.1 with both levels of noise of section 7.3, and as many signals of noise alone, white,
-coloured, and with the load's ripple of a joint without backlash. Told are the relative errors of the amplitude and of
-the fit's |A|, the errors of the backlash, how often the intervals hold the truth, and the verdicts.
+The recordings are those of levels 2 to 20 of section 7.2.1 with both levels of noise of section 7.3, and as many
+signals of noise alone: white, coloured, and with the load's ripple of a joint without backlash. Print the relative
+errors of the amplitude and of the fit's |A|, the errors of the backlash, how often the intervals hold the truth, and
+the shares of right verdicts.
 """
 
 import argparse
@@ -25,7 +26,7 @@ def main() -> None:
     parser.add_argument("--resamples", type=int, default=200)
     options = parser.parse_args()
     settings = Settings(resamples=options.resamples)
-    estimate(noisy(3), settings)  # compiled before the clock starts
+    estimate(noisy(3), settings)  # compile before the clock starts
     rows = []
     for noise in ("low", "high"):
         for level in range(2, 21):
@@ -45,9 +46,12 @@ def main() -> None:
         )
         held, gap_held = own["held"].mean(), own["gap held"].mean()
         print(f"  the 95% interval holds the amplitude in {held:.0%}, the backlash in {gap_held:.0%}")
-        print(f"  verdict as the truth has it: {own['right'].mean():.0%}")
+        print(f"  right verdicts: {own['right'].mean():.0%}")
     print(f"an estimate took {frame['seconds'].median():.2f} s in the median, {frame['seconds'].max():.2f} s at most")
-    print("no backlash, called so:", ", ".join(f"{kind} {right} of {of}" for kind, right, of in healthy(options.draws)))
+    print(
+        "no backlash, with that verdict:",
+        ", ".join(f"{kind} {right} of {of}" for kind, right, of in healthy(options.draws)),
+    )
 
 
 def row(noise, level, made, found, seconds):
@@ -68,7 +72,7 @@ def row(noise, level, made, found, seconds):
 
 
 def healthy(draws):
-    """Yield a kind of signal without backlash, how many of its draws were called so, and their number."""
+    """Yield a kind of signal without backlash, how many of its draws got that verdict, and their number."""
     settings, ripple = Settings(resamples=0), simulate(half_gap=0.0).speed
     for noise in ("low", "high"):
         signals = {"white": [], "coloured": [], "with ripple": []}

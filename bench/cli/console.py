@@ -18,7 +18,7 @@ Parameters = Annotated[list[str] | None, typer.Option("--set", help="A parameter
 
 def print_line(text: str, style: str | None = None, console: Console | None = None) -> None:
     """Print a text as it stands: its lines are not wrapped, and brackets in it are no markup."""
-    (console or Console()).print(text, style=style, markup=False, highlight=False, soft_wrap=True)
+    (console or Console()).print(text, style=style, markup=False, emoji=False, highlight=False, soft_wrap=True)
 
 
 def print_error(message: str) -> None:

@@ -8,6 +8,8 @@ import types
 from dataclasses import dataclass
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
+import typer
+
 from bench.bibtex import parse
 from bench.errors import BenchError
 from bench.optimizer import Optimizer
@@ -79,7 +81,8 @@ def record(name: str) -> Record:
 
 def first_line(thing: Any) -> str:
     """Return the first line of a docstring, without the marks of reStructuredText."""
-    return (inspect.getdoc(thing) or "").partition("\n")[0].replace("``", "")
+    text = thing.info.help if isinstance(thing, typer.Typer) else inspect.getdoc(thing)  # of an app it is typer's own
+    return (text or "").partition("\n")[0].replace("``", "")
 
 
 def _papers(bibtex: str) -> list[str]:

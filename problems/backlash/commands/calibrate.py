@@ -1,17 +1,21 @@
-"""bench calibrate: the half-gap of a joint by the amplitude of its disturbance, by simulation."""
+"""bench calibrate: map the amplitude of a joint's disturbance to its half-gap, by simulation."""
 
 from __future__ import annotations
 
+import dataclasses
+import math
 import re
 import shlex
-from dataclasses import replace
-from math import isfinite
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bench.cli.console import print_line
 from bench.errors import BenchError
+
+if TYPE_CHECKING:
+    from problems.backlash.signature.calibration import Calibration
 
 
 def calibrate(
@@ -29,7 +33,7 @@ def calibrate(
     ] = "cubic",
     fits: Annotated[
         bool,
-        typer.Option("--fits", help="Also find how strong the fits to each gap are; takes some seconds a gap."),
+        typer.Option("--fits", help="Also compute how strong the fits to each gap are; takes some seconds a gap."),
     ] = False,
     jobs: Annotated[int, typer.Option(help="Worker processes for the fits; -1 takes every core.")] = -1,
     output: Annotated[Path | None, typer.Option(help="The .toml file to write the calibration to.")] = None,
@@ -40,8 +44,8 @@ def calibrate(
 ) -> None:
     """Calibrate a joint: simulate it with growing gaps, and map the disturbance's amplitude to the backlash.
 
-    The default, the thesis's joint at its levels 2 to 11, gives eq. 4.7 again. What the best fit to a recording
-    gives is some per cent off that amplitude; with --fits the calibration knows by how much.
+    The default, the thesis's joint at its levels 2 to 11, reproduces eq. 4.7. The amplitude of the best fit to a
+    recording is some per cent off; --fits adds this difference to the calibration.
     """
     from problems.backlash.joint import Joint, load_joint
     from problems.backlash.joint.writing import check_output
@@ -58,31 +62,36 @@ def calibrate(
         from problems.backlash.sensor.response import response
 
         fitted, scatter = response(own, half_gaps, jobs=jobs, shown=True)
-        made = replace(made, fitted=fitted, scatter=scatter)
-    typer.echo(made.name)
+        made = dataclasses.replace(made, fitted=fitted, scatter=scatter)
+    _print(made, is_default=own == Joint())
+    if plot is not None:
+        from problems.backlash.signature.figures import save_figures
+
+        for path in save_figures(plot, own, made):
+            print_line(str(path))
+    if output is not None:
+        made.save(output, command=_command(joint, levels, gaps, method, fits=fits))
+        print_line(str(output))
+
+
+def _print(made: Calibration, *, is_default: bool) -> None:
+    """Print a calibration's pairs, its range, and its difference from the thesis's for the default joint."""
+    print_line(made.name)
     columns = {"amplitude in rpm": made.amplitude, "half-gap in rad": made.half_gap}
     if made.fitted is not None and made.scatter is not None:
         columns |= {"fit in rpm": made.fitted, "its scatter": made.scatter}
-    typer.echo("   ".join(columns))
+    print_line("   ".join(columns))
     for row in zip(*columns.values(), strict=True):
         texts = (
             f"{value:.{6 if 'rad' in title else 4}f}".rjust(len(title))
             for title, value in zip(columns, row, strict=True)
         )
-        typer.echo("   ".join(texts))
-    if method == "cubic":
-        typer.echo(f"{made.formula()}; at most {made.residual:.2g} rad from the pairs")
-    typer.echo(f"range: {made.range[0]:.4g} to {made.range[1]:.4g} rpm; no backlash is told outside")
-    if own == Joint() and isfinite(made.deviation):
-        typer.echo(f"from eq. 4.7 of the thesis: at most {made.deviation:.3%}")
-    if plot is not None:
-        from problems.backlash.signature.figures import save_figures
-
-        for path in save_figures(plot, own, made):
-            typer.echo(path)
-    if output is not None:
-        made.save(output, command=_command(joint, levels, gaps, method, fits=fits))
-        typer.echo(output)
+        print_line("   ".join(texts))
+    if made.method == "cubic":
+        print_line(f"{made.formula()}; at most {made.residual:.2g} rad from the pairs")
+    print_line(f"range: {made.range[0]:.4g} to {made.range[1]:.4g} rpm; no backlash is estimated outside")
+    if is_default and math.isfinite(made.deviation):
+        print_line(f"difference from eq. 4.7 of the thesis: at most {made.deviation:.3%}")
 
 
 def _command(joint: Path | None, levels: str | None, gaps: str | None, method: str, *, fits: bool) -> str:

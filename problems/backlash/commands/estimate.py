@@ -3,27 +3,31 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from bench.cli.console import pairs, print_error
+from bench.cli.console import pairs, print_error, print_line
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
     from problems.backlash.recordings import Recording
     from problems.backlash.sensor.batch import Estimated, Failed
     from problems.backlash.sensor.estimate import Settings
-    from problems.backlash.sensor.repeated import Plan
+    from problems.backlash.sensor.repeated_runs import RunSettings
     from problems.backlash.sensor.trend import Trend
 
 # The heavy imports wait until they are needed: no other command should wait for numba.
 
-WIDTH = 160  # of a table that is read by no terminal
+WIDTH = 160  # of a table that is not printed on a terminal
 
-READING, FITTING, TELLING, RUNS = "Recording", "Fit", "Verdict", "Runs of an optimizer"
+_recording, _fit, _verdict, _runs = (
+    partial(typer.Option, rich_help_panel=panel) for panel in ("Recording", "Fit", "Verdict", "Runs of an optimizer")
+)
 
 
 def estimate(
@@ -35,102 +39,58 @@ def estimate(
             "patterns such as 'joint4_*.csv'.",
         ),
     ],
-    time: Annotated[
-        str | None,
-        typer.Option(help="The column of time, by heading or number from 1.", rich_help_panel=READING),
-    ] = None,
-    speed: Annotated[str | None, typer.Option(help="The column of motor speed.", rich_help_panel=READING)] = None,
-    position: Annotated[
-        str | None, typer.Option(help="The column of motor position, instead of speed.", rich_help_panel=READING)
-    ] = None,
-    unit: Annotated[
-        str | None,
-        typer.Option(help="rps, rpm, rad/s or deg/s; of a position rev, rad or deg.", rich_help_panel=READING),
-    ] = None,
-    time_unit: Annotated[str | None, typer.Option(help="s, ms or us.", rich_help_panel=READING)] = None,
+    time: Annotated[str | None, _recording(help="The column of time, by heading or number from 1.")] = None,
+    speed: Annotated[str | None, _recording(help="The column of motor speed.")] = None,
+    position: Annotated[str | None, _recording(help="The column of motor position, instead of speed.")] = None,
+    unit: Annotated[str | None, _recording(help="rps, rpm, rad/s or deg/s; of a position rev, rad or deg.")] = None,
+    time_unit: Annotated[str | None, _recording(help="s, ms or us.")] = None,
     rate: Annotated[
-        float | None,
-        typer.Option(metavar="HZ", help="The sampling rate, instead of a column of time.", rich_help_panel=READING),
+        float | None, _recording(metavar="HZ", help="The sampling rate, instead of a column of time.")
     ] = None,
     window: Annotated[
-        str | None,
-        typer.Option(
-            metavar="BEGIN:END", help="The part to use in s, as 18.99:20.11, 2: or :10.", rich_help_panel=READING
-        ),
+        str | None, _recording(metavar="BEGIN:END", help="The part to use in s, as 18.99:20.11, 2: or :10.")
     ] = None,
     nominal: Annotated[
-        float | None,
-        typer.Option(
-            metavar="RPS", help="The motor's nominal speed; a wrong unit is then told.", rich_help_panel=READING
-        ),
+        float | None, _recording(metavar="RPS", help="The motor's nominal speed; a wrong unit is reported.")
     ] = None,
     period: Annotated[
-        float | None,
-        typer.Option(
-            metavar="S", help="The time of a load turn.", show_default="found in the signal", rich_help_panel=FITTING
-        ),
+        float | None, _fit(metavar="S", help="The time of a load turn.", show_default="found in the signal")
     ] = None,
     gear_ratio: Annotated[
-        float | None,
-        typer.Option(help="Motor turns a load turn, which with the mean speed give its time.", rich_help_panel=FITTING),
+        float | None, _fit(help="Motor turns a load turn, which with the mean speed give its time.")
     ] = None,
-    turns: Annotated[
-        int | None,
-        typer.Option(min=1, help="Load turns to fit.", show_default="all there are", rich_help_panel=FITTING),
-    ] = None,
+    turns: Annotated[int | None, _fit(min=1, help="Load turns to fit.", show_default="all there are")] = None,
     single: Annotated[
-        bool,
-        typer.Option(
-            "--single",
-            help="Fit one oscillation: less than a load turn, as of a robot's wrist.",
-            rich_help_panel=FITTING,
-        ),
+        bool, _fit("--single", help="Fit one oscillation: less than a load turn, as of a robot's wrist.")
     ] = False,
     constrained: Annotated[
-        bool,
-        typer.Option(
-            "--constrained",
-            help="Fit under the constraints of the thesis's section 7.2.2, too.",
-            rich_help_panel=FITTING,
-        ),
+        bool, _fit("--constrained", help="Fit under the constraints of the thesis's section 7.2.2, too.")
     ] = False,
     calibration: Annotated[
         str | None,
-        typer.Option(
+        _verdict(
             metavar="FILE|none",
-            help="The joint's, made by 'bench calibrate'; none tells amplitudes alone.",
+            help="The joint's calibration, made by 'bench calibrate'; none estimates amplitudes alone.",
             show_default="the thesis's joint",
-            rich_help_panel=TELLING,
         ),
     ] = None,
     limit: Annotated[
         float | None,
-        typer.Option(
-            metavar="RAD",
-            help="The half-gap above which backlash has progressed.",
-            show_default="0.0021",
-            rich_help_panel=TELLING,
-        ),
+        _verdict(metavar="RAD", help="The half-gap above which backlash has progressed.", show_default="0.0021"),
     ] = None,
-    confidence: Annotated[float, typer.Option(help="Of the intervals.", rich_help_panel=TELLING)] = 0.95,
-    resamples: Annotated[
-        int, typer.Option(min=0, help="Of the bootstrap; 0 for no interval.", rich_help_panel=TELLING)
-    ] = 200,
-    seed: Annotated[int, typer.Option(min=0, help="Of the bootstrap and the runs.", rich_help_panel=TELLING)] = 0,
+    confidence: Annotated[float, _verdict(help="The level of the intervals.")] = 0.95,
+    resamples: Annotated[int, _verdict(min=0, help="Bootstrap resamples; 0 for no interval.")] = 200,
+    seed: Annotated[int, _verdict(min=0, help="The seed of the bootstrap and the runs.")] = 0,
     optimizer: Annotated[
-        str | None,
-        typer.Option(help="Run this optimizer on each recording besides, as the thesis does.", rich_help_panel=RUNS),
+        str | None, _runs(help="Also run this optimizer on each recording, as the thesis does.")
     ] = None,
-    runs: Annotated[int, typer.Option(min=1, help="How many runs.", rich_help_panel=RUNS)] = 30,
-    budget: Annotated[int, typer.Option(min=1, help="Evaluations a run.", rich_help_panel=RUNS)] = 60_000,
-    option: Annotated[
-        list[str] | None,
-        typer.Option("--set", help="A parameter of the optimizer, as agents=300.", rich_help_panel=RUNS),
-    ] = None,
+    runs: Annotated[int, _runs(min=1, help="How many runs.")] = 30,
+    budget: Annotated[int, _runs(min=1, help="Evaluations a run.")] = 60_000,
+    option: Annotated[list[str] | None, _runs("--set", help="A parameter of the optimizer, as agents=300.")] = None,
     plot: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE|FOLDER", help="Draw the fit, and of many recordings the trend: svg, png or pdf, or a folder."
+            metavar="FILE|FOLDER", help="Draw the fit, and the trend of many recordings: svg, png or pdf, or a folder."
         ),
     ] = None,
     jobs: Annotated[int, typer.Option(help="Worker processes, for many recordings; -1 takes every core.")] = -1,
@@ -138,54 +98,45 @@ def estimate(
 ) -> None:
     """Estimate the backlash of a joint from a recording of its motor's speed, with a confidence interval.
 
-    Of several recordings each is estimated by itself: one that cannot be used costs no other its estimate, and the
-    command ends with 1. Names with a date (joint4_2024-01.csv) or a number tell joints and times apart, else the order
-    of the files does; a subfolder is a joint of its own. Each joint's trend is told, the fastest first, and when it
-    reaches the limit.
-    """  # fmt: skip
-    from problems.backlash.recordings import parse_window, read
-    from problems.backlash.sensor import calibration_files as files
-    from problems.backlash.sensor import output
-    from problems.backlash.sensor.batch import Estimated, Failed
+    Several recordings are estimated one by one: the command reports those it cannot use, estimates the others, and
+    ends with 1. A date (joint4_2024-01.csv) or a number in the file names distinguishes joints and times, else the
+    order of the files does; a subfolder is a joint of its own. Each joint's trend follows, the fastest first, with the
+    time at which it reaches the limit.
+    """
+    from rich.console import Console
 
-    paths, remarks = files.find(recordings)
+    from problems.backlash.recordings import parse_window, read
+    from problems.backlash.sensor import recording_files
+    from problems.backlash.sensor.batch import Estimated
+
+    paths, remarks = recording_files.find(recordings)
     settings = _settings(
         calibration, period=period, gear_ratio=gear_ratio, nominal_rps=nominal, turns=turns, single=single,
         constrained=constrained, limit_rad=limit, resamples=resamples, confidence=confidence, seed=seed,
     )  # fmt: skip
-    plan = _plan(optimizer, option, runs, budget, seed)
+    asked = _run_settings(optimizer, option, runs, budget, seed)
     begin, end = parse_window(window) if window is not None else (None, None)
     if plot is not None:
-        from problems.backlash.sensor import figures as drawing
+        from problems.backlash.sensor import plots
 
-        drawing.check_output(plot)
+        plots.check_output(plot)
 
     def recording(path: Path) -> Recording:
         found = read(path, time=time, speed=speed, position=position, unit=unit, time_unit=time_unit, rate=rate)
         return found.window(begin, end) if window is not None else found
 
     for remark in remarks:
-        typer.echo(remark, err=True)
-    outcomes = _estimate_all(paths, recording, settings, plan, jobs)
+        print_line(remark, console=Console(stderr=True))
+    outcomes = _estimate_all(paths, recording, settings, asked, jobs)
     good = [outcome for outcome in outcomes if isinstance(outcome, Estimated)]
     trends = _trends(good, settings)
-    if as_json:
-        typer.echo(json.dumps([output.record(outcome) for outcome in outcomes], indent=1, ensure_ascii=False))
-    elif len(paths) > 1:
-        _print_batch(outcomes, files.short_names(paths), trends, settings)
-    elif good:
-        typer.echo("\n".join(output.words(good[0], settings)))
+    _print(outcomes, recording_files.short_names(paths), trends, settings, as_json=as_json)
     if plot is not None and good:
-        made = drawing.save_figures(plot, good, trends, settings, alone=len(paths) == 1)
+        made = plots.save_figures(plot, good, trends, settings, alone=len(paths) == 1)
         nothing = "no joint has two recordings, so there is no trend to draw; give --plot a folder for each one's fit"
-        typer.echo(made[0] if len(made) == 1 else f"{len(made)} pictures in {plot}" if made else nothing, err=as_json)
-    if len(outcomes) == 1 and isinstance(outcomes[0], Failed):
-        raise BenchError(outcomes[0].error)
-    if not good:
-        raise BenchError(f"none of the {len(paths)} recordings could be estimated")
-    if len(good) < len(paths):
-        print_error(f"{len(paths) - len(good)} of the {len(paths)} recordings could not be estimated")
-        raise typer.Exit(1)
+        line = str(made[0]) if len(made) == 1 else f"{len(made)} pictures in {plot}" if made else nothing
+        print_line(line, console=Console(stderr=as_json))
+    _end(outcomes, len(good))
 
 
 def _settings(calibration: str | None, **options: Any) -> Settings:
@@ -199,32 +150,33 @@ def _settings(calibration: str | None, **options: Any) -> Settings:
     return Settings(**given)
 
 
-def _plan(optimizer: str | None, option: list[str] | None, runs: int, budget: int, seed: int) -> Plan | None:
+def _run_settings(
+    optimizer: str | None, option: list[str] | None, runs: int, budget: int, seed: int
+) -> RunSettings | None:
     """Return which optimizer is to be run, if any."""
-    from problems.backlash.sensor.repeated import Plan
-
     if optimizer is None:
         if option:
             raise BenchError("--set is for the optimizer, of which there is none; give --optimizer too")
         return None
-    return Plan(optimizer, pairs(option), runs, budget, seed)
+    from problems.backlash.sensor.repeated_runs import RunSettings
+
+    return RunSettings(optimizer, pairs(option), runs, budget, seed)
 
 
 def _estimate_all(
-    paths: Sequence[Path], read: Callable[[Path], Recording], settings: Settings, plan: Plan | None, jobs: int
+    paths: Sequence[Path], read: Callable[[Path], Recording], settings: Settings, runs: RunSettings | None, jobs: int
 ) -> list[Estimated | Failed]:
-    """Return what became of every file; a bar on a terminal shows how far it is, and failures are said at once."""
-    from rich.console import Console
-    from rich.progress import track
-
+    """Return the outcome of every file; show a bar on a terminal, and print each of several failures at once."""
     from problems.backlash.sensor.batch import Failed, estimate_files
 
-    console = Console(stderr=True)
+    made: Iterable[Estimated | Failed] = estimate_files(paths, read, settings, runs, jobs=jobs)
+    if len(paths) > 1 and sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import track
+
+        made = track(made, "estimating", len(paths), console=Console(stderr=True), transient=True)
     outcomes = []
-    made = estimate_files(paths, read, settings, plan, jobs=jobs)
-    for outcome in track(
-        made, "estimating", len(paths), console=console, transient=True, disable=not console.is_terminal
-    ):
+    for outcome in made:
         outcomes.append(outcome)
         if isinstance(outcome, Failed) and len(paths) > 1:
             print_error(outcome.error)
@@ -233,7 +185,9 @@ def _estimate_all(
 
 def _trends(good: Sequence[Estimated], settings: Settings) -> list[Trend]:
     """Return the trend of every joint with two recordings or more, the fastest first."""
-    from problems.backlash.sensor.calibration_files import series
+    if len(good) < 2:
+        return []
+    from problems.backlash.sensor.recording_files import series
     from problems.backlash.sensor.trend import fastest_first, trend
 
     return fastest_first(
@@ -245,17 +199,44 @@ def _trends(good: Sequence[Estimated], settings: Settings) -> list[Trend]:
     )
 
 
-def _print_batch(
-    outcomes: Sequence[Estimated | Failed], names: Sequence[str], trends: Sequence[Trend], settings: Settings
+def _print(
+    outcomes: Sequence[Estimated | Failed],
+    names: Sequence[str],
+    trends: Sequence[Trend],
+    settings: Settings,
+    *,
+    as_json: bool,
 ) -> None:
-    from rich.console import Console
+    """Print one estimate in lines, several as a table with notes and trends, or all of them as JSON."""
+    from problems.backlash.sensor import formatting
+    from problems.backlash.sensor.batch import Estimated
 
-    from problems.backlash.sensor import output
+    lines: list[str] = []
+    if as_json:
+        print(json.dumps([formatting.json_object(each) for each in outcomes], indent=1, ensure_ascii=False))
+    elif len(outcomes) > 1:
+        from rich.console import Console
 
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=WIDTH)
-    console.print(output.table(outcomes, names, settings), highlight=False)
-    lines = [*output.notes(outcomes, names), *(line for each in trends for line in output.trend_words(each, settings))]
+        console = Console()
+        if not console.is_terminal:
+            console = Console(width=WIDTH)
+        console.print(formatting.table(outcomes, names, settings), highlight=False)
+        lines = formatting.notes(outcomes, names)
+        lines += [line for each in trends for line in formatting.trend_lines(each, settings)]
+    elif isinstance(outcomes[0], Estimated):
+        lines = formatting.estimate_lines(outcomes[0], settings)
     for line in lines:
-        typer.echo(line)
+        print_line(line)
+
+
+def _end(outcomes: Sequence[Estimated | Failed], good: int) -> None:
+    """Raise BenchError where no recording could be estimated, and end with 1 where not all could be."""
+    from problems.backlash.sensor.batch import Failed
+
+    if len(outcomes) == 1 and isinstance(outcomes[0], Failed):
+        raise BenchError(outcomes[0].error)
+    if not good:
+        raise BenchError(f"none of the {len(outcomes)} recordings could be estimated")
+    if good < len(outcomes):
+        print_error(f"{len(outcomes) - good} of the {len(outcomes)} recordings could not be estimated")
+        raise typer.Exit(1)

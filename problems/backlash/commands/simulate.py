@@ -1,14 +1,15 @@
-"""bench simulate: write recordings of the simulated joint, its parameters, or those of its wear over months."""
+"""bench simulate: write a recording of the simulated joint, its parameters, or recordings of its wear over months."""
 
 from __future__ import annotations
 
 import re
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from bench.atomic import replacing
+from bench.cli.console import print_line
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
@@ -16,15 +17,18 @@ if TYPE_CHECKING:
 
 # The heavy imports wait until they are needed: no other command should wait for numba.
 
-NEW_GAP, WORN_GAP, MONTHLY_NOISE = 0.0003, 0.0039, 0.2  # rad, rad, rps: where a wear curve is not told otherwise
+NEW_GAP, WORN_GAP, MONTHLY_NOISE = 0.0003, 0.0039, 0.2  # rad, rad, rps: the defaults of a wear curve
 TRUTH = "truth.csv"
+
+
+_joint, _recording, _wear = (partial(typer.Option, rich_help_panel=panel) for panel in ("Joint", "Recording", "Wear"))
 
 
 def simulate(
     output: Annotated[
         Path,
         typer.Argument(
-            help="The .csv, .xlsx or .parquet file to write: time in s, motor speed in rps. A .toml file is given the "
+            help="The .csv, .xlsx or .parquet file to write: time in s, motor speed in rps. A .toml file gets the "
             "joint's parameters instead, to edit; with --wear, it is a folder."
         ),
     ],
@@ -32,75 +36,49 @@ def simulate(
     half_gap: Annotated[
         float | None, typer.Option(min=0.0, help="The half-gap delta in rad, instead of a level.")
     ] = None,
-    joint: Annotated[
-        Path | None, typer.Option(help="A TOML file with parameters of the joint.", rich_help_panel="Joint")
-    ] = None,
+    joint: Annotated[Path | None, _joint(help="A TOML file with parameters of the joint.")] = None,
     payload: Annotated[
-        float | None,
-        typer.Option(help="A point mass in kg on the joint's lever; motor and gains stay.", rich_help_panel="Joint"),
+        float | None, _joint(help="A point mass in kg on the joint's lever; motor and gains stay.")
     ] = None,
-    speed: Annotated[
-        float | None, typer.Option(help="The motor's reference speed in rps.", rich_help_panel="Joint")
-    ] = None,
+    speed: Annotated[float | None, _joint(help="The motor's reference speed in rps.")] = None,
     gravity_angle: Annotated[
-        float | None,
-        typer.Option(
-            help="The angle in degrees between the axis and the vertical: 0 feels no gravity.", rich_help_panel="Joint"
-        ),
+        float | None, _joint(help="The angle in degrees between the axis and the vertical; at 0 gravity has no effect.")
     ] = None,
-    friction: Annotated[
-        float | None, typer.Option(help="Coulomb friction at the load, N m.", rich_help_panel="Joint")
-    ] = None,
-    viscous: Annotated[
-        float | None, typer.Option(help="Viscous friction at the load, N m s/rad.", rich_help_panel="Joint")
-    ] = None,
-    duration: Annotated[
-        float | None,
-        typer.Option(help="Seconds to record.", show_default="12 load turns", rich_help_panel="Recording"),
-    ] = None,
-    rate: Annotated[float, typer.Option(help="Samples a second.", rich_help_panel="Recording")] = 500.0,
-    settle: Annotated[float, typer.Option(help="Seconds before the recording.", rich_help_panel="Recording")] = 1.2,
+    friction: Annotated[float | None, _joint(help="Coulomb friction at the load, N m.")] = None,
+    viscous: Annotated[float | None, _joint(help="Viscous friction at the load, N m s/rad.")] = None,
+    duration: Annotated[float | None, _recording(help="Seconds to record.", show_default="12 load turns")] = None,
+    rate: Annotated[float, _recording(help="Samples a second.")] = 500.0,
+    settle: Annotated[float, _recording(help="Seconds before the recording.")] = 1.2,
     start_angle: Annotated[
         float | None,
-        typer.Option(
-            help="The load's angle in rad when the recording starts.",
-            show_default="0.141; random with --wear",
-            rich_help_panel="Recording",
-        ),
+        _recording(help="The load's angle in rad when the recording starts.", show_default="0.141; random with --wear"),
     ] = None,
-    encoder_bits: Annotated[
-        int | None, typer.Option(min=8, max=32, help="Read the speed through an encoder.", rich_help_panel="Recording")
-    ] = None,
+    encoder_bits: Annotated[int | None, _recording(min=8, max=32, help="Read the speed through an encoder.")] = None,
     noise: Annotated[
         float | None,
-        typer.Option(
+        _recording(
             help="Peak-to-peak value in rps of uniform white noise (eqs. 7.1, 7.2).",
             show_default="0; 0.2 with --wear",
-            rich_help_panel="Recording",
         ),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Decides the noise.", rich_help_panel="Recording")] = 0,
+    seed: Annotated[int, _recording(min=0, help="The seed of the noise.")] = 0,
     wear: Annotated[
         int | None,
-        typer.Option(
+        _wear(
             metavar="MONTHS",
-            rich_help_panel="Wear",
             help="Write a recording a month, with a growing gap, and truth.csv into a folder. The gap given is that of "
             "the first month (0.0003 rad without one).",
         ),
     ] = None,
     worn: Annotated[
-        float | None,
-        typer.Option(
-            help="With --wear: the half-gap in rad of the last month.", show_default="0.0039", rich_help_panel="Wear"
-        ),
+        float | None, _wear(help="With --wear: the half-gap in rad of the last month.", show_default="0.0039")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the output if it is there.")] = False,
 ) -> None:
     """Simulate a joint with backlash turning at constant speed, and write its recording.
 
-    With --wear 24 it is a recording a month instead, of a gap that grows by a three-phase wear curve.
-    """  # fmt: skip
+    With --wear 24, write a recording a month instead, of a gap that grows by a three-phase wear curve.
+    """
     from problems.backlash.joint import half_gap as half_gap_of
     from problems.backlash.joint import load_joint
     from problems.backlash.joint.parameter_files import joint_text
@@ -128,12 +106,14 @@ def simulate(
     elif output.suffix.lower() == ".toml":
         if gap is not None:
             raise BenchError(
-                f"{output} is given the joint's parameters, which hold no gap; leave --level and --half-gap"
+                f"{output} gets the joint's parameters, which hold no gap; leave out --level and --half-gap"
             )
+        from bench.atomic import replacing
+
         check_output(output, (".toml",), force=force)
         with replacing(output) as temporary:
             temporary.write_text(joint_text(made), encoding="utf-8")
-        typer.echo(f"{output}: the joint's parameters, for --joint")
+        print_line(f"{output}: the joint's parameters, for --joint")
     else:
         check_output(output, KINDS, force=force)
         if gap is None:
@@ -150,7 +130,7 @@ def _write_one(output: Path, joint: Joint, gap: float, noise: float, seed: int, 
 
     made = run(joint, half_gap=gap, **options)
     write_recording(output, made.time, with_noise(made.speed, noise, np.random.default_rng(seed)))
-    typer.echo(
+    print_line(
         f"{output}: {len(made.time)} samples, half-gap {gap:.4g} rad, peak disturbance {made.peak:.4f} rps"
         + (" in less than one load turn" if made.fine.time[-1] < 0.999 * joint.turn else "")
         + (f", noise of {noise:g} rps peak to peak" if noise else "")
@@ -158,19 +138,20 @@ def _write_one(output: Path, joint: Joint, gap: float, noise: float, seed: int, 
 
 
 def _write_months(folder: Path, force: bool, joint: Joint, options: dict[str, Any]) -> None:
-    """Write the folder of a wear curve, whole or not at all."""
+    """Write the folder of a wear curve, complete or not at all."""
+    from bench.atomic import replacing
     from problems.backlash.joint.wear import monthly_recordings
     from problems.backlash.joint.writing import write_recording
 
     _check_folder(folder, force)
     months = list(monthly_recordings(joint, **options))
     rows = [f"{month.name},{month.half_gap!r},{month.peak!r}" for month in months]
-    with replacing(folder.resolve()) as temporary:  # the name of "." and ".." is known then
+    with replacing(folder.resolve()) as temporary:  # "." and ".." have a name then
         temporary.mkdir()
         for month in months:
             write_recording(temporary / f"{month.name}.csv", month.time, month.speed)
         (temporary / TRUTH).write_text("\n".join(["month,half_gap_rad,amplitude_rps", *rows, ""]), encoding="utf-8")
-    typer.echo(
+    print_line(
         f"{folder}: {len(months)} months of {len(months[0].time)} samples, half-gap {months[0].half_gap:.4g} to "
         f"{months[-1].half_gap:.4g} rad, peak disturbance {months[0].peak:.4f} to {months[-1].peak:.4f} rps, noise of "
         f"{options['noise']:g} rps peak to peak; the truth is in {TRUTH}"
@@ -178,7 +159,7 @@ def _write_months(folder: Path, force: bool, joint: Joint, options: dict[str, An
 
 
 def _check_folder(folder: Path, force: bool) -> None:
-    """Raise BenchError for a folder that may not be replaced: only one with nothing but a wear curve's files may."""
+    """Raise BenchError for a folder that may not be replaced: one that holds other files than a wear curve's."""
     if not folder.resolve().parent.is_dir():
         raise BenchError(f"{folder} cannot be written: there is no folder {folder.parent}")
     if folder.exists() and not folder.is_dir():

@@ -4,7 +4,7 @@ from bench import Results
 from bench.analysis import in_study_order
 from bench.report import Section
 from problems.backlash.report import amplitudes, fitting_errors, levels, noise, reference, times
-from problems.backlash.report.estimates import expected_values
+from problems.backlash.report.accuracy import expected_values
 
 
 def sections(results: Results) -> list[Section]:

@@ -13,9 +13,9 @@ from bench import Study
 from bench.analysis import labels
 from bench.plots import style
 from bench.report import Figure, Section, Table
+from problems.backlash.report.accuracy import errors_by, estimates, expected_by_problem
 from problems.backlash.report.axes import dataset_panels
-from problems.backlash.report.conclusions import in_words
-from problems.backlash.report.estimates import errors_by, estimates, expected_by_problem
+from problems.backlash.report.conclusions import sentences
 from problems.backlash.signature.problem import TOLERANCE_RPM
 
 REFERENCES = ("expected amplitude", "accuracy band")
@@ -24,7 +24,7 @@ BAND = f"±{TOLERANCE_RPM:.4f} rpm"
 
 
 def sections(frame: pd.DataFrame, truths: pd.DataFrame, study: Study) -> list[Section]:
-    """Return the section on amplitudes; figures alone where no expected amplitude is known."""
+    """Return the section on amplitudes, with figures only where no expected amplitude is known."""
     title = "Disturbance amplitude (thesis Fig. 7.4)"
     data = estimates(frame, truths, "amplitude_rpm")
     if data.empty:
@@ -34,7 +34,7 @@ def sections(frame: pd.DataFrame, truths: pd.DataFrame, study: Study) -> list[Se
     if errors.empty:
         text = ("No expected amplitude is known for these problems, so there is no error to give.",)
         return [Section(title, text, tuple(figures))]
-    return [Section(title, in_words(data, study), (*figures, *_tables(data, errors)))]
+    return [Section(title, sentences(data, study), (*figures, *_tables(data, errors)))]
 
 
 def _tables(data: pd.DataFrame, cells: pd.DataFrame) -> list[Table]:
@@ -43,7 +43,7 @@ def _tables(data: pd.DataFrame, cells: pd.DataFrame) -> list[Table]:
         f"Amplitude error in rpm (found less expected), and the percentage of trials within {BAND}.",
         errors_by(data, ["optimizer"]),
         decimals={"mean error": 2, "median error": 2, "within band %": 1},
-        note="Errors are over finished trials; the percentage is over all, and a failed trial is not within the band.",
+        note="Errors are over finished trials, the percentage is over all; a failed trial is not within the band.",
     )
     captions = {
         "within band %": (f"percentage of trials within {BAND}", 0),

@@ -1,4 +1,4 @@
-"""Table 7.2: the mean fitting error in rpm, and how it compares with the published one."""
+"""Table 7.2: the mean fitting error in rpm, compared with the published one."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
         return []
     pairs = pairwise_tests(_part(frame, rows, swarms))
     means, table = table_7_2(frame, pairs, columns, rows)
-    text, items = tests_in_words(pairs), (table,)
+    text, items = swarm_tests(pairs), (table,)
     if not re.search("thesis|published", study.name.lower()):
         return [Section(TITLE, text, items)]
     beside = beside_published(means, published())
-    text = (*in_words(means, beside), conditions(study), *text)
+    text = (*sentences(means, beside), conditions(study), *text)
     return [Section(TITLE, text, (*items, side_by_side(means, beside)) if len(beside) else items)]
 
 
@@ -86,7 +86,7 @@ def table_7_2(
         italic=shown[2],
         decimals=3,
         note="Bold: the lowest mean of the four swarms. Italics: an exact Kolmogorov-Smirnov test at "
-        f"{ALPHA:g} (raw p, as in the thesis) cannot tell it from the best swarm’s distribution. CMA-ES, where "
+        f"{ALPHA:g} (raw p, as in the thesis) cannot distinguish it from the best swarm. CMA-ES, where "
         "present, is shown beside them and not marked.",
     )
     return means, marked
@@ -123,20 +123,20 @@ def ordered(means: pd.DataFrame) -> int:
 
 
 def _holders(means: pd.DataFrame, extreme: Literal["min", "max"]) -> str:
-    """Return in words in how many rows each algorithm has the lowest or the highest mean."""
+    """Return each algorithm's share of rows with the lowest or the highest mean."""
     whole = means.dropna().rename(columns=str.upper)
     return shares(whole.eq(whole.agg(extreme, axis=1), axis=0))
 
 
-def in_words(means: pd.DataFrame, cells: pd.DataFrame) -> list[str]:
-    """Return what the comparison found, in sentences."""
+def sentences(means: pd.DataFrame, cells: pd.DataFrame) -> list[str]:
+    """Return sentences on how the means compare with the published ones."""
     known = cells.dropna()
     if known.empty:
         return ["No cell of the published Table 7.2 can be compared."]
     near = int((known["difference"].abs() <= NEAR).sum())
     typical, size = known["difference"].median(), known["difference"].abs().median()
     found = (
-        f"Of {count(len(known), 'cell')} shared with the published Table 7.2, {near} lie within {NEAR:.0%} of the "
+        f"{near} of {count(len(known), 'cell')} shared with the published Table 7.2 are within {NEAR:.0%} of the "
         f"published mean. The median relative difference is {typical:+.1%}, its median size {size:.1%}."
     )
     text = [found]
@@ -156,25 +156,25 @@ def in_words(means: pd.DataFrame, cells: pd.DataFrame) -> list[str]:
         f"{str(name).upper()} on dataset {k}" for name, k in zip(missing["algorithm"], missing["dataset"], strict=True)
     ]
     if lost:
-        text.append(f"Without a mean, as trials failed or are missing: {listing(lost)}.")
+        text.append(f"No mean, as trials failed or are missing: {listing(lost)}.")
     return text
 
 
-def tests_in_words(pairs: pd.DataFrame) -> tuple[str, ...]:
-    """Return how many pairs of swarms a test tells apart, which the thesis finds to be most."""
+def swarm_tests(pairs: pd.DataFrame) -> tuple[str, ...]:
+    """Return how many pairs of swarms a test distinguishes; the thesis distinguishes most."""
     if pairs.empty:
         return ()
     apart, most = int((pairs["p"] <= ALPHA).sum()), (pairs["p"] <= ALPHA).mean() > 0.5
     text = (
-        f"A Kolmogorov-Smirnov test at {ALPHA:g} (raw p) tells the two swarms of a pair apart in {apart} of "
-        f"{count(len(pairs), 'pair')}. The thesis finds so in the majority of cases: "
+        f"A Kolmogorov-Smirnov test at {ALPHA:g} (raw p) distinguishes the two swarms of {apart} of "
+        f"{count(len(pairs), 'pair')}. The thesis distinguishes them in the majority of cases: "
         f"{'this run agrees' if most else 'this run does not agree'}."
     )
     return (text,)
 
 
 def conditions(study: Study) -> str:
-    """Return how the study's conditions stand to the published ones."""
+    """Return a sentence that compares the study's conditions with the published ones."""
     asked = f"{PUBLISHED_TRIALS} trials of {PUBLISHED_BUDGET:,} evaluations"
     if (study.trials, study.budget) == (PUBLISHED_TRIALS, PUBLISHED_BUDGET):
         return f"Both are means over {asked}."

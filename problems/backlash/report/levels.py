@@ -10,8 +10,8 @@ from bench.analysis import labels
 from bench.plots import style
 from bench.report import Figure, Section, Table
 from bench.report.wording import count, listing
+from problems.backlash.report.accuracy import errors_by, estimates, expected_by_problem, shares_within, with_truth
 from problems.backlash.report.axes import dataset_panels
-from problems.backlash.report.estimates import errors_by, estimates, expected_by_problem, with_truth, within_in_words
 from problems.backlash.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM
 
 TITLE = "Backlash and amplitude of the datasets (thesis Fig. 7.3)"
@@ -21,7 +21,7 @@ EXPECTED, BAND = "expected", "accuracy band"
 
 
 def sections(frame: pd.DataFrame, truths: pd.DataFrame, unknown: dict[str, str]) -> list[Section]:
-    """Return the section on Fig. 7.3, which also says of which problems no truth is known, and why."""
+    """Return the section on Fig. 7.3, with a warning on the problems whose truth is not known."""
     every = [with_truth(estimates(frame, truths, figure)) for figure in SHOWN if figure in frame]
     known = {data["figure"].iloc[0]: data for data in every if len(data)}
     warnings = _warnings(unknown)
@@ -31,12 +31,12 @@ def sections(frame: pd.DataFrame, truths: pd.DataFrame, unknown: dict[str, str])
     if "backlash_rad" not in known:
         return [Section(TITLE, text, items, warnings)]
     backlash = known["backlash_rad"]
-    text = (*text, f"Within ±{TOLERANCE_RAD:g} rad of the true backlash lie {within_in_words(backlash)}.")
+    text = (*text, f"{shares_within(backlash)} are within ±{TOLERANCE_RAD:g} rad of the true backlash.")
     return [Section(TITLE, (*text, *_without_estimate(backlash)), (*items, _table(backlash)), warnings)]
 
 
 def smallest_step(truths: pd.DataFrame) -> tuple[str, ...]:
-    """Return in words the smallest step of the amplitude between neighbouring datasets, none where there are none.
+    """Return a sentence on the smallest step of the amplitude between neighbouring datasets, none without neighbours.
 
     It is the accuracy asked of A, as the step in backlash is the accuracy asked of delta (section 7.2.3).
     """
@@ -68,7 +68,7 @@ def found_by_cell(data: pd.DataFrame) -> pd.DataFrame:
 
 
 def _warnings(unknown: dict[str, str]) -> tuple[str, ...]:
-    """Return one warning a reason, as a plug-in that is missing gives the same one for all its problems."""
+    """Return one warning a reason, as a missing plug-in gives the same reason for all its problems."""
     reasons: dict[str, list[str]] = {}
     for problem, reason in unknown.items():
         reasons.setdefault(reason, []).append(problem)
@@ -80,7 +80,7 @@ def _warnings(unknown: dict[str, str]) -> tuple[str, ...]:
 
 def _without_estimate(data: pd.DataFrame) -> tuple[str, ...]:
     lost = int(data["found"].isna().sum())
-    why = "they failed, or the amplitude is outside the range in which backlash can be told from it"
+    why = "they failed, or the amplitude is outside the calibrated range"
     return (f"{count(lost, 'trial')} of {len(data):,} gave no backlash: {why}.",) if lost else ()
 
 
@@ -92,7 +92,7 @@ def _table(data: pd.DataFrame) -> Table:
         f"Backlash error in 1e-6 rad (found less true), and the percentage of trials within ±{TOLERANCE_RAD:g} rad.",
         errors.assign(**{column: 1e6 * errors[column] for column in columns}),
         decimals={"mean error": 1, "median error": 1, "within band %": 1},
-        note="Errors are over the trials that gave a backlash, the percentage is over all.",
+        note="Errors are over the trials that gave a backlash; the percentage is over all trials.",
     )
 
 
@@ -115,7 +115,7 @@ def _figure(known: dict[str, pd.DataFrame]) -> Figure:
     style.legend_above(figure, axes[0].get_legend_handles_labels()[0])
     caption = (
         "The true backlash of each dataset and the amplitude expected of it (lines; shaded: the accuracy bands), as in "
-        "thesis Fig. 7.3, with the median (marker) and the quartiles (bar) of what the trials of each optimizer found."
+        "thesis Fig. 7.3, with the median (marker) and the quartiles (bar) of each optimizer’s trials."
     )
     return Figure("backlash-and-amplitude", caption, figure, cells, _abridged(cells))
 

@@ -1,4 +1,4 @@
-"""Table 7.3: the amplitude that was found on noisy recordings, beside the published one and that of the best fit."""
+"""Table 7.3: the amplitude found on noisy recordings, beside the published one and that of the best fit."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from bench.plots import style
 from bench.report import Figure, Part, Section, Table
 from bench.report.wording import count, listing
 from problems.backlash.published.table_7_3 import TABLE_7_3
-from problems.backlash.report.estimates import estimates
+from problems.backlash.report.accuracy import estimates
 from problems.backlash.report.fitting_errors import conditions
-from problems.backlash.sensor.estimate import Settings, told
+from problems.backlash.sensor.estimate import Settings, infer_backlash
 from problems.backlash.signature.noise import NOISES, peak_to_peak
 from problems.backlash.signature.problem import SignatureFit
 
 TITLE = "Noise sensitivity (thesis Table 7.3)"
 HEALTHY = 0.02
-"""rps; without backlash no larger an |A| is asked for, about twice what the thesis finds (0.0099)."""
+"""rps; the largest |A| accepted without backlash, about twice that of the thesis (0.0099)."""
 
 THESIS, BEST, EXPECTED = "thesis Table 7.3 (low noise)", "best fit", "expected"
 COLUMNS = {
@@ -38,7 +38,7 @@ def sections(results: Results, frame: pd.DataFrame, truths: pd.DataFrame) -> lis
     if cells.empty:
         return []
     best = best_fits(results, cells)
-    text = [conditions(results.study), *(sentence for noise in NOISES for sentence in in_words(cells, best, noise))]
+    text = [conditions(results.study), *(sentence for noise in NOISES for sentence in sentences(cells, best, noise))]
     tables = [side_by_side(own, noise) for noise in NOISES if len(own := cells[cells["noise level"] == noise])]
     items: list[Part] = [figure(cells, best), *tables, *([beside_best(best)] if len(best) else [])]
     return [Section(TITLE, tuple(text), tuple(items))]
@@ -58,7 +58,7 @@ def by_cell(data: pd.DataFrame, known: pd.DataFrame) -> pd.DataFrame:
     """Return a row a problem and optimizer in the columns of Table 7.3, in rps and percent.
 
     Args:
-        data: from :func:`problems.backlash.report.estimates.estimates`, of the amplitude.
+        data: from :func:`problems.backlash.report.accuracy.estimates`, of the amplitude.
         known: from :func:`noisy_problems`.
 
     Columns: problem, optimizer, trials, dataset, noise level, theoretical, noise (amplitude), mean and stdev of |A|,
@@ -91,50 +91,50 @@ def published() -> pd.DataFrame:
 
 
 def best_fits(results: Results, cells: pd.DataFrame) -> pd.DataFrame:
-    """Return what the best fit tells, a row a problem.
+    """Return the amplitudes inferred from the best fit, a row a problem.
 
-    Columns: problem, dataset, noise level, theoretical, mean (the fit's |A|), error, told (the amplitude that the
-    virtual sensor tells by it, 0 where it tells no disturbance from the noise) and told error.
+    Columns: problem, dataset, noise level, theoretical, mean (the fit's |A|), error, estimate (the virtual sensor's
+    amplitude from it, 0 where it detects no disturbance) and estimate error.
     """
     rows = cells.drop_duplicates("problem")[["problem", "dataset", "noise level", "theoretical"]]
     rows = rows[[not results.known(label).reason for label in rows["problem"]]]
-    rows[["mean", "told"]] = [_amplitudes_of_best(results, label) for label in rows["problem"]]
-    for amplitude, error in (("mean", "error"), ("told", "told error")):
+    rows[["mean", "estimate"]] = [_amplitudes_of_best(results, label) for label in rows["problem"]]
+    for amplitude, error in (("mean", "error"), ("estimate", "estimate error")):
         rows[error] = relative(rows[amplitude] - rows["theoretical"], rows["theoretical"])
     return rows.dropna(subset="mean")
 
 
 def _amplitudes_of_best(results: Results, label: str) -> tuple[float, float]:
-    """Return |A| in rps of the best fit inside the box, which is what CMA-ES looked for, and what the sensor tells."""
+    """Return |A| in rps of the best fit inside the box, which CMA-ES searched for, and the sensor's amplitude."""
     problem = results.problem(label)
     if not isinstance(problem, SignatureFit):
         return float("nan"), float("nan")
     size = problem.describe(problem.reference().x)["amplitude_rpm"] / 60
     known = problem.unit == "rps"  # the sensor's own unit, and the noise study's
-    return size, told(problem, Settings(resamples=0)).amplitude if known else float("nan")
+    return size, infer_backlash(problem, Settings(resamples=0)).amplitude if known else float("nan")
 
 
-def in_words(cells: pd.DataFrame, best: pd.DataFrame, noise: str) -> list[str]:
-    """Return how the errors at a noise level stand to the published ones, of every optimizer and of the best fit."""
+def sentences(cells: pd.DataFrame, best: pd.DataFrame, noise: str) -> list[str]:
+    """Return sentences that compare each optimizer's and the best fit's errors at a noise level with the published."""
     text = []
     for label, rows in cells[cells["noise level"] == noise].groupby("optimizer", sort=False):
-        text += _stand(f"{noise.capitalize()} noise, {label}", "mean |A|", rows)
+        text += _compared(f"{noise.capitalize()} noise, {label}", "mean |A|", rows)
         if rows["run error"].notna().any():
             text[-1] += (
-                " Of single runs, whose errors cannot cancel as those of both signs do in a mean, it is "
-                f"{rows['run error'].mean():.2f}% on average."
+                f" For single runs, whose errors do not cancel as in a mean, it is {rows['run error'].mean():.2f}% on "
+                "average."
             )
         text += _without_backlash(f"{label} finds a mean |A|", rows)
     fits = best[best["noise level"] == noise]
-    text += _stand(f"{noise.capitalize()} noise, the best fit there is, whoever finds it", "|A|", fits)
+    text += _compared(f"{noise.capitalize()} noise, the best fit", "|A|", fits)
     text += _without_backlash("the best fit has an |A|", fits)
-    sensor = fits.assign(mean=fits["told"], error=fits["told error"])
-    text += _stand(f"{noise.capitalize()} noise, the virtual sensor by the best fit and its calibration", "A", sensor)
-    return text + _without_backlash("the virtual sensor tells an amplitude", sensor)
+    sensor = fits.assign(mean=fits["estimate"], error=fits["estimate error"])
+    text += _compared(f"{noise.capitalize()} noise, the virtual sensor (best fit and calibration)", "A", sensor)
+    return text + _without_backlash("the virtual sensor estimates an amplitude", sensor)
 
 
-def _stand(who: str, what: str, rows: pd.DataFrame) -> list[str]:
-    """Return in how many rows an error is below the published one; none without a published row."""
+def _compared(who: str, what: str, rows: pd.DataFrame) -> list[str]:
+    """Return a sentence on how many errors are below the published ones; none without a published row."""
     both = rows.merge(published()[["error"]], on="dataset", suffixes=("", " published")).dropna(
         subset=["error", "error published"]
     )
@@ -176,9 +176,9 @@ def side_by_side(cells: pd.DataFrame, noise: str) -> Table:
         shown.set_index([cells["problem"], cells["optimizer"]]),
         decimals=decimals,
         note="A: the positive peak of the undecimated disturbance; noise: half of its peak-to-peak value. Ours are "
-        "figures of |A|. The error is that of the mean, |mean − A| / A, as the published one is: the printed digits of "
-        "all ten rows give it within 0.01 percentage points. In none of them can A have had both signs, as the "
-        f"standard deviation is small beside the mean. Single runs: the mean of every run’s own error.{other}",
+        "values of |A|. The error is that of the mean, |mean − A| / A, as the published one is: the printed digits of "
+        "all ten rows give it within 0.01 percentage points. A cannot have had both signs in any row, as the standard "
+        f"deviation is small compared with the mean. Single runs: the mean of every run’s own error.{other}",
     )
 
 
@@ -187,7 +187,7 @@ def beside_best(best: pd.DataFrame) -> Table:
     theirs = published()["error"].reindex(best["dataset"]).set_axis(best.index)
     shown = pd.DataFrame(
         {"A": best["theoretical"], "|A| of best fit": best["mean"], "error %": best["error"],
-         "A told by sensor": best["told"], "its error %": best["told error"], "error % published": theirs}
+         "A by sensor": best["estimate"], "its error %": best["estimate error"], "error % published": theirs}
     )  # fmt: skip
     return Table(
         "table-7-3-best-fit",
@@ -197,17 +197,17 @@ def beside_best(best: pd.DataFrame) -> Table:
             "A": 4,
             "|A| of best fit": 4,
             "error %": 2,
-            "A told by sensor": 4,
+            "A by sensor": 4,
             "its error %": 2,
             "error % published": 2,
         },
-        note="What is left of the error here is none of an optimizer’s, but of the objective, the sampling and the "
-        "noise. The published errors are at the low level of noise.",
+        note="These errors come from the objective, the sampling and the noise, not from an optimizer. The published "
+        "errors are at the low level of noise.",
     )
 
 
 def figure(cells: pd.DataFrame, best: pd.DataFrame) -> Figure:
-    """Return what was found against what is expected, a panel a noise level, with the thesis's points beside."""
+    """Plot the amplitudes found against the expected ones, a panel a noise level, with the thesis's points."""
     levels = [noise for noise in NOISES if noise in set(cells["noise level"])]
     looks = style.looks(labels(cells, "optimizer"))
     names = [style.plain(label) for label in looks]
@@ -235,8 +235,8 @@ def figure(cells: pd.DataFrame, best: pd.DataFrame) -> Figure:
     style.legend_above(drawn, axes[0].get_legend_handles_labels()[0])
     caption = (
         "Amplitude found on noisy recordings against the expected one: mean and standard deviation of the trials, the "
-        "published ones (grey) and the best fit (bar); the points at 0 are noise without backlash. Those beside each "
-        "other are moved sideways by 0.012 rps."
+        "published ones (grey) and the best fit (bar); the points at 0 are noise without backlash. Points side "
+        "by side are shifted by 0.012 rps."
     )
     return Figure("noise-sensitivity", caption, drawn, cells)
 

@@ -1,4 +1,4 @@
-"""The reference fit: the best there is on each recording, and which trials found it."""
+"""The reference fit: the best fit to each recording, and which trials found it."""
 
 from __future__ import annotations
 
@@ -31,20 +31,20 @@ def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
     trials = beside_reference(frame, fits, constrained)
     if trials.empty:
         return []
-    text = (*in_words(trials, fits, constrained), *beside_authors(trials, results.study))
+    text = (*sentences(trials, fits, constrained), *beside_authors(trials, results.study))
     return [Section(TITLE, text, (_by_optimizer(trials, constrained), _by_dataset(trials), _fits(fits, problems)))]
 
 
 def _signature(results: Results, label: str) -> SignatureFit | None:
-    """Return the problem of that label, None where it is no signature or cannot be loaded as it was."""
+    """Return the problem of that label, None where it is no signature or has changed since the study."""
     problem = None if results.known(label).reason else results.problem(label)
     return problem if isinstance(problem, SignatureFit) else None
 
 
 def under_constraints(study: Study) -> dict[str, bool]:
-    """Return by label whether an optimizer kept to the constraints: not where its handling of points is the box's.
+    """Return by label whether an optimizer kept to the constraints: not with ``handling="box"``.
 
-    An optimizer without such an option is taken to repair its points.
+    An optimizer without such an option is assumed to repair its points.
     """
 
     def handling(label: str, given: object) -> object:
@@ -60,8 +60,8 @@ def reference_fits(problems: dict[str, SignatureFit], *, constraints: bool) -> p
     """Return by problem the RMSE of the best fit and its |A|, inside the box and, with ``constraints``, under them too.
 
     Columns: box and constrained (RMSE in the problem's unit), box_rpm, constrained_rpm and expected_rpm (|A|), and
-    ``slack``, the factor by which |A| may change and the fit not: A is the amplitude at the begin of the window, which
-    may lie anywhere between two samples.
+    ``slack``, the factor by which |A| may change without changing the fit: A is the amplitude where the window begins,
+    which may be anywhere between two samples.
     """
 
     def row(problem: SignatureFit) -> dict[str, float]:
@@ -87,8 +87,8 @@ def _amplitude(problem: SignatureFit, fit: Fit) -> float:
 def beside_reference(frame: pd.DataFrame, fits: pd.DataFrame, constrained: dict[str, bool]) -> pd.DataFrame:
     """Return problem, optimizer, trial, excess and found of every trial on the problems of ``fits``.
 
-    ``excess`` is the relative regret, (RMSE - best) / best, of the best fit under what the trial ran under: the
-    constraints, or the box alone. It is infinite for a trial that failed; ``found`` is excess <= ``FOUND``.
+    ``excess`` is the relative regret, (RMSE - best) / best, against the best fit under the constraints or in the box,
+    as the trial ran. It is infinite for a trial that failed; ``found`` is excess <= ``FOUND``.
     """
     own = frame[frame["problem"].isin(fits.index)]
     problem, limited = own["problem"].astype(object), own["optimizer"].astype(object).map(constrained).astype(bool)
@@ -98,14 +98,14 @@ def beside_reference(frame: pd.DataFrame, fits: pd.DataFrame, constrained: dict[
     return data.assign(problem=data["problem"].cat.remove_unused_categories())
 
 
-def in_words(trials: pd.DataFrame, fits: pd.DataFrame, constrained: dict[str, bool]) -> list[str]:
-    """Return who found the fit, what the constraints cost it, and how near the truth it is itself."""
+def sentences(trials: pd.DataFrame, fits: pd.DataFrame, constrained: dict[str, bool]) -> list[str]:
+    """Return sentences on who found the fit, what the constraints cost, and how near the fit is to the truth."""
     shares = _percent(trials, ["optimizer"]).sort_values(ascending=False, kind="stable")
-    found = listing([f"{share:.0f}% of the trials of {label}" for label, share in shares.items()])
+    found = listing([f"{share:.0f}% of {label} trials" for label, share in shares.items()])
     what = (
-        "With its window fixed the signature is linear but for tau and omega, so the best fit there is can be computed "
-        "without an optimizer or a random number. It is the optimum that regret and targets are counted from. Within "
-        f"{FOUND:.0%} of its RMSE end {found}."
+        "With its window fixed the signature is linear but for tau and omega, so the best fit can be computed without "
+        "an optimizer or a random number. Regret and targets are counted from this optimum. "
+        f"{found} ended within {FOUND:.0%} of the optimum."
     )
     text = [what]
     limited = [label for label in shares.index if constrained[str(label)]]
@@ -116,17 +116,17 @@ def in_words(trials: pd.DataFrame, fits: pd.DataFrame, constrained: dict[str, bo
         text.append(
             f"The constraints of section 7.2.2, under which {listing(limited)} ran, "
             + (raised if len(worse) else "do not raise the best RMSE on any dataset")
-            + ". A trial under them is compared with the best fit under them here; in all other parts regret and "
-            "targets are counted from the best fit in the box."
+            + ". Here a trial under the constraints is compared with the best fit under them; in all other sections "
+            "regret and targets are counted from the best fit in the box."
         )
     known = fits.dropna(subset="expected_rpm")
     if len(known):
         near = int(((known["box_rpm"] - known["expected_rpm"]).abs() <= TOLERANCE_RPM).sum())
         text.append(
             f"The |A| of the best fit in the box is itself within ±{TOLERANCE_RPM:.4f} rpm of the expected one on "
-            f"{near} of {count(len(known), 'dataset')}; what is missed elsewhere is no optimizer’s miss. A fit fixes "
-            f"|A| to {known['slack'].max() - 1:.1%} only: A is the amplitude where the window begins, and that may be "
-            "anywhere between two samples (for the best fit it is the middle of what is allowed)."
+            f"{near} of {count(len(known), 'dataset')}; elsewhere no optimizer causes the error. A fit determines |A| "
+            f"to {known['slack'].max() - 1:.1%} only: A is the amplitude where the window begins, which may be "
+            "anywhere between two samples (the best fit takes the middle of the allowed range)."
         )
     return text
 
@@ -141,7 +141,7 @@ def beside_authors(trials: pd.DataFrame, study: Study) -> list[str]:
         return []
     best, runs = min(AUTHORS), sum(AUTHORS.values())
     elsewhere = [f"at {value:.4f} rps in {number}" for value, number in AUTHORS.items() if value > best]
-    here = listing([f"{row.found:.0f}% of the trials of {row.optimizer} on {row.problem}" for row in own.itertuples()])
+    here = listing([f"{row.found:.0f}% of {row.optimizer} trials on {row.problem}" for row in own.itertuples()])
     text = (
         f"The authors’ own {runs} runs of CMA-ES on their recording of dataset 12 (300 agents, 200 iterations, in the "
         "box; outputs of the notebook in github.com/ElianaGiovannitti/Backlash-estimation) ended at the best fit of "
@@ -172,7 +172,7 @@ def _by_optimizer(trials: pd.DataFrame, constrained: dict[str, bool]) -> Table:
         f"Trials that found the best fit (an RMSE within {FOUND:.0%}), and the median regret in percent of its RMSE.",
         shown.rename_axis("optimizer"),
         decimals=1,
-        note="Over all trials and datasets, against the best fit under what the optimizer ran under.",
+        note="Over all trials and datasets, against the best fit under the constraints or in the box, as given.",
     )
 
 

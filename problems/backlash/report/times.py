@@ -16,8 +16,8 @@ def sections(frame: pd.DataFrame) -> list[Section]:
     mean = table["wall_mean"]
     times = listing([f"{seconds(value)} with {label}" for label, value in mean.items()])
     text = (
-        f"One trial takes {times} on average. The thesis shows its own times as bars and prints no number, so there "
-        "is none to set beside these. The part on time has the bars, the medians and the quartiles."
+        f"One trial takes {times} on average. The thesis shows its times as bars without numbers, so none can be "
+        "compared. The section on time has the bars, the medians and the quartiles."
     )
     shown = pd.DataFrame(
         {
@@ -27,7 +27,7 @@ def sections(frame: pd.DataFrame) -> list[Section]:
             "in the objective %": 100 * table["objective_mean"] / mean,
         }
     )
-    caption = "Mean wall time of one trial, and the percentage of it that is spent in the objective."
+    caption = "Mean wall time of one trial, and the percentage of it spent in the objective."
     decimals = {"times the fastest": 1, "in the objective %": 1}
     return [
         Section("Execution time (thesis Fig. 7.5)", (text,), (Table("mean-times", caption, shown, decimals=decimals),))

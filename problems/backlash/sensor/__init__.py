@@ -1,1 +1,1 @@
-"""The virtual sensor: from a recording of a motor's speed to the backlash of its joint (thesis chapters 5, 7 and 8)."""
+"""The virtual sensor: from recordings of motor speed to the backlash of joints, their trend, and pictures of both."""

@@ -1,36 +1,38 @@
-"""Many recordings at once: one that cannot be estimated costs itself only."""
+"""Estimate many recordings, also in worker processes; report those that cannot be estimated beside the others."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from joblib import Parallel, delayed
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.estimate import Estimate, Settings, estimate
-from problems.backlash.sensor.repeated import Plan, Repeated, repeat
+
+if TYPE_CHECKING:
+    from problems.backlash.sensor.repeated_runs import RepeatedRuns, RunSettings
 
 FEW = 3
-"""So many recordings are estimated before worker processes have started."""
+"""Recordings that are estimated before worker processes would have started."""
 
 
 @dataclass(frozen=True, eq=False)
 class Estimated:
-    """What a file tells.
+    """The estimate of a file.
 
     Attributes:
         path: the file.
         estimate: the estimate.
-        repeated: what an optimizer's runs found in it, where some were asked for.
+        runs: what an optimizer's runs found in it, where they were asked for.
     """
 
     path: Path
     estimate: Estimate
-    repeated: Repeated | None = None
+    runs: RepeatedRuns | None = None
 
 
 @dataclass(frozen=True)
@@ -45,17 +47,17 @@ def estimate_files(
     paths: Sequence[Path],
     read: Callable[[Path], Recording],
     settings: Settings,
-    plan: Plan | None = None,
+    runs: RunSettings | None = None,
     *,
     jobs: int = 1,
 ) -> Iterator[Estimated | Failed]:
-    """Yield what becomes of each file, in their order.
+    """Yield the outcome of each file, in their order.
 
     Args:
         paths: the files.
         read: returns a file's recording; raises BenchError.
         settings: how each is estimated.
-        plan: an optimizer to run on each besides.
+        runs: an optimizer to run on each, too.
         jobs: worker processes; -1 takes every core. The estimates do not depend on it.
 
     Raises:
@@ -63,22 +65,27 @@ def estimate_files(
     """
     if jobs == 0:
         raise BenchError("there must be at least one worker process; give --jobs 1 or more, or -1 for every core")
-    workers = Parallel(n_jobs=jobs if len(paths) > FEW else 1, return_as="generator")
-    made: Iterator[Estimated | Failed] = workers(delayed(_estimated)(path, read, settings, plan) for path in paths)
+    if jobs == 1 or len(paths) <= FEW:
+        return (_estimated(path, read, settings, runs) for path in paths)
+    from joblib import Parallel, delayed
+
+    made: Iterator[Estimated | Failed] = Parallel(n_jobs=jobs, return_as="generator")(
+        delayed(_estimated)(path, read, settings, runs) for path in paths
+    )
     return made
 
 
 def _estimated(
-    path: Path, read: Callable[[Path], Recording], settings: Settings, plan: Plan | None
+    path: Path, read: Callable[[Path], Recording], settings: Settings, runs: RunSettings | None
 ) -> Estimated | Failed:
     try:
         with threadpool_limits(limits=1):  # no last digit may depend on how many threads a BLAS finds
             found = estimate(read(path), settings)
-            return Estimated(path, found, repeat(found, settings, plan) if plan else None)
+            if runs is None:
+                return Estimated(path, found)
+            from problems.backlash.sensor.repeated_runs import repeat
+
+            return Estimated(path, found, repeat(found, settings, runs))
     except BenchError as error:
-        return Failed(path, _named(path, str(error)))
-
-
-def _named(path: Path, sentence: str) -> str:
-    """Return a sentence that names the file."""
-    return sentence if str(path) in sentence else f"{path}: {sentence}"
+        sentence = str(error)
+        return Failed(path, sentence if str(path) in sentence else f"{path}: {sentence}")

@@ -1,11 +1,11 @@
-"""The virtual sensor (thesis section 5.3): a recording of motor speed in, the backlash of the joint out.
+"""Estimate the backlash of a joint from a recording of its motor's speed: the virtual sensor (thesis section 5.3).
 
     >>> from problems.backlash.recordings import read
     >>> found = estimate(read("joint2.csv"))
     >>> found.verdict, found.backlash_rad, found.interval_rad
 
-The signature is fitted by the reference fit, which is the best there is, so an estimate is the same every time. From
-how strong it is a calibration of the joint tells the amplitude of the disturbance, and from that the half-gap delta.
+The reference fit of the signature is the best fit there is, so an estimate is the same every time. A calibration of the
+joint maps the strength of the fit to the amplitude of the disturbance, and that to the half-gap delta.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.numbers import require_positive, require_whole
+from bench.problem import Floats
 from problems.backlash.recordings import Recording
 from problems.backlash.recordings.period import find_period
 from problems.backlash.recordings.screen import drift, screen, warnings
@@ -26,35 +27,34 @@ from problems.backlash.signature.calibration import Calibration, sensor_calibrat
 from problems.backlash.signature.model import OMEGA, A, strength
 from problems.backlash.signature.problem import TOLERANCE_RAD, SignatureFit
 
-Floats = NDArray[np.float64]
 Interval = tuple[float, float]
 
 USUAL_PERIOD = 0.4
-"""s; T_f of the thesis's recordings, taken where a signal shows no period of its own."""
+"""s; T_f of the thesis's recordings, assumed where no period is found in a signal."""
 
 COARSEST = 0.01
 """s; two and a half samples in an oscillation of 40 Hz, the fastest that Table 7.1 allows."""
 
 EARLY_RAD = 0.0021
-"""rad; the largest of the ten half-gaps by which section 7.3 tests the early stages of backlash."""
+"""rad; the largest of the ten half-gaps in section 7.3's test of the early stages of backlash."""
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How a recording is turned into an estimate.
+    """The settings of an estimate.
 
     Attributes:
-        period: T_f, the time of one load turn, in s; None to have it from the gear ratio or the signal.
-        gear_ratio: motor turns a load turn, from which and the mean speed the period follows.
-        nominal_rps: the motor's nominal speed, to notice a wrong unit by.
+        period: T_f, the time of one load turn, in s; None to infer it from the gear ratio or the signal.
+        gear_ratio: motor turns a load turn, which with the mean speed give the period.
+        nominal_rps: the motor's nominal speed, to detect a wrong unit.
         turns: the load turns that the signature spans; None for all that the recording holds.
         single: fit one oscillation (section 8.3).
-        constrained: fit under the constraints of section 7.2.2, not the bounds alone.
-        calibration: maps amplitudes to half-gaps; None for amplitudes alone.
-        limit_rad: the half-gap above which backlash is called progressed.
-        resamples: bootstrap resamples behind an interval; 0 for no interval.
-        confidence: the intervals' level.
-        seed: of the bootstrap.
+        constrained: fit under the constraints of section 7.2.2, not only the bounds.
+        calibration: maps amplitudes to half-gaps; None to estimate amplitudes alone.
+        limit_rad: the half-gap above which backlash has progressed.
+        resamples: bootstrap resamples of an interval; 0 for no interval.
+        confidence: the level of the intervals.
+        seed: the seed of the bootstrap.
 
     Raises:
         BenchError: for a value out of its range.
@@ -75,35 +75,35 @@ class Settings:
     def __post_init__(self) -> None:
         for name in ("period", "gear_ratio", "nominal_rps", "limit_rad"):
             value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0):
-                raise BenchError(f"{name.replace('_', ' ')} must be a positive number, not {value!r}")
+            if value is not None:
+                require_positive(name.replace("_", " "), value)
         if not 0.0 < self.confidence < 1.0:
             raise BenchError(f"confidence must lie between 0 and 1, such as 0.95, not {self.confidence!r}")
-        if self.resamples < 0 or self.seed < 0:
-            raise BenchError("resamples and seed must not be negative")
+        require_whole("resamples", self.resamples, 0)
+        require_whole("seed", self.seed, 0)
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """What a recording tells of the backlash of its joint.
+    """The estimate of the backlash of a joint from one recording.
 
     Attributes:
-        amplitude_rps: the peak of the disturbance that the fit tells of by the calibration; its |A| where that does not
-            reach or knows of no fits, and 0 where no disturbance can be told from noise.
-        amplitude_interval_rps: its confidence interval; up to what could be told from the noise, where there is none.
-        backlash_rad: the half-gap delta; NaN where the calibration does not reach.
+        amplitude_rps: the peak of the disturbance, inferred from the fit by the calibration; the fit's |A| outside the
+            calibration or where it has no fits, and 0 where no disturbance can be distinguished from noise.
+        amplitude_interval_rps: its confidence interval; from 0 to the smallest detectable amplitude where it is 0.
+        backlash_rad: the half-gap delta; NaN outside the calibration.
         interval_rad: its confidence interval, NaN likewise.
-        rmse_rps: of the fit.
+        rmse_rps: the RMSE of the fit.
         explained: the share of the signal's variance that the fit explains, 0 to 1.
         verdict: "no backlash", "early" or "progressed"; "backlash" where there is no calibration.
         variables: A, t0, tau, omega, v_t, T1 and T2 of the fit, in rps, s, 1/s and rad/s; v_t from the mean speed.
         period_s: T_f.
         period_source: "given", "gear ratio", "signal" or "assumed".
         mean_rps: the mean speed.
-        p_value: that noise alone would be fitted as well (:func:`problems.backlash.sensor.evidence.p_value`).
-        calibration: what the backlash was told by; "" for none.
-        notes: what is to be told of the recording or the estimate, a sentence each.
-        recording: what was fitted.
+        p_value: that noise alone gives so good a fit (:func:`problems.backlash.sensor.evidence.p_value`).
+        calibration: the name of the calibration; "" for none.
+        notes: remarks on the recording or the estimate, a sentence each.
+        recording: the fitted part of the recording.
         fitted: (N,) the speed of the fit in rps.
     """
 
@@ -126,15 +126,15 @@ class Estimate:
 
 
 def estimate(recording: Recording, settings: Settings | None = None, *, screened: bool = True) -> Estimate:
-    """Return the backlash that a recording of a joint at constant speed tells of, in about a second.
+    """Estimate the backlash of a joint from a recording at constant speed, in about a second.
 
     Args:
         recording: the motor's speed.
-        settings: how; by default as the thesis's test bench needs it.
-        screened: refuse what is unfit (:func:`problems.backlash.recordings.screen.screen`).
+        settings: by default those for the thesis's test bench.
+        screened: refuse unfit recordings (:func:`problems.backlash.recordings.screen.screen`).
 
     Raises:
-        BenchError: for a recording that is unfit, in one sentence.
+        BenchError: for an unfit recording, in one sentence.
     """
     settings = settings or Settings()
     if screened:
@@ -150,7 +150,7 @@ def estimate(recording: Recording, settings: Settings | None = None, *, screened
     residual = problem.signal - fitted
     if source == "assumed" and not settings.single:
         notes.append(f"no period was found in the signal; {problem.period:g} s is assumed (--period gives another)")
-    found = told(problem, settings)
+    found = infer_backlash(problem, settings)
     return Estimate(
         amplitude_rps=found.amplitude,
         amplitude_interval_rps=found.amplitudes,
@@ -172,7 +172,7 @@ def estimate(recording: Recording, settings: Settings | None = None, *, screened
 
 
 def period_of(recording: Recording, settings: Settings) -> tuple[float, str]:
-    """Return the time of one load turn in s, and where it is from."""
+    """Return the time of one load turn in s, and its source."""
     if settings.period is not None:
         return settings.period, "given"
     looked_for = settings.gear_ratio is not None or not settings.single  # one oscillation shows no period
@@ -181,7 +181,7 @@ def period_of(recording: Recording, settings: Settings) -> tuple[float, str]:
 
 
 def part(recording: Recording, settings: Settings, period: float) -> Recording:
-    """Return what is to be fitted: as many load turns as are asked for, without a drift of the mean speed."""
+    """Return the part to fit: the load turns asked for, without a drift of the mean speed."""
     if settings.turns is not None and not settings.single:
         recording = recording.window(end=recording.start + settings.turns * period)
     if change := drift(recording):
@@ -191,22 +191,22 @@ def part(recording: Recording, settings: Settings, period: float) -> Recording:
 
 
 def signature_problem(recording: Recording, settings: Settings, period: float) -> SignatureFit:
-    """Return the fit as a problem in rps.
+    """Return the fit of a recording as a problem in rps.
 
     Raises:
         BenchError: for a recording that is too short for its period, or sampled too coarsely for the oscillations.
     """
     if recording.dt > COARSEST * (1 + 1e-6):
         raise BenchError(
-            f"a sample every {recording.dt:.4g} s is too coarse for oscillations of up to 40 Hz; sample every "
-            f"{COARSEST:g} s or oftener"
+            f"a sample every {recording.dt:.4g} s is too coarse for oscillations of up to 40 Hz; sample at least every "
+            f"{COARSEST:g} s"
         )
     turns = settings.turns or max(1, math.ceil(recording.duration / period - 1e-6))
     return SignatureFit("recording", recording, period=period, turns=turns, single=settings.single)
 
 
-class Told(NamedTuple):
-    """What a reference fit tells: see :class:`Estimate`."""
+class Inference(NamedTuple):
+    """The part of an :class:`Estimate` that is inferred from a reference fit."""
 
     p_value: float
     amplitude: float
@@ -217,59 +217,60 @@ class Told(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-def told(problem: SignatureFit, settings: Settings) -> Told:
-    """Return what the reference fit of a problem in rps tells of the backlash."""
+def infer_backlash(problem: SignatureFit, settings: Settings) -> Inference:
+    """Infer amplitude, half-gap and verdict from the reference fit of a problem in rps."""
     x = problem.reference(constrained=settings.constrained).x
     p = p_value(problem, problem.model(x))
     return _undetected(problem, p, settings) if p > SIGNIFICANT else _detected(problem, x, p, settings)
 
 
-def _undetected(problem: SignatureFit, p: float, settings: Settings) -> Told:
-    """Return what is told where no disturbance can be told from noise: 0, and up to what could have been."""
+def _undetected(problem: SignatureFit, p: float, settings: Settings) -> Inference:
+    """Return the inference from noise alone: amplitude 0, and what the noise may hide as the end of the intervals."""
     calibration, most = settings.calibration, detectable(problem)
-    largest = float(np.maximum(gap_told(most, calibration), TOLERANCE_RAD))  # less is told from none nowhere
-    gaps = (gap_told(0.0, calibration), largest)
+    # a smaller half-gap than the tolerance is never distinguished from none
+    largest = float(np.maximum(infer_gap(most, calibration), TOLERANCE_RAD))
+    gaps = (infer_gap(0.0, calibration), largest)
     hidden = may_hide(most, largest, settings)
-    notes = (f"so much noise may hide a backlash above the limit of {settings.limit_rad:g} rad",) if hidden else ()
-    return Told(p, 0.0, (0.0, most), gaps[0], gaps, "no backlash", notes)
+    notes = (f"the noise may hide a backlash above the limit of {settings.limit_rad:g} rad",) if hidden else ()
+    return Inference(p, 0.0, (0.0, most), gaps[0], gaps, "no backlash", notes)
 
 
 def may_hide(amplitude: float, gap: float, settings: Settings) -> bool:
-    """Return whether noise hides a backlash above the limit, by the amplitude (rps) and half-gap (rad) it may hide."""
+    """Return whether noise that may hide this amplitude (rps) and half-gap (rad) may hide one above the limit."""
     if settings.calibration is None:
         return False
     return 60 * amplitude > settings.calibration.range[1] or gap > settings.limit_rad
 
 
-def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) -> Told:
-    """Return what a disturbance that is there tells of the backlash."""
+def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) -> Inference:
+    """Return the inference from a detected disturbance."""
     calibration, rng = settings.calibration, np.random.default_rng(settings.seed)
     notes = []
-    amplitude = peak_told(x, calibration)
+    amplitude = infer_peak(x, calibration)
     low, high = math.nan, math.nan
     if settings.resamples:
         fits = resampled(problem, x, settings.resamples, rng, constrained=settings.constrained)
-        peaks = np.array([peak_told(each, calibration) for each in fits])
+        peaks = np.array([infer_peak(each, calibration) for each in fits])
         if calibration:
             peaks *= 1 + calibration.relative_scatter(60 * strength(x)) * rng.standard_normal(len(peaks))
         outside = (1 - settings.confidence) / 2
         low, high = (float(each) for each in np.quantile(peaks, [outside, 1 - outside]))
-    gap = gap_told(amplitude, calibration)
+    gap = infer_gap(amplitude, calibration)
     slow = float(x[OMEGA]) * problem.period / 2 < 2 * math.pi
     if calibration and math.isnan(gap):
         limits = " to ".join(f"{each / 60:.3g}" for each in calibration.range)
-        notes.append(f"the amplitude is outside the calibrated range ({limits} rps), so no backlash is told")
+        notes.append(f"the amplitude is outside the calibrated range ({limits} rps), so no backlash is estimated")
     if slow:
-        notes.append("the disturbance is slower than one oscillation a half turn: the load's own, not that of impacts")
-    gaps = (gap_told(low, calibration), gap_told(high, calibration))
+        notes.append("the disturbance is slower than one oscillation a half turn: it is the load's ripple, not impacts")
+    gaps = (infer_gap(low, calibration), infer_gap(high, calibration))
     verdict = _verdict(amplitude, gap, settings, slow=slow)
-    return Told(p, amplitude, (low, high), gap, gaps, verdict, tuple(notes))
+    return Inference(p, amplitude, (low, high), gap, gaps, verdict, tuple(notes))
 
 
 def _verdict(amplitude: float, gap: float, settings: Settings, *, slow: bool) -> str:
-    """Return the verdict on a disturbance that is there.
+    """Return the verdict on a detected disturbance.
 
-    Half of the accuracy asked of an estimate (section 7.2.1) is what a backlash must have to be told from none.
+    A backlash is distinguished from none above half of the accuracy asked of an estimate (section 7.2.1).
     """
     if slow or gap <= TOLERANCE_RAD:
         return "no backlash"
@@ -280,15 +281,15 @@ def _verdict(amplitude: float, gap: float, settings: Settings, *, slow: bool) ->
     return "progressed" if gap > settings.limit_rad else "early"
 
 
-def peak_told(x: Floats, calibration: Calibration | None) -> float:
-    """Return the peak in rps that a fit (7,) tells of; its |A| beyond what was calibrated."""
+def infer_peak(x: Floats, calibration: Calibration | None) -> float:
+    """Infer the peak of the disturbance in rps from a fit (7,); outside the calibration, return the fit's |A|."""
     known = calibration is not None and calibration.fitted is not None
     expected = calibration.expected(60 * strength(x)) / 60 if calibration and known else math.nan
     return abs(float(x[A])) if math.isnan(expected) else expected
 
 
-def gap_told(amplitude: float, calibration: Calibration | None) -> float:
-    """Return the half-gap in rad of a peak in rps; below the calibration its smallest, where that is none at all."""
+def infer_gap(amplitude: float, calibration: Calibration | None) -> float:
+    """Infer the half-gap in rad from a peak in rps: NaN outside the calibration, but 0 below one that begins at 0."""
     if calibration is None or math.isnan(amplitude):
         return math.nan
     if 60 * amplitude < calibration.range[0] and calibration.half_gap[0] == 0.0:

@@ -1,8 +1,8 @@
-"""Whether a fit is more than noise, and how well its amplitude is known.
+"""Test whether a fit is more than noise, and resample it to find how well its amplitude is known.
 
-The reference fit is the best of millions, so its share of the signal's energy must be judged as that: the p-value of
-an F test, for the three weights that are solved for, is multiplied by the number of fits that were looked at
-(Bonferroni). Noise is seldom white; its first autocorrelation lessens the number of samples that count (Bartlett 1946).
+The reference fit is the best of millions. So the p-value of an F test on its share of the signal's energy, for the
+three weights that are solved for, is multiplied by the number of fits compared (Bonferroni). Noise is seldom white; its
+first autocorrelation reduces the number of samples that count (Bartlett 1946).
 """
 
 from __future__ import annotations
@@ -10,29 +10,27 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.stats import f as fisher
+from scipy.special import fdtrc, fdtri  # scipy.stats.f takes them too, and 0.5 s longer to import
 
+from bench.problem import Floats
 from problems.backlash.signature.model import T0, T1
 from problems.backlash.signature.problem import SignatureFit
 from problems.backlash.signature.reference import OMEGAS, TAUS
-
-Floats = NDArray[np.float64]
 
 SOLVED = 3
 """Weights of sine, cosine and offset."""
 
 OTHERS = 3
-"""Oscillations beside the one that was asked for: so many are taken off before the rest is noise."""
+"""Further oscillations that are subtracted at most before the rest is taken for noise."""
 
 FEWEST = 4
 """Half turns to draw residuals from."""
 
 SIGNIFICANT = 1e-3
-"""The largest adjusted p-value at which a disturbance is said to be there."""
+"""The largest adjusted p-value at which a disturbance is detected."""
 
 BENCH = (0.0, 15.6, 133.5, np.pi / 2 / 133.5)
-"""t0, tau, omega and T1 of the thesis's test bench, by the poles of its closed transmission: a usual signature."""
+"""t0, tau, omega and T1 of the thesis's test bench, from the poles of its closed transmission: a usual signature."""
 
 
 def p_value(problem: SignatureFit, fitted: Floats) -> float:
@@ -50,31 +48,31 @@ def p_value(problem: SignatureFit, fitted: Floats) -> float:
 
 
 def _p_value(problem: SignatureFit, energy: float, residual: Floats) -> float:
-    """Return the adjusted p-value of an energy explained beside a residual (N,) that is noise."""
+    """Return the adjusted p-value of an explained energy, where the residual (N,) is noise."""
     noise, counted = float(residual @ residual), effective(residual) - SOLVED - len(problem.variables)
     if counted < 1 or energy <= 0.0:
         return 1.0
     statistic = energy / SOLVED / (max(noise, 1e-12 * energy) / counted)
-    return float(min(1.0, fisher.sf(statistic, SOLVED, counted) * _looked_at(problem)))
+    return float(min(1.0, fdtrc(SOLVED, counted, statistic) * _looked_at(problem)))
 
 
 def detectable(problem: SignatureFit) -> float:
-    """Return the smallest amplitude, in the problem's unit, that a usual signature would be told from the noise by.
+    """Return the smallest detectable amplitude of a usual signature, in the problem's unit.
 
-    The signal is taken for noise alone.
+    The whole signal is taken for noise.
     """
     t0, tau, omega, t1 = BENCH
     wave = problem.model(np.array([1.0, problem.time[0] + t0, tau, omega, 0.0, t1, problem.period / 2]))
     counted = effective(problem.signal) - SOLVED - len(problem.variables)
     if counted < 1:
         return np.inf
-    threshold = SOLVED * fisher.isf(SIGNIFICANT / _looked_at(problem), SOLVED, counted) / counted
+    threshold = SOLVED * fdtri(SOLVED, counted, 1 - SIGNIFICANT / _looked_at(problem)) / counted
     noise = float(problem.signal @ problem.signal)
     return float(np.sqrt(threshold * noise / (wave @ wave)))
 
 
 def effective(residual: Floats) -> float:
-    """Return the number of independent samples that tell as much of their mean as these (N,)."""
+    """Return the number of independent samples that determine their mean as well as these (N,) do."""
     centred = residual - residual.mean()
     total = float(centred @ centred)
     if total == 0.0:
@@ -86,10 +84,10 @@ def effective(residual: Floats) -> float:
 def resampled(
     problem: SignatureFit, x: Floats, resamples: int, rng: np.random.Generator, *, constrained: bool = False
 ) -> Floats:
-    """Return (resamples, 7) fits to the fit plus its residuals, drawn anew by half load turns (residual bootstrap).
+    """Return (resamples, 7) fits to the fit plus its residuals, resampled by half load turns (residual bootstrap).
 
-    Whole half turns are drawn, so that the noise keeps its colour, each with the sign of its place, so that what the
-    signature misses of every oscillation stays with them all (Efron and Tibshirani 1993, section 9.5; Künsch 1989).
+    Whole half turns are drawn, so that the noise keeps its colour; each gets the sign of its place, so that the part of
+    every oscillation which the signature misses remains (Efron and Tibshirani 1993, section 9.5; Künsch 1989).
     A single oscillation has no half turns; its blocks are a tenth of the signal.
     """
     fitted = problem.model(x)
@@ -100,7 +98,7 @@ def resampled(
     blocks = residual[: whole * block].reshape(whole, -1)
     signs = (-1.0) ** np.arange(whole) if problem.replicas > 1 else np.ones(whole)
     signed = blocks * signs[:, np.newaxis]
-    # Before the first window there may be half an oscillation, unfitted.
+    # There may be half an oscillation before the first window, which is not fitted.
     begun = (x[T0] + x[T1] - problem.time[0]) / (block * problem.dt)
     if problem.replicas > 1 and (after := math.ceil(begun)) <= whole - FEWEST:
         signed = signed[after:]
@@ -114,5 +112,5 @@ def resampled(
 
 
 def _looked_at(problem: SignatureFit) -> float:
-    """Return how many fits a reference fit is the best of: every start and length, tau and omega of its scan."""
+    """Return the number of fits that a reference fit compares: every start and length, tau and omega of its scan."""
     return len(problem.time) * max(problem.period / 2 / problem.dt, 1.0) * TAUS * OMEGAS

@@ -1,16 +1,16 @@
-"""The fit's own response: how strong the best fits to a joint's recordings are, whose peak is known (section 7.3).
+"""Simulate how strong the best fits to a joint's recordings are, where the true peak is known (section 7.3).
 
     >>> fitted, scatter = response(Joint(), made.half_gap)    # rpm, for a Calibration "made" of the same joint
     >>> dataclasses.replace(made, fitted=fitted, scatter=scatter).expected(42.0)    # strength of a fit -> peak, rpm
 
 The peak of a disturbance is that of an impact's first swing; a fit is a damped sine through all that follows. On the
-default joint the peak is 7 % above the mean |A| at the small gaps and 2 % below it at 0.0037 rad, and where the samples
-fall between two of the motor's moments moves |A| by 1 to 3 % (standard deviation). The root of the oscillation's energy
-(:func:`~problems.backlash.signature.model.strength`) moves by 0.4 to 1 % only, so a calibration goes by it. Without
-backlash it is the load's own gravity ripple that is fitted.
+default joint the peak is 7 % above the mean |A| at the small gaps and 2 % below it at 0.0037 rad, and the place of the
+samples between two of the motor's moments changes |A| by 1 to 3 % (standard deviation). It changes the root of the
+oscillation's energy (:func:`~problems.backlash.signature.model.strength`) by 0.4 to 1 % only, so a calibration uses
+that. Without backlash the fit is to the load's own gravity ripple.
 
-The recordings of a half-gap differ in their start within a load turn and in where their samples fall, evenly. They are
-free of noise: that of section 7.3, low or high, leaves the mean fit of levels 2 to 20 where it is, within 1.3 %.
+The recordings of a half-gap differ evenly in their start within a load turn and in the place of their samples. They are
+free of noise: the noise of section 7.3, low or high, changes the mean fit of levels 2 to 20 by at most 1.3 %.
 """
 
 from __future__ import annotations
@@ -19,22 +19,20 @@ from collections.abc import Sequence
 
 import numpy as np
 from joblib import Parallel, delayed
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import track
 
+from bench.problem import Floats
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.signature.model import strength
 from problems.backlash.signature.problem import SignatureFit
 
-Floats = NDArray[np.float64]
-
 TURNS = 12
 """Load turns of a recording, as the published ones have."""
 
 FITS = 8
-"""Recordings of a half-gap: so many starts in a load turn, each with another place of the samples."""
+"""Recordings of a half-gap, each with another start in a load turn and another place of the samples."""
 
 
 def response(
@@ -47,10 +45,10 @@ def response(
         half_gaps: (m,) rad.
         rate: sampling rate of the recordings, Hz.
         jobs: worker processes; -1 takes every core.
-        shown: show a bar on the terminal (stderr), as it takes some seconds a half-gap.
+        shown: show a progress bar on stderr; a half-gap takes some seconds.
 
     Raises:
-        BenchError: for what cannot be simulated or fitted.
+        BenchError: where a half-gap cannot be simulated or fitted.
     """
     fits = Parallel(n_jobs=jobs, return_as="generator")(delayed(_fits)(joint, gap, rate) for gap in half_gaps)
     bar = track(fits, "fits", len(half_gaps), console=Console(stderr=True), transient=True, disable=not shown)
@@ -59,7 +57,7 @@ def response(
 
 
 def _fits(joint: Joint, gap: float, rate: float) -> Floats:
-    """Return the strength in rps of (FITS,) fits to a half-gap, whose samples fall evenly over a sampling period."""
+    """Return the strengths in rps, (FITS,), of fits to a half-gap's recordings, sampled at evenly spaced places."""
     turn = joint.turn * rate  # in samples
     made = simulate(joint, half_gap=gap, duration=((TURNS + 1) * turn + 1) / rate, rate=rate)
     stride = (len(made.fine.speed) - 1) // (len(made.speed) - 1)

@@ -1,11 +1,12 @@
-"""How the backlash of a joint changes over its recordings, and when it reaches a limit.
+"""Estimate how the backlash of a joint changes over its recordings, and predict when it reaches a limit.
 
-The slope is Theil and Sen's, the median of the slopes between all pairs (Sen 1968, J. Am. Stat. Assoc. 63, 1379-1389,
-doi:10.1080/01621459.1968.10480934), with his interval; whether there is a trend at all is Mann's test (Econometrica 13,
-1945, 245-259, doi:10.2307/1907187), which is Kendall's rank correlation with time. Neither asks for normal errors, and
-a few odd recordings do not turn them. When the limit is reached is told by the later half of the recordings: wear runs
-in fast, goes on slowly and ends fast, and a line through all of them foretells the limit too early. (On simulated
-wear, a 95 % range of theirs held the true month in 9 of 10 cases, that of a line through all in fewer than half.)
+The slope is that of Theil and Sen, the median of the slopes between all pairs, with Sen's interval (Sen 1968, J. Am.
+Stat. Assoc. 63, 1379-1389, doi:10.1080/01621459.1968.10480934). Mann's test, which is Kendall's rank correlation with
+time, decides whether there is a trend (Econometrica 13, 1945, 245-259, doi:10.2307/1907187). Neither assumes normal
+errors, and both resist a few outliers. The later half of the recordings predicts when the limit is reached: wear is
+fast at first, slow for long and fast at the end, and a line through all recordings predicts the limit too early. (On
+simulated wear, the 95 % range from the later half held the true month in 9 of 10 cases, that from all recordings in
+fewer than half.)
 """
 
 from __future__ import annotations
@@ -15,20 +16,18 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.stats import kendalltau, theilslopes
 
-from problems.backlash.sensor.calibration_files import Series
+from bench.problem import Floats
 from problems.backlash.sensor.estimate import Estimate
+from problems.backlash.sensor.recording_files import Series
 
-Floats = NDArray[np.float64]
 Interval = tuple[float, float]
 
 FEWEST = 3
-"""Recordings from which a slope is told."""
+"""Recordings that a slope needs."""
 
 LATEST = 6
-"""The fewest recordings by which a limit is foretold, where there are so many: five cannot be significant at 1 %."""
+"""Recordings that predict a limit at least, where there are as many: five cannot be significant at 1 %."""
 
 
 @dataclass(frozen=True)
@@ -38,8 +37,8 @@ class Line:
     Attributes:
         slope: per unit of time.
         interval: its confidence interval.
-        middle: the medians of time and value, through which it goes.
-        p_value: two-sided, that there is no trend; NaN where all values are equal.
+        middle: the medians of time and value, a point of the line.
+        p_value: of the two-sided test for a trend; NaN where all values are equal.
     """
 
     slope: float
@@ -66,14 +65,14 @@ class Trend:
         quantity: "backlash", the half-gap in rad, or, where a recording has none, "amplitude" in rps.
         values: (n,) in the order of the series.
         intervals: (n, 2) their confidence intervals; NaN where there is none.
-        change: of the last against the first.
+        change: from the first to the last.
         change_interval: its confidence interval; NaN where there is none.
         line: through all recordings, None where there are fewer than three.
         significant: whether there is a trend.
-        latest: how many of the latest recordings foretell the limit.
+        latest: how many of the latest recordings predict the limit.
         since: the time from which on all recordings are above the limit, None where the last one is not.
-        reached: when the limit is reached, None where that cannot be foreseen, and the range of that; the range may
-            end at infinity.
+        reached: when the limit is reached, and the range of that time, which may end at infinity; None where that
+            cannot be predicted.
     """
 
     series: Series
@@ -94,8 +93,8 @@ def trend(series: Series, estimates: Sequence[Estimate], *, limit_rad: float, co
 
     Args:
         series: two recordings or more.
-        estimates: theirs, in the order of the series.
-        limit_rad: the half-gap delta in rad whose crossing is looked for.
+        estimates: of these recordings, in the order of the series.
+        limit_rad: the half-gap delta in rad whose crossing is predicted.
         confidence: the level of the intervals; a trend is significant at one minus that.
     """
     backlash = np.array([each.backlash_rad for each in estimates])
@@ -120,7 +119,7 @@ def trend(series: Series, estimates: Sequence[Estimate], *, limit_rad: float, co
 
 
 def fastest_first(trends: Iterable[Trend]) -> list[Trend]:
-    """Return trends by their growth, those that are significant before the others."""
+    """Return trends sorted by growth, the significant ones first."""
     return sorted(trends, key=lambda each: (each.quantity, not each.significant, -each.line.slope if each.line else 0))
 
 
@@ -128,13 +127,15 @@ def fit_line(time: Floats, values: Floats, confidence: float) -> Line | None:
     """Return the line through (n,) values at (n,) times, None for fewer than three times or recordings."""
     if len(values) < FEWEST or len(np.unique(time)) < FEWEST:
         return None
+    from scipy.stats import kendalltau, theilslopes  # 0.5 s, which a single estimate need not wait for
+
     slope, _, low, high = map(float, theilslopes(values, time, confidence))
     middle = float(np.median(time)), float(np.median(values))
     return Line(slope, (low, high), middle, float(kendalltau(time, values).pvalue))
 
 
 def _difference(last: float, last_interval: Floats, first: float, first_interval: Floats) -> Interval:
-    """Return the interval of a difference by those of its terms (MOVER: Zou and Donner 2008, doi:10.1002/sim.3095)."""
+    """Return the interval of a difference from its terms' (MOVER: Zou and Donner 2008, doi:10.1002/sim.3095)."""
     down = math.hypot(last - last_interval[0], first_interval[1] - first)
     up = math.hypot(last_interval[1] - last, first - first_interval[0])
     return float(last - first - down), float(last - first + up)
@@ -148,7 +149,7 @@ def _since(time: Floats, values: Floats, limit: float) -> float | None:
 
 
 def _reached(time: Floats, values: Floats, limit: float, confidence: float) -> tuple[float, Interval] | None:
-    """Return when a line through these reaches the limit, and the range of that; None where they do not grow to it."""
+    """Return when a line through (n,) values reaches the limit, and its range; None where they do not grow to it."""
     line = fit_line(time, values, confidence)
     if line is None or not line.p_value < 1 - confidence or line.slope <= 0 or values[-1] > limit:
         return None

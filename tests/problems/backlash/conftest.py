@@ -7,7 +7,7 @@ from problems.backlash.signature.model import VARIABLES, signature
 
 
 @pytest.fixture(scope="session")
-def told():
+def make_estimate():
     """Return a function that makes the estimate of a half-gap in rad, whose recording is its fit and nothing else."""
 
     def make(gap=0.001, width=0.0001, **others):

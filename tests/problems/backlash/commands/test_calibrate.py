@@ -15,7 +15,7 @@ def test_the_default_gives_the_thesis_s_cubic_its_range_and_its_distance_from_eq
     assert "         16.5302          0.000300\n" in said
     assert "delta = 1e-6 (-0.0015 A^3 + 0.4073 A^2 + 10.7968 A + 17.0994) rad, A in rpm; at most 2e-07 rad" in said
     assert "range: 16.53 to 66.67 rpm" in said
-    assert "from eq. 4.7 of the thesis: at most 2.9" in said
+    assert "difference from eq. 4.7 of the thesis: at most 2.9" in said
 
 
 def test_another_joint_is_calibrated_into_a_file_with_figures(command, tmp_path):

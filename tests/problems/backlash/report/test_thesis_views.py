@@ -12,7 +12,7 @@ from bench.report import Figure, Table
 from bench.report.output import save_figure
 from bench.storage.folder import Folder
 from bench.study import Entry, Fingerprints, Study
-from problems.backlash.report import estimates, fitting_errors, levels, sections
+from problems.backlash.report import accuracy, fitting_errors, levels, sections
 from problems.backlash.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM, Fit, SignatureFit
 
 SWARMS = ("alo", "goa", "da", "gwo")
@@ -115,7 +115,7 @@ def test_bold_and_italics_compare_the_swarms_alone(tmp_path):
 
 def test_exact_reproduction_is_said_in_words(tmp_path):
     results = make(tmp_path / "s", datasets=range(3, 21))
-    assert "Of 72 cells shared with the published Table 7.2, 72 lie within 35% of the published mean." in words(results)
+    assert "72 of 72 cells shared with the published Table 7.2 are within 35% of the published mean." in words(results)
     assert "holds in 16 of 18 rows; in the published table it holds in 16 of these." in words(results)
     assert "Both are means over 30 trials" not in words(results)
     beside = table(results, "table-7-2-published").frame
@@ -126,7 +126,7 @@ def test_exact_reproduction_is_said_in_words(tmp_path):
 def test_differences_are_relative_to_the_published_mean(tmp_path):
     results = make(tmp_path / "s", factor=1.5, budget=1000)
     np.testing.assert_allclose(table(results, "table-7-2-published").frame.filter(like="diff"), 50)
-    assert "0 lie within 35%" in words(results)
+    assert "cells shared with the published Table 7.2 are within 35%" in words(results)
     assert "The median relative difference is +50.0%, its median size 50.0%." in words(results)
     assert "so they need not agree" in words(results)
 
@@ -139,8 +139,8 @@ def test_published_conditions_are_said():
 def test_a_failed_trial_leaves_its_cell_without_a_mean(tmp_path):
     results = make(tmp_path / "s", fail=[("signature-03", "my alo", 0)])
     assert np.isnan(table(results, "table-7-2").frame.at[3, "ALO"])
-    assert "Of 7 cells" in words(results)
-    assert "Without a mean, as trials failed or are missing: ALO on dataset 3." in words(results)
+    assert "of 7 cells" in words(results)
+    assert "No mean, as trials failed or are missing: ALO on dataset 3." in words(results)
 
 
 @pytest.mark.parametrize(
@@ -167,10 +167,10 @@ def test_who_has_the_lowest_and_the_highest_mean_is_said_beside_the_published_on
 
 def test_the_share_of_pairs_told_apart_is_counted_from_the_tests():
     pairs = pd.DataFrame({"p": [0.05, 0.01, 0.2, 0.051]})
-    assert "in 2 of 4 pairs" in fitting_errors.tests_in_words(pairs)[0]
-    assert "this run does not agree" in fitting_errors.tests_in_words(pairs)[0]
-    assert "this run agrees" in fitting_errors.tests_in_words(pairs[:3])[0]
-    assert fitting_errors.tests_in_words(pairs[:0]) == ()
+    assert "of 2 of 4 pairs" in fitting_errors.swarm_tests(pairs)[0]
+    assert "this run does not agree" in fitting_errors.swarm_tests(pairs)[0]
+    assert "this run agrees" in fitting_errors.swarm_tests(pairs[:3])[0]
+    assert fitting_errors.swarm_tests(pairs[:0]) == ()
 
 
 def test_amplitude_errors_by_hand(tmp_path):
@@ -178,7 +178,8 @@ def test_amplitude_errors_by_hand(tmp_path):
     errors = table(results, "amplitude-errors").frame
     assert errors.loc["my gwo"].tolist() == pytest.approx([12, -3.0, -3.0, 0.0])
     assert errors.loc["my cma-es"].tolist() == pytest.approx([12, -1.0, -1.0, 100 * 10 / 12])
-    assert "lie 83% of the trials of my cma-es" in words(results)
+    assert "83% of my cma-es trials" in words(results)
+    assert "trials are within the accuracy band of ±1.9336 rpm" in words(results)
     by_dataset = table(results, "amplitude-within-band-by-dataset").frame
     assert by_dataset.loc["signature-03"].tolist() == pytest.approx([0, 0, 0, 0, 100 * 5 / 6])
 
@@ -188,7 +189,8 @@ def test_backlash_errors_by_hand(tmp_path):
     errors = table(results, "backlash-errors").frame
     assert errors.loc["my gwo"].tolist() == pytest.approx([12, -150.0, -150.0, 0.0])
     assert errors.loc["my cma-es"].tolist() == pytest.approx([12, -50.0, -50.0, 100 * 11 / 12])
-    assert "Within ±0.0001 rad of the true backlash lie 92% of the trials of my cma-es" in words(results)
+    assert "92% of my cma-es trials" in words(results)
+    assert "trials are within ±0.0001 rad of the true backlash." in words(results)
     assert "1 trial of 60 gave no backlash" in words(results)
 
 
@@ -290,7 +292,7 @@ def test_only_problems_with_the_figure_are_estimated():
         }
     )  # fmt: skip
     truths = pd.DataFrame([("b", "amplitude_rpm", 6.0, 1.0)], columns=["problem", "figure", "expected", "tolerance"])
-    data = estimates.estimates(frame, truths, "amplitude_rpm")
+    data = accuracy.estimates(frame, truths, "amplitude_rpm")
     assert list(data["problem"].cat.categories) == ["b"]
     assert data["error"].tolist() == pytest.approx([-1.0, np.nan], nan_ok=True)
     assert data["within"].tolist() == [True, False]
@@ -308,11 +310,11 @@ def test_conclusions_that_hold_are_told_from_those_that_do_not(tmp_path):
         "da": amplitude(1),
     }
     said = words(make(tmp_path / "a", miss=agreeing))
-    assert "CMA-ES the most suited, GWO the best of the swarms and DA the least effective, and so do these" in said
+    assert "GWO the best of the swarms and DA the least effective, and these shares agree" in said
     contrary = agreeing | {"goa": amplitude(5)}
     said = words(make(tmp_path / "b", miss=contrary))
-    assert "CMA-ES the most suited and DA the least effective, and so do these shares" in said
-    assert "it also finds GWO the best of the swarms, which these shares do not bear out" in said
+    assert "CMA-ES the most suited and DA the least effective, and these shares agree" in said
+    assert "it also finds GWO the best of the swarms, and these shares disagree" in said
 
 
 def test_underestimates_and_widths_are_counted(tmp_path):
@@ -324,8 +326,8 @@ def test_underestimates_and_widths_are_counted(tmp_path):
         "cma-es": lambda level, trial: trial / level,
     }  # fmt: skip
     said = words(make(tmp_path / "s", datasets=(3, 4, 5, 6, 7), miss=miss))
-    assert "100% of those of my alo, 0% of those of my goa, 50% of those of my da and 100% of those of my gwo" in said
-    assert "On more than half of the datasets their median does for 2 of 4 swarms (sign test over datasets" in said
+    assert "amplitude is 100% for my alo, 0% for my goa, 50% for my da and 100% for my gwo." in said
+    assert "The median is below it on more than half of the datasets for 2 of 4 swarms (sign test over datasets" in said
     assert "grows with the expected amplitude for 2 of 5 optimizers" in said
     assert "the narrowest interquartile range of the swarms is my gwo’s on 5 of 5 problems" in said
 

@@ -1,4 +1,4 @@
-"""Many recordings: each by itself, whatever becomes of the others; and an optimizer's runs on each."""
+"""Many recordings: a bad one does not stop the others."""
 
 from pathlib import Path
 
@@ -8,7 +8,6 @@ import problems.backlash.sensor.batch as batch
 from bench.errors import BenchError
 from problems.backlash.sensor.batch import Estimated, Failed, estimate_files
 from problems.backlash.sensor.estimate import Settings
-from problems.backlash.sensor.repeated import Plan, repeat
 from problems.backlash.signature.noise import noisy
 
 NONE = Settings(calibration=None, resamples=0)
@@ -22,59 +21,15 @@ def read(path):
     return noisy(int(path.stem)).window(0.0, 0.9)
 
 
-def test_a_bad_file_costs_itself_only_and_is_named_in_its_sentence(monkeypatch, told):
-    monkeypatch.setattr(batch, "estimate", lambda recording, settings: told())
+def test_a_bad_file_costs_itself_only_and_is_named_in_its_sentence(monkeypatch, make_estimate):
+    monkeypatch.setattr(batch, "estimate", lambda recording, settings: make_estimate())
     paths = [Path("bad.csv"), Path("5.csv"), Path("odd.csv")]
     bad, good, odd = estimate_files(paths, read, NONE)
     assert (bad, odd) == (Failed(paths[0], "recording bad.csv is bad"), Failed(paths[2], "odd.csv: it is odd"))
     assert isinstance(good, Estimated)
-    assert (good.path, good.repeated) == (paths[1], None)
+    assert (good.path, good.runs) == (paths[1], None)
 
 
 def test_without_a_worker_there_is_no_estimate():
     with pytest.raises(BenchError, match="at least one worker"):
         estimate_files([Path("5.csv")], read, NONE, jobs=0)
-
-
-@pytest.fixture(scope="module")
-def repeated():
-    (found,) = estimate_files([Path("8.csv")], read, NONE, Plan("random-search", runs=3, budget=400))
-    return found
-
-
-def test_runs_of_an_optimizer_are_seeded_and_their_sizes_have_no_sign(repeated):
-    runs = repeated.repeated
-    assert runs.sizes_rps.shape == runs.values_rps.shape == runs.backlashes_rad.shape == (3,)
-    assert (runs.sizes_rps > 0).all()
-    assert len(set(runs.values_rps)) == 3
-    assert (runs.values_rps >= repeated.estimate.rmse_rps).all()  # the reference fit is the best
-    again = repeat(repeated.estimate, NONE, Plan("random-search", runs=3, budget=400))
-    assert again.values_rps.tolist() == runs.values_rps.tolist()
-    other = repeat(repeated.estimate, NONE, Plan("random-search", runs=3, budget=400, seed=1))
-    assert not set(other.values_rps) & set(runs.values_rps)
-
-
-def test_a_run_has_found_the_best_fit_within_a_percent_of_its_rmse(repeated, told):
-    values = repeated.repeated.values_rps
-    second = sorted(values)[1]
-    for rmse, found in ((second / 1.009, 2), (second / 1.011, 1), (min(values) / 1.011, 0)):
-        estimate = told(recording=repeated.estimate.recording, period_s=0.4, rmse_rps=rmse)
-        assert repeat(estimate, NONE, Plan("random-search", runs=3, budget=400)).found == found
-
-
-def test_an_optimizer_is_checked_before_any_recording_is_read():
-    for plan, said in (
-        ({"name": "gwoo"}, "did you mean 'gwo'"),
-        ({"name": "gwo", "options": {"agent": 3}}, "no parameter 'agent'"),
-        ({"name": "gwo", "budget": 3}, "below one generation"),
-        ({"name": "gwo", "runs": 0}, "at least 1"),
-    ):
-        with pytest.raises(BenchError, match=said):
-            Plan(**plan)
-
-
-def test_an_optimizer_that_fails_is_one_sentence(tmp_path, told):
-    (tmp_path / "mine.py").write_text("def broken(objective, rng):\n    raise ZeroDivisionError('by zero')\n")
-    plan = Plan(f"{tmp_path / 'mine.py'}:broken", runs=2, budget=10)
-    with pytest.raises(BenchError, match="failed in run 0: ZeroDivisionError: by zero"):
-        repeat(told(), NONE, plan)

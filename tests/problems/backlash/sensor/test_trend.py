@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 from problems.backlash.joint.wear import half_gaps
-from problems.backlash.sensor.calibration_files import Series
+from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import fastest_first, fit_line, trend
 
 GAPS = np.array([0.0010, 0.0011, 0.0013, 0.0012, 0.0014, 0.0015, 0.0016, 0.0017])
 
 
 @pytest.fixture(scope="module")
-def trend_of(told):
+def trend_of(make_estimate):
     def make(gaps, *, limit=0.0021, name="joint4", at=None, **others):
         at = np.arange(len(gaps), dtype=float) if at is None else np.array(at, dtype=float)
-        estimates = [told(float(gap), **others) for gap in gaps]
+        estimates = [make_estimate(float(gap), **others) for gap in gaps]
         return trend(Series(name, tuple(range(len(gaps))), at, "month"), estimates, limit_rad=limit)
 
     return make
@@ -88,8 +88,12 @@ def test_the_later_half_foretells_the_limit_of_wear_that_runs_in_fast(trend_of):
     assert abs(made.reached[0] - true) < 3 < true - made.line.reaches(0.0021)
 
 
-def test_where_a_recording_has_no_backlash_figure_the_amplitude_is_followed(trend_of, told):
-    estimates = [told(0.001), told(0.002), told(math.nan, amplitude_rps=1.9, amplitude_interval_rps=(1.8, 2.0))]
+def test_where_a_recording_has_no_backlash_figure_the_amplitude_is_followed(trend_of, make_estimate):
+    estimates = [
+        make_estimate(0.001),
+        make_estimate(0.002),
+        make_estimate(math.nan, amplitude_rps=1.9, amplitude_interval_rps=(1.8, 2.0)),
+    ]
     made = trend(Series("", (0, 1, 2), np.arange(3.0), "month"), estimates, limit_rad=0.0015)
     assert made.quantity == "amplitude"
     assert made.values == pytest.approx([0.6, 1.2, 1.9])

@@ -8,19 +8,21 @@ import pytest
 
 from bench.errors import BenchError
 from problems.backlash.sensor.batch import Estimated
-from problems.backlash.sensor.calibration_files import Series
 from problems.backlash.sensor.estimate import Settings
-from problems.backlash.sensor.figures import check_output, fit_figure, save_figures, trend_figure
+from problems.backlash.sensor.plots import check_output, fit_figure, save_figures, trend_figure
+from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import trend
 
 NONE = Settings(calibration=None)
 
 
 @pytest.fixture
-def trends(told):
+def trends(make_estimate):
     def make(name, gaps, unit="month"):
         at = np.arange(len(gaps)) + (24288.0 if unit == "month" else 1.0)
-        return trend(Series(name, tuple(range(len(gaps))), at, unit), [told(gap) for gap in gaps], limit_rad=0.0021)
+        return trend(
+            Series(name, tuple(range(len(gaps))), at, unit), [make_estimate(gap) for gap in gaps], limit_rad=0.0021
+        )
 
     return make
 
@@ -29,8 +31,8 @@ def lines(ax, label):
     return [line for line in ax.get_lines() if line.get_label() == label]
 
 
-def test_the_fit_its_half_turn_and_the_rest_are_drawn(told):
-    estimate = told()
+def test_the_fit_its_half_turn_and_the_rest_are_drawn(make_estimate):
+    estimate = make_estimate()
     above, middle, below = fit_figure(estimate, single=False).axes
     np.testing.assert_array_equal(lines(above, "recording")[0].get_ydata(), estimate.recording.speed)
     np.testing.assert_array_equal(lines(above, "fit")[0].get_ydata(), estimate.fitted)
@@ -43,17 +45,17 @@ def test_the_fit_its_half_turn_and_the_rest_are_drawn(told):
     assert 0.4 < fine.get_ydata().max() == fine.get_ydata()[np.abs(fine.get_ydata()).argmax()]
 
 
-def test_a_disturbance_that_begins_downwards_is_drawn_upwards(told):
-    up = told()
-    mirrored = told(variables=up.variables | {"A": -0.5}, recording=type(up.recording)(
+def test_a_disturbance_that_begins_downwards_is_drawn_upwards(make_estimate):
+    up = make_estimate()
+    mirrored = make_estimate(variables=up.variables | {"A": -0.5}, recording=type(up.recording)(
         0.0, 0.002, 2 * (100 + up.variables["v_t"]) - up.fitted), fitted=up.fitted)  # fmt: skip
     drawn = [fit_figure(each, single=False).axes[1].get_lines() for each in (up, mirrored)]
     for first, second in zip(*drawn, strict=True):
         np.testing.assert_allclose(first.get_ydata(), second.get_ydata(), atol=1e-9)
 
 
-def test_of_a_single_oscillation_the_samples_about_it_are_drawn(told):
-    middle = fit_figure(told(), single=True).axes[1]
+def test_of_a_single_oscillation_the_samples_about_it_are_drawn(make_estimate):
+    middle = fit_figure(make_estimate(), single=True).axes[1]
     assert middle.get_xlim() == pytest.approx((0.0, 0.33))
     samples, fine = middle.get_lines()
     assert len(samples.get_xdata()) == 166
@@ -72,10 +74,10 @@ def test_each_joint_is_drawn_with_intervals_and_the_limit(trends):
     assert [text.get_text() for text in legend.get_texts()] == ["joint4", "joint5", "trend", "limit"]
 
 
-def test_joints_whose_times_are_of_other_kinds_have_panels_of_their_own(trends, told):
+def test_joints_whose_times_are_of_other_kinds_have_panels_of_their_own(trends, make_estimate):
     amplitude = trend(
         Series("c", (0, 1), np.array([1.0, 2.0]), "file"),
-        [told(math.nan, amplitude_rps=each, amplitude_interval_rps=(each, math.nan)) for each in (1.0, 2.0)],
+        [make_estimate(math.nan, amplitude_rps=each, amplitude_interval_rps=(each, math.nan)) for each in (1.0, 2.0)],
         limit_rad=0.0021,
     )  # fmt: skip
     figure = trend_figure([trends("a", [0.001, 0.002]), trends("b", [0.001, 0.002], "number"), amplitude], limit_rad=1)
@@ -93,8 +95,8 @@ def test_ticks_of_months_divide_years(trends):
         assert ax.xaxis.get_major_formatter()(24289, 0) == "2024-02"
 
 
-def test_files_and_folders_are_written_and_the_same_estimate_gives_the_same_file(told, trends, tmp_path):
-    outcomes = [Estimated(Path("x/a.csv"), told()), Estimated(Path("y/a.csv"), told())]
+def test_files_and_folders_are_written_and_the_same_estimate_gives_the_same_file(make_estimate, trends, tmp_path):
+    outcomes = [Estimated(Path("x/a.csv"), make_estimate()), Estimated(Path("y/a.csv"), make_estimate())]
     grown = [trends("", [0.001, 0.002])]
     folder = tmp_path / "new"
     made = save_figures(folder, outcomes, grown, NONE, alone=False)

@@ -1,4 +1,4 @@
-"""What is told of an estimate, to people and to programs."""
+"""Estimates as lines, as a table and as JSON."""
 
 import json
 import math
@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from problems.backlash.sensor import output
+from problems.backlash.sensor import formatting
 from problems.backlash.sensor.batch import Estimated, Failed
-from problems.backlash.sensor.calibration_files import Series
 from problems.backlash.sensor.estimate import Settings
-from problems.backlash.sensor.repeated import Plan, Repeated
+from problems.backlash.sensor.recording_files import Series
+from problems.backlash.sensor.repeated_runs import RepeatedRuns, RunSettings
 from problems.backlash.sensor.trend import trend
 from problems.backlash.signature.calibration import Calibration
 
@@ -20,17 +20,17 @@ SETTINGS = Settings(calibration=Calibration(np.array([3.0, 100.0]), np.array([0.
 NAN = (math.nan, math.nan)
 
 
-def words(estimate, settings=SETTINGS, repeated=None):
-    return "\n".join(output.words(Estimated(Path("a.csv"), estimate, repeated), settings))
+def words(estimate, settings=SETTINGS, found=None):
+    return "\n".join(formatting.estimate_lines(Estimated(Path("a.csv"), estimate, found), settings))
 
 
 def runs(gaps=(0.001, 0.0012)):
-    plan = Plan("random-search", runs=2, budget=100)
-    return Repeated(plan, np.array([0.5, 0.6]), np.array(gaps), np.array([0.05, 0.06]), 1)
+    settings = RunSettings("random-search", runs=2, budget=100)
+    return RepeatedRuns(settings, np.array([0.5, 0.6]), np.array(gaps), np.array([0.05, 0.06]), 1)
 
 
-def test_an_estimate_is_told_with_units_intervals_and_the_total_gap(told):
-    said = words(told(0.001, notes=("it drifts",)))
+def test_an_estimate_is_told_with_units_intervals_and_the_total_gap(make_estimate):
+    said = words(make_estimate(0.001, notes=("it drifts",)))
     assert said.startswith("a.csv: early backlash, up to the limit of 2.1 mrad\n")
     for line in (
         "amplitude    0.6000 rps of the motor, 95 % interval 0.5400 to 0.6600",
@@ -45,57 +45,57 @@ def test_an_estimate_is_told_with_units_intervals_and_the_total_gap(told):
         assert f"  {line}" in said
 
 
-def test_what_is_not_known_is_not_told(told):
-    outside = words(told(math.nan, amplitude_rps=2.0, amplitude_interval_rps=(1.9, 2.1), interval_rad=NAN))
-    assert "half-gap     not told from this amplitude" in outside
+def test_what_is_not_known_is_not_told(make_estimate):
+    outside = words(make_estimate(math.nan, amplitude_rps=2.0, amplitude_interval_rps=(1.9, 2.1), interval_rad=NAN))
+    assert "half-gap     not estimated: the amplitude is outside the calibration" in outside
     assert "nan" not in outside
     without = words(
-        told(0.001, backlash_rad=math.nan, interval_rad=NAN, amplitude_interval_rps=NAN, verdict="backlash",
+        make_estimate(0.001, backlash_rad=math.nan, interval_rad=NAN, amplitude_interval_rps=NAN, verdict="backlash",
              calibration=""),
         Settings(calibration=None),
     )  # fmt: skip
-    assert "backlash is seen; how much takes a calibration" in without
+    assert "backlash detected; its size needs a calibration" in without
     assert "amplitude  0.6000 rps of the motor\n" in without
     assert "calibration  " not in without
-    half = words(told(0.001, interval_rad=(0.0009, math.nan)))
+    half = words(make_estimate(0.001, interval_rad=(0.0009, math.nan)))
     assert "95 % interval 0.900 to …" in half
 
 
-def test_no_backlash_tells_what_could_be_hidden_and_is_undecided_where_that_is_too_much(told):
+def test_no_backlash_tells_what_could_be_hidden_and_is_undecided_where_that_is_too_much(make_estimate):
     quiet = {"verdict": "no backlash", "amplitude_rps": 0.0, "p_value": 0.5}
-    said = words(told(0.0, **quiet, amplitude_interval_rps=(0.0, 0.1), interval_rad=(0.0, 0.0001)))
-    assert said.startswith("a.csv: no backlash is seen\n")
-    assert "none that stands out of the noise; one of 0.1000 rps or more would" in said
-    assert "up to 0.100 mrad (0.34 arc minutes) would not be seen" in said
+    said = words(make_estimate(0.0, **quiet, amplitude_interval_rps=(0.0, 0.1), interval_rad=(0.0, 0.0001)))
+    assert said.startswith("a.csv: no backlash detected\n")
+    assert "none detected; the noise hides any below 0.1000 rps" in said
+    assert "the noise hides any up to 0.100 mrad (0.34 arc minutes)" in said
     for most, hidden in ((1.2, 0.0022), (9.0, math.nan)):
-        loud = told(0.0, **quiet, amplitude_interval_rps=(0.0, most), interval_rad=(0.0, hidden))
-        assert words(loud).startswith("a.csv: UNDECIDED: in so much noise not even a backlash above the limit")
-        assert "no backlash is seen" in words(loud, Settings(calibration=None))
-    assert words(told(0.002, width=0.001)).startswith("a.csv: early backlash")
+        loud = make_estimate(0.0, **quiet, amplitude_interval_rps=(0.0, most), interval_rad=(0.0, hidden))
+        assert words(loud).startswith("a.csv: UNDECIDED: the noise may hide a backlash above the limit")
+        assert "no backlash detected" in words(loud, Settings(calibration=None))
+    assert words(make_estimate(0.002, width=0.001)).startswith("a.csv: early backlash")
     from_one = Settings(calibration=Calibration(np.array([10.0, 100.0]), np.array([0.001, 0.004])))
-    below = words(told(math.nan, **quiet, amplitude_interval_rps=(0.0, 0.1), interval_rad=NAN), from_one)
-    assert below.startswith("a.csv: no backlash is seen\n")
+    below = words(make_estimate(math.nan, **quiet, amplitude_interval_rps=(0.0, 0.1), interval_rad=NAN), from_one)
+    assert below.startswith("a.csv: no backlash detected\n")
     assert "up to 1.000 mrad" in below
 
 
-def test_runs_are_told_by_mean_and_deviation(told):
-    said = words(told(), repeated=runs())
-    assert (
-        "2 runs of 100 evaluations: fitted |A| 0.5500 rps, standard deviation 0.0707 (the best fit's: 0.5000)" in said
-    )
+def test_runs_are_told_by_mean_and_deviation(make_estimate):
+    said = words(make_estimate(), found=runs())
+    assert "2 runs of 100 evaluations: fitted |A| 0.5500 rps, standard deviation 0.0707 (best fit: 0.5000)" in said
     assert "half-gap 1.100 mrad, standard deviation 0.141\n" in said
-    assert "found, within 1% of its RMSE, in 1 of 2 runs" in said
+    assert "1 of 2 runs found the best fit, within 1% of its RMSE" in said
     assert "half-gap 1.000 mrad, standard deviation 0.000, 1 runs outside" in words(
-        told(), repeated=runs((0.001, math.nan))
+        make_estimate(), found=runs((0.001, math.nan))
     )
 
 
-def test_the_table_has_a_row_a_file_whatever_became_of_it(told, capsys):
+def test_the_table_has_a_row_a_file_whatever_became_of_it(make_estimate, capsys):
     names = ["good", "bad", "[red]"]
     outcomes = [
-        Estimated(Path("g"), told(0.001), runs()), Failed(Path("b"), "no"), Estimated(Path("r"), told(0.002)),
-    ]  # fmt: skip
-    Console(width=200).print(output.table(outcomes, names, SETTINGS), highlight=False)
+        Estimated(Path("g"), make_estimate(0.001), runs()),
+        Failed(Path("b"), "no"),
+        Estimated(Path("r"), make_estimate(0.002)),
+    ]
+    Console(width=200).print(formatting.table(outcomes, names, SETTINGS), highlight=False)
     heading, good, bad, red = capsys.readouterr().out.splitlines()
     assert heading.split()[:3] == ["file", "amplitude,", "rps"]
     assert " ".join(good.split()) == (
@@ -105,18 +105,20 @@ def test_the_table_has_a_row_a_file_whatever_became_of_it(told, capsys):
     assert red.startswith("[red] ")
 
 
-def test_a_note_is_told_once_with_its_files(told):
+def test_a_note_is_told_once_with_its_files(make_estimate):
     names = [f"f{i}" for i in range(8)]
-    outcomes = [Estimated(Path(name), told(notes=("few turns",) if i else ("few turns", "drift"))) for i, name in
-                enumerate(names)]  # fmt: skip
-    assert output.notes([*outcomes, Failed(Path("x"), "no")], [*names, "x"]) == [
+    notes = [("few turns",) if i else ("few turns", "drift") for i in range(8)]
+    outcomes = [Estimated(Path(name), make_estimate(notes=each)) for name, each in zip(names, notes, strict=True)]
+    assert formatting.notes([*outcomes, Failed(Path("x"), "no")], [*names, "x"]) == [
         "note on f0, f1, f2, f3, f4 and 3 more: few turns", "note on f0: drift",
     ]  # fmt: skip
 
 
-def test_a_record_holds_only_what_json_knows(told):
-    estimate = told(math.nan, amplitude_interval_rps=(0.1, math.inf), interval_rad=NAN, amplitude_rps=1.0)
-    content = json.loads(json.dumps(output.record(Estimated(Path("a.csv"), estimate, runs())), allow_nan=False))
+def test_a_record_holds_only_what_json_knows(make_estimate):
+    estimate = make_estimate(math.nan, amplitude_interval_rps=(0.1, math.inf), interval_rad=NAN, amplitude_rps=1.0)
+    content = json.loads(
+        json.dumps(formatting.json_object(Estimated(Path("a.csv"), estimate, runs())), allow_nan=False)
+    )
     assert list(content)[:13] == [
         "file", "amplitude_rps", "backlash_rad", "interval_rad", "rmse_rps", "verdict",
         "A", "t0", "tau", "omega", "v_t", "T1", "T2",
@@ -125,14 +127,14 @@ def test_a_record_holds_only_what_json_knows(told):
     assert content["interval_rad"] == [None, None]
     assert content["amplitude_interval_rps"] == [0.1, None]
     assert content["runs"]["amplitudes_rps"] == [0.5, 0.6]
-    assert output.record(Failed(Path("b.csv"), "no")) == {"file": "b.csv", "error": "no"}
+    assert formatting.json_object(Failed(Path("b.csv"), "no")) == {"file": "b.csv", "error": "no"}
 
 
-def trend_words(told, gaps, unit="month", settings=SETTINGS, **others):
+def trend_words(make_estimate, gaps, unit="month", settings=SETTINGS, **others):
     at = np.arange(len(gaps)) + (24288.0 if unit == "month" else 1.0)
     series = Series("joint4", tuple(range(len(gaps))), at, unit)
-    made = trend(series, [told(gap, **others) for gap in gaps], limit_rad=settings.limit_rad)
-    return "\n".join(output.trend_words(made, settings))
+    made = trend(series, [make_estimate(gap, **others) for gap in gaps], limit_rad=settings.limit_rad)
+    return "\n".join(formatting.trend_lines(made, settings))
 
 
 @pytest.mark.parametrize(
@@ -142,7 +144,7 @@ def trend_words(told, gaps, unit="month", settings=SETTINGS, **others):
             [0.001 + 0.0001 * i for i in range(8)], "month",
             ["joint4: half-gap 1.000 mrad in 2024-01, 1.700 in 2024-08: a change of +0.700 (+0.559 to +0.841)",
              "  it grows by 0.1 mrad a month (95 % interval 0.1 to 0.1, p < 0.001)",
-             "  the limit of 2.1 mrad is reached in 2024-12 (2024-12 to 2024-12) if it grows on as in the latest 6"],
+             "  the limit of 2.1 mrad is reached in 2024-12 (2024-12 to 2024-12) if the growth of the latest 6"],
         ),
         (
             [0.001, 0.0022, 0.0023], "number",
@@ -152,18 +154,18 @@ def trend_words(told, gaps, unit="month", settings=SETTINGS, **others):
         (
             [0.002 - 0.0001 * i for i in range(8)], "file",
             ["2.000 mrad in recording 1", "it falls by 0.1 mrad a recording (95 % interval 0.1 to 0.1, p < 0.001)",
-             "is not foreseen to be reached: the latest 6 recordings show no growth beyond chance"],
+             "is not predicted to be reached: the latest 6 recordings show no significant growth"],
         ),
-        ([0.001, 0.002], "month", ["a slope takes three recordings of different times"]),
+        ([0.001, 0.002], "month", ["a slope needs three recordings of different times"]),
         (
             [0.001, 0.002, math.nan], "month",
             ["amplitude (not all have a half-gap) 0.700 rps in 2024-01, 0.700 in 2024-03: a change of +0.000"],
         ),
     ],
 )  # fmt: skip
-def test_a_trend_is_told_in_sentences(told, gaps, unit, lines):
+def test_a_trend_is_told_in_sentences(make_estimate, gaps, unit, lines):
     others = {"amplitude_rps": 0.7, "amplitude_interval_rps": (0.6, 0.8)} if any(map(math.isnan, gaps)) else {}
-    said = trend_words(told, gaps, unit, **others)
+    said = trend_words(make_estimate, gaps, unit, **others)
     for line in lines:
         assert line in said
     assert "nan" not in said

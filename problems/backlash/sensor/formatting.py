@@ -1,36 +1,38 @@
-"""How estimates are told: in words, as a table, and as JSON."""
+"""Format estimates and trends: as lines for a maintenance engineer, as a table, and as JSON."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.table import Table
-from rich.text import Text
 
 from problems.backlash.sensor.batch import Estimated, Failed
-from problems.backlash.sensor.calibration_files import Series
 from problems.backlash.sensor.estimate import Estimate, Settings, may_hide
-from problems.backlash.sensor.repeated import Repeated
-from problems.backlash.sensor.trend import Trend
 from problems.backlash.signature.problem import FOUND
 
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from problems.backlash.sensor.recording_files import Series
+    from problems.backlash.sensor.repeated_runs import RepeatedRuns
+    from problems.backlash.sensor.trend import Trend
+
 ARC_MINUTES = 60 * 180 / math.pi
-"""So many in a rad."""
+"""Arc minutes in a rad."""
 
 UNIT = {"backlash": (1e3, "mrad"), "amplitude": (1.0, "rps")}
-"""By which a quantity is multiplied to be shown, and its unit then."""
+"""By quantity, the factor by which it is multiplied for display, and its unit then."""
 
 PER = {"month": "a month", "number": "for each 1 of the number in the names", "file": "a recording"}
 BY = {"month": "month", "number": "number in the file's name", "file": "recording"}
 WORD = {"month": "", "number": "number ", "file": "recording "}
-SHOWN = 5  # files that are named with a note
+SHOWN = 5  # files named with a note at most
 
 
-def words(outcome: Estimated, settings: Settings) -> list[str]:
-    """Return the lines that tell a maintenance engineer of one estimate."""
+def estimate_lines(outcome: Estimated, settings: Settings) -> list[str]:
+    """Return the lines on one estimate, with its verdict first."""
     found = outcome.estimate
     rows = [*(_amount(found, settings) if found.amplitude_rps else _hidden(found, settings))]
     chance = f"p = {found.p_value:.1g}" if found.p_value >= 1e-6 else "p < 1e-6"
@@ -41,38 +43,41 @@ def words(outcome: Estimated, settings: Settings) -> list[str]:
     ]
     if found.calibration:
         rows.append(("calibration", found.calibration))
-    if outcome.repeated:
-        rows += [(outcome.repeated.plan.name, line) for line in repeated_words(outcome.repeated, found)]
+    if outcome.runs:
+        rows += [(outcome.runs.settings.name, line) for line in runs_lines(outcome.runs, found)]
     rows += [("note", note) for note in found.notes]
     width = max(len(name) for name, _ in rows)
-    return [f"{outcome.path}: {_verdict(found, settings)}", *(f"  {name:{width}}  {said}" for name, said in rows)]
+    return [f"{outcome.path}: {_verdict(found, settings)}", *(f"  {name:{width}}  {text}" for name, text in rows)]
 
 
-def repeated_words(repeated: Repeated, estimate: Estimate) -> list[str]:
-    """Return the lines that tell of an optimizer's runs."""
-    plan, sizes, gaps = repeated.plan, repeated.sizes_rps, repeated.backlashes_rad
+def runs_lines(runs: RepeatedRuns, estimate: Estimate) -> list[str]:
+    """Return the lines on an optimizer's runs."""
+    asked, sizes, gaps = runs.settings, runs.sizes_rps, runs.backlashes_rad
     best = abs(estimate.variables["A"])
-    size = f"fitted |A| {sizes.mean():.4f} rps, standard deviation {_deviation(sizes):.4f} (the best fit's: {best:.4f})"
-    lines = [f"{plan.runs} runs of {plan.budget} evaluations: {size}"]
+    size = f"fitted |A| {sizes.mean():.4f} rps, standard deviation {_deviation(sizes):.4f} (best fit: {best:.4f})"
+    lines = [f"{asked.runs} runs of {asked.budget} evaluations: {size}"]
     known = gaps[np.isfinite(gaps)]  # the others are outside the calibration
     if len(known):
         outside = f", {len(gaps) - len(known)} runs outside the calibration left out" if len(known) < len(gaps) else ""
         lines.append(
             f"half-gap {1e3 * known.mean():.3f} mrad, standard deviation {1e3 * _deviation(known):.3f}{outside}"
         )
-    lines.append(f"the best fit was found, within {FOUND:.0%} of its RMSE, in {repeated.found} of {plan.runs} runs")
+    lines.append(f"{runs.found} of {asked.runs} runs found the best fit, within {FOUND:.0%} of its RMSE")
     return lines
 
 
 def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], settings: Settings) -> Table:
     """Return a row a file under its name: amplitude and half-gap with their intervals, verdict, RMSE."""
+    from rich.table import Table
+    from rich.text import Text
+
     made = Table(box=None, pad_edge=False)
     made.add_column("file", overflow="fold")
     for heading in ("amplitude, rps", "interval", "half-gap, mrad", "interval"):
         made.add_column(heading, justify="right", no_wrap=True)
     made.add_column("verdict")
     made.add_column("RMSE, rps", justify="right", no_wrap=True)
-    if any(isinstance(outcome, Estimated) and outcome.repeated for outcome in outcomes):
+    if any(isinstance(outcome, Estimated) and outcome.runs for outcome in outcomes):
         for heading in ("fitted |A| of the runs, rps", "half-gap of the runs, mrad", "best fit found"):
             made.add_column(heading, justify="right")
     for name, outcome in zip(names, outcomes, strict=True):
@@ -88,19 +93,19 @@ def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], settings
             "undecided" if _undecided(found, settings) else found.verdict,
             f"{found.rmse_rps:.4f}",
         ]
-        if each := outcome.repeated:
+        if each := outcome.runs:
             sizes, gaps = each.sizes_rps, 1e3 * each.backlashes_rad
             cells += [
                 f"{sizes.mean():.4f} ± {_deviation(sizes):.4f}",
                 f"{gaps.mean():.3f} ± {_deviation(gaps):.3f}" if not math.isnan(gaps.mean()) else "",
-                f"{each.found} of {each.plan.runs}",
+                f"{each.found} of {each.settings.runs}",
             ]
         made.add_row(Text(name), *cells)
     return made
 
 
 def notes(outcomes: Sequence[Estimated | Failed], names: Sequence[str]) -> list[str]:
-    """Return every note on the files once, with the files that it is of."""
+    """Return every note once, with the files it concerns."""
     of: dict[str, list[str]] = {}
     for name, outcome in zip(names, outcomes, strict=True):
         for note in outcome.estimate.notes if isinstance(outcome, Estimated) else ():
@@ -112,8 +117,8 @@ def notes(outcomes: Sequence[Estimated | Failed], names: Sequence[str]) -> list[
     return lines
 
 
-def trend_words(trend: Trend, settings: Settings) -> list[str]:
-    """Return the lines that tell how the backlash of a joint has changed, and when it reaches the limit."""
+def trend_lines(trend: Trend, settings: Settings) -> list[str]:
+    """Return the lines on how the backlash of a joint has changed, and when it reaches the limit."""
     series, (factor, unit) = trend.series, UNIT[trend.quantity]
     first, last = _when(series, series.at[0]), _when(series, series.at[-1])
     what = "half-gap" if trend.quantity == "backlash" else "amplitude (not all have a half-gap)"
@@ -123,7 +128,7 @@ def trend_words(trend: Trend, settings: Settings) -> list[str]:
         + (f" ({change})" if (change := _range(trend.change_interval, "+.3f", factor)) else "")
     ]
     if trend.line is None:
-        return [*lines, "  a slope takes three recordings of different times"]
+        return [*lines, "  a slope needs three recordings of different times"]
     slope = factor * trend.line.slope
     low, high = (factor * end for end in trend.line.interval)
     chance = f"p = {trend.line.p_value:.2g}" if trend.line.p_value >= 1e-3 else "p < 0.001"
@@ -141,8 +146,8 @@ def trend_words(trend: Trend, settings: Settings) -> list[str]:
     return lines
 
 
-def record(outcome: Estimated | Failed) -> dict[str, Any]:
-    """Return an outcome as a JSON object; what is not known is null."""
+def json_object(outcome: Estimated | Failed) -> dict[str, Any]:
+    """Return an outcome as a JSON object; unknown values are null."""
     if isinstance(outcome, Failed):
         return {"file": str(outcome.path), "error": outcome.error}
     found = outcome.estimate
@@ -163,10 +168,10 @@ def record(outcome: Estimated | Failed) -> dict[str, Any]:
         "calibration": found.calibration,
         "notes": list(found.notes),
     }
-    if each := outcome.repeated:
+    if each := outcome.runs:
         content["runs"] = {
-            "optimizer": each.plan.name,
-            "budget": each.plan.budget,
+            "optimizer": each.settings.name,
+            "budget": each.settings.budget,
             "amplitudes_rps": each.sizes_rps.tolist(),
             "backlashes_rad": each.backlashes_rad.tolist(),
             "rmses_rps": each.values_rps.tolist(),
@@ -176,7 +181,7 @@ def record(outcome: Estimated | Failed) -> dict[str, Any]:
 
 
 def _finite(value: Any) -> Any:
-    """Return a value with null for every number that JSON does not know."""
+    """Return a value with null for every number that is not finite, as JSON has none."""
     if isinstance(value, dict):
         return {key: _finite(each) for key, each in value.items()}
     if isinstance(value, list):
@@ -185,13 +190,13 @@ def _finite(value: Any) -> Any:
 
 
 def _amount(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
-    """Return the rows that tell the size of a disturbance and of the gap behind it."""
+    """Return the rows on the size of a disturbance and of the gap that causes it."""
     percent = f"{100 * settings.confidence:g} %"
     span = _span(found.amplitude_interval_rps, ".4f", percent)
     rows = [("amplitude", f"{found.amplitude_rps:.4f} rps of the motor{span}")]
     if math.isnan(found.backlash_rad):
-        why = "not told from this amplitude" if settings.calibration else "not told: that takes a calibration"
-        return [*rows, ("half-gap", why)]
+        why = "the amplitude is outside the calibration" if settings.calibration else "needs a calibration"
+        return [*rows, ("half-gap", f"not estimated: {why}")]
     gap, ends = found.backlash_rad, found.interval_rad
     return [
         *rows,
@@ -202,37 +207,38 @@ def _amount(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
 
 
 def _hidden(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
-    """Return the rows that tell what might still be there where nothing is seen."""
+    """Return the rows on what the noise may hide where no disturbance is detected."""
     most, gap, calibration = found.amplitude_interval_rps[1], found.interval_rad[1], settings.calibration
-    rows = [("amplitude", f"none that stands out of the noise; one of {most:.4f} rps or more would")]
+    rows = [("amplitude", f"none detected; the noise hides any below {most:.4f} rps")]
     if calibration and 60 * most > calibration.range[1]:
-        rows.append(("half-gap", "any that the calibration knows would not be seen"))
+        rows.append(("half-gap", "the noise hides any in the calibrated range"))
     elif calibration:
         gap = calibration.half_gap[0] if math.isnan(gap) else gap  # below the calibration
-        rows.append(("half-gap", f"up to {1e3 * gap:.3f} mrad ({gap * ARC_MINUTES:.2f} arc minutes) would not be seen"))
+        arc = f"{gap * ARC_MINUTES:.2f} arc minutes"
+        rows.append(("half-gap", f"the noise hides any up to {1e3 * gap:.3f} mrad ({arc})"))
     return rows
 
 
 def _verdict(found: Estimate, settings: Settings) -> str:
     limit = f"the limit of {1e3 * settings.limit_rad:g} mrad"
     if _undecided(found, settings):
-        return f"UNDECIDED: in so much noise not even a backlash above {limit} would be seen"
+        return f"UNDECIDED: the noise may hide a backlash above {limit}"
     return {
-        "no backlash": "no backlash is seen",
+        "no backlash": "no backlash detected",
         "early": f"early backlash, up to {limit}",
         "progressed": f"PROGRESSED BACKLASH, above {limit}",
-        "backlash": "backlash is seen; how much takes a calibration",
+        "backlash": "backlash detected; its size needs a calibration",
     }[found.verdict]
 
 
 def _undecided(found: Estimate, settings: Settings) -> bool:
-    """Return whether nothing is seen in a noise that may hide a backlash above the limit."""
+    """Return whether nothing is detected, but the noise may hide a backlash above the limit."""
     most, largest = found.amplitude_interval_rps[1], found.interval_rad[1]
     return not found.amplitude_rps and may_hide(most, largest, settings)
 
 
 def _source(found: Estimate) -> str:
-    return {"given": "given", "gear ratio": "by the gear ratio", "signal": "found in the signal",
+    return {"given": "given", "gear ratio": "from the gear ratio", "signal": "found in the signal",
             "assumed": "assumed"}[found.period_source]  # fmt: skip
 
 
@@ -242,17 +248,17 @@ def _length(found: Estimate) -> str:
 
 
 def _limit(trend: Trend) -> str:
-    """Return when the limit is reached, to follow on its name."""
+    """Return the end of the sentence on when the limit is reached."""
     series = trend.series
     if trend.since is not None:
         return f"has been passed in {_when(series, trend.since)}"
     if trend.reached is None:
-        return f"is not foreseen to be reached: the latest {trend.latest} recordings show no growth beyond chance"
+        return f"is not predicted to be reached: the latest {trend.latest} recordings show no significant growth"
     when, (early, late) = trend.reached
     until = f"to {series.label(late)}" if math.isfinite(late) else "or never"
     return (
-        f"is reached in {_when(series, when)} ({series.label(early)} {until}) if it grows on as in the latest "
-        f"{trend.latest} recordings"
+        f"is reached in {_when(series, when)} ({series.label(early)} {until}) if the growth of the latest "
+        f"{trend.latest} recordings continues"
     )
 
 
@@ -269,7 +275,7 @@ def _number(value: float) -> str:
 
 
 def _range(ends: Iterable[float], digits: str, factor: float = 1.0) -> str:
-    """Return an interval times a factor, with … for an end outside the calibration, "" where there is none."""
+    """Return an interval times a factor, with … for an end outside the calibration; "" without an interval."""
     low, high = ("…" if math.isnan(end) else f"{factor * end:{digits}}" for end in ends)
     return f"{low} to {high}" if (low, high) != ("…", "…") else ""
 

@@ -1,4 +1,4 @@
-"""What the trials found of the truth behind a recording, and how far off they are."""
+"""Compare the values that trials found with the true ones, where these are known."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ COLUMNS = (
 
 
 def expected_values(results: Results) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Return problem, figure, expected and tolerance of every truth that is known, in the study's order.
+    """Return problem, metric, expected value and tolerance of every known truth, in the study's order.
 
-    The second part says, by problem, why its truth cannot be known here: its data changed, or its plug-in is missing.
+    The second part says by problem why its truth is not known here: its data changed, or its plug-in is missing.
     """
     rows, unknown = [], {}
     for entry in results.study.problems:
@@ -31,16 +31,15 @@ def expected_values(results: Results) -> tuple[pd.DataFrame, dict[str, str]]:
 
 
 def estimates(frame: pd.DataFrame, truths: pd.DataFrame, figure: str) -> pd.DataFrame:
-    """Return one row a trial of the problems that have the domain figure: what was found, expected and missed.
+    """Return a row a trial of the problems that have the metric: the value found, the expected one and the error.
 
     Args:
         frame: the tidy frame, in the study's order.
         truths: from :func:`expected_values`.
-        figure: the domain figure, such as ``"amplitude_rpm"``; all numbers are in its unit.
+        figure: the metric, such as ``"amplitude_rpm"``; all numbers are in its unit.
 
     Columns: problem, optimizer, trial, status, figure, found, expected, tolerance, error (found - expected), and
-    within, whether the error is within the tolerance. A trial that failed or found no value in the figure's range is
-    not within.
+    within, whether the error is within the tolerance. A trial that failed or found no value is not within.
     """
     known = truths[truths["figure"] == figure].set_index("problem")
     problem = frame["problem"].astype(object)
@@ -85,7 +84,7 @@ def expected_by_problem(data: pd.DataFrame) -> pd.DataFrame:
     return known.reindex(labels(data, "problem"))
 
 
-def within_in_words(data: pd.DataFrame) -> str:
-    """Return the share of trials within the tolerance, the best optimizer first."""
+def shares_within(data: pd.DataFrame) -> str:
+    """Return the share of each optimizer's trials within the tolerance, the best first, such as "43% of gwo trials"."""
     shares = errors_by(data, ["optimizer"])["within band %"].sort_values(ascending=False, kind="stable")
-    return listing([f"{share:.0f}% of the trials of {label}" for label, share in shares.items()])
+    return listing([f"{share:.0f}% of {label} trials" for label, share in shares.items()])

@@ -1,4 +1,4 @@
-"""Pictures of estimates: the fit of one recording, and the backlash of joints over time."""
+"""Plot estimates: the fit of one recording, and the backlash of joints over time."""
 
 from __future__ import annotations
 
@@ -12,25 +12,22 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, MultipleLocator
-from numpy.typing import NDArray
 
 from bench.atomic import replacing
 from bench.errors import BenchError
 from bench.plots import style
 from bench.text import file_name, unique
 from problems.backlash.sensor.batch import Estimated
-from problems.backlash.sensor.calibration_files import Series
 from problems.backlash.sensor.estimate import Estimate, Settings
-from problems.backlash.sensor.output import BY, UNIT
+from problems.backlash.sensor.formatting import BY, UNIT
+from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import Trend
 from problems.backlash.signature.model import VARIABLES, oscillation
-
-Floats = NDArray[np.float64]
 
 METADATA: dict[str, dict[str, Any]] = {
     ".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None},
 }  # fmt: skip
-"""By the kinds of picture, so that the same estimate gives the same file."""
+"""Metadata by kind of picture, so that the same estimate gives the same file."""
 
 SIGNAL, FIT = "#9A9A9A", style.REFERENCE
 TREND = "trend"
@@ -46,7 +43,7 @@ def check_output(path: Path) -> None:
     if not path.suffix and path.exists():
         raise BenchError(f"{path} is a file without a picture's ending; give a folder, or a .svg, .png or .pdf file")
     if path.suffix and path.suffix.lower() not in METADATA:
-        raise BenchError(f"{path} must end in {', '.join(METADATA)}, as that is what is drawn, or be a folder")
+        raise BenchError(f"{path} must end in {', '.join(METADATA)}, or be a folder")
     if not path.parent.is_dir():
         raise BenchError(f"{path} cannot be written: there is no folder {path.parent}")
 
@@ -59,9 +56,9 @@ def save_figures(
     Args:
         path: a picture, of one recording's fit or of many recordings' trend; or a folder for all of them, as svg.
         outcomes: the files that could be estimated.
-        trends: of their joints.
-        settings: by which they were estimated.
-        alone: whether only one recording was asked for.
+        trends: the trends of their joints.
+        settings: the settings of the estimates.
+        alone: whether the user gave one recording only.
 
     Raises:
         BenchError: where they cannot be written.
@@ -80,7 +77,7 @@ def save_figures(
 
 
 def fit_figure(estimate: Estimate, *, single: bool) -> Figure:
-    """Return the fit of a recording: speed and fit; the mean half turn, or the oscillation, larger; what is left."""
+    """Plot the fit of a recording: speed and fit; the mean half turn, or the oscillation, larger; the residual."""
     figure = Figure(figsize=(style.TEXT, 5.6), layout="constrained")
     above, middle, below = figure.subplots(3, height_ratios=(2.0, 2.4, 1.0))
     recording, time = estimate.recording, estimate.recording.time
@@ -106,9 +103,9 @@ def fit_figure(estimate: Estimate, *, single: bool) -> Figure:
 
 
 def trend_figure(trends: Sequence[Trend], *, limit_rad: float) -> Figure:
-    """Return what became of joints, a line each: half-gaps with their intervals, the trend's line, the limit.
+    """Plot the trend of each joint: half-gaps with their intervals, the trend's line, the limit.
 
-    Joints whose times or quantities are of different kinds have a panel for each kind.
+    There is a panel for each kind of time and quantity.
     """
     kinds: dict[tuple[str, str], list[Trend]] = {}
     for each in trends:
@@ -198,7 +195,7 @@ def _label(series: Series, at: float, _: int) -> str:
 
 
 def _legend(figure: Figure) -> None:
-    """Put a legend of all that is drawn, once each, above all panels, unless it would tell nobody anything."""
+    """Put a legend with one entry a label above all panels, unless it has too many entries to help."""
     entries: dict[str, Any] = {}
     for ax in figure.axes:
         handles, labels = ax.get_legend_handles_labels()

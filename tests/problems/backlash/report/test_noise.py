@@ -99,10 +99,7 @@ def test_how_many_rows_are_below_the_published_error_is_said_by_name(tmp_path):
         "noisy-02, noisy-07, noisy-08, noisy-09 and noisy-10). On average it is 5.00%, published 4.88%; at most 5.00%, "
         "published 8.84%."
     ) in said
-    assert (
-        "the best fit there is, whoever finds it: the relative error of the |A| is below the published one in 7 of"
-        in said
-    )
+    assert "the best fit: the relative error of the |A| is below the published one in 7 of" in said
 
 
 def test_an_error_as_large_as_the_published_one_is_not_below_it(tmp_path, monkeypatch):

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from bench.errors import BenchError
-from problems.backlash.sensor.calibration_files import find, natural, series, short_names
+from problems.backlash.sensor.recording_files import find, natural, series, short_names
 
 
-def told(*names):
+def series_of(*names):
     """Return what the names tell: joint, unit, and the files with their times, series by series."""
     made = series([Path(name) for name in names])
     return [
@@ -72,12 +72,12 @@ def test_names_are_shown_without_the_folder_that_all_share(tmp_path):
     ],
 )
 def test_a_name_tells_the_joint_and_the_time(name, joint, label):
-    assert [(found, when) for found, _, [(_, when)] in told(name)] == [(joint, label)]
+    assert [(found, when) for found, _, [(_, when)] in series_of(name)] == [(joint, label)]
 
 
 def test_joints_are_told_apart_and_each_is_in_the_order_of_time():
     names = ["joint5_2024-02.csv", "joint4_2024-02-15.csv", "joint4_2024-01-15.csv", "joint5_2023-12.csv"]
-    assert told(*names) == [
+    assert series_of(*names) == [
         ("joint5", "month", [(names[3], "2023-12"), (names[0], "2024-02")]),
         ("joint4", "month", [(names[2], "2024-01-15"), (names[1], "2024-02-15")]),
     ]
@@ -85,13 +85,13 @@ def test_joints_are_told_apart_and_each_is_in_the_order_of_time():
 
 
 def test_a_subfolder_is_a_joint_of_its_own():
-    assert told("j4/1.csv", "j5/1.csv", "j4/2.csv") == [
+    assert series_of("j4/1.csv", "j5/1.csv", "j4/2.csv") == [
         ("j4", "number", [("j4/1.csv", "1"), ("j4/2.csv", "2")]),
         ("j5", "number", [("j5/1.csv", "1")]),
     ]
 
 
 def test_without_dates_or_numbers_the_order_of_the_files_counts():
-    assert told("new.csv", "middle.csv", "old.csv") == [
+    assert series_of("new.csv", "middle.csv", "old.csv") == [
         ("", "file", [("new.csv", "1"), ("middle.csv", "2"), ("old.csv", "3")])
     ]

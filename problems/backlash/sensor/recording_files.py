@@ -1,12 +1,12 @@
-"""Which recordings are meant, of which joint each is, and when it was made, by the names of files and folders.
+"""Find recordings by paths, folders and patterns, and infer the joint and the time of each from its name.
 
 >>> paths, notes = find(["cell7", "spare/*.xlsx"])
 >>> [(one.name, one.unit, one.at) for one in series(paths)]
 
 A folder stands for the recordings in it and in its subfolders. A name with a date (``joint4_2024-01.csv``,
-``2024-01-15.csv``, ``20240115_joint4.csv``) tells when its recording was made; what is left of the name, with the
-folder, tells the joint. Where there is no date a number that is not the joint's own does (``joint4_003.csv``); where
-there is none either, the order of the files.
+``2024-01-15.csv``, ``20240115_joint4.csv``) gives the time of the recording; the rest of the name, with the folder,
+identifies the joint. Without a date, a number that is not the joint's own gives the time (``joint4_003.csv``); without
+either, the order of the files does.
 """
 
 from __future__ import annotations
@@ -20,15 +20,13 @@ from os.path import commonpath
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.problem import Floats
 from problems.backlash.recordings.tables import READERS
 
-Floats = NDArray[np.float64]
-
 TRUTH = "truth.csv"
-"""What 'bench simulate --wear' writes beside the recordings."""
+"""The file that 'bench simulate --wear' writes beside the recordings."""
 
 MAGIC = set("*?[")
 
@@ -41,14 +39,14 @@ JOINT = re.compile(r"(?<![^\W\d_])(?:joint|axis|achse|gelenk|giunto|asse|axe|j)[
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Recordings of one joint in the order of their time.
+    """Recordings of one joint in the order of their times.
 
     Attributes:
-        name: what the names of its files share, "" where that is nothing.
+        name: the part that the names of its files share, "" for none.
         members: (n,) positions in the list of files.
         at: (n,) when each was made, not decreasing: months since the year 0, the number in the name, or 1, 2, ….
-        unit: "month", "number" or "file", by which ``at`` counts.
-        days: whether a name tells the day, too.
+        unit: the unit of ``at``: "month", "number" or "file".
+        days: whether a name has the day, too.
     """
 
     name: str
@@ -58,7 +56,7 @@ class Series:
     days: bool = False
 
     def label(self, at: float) -> str:
-        """Return a time as a person writes it, such as ``2024-01``, ``2024-01-15``, or the number."""
+        """Return a time in usual writing, such as ``2024-01``, ``2024-01-15``, or the number."""
         if self.unit != "month":
             return f"{at:.4g}"
         year, month = divmod(int(at), 12)
@@ -68,7 +66,7 @@ class Series:
 
 @dataclass(frozen=True)
 class _Name:
-    """What a file's name tells: the joint, and when it was made by a date or a number."""
+    """The parts of a file's name: the joint, and the time as a date or a number."""
 
     joint: str
     at: float | None = None
@@ -77,10 +75,10 @@ class _Name:
 
 
 def find(arguments: Sequence[str | Path]) -> tuple[list[Path], list[str]]:
-    """Return the files that paths, folders and patterns stand for, each once, and a sentence on what was left out.
+    """Return the files that paths, folders and patterns stand for, each once, and a sentence on each file left out.
 
     Raises:
-        BenchError: for a folder without recordings and a pattern that nothing matches.
+        BenchError: for a folder without recordings and a pattern that no file matches.
     """
     found: dict[Path, None] = {}
     notes = []
@@ -128,7 +126,7 @@ def series(paths: Sequence[Path]) -> list[Series]:
         groups.setdefault((name.joint, name.unit), []).append(i)
     made = []
     for (joint, unit), members in groups.items():
-        at = np.array([float(n + 1) if (told := names[i].at) is None else told for n, i in enumerate(members)])
+        at = np.array([float(n + 1) if (own := names[i].at) is None else own for n, i in enumerate(members)])
         order = np.argsort(at, kind="stable")
         made.append(
             Series(joint, tuple(members[i] for i in order), at[order], unit, any(names[i].days for i in members))
