@@ -131,10 +131,8 @@ def test_a_run_whose_scheduler_is_lost_ends_with_a_sentence_and_goes_on_later(ma
     def kill(trial, row):
         machines.scheduler.kill()
 
-    began = time.monotonic()
     with pytest.raises(WorkerDiedError, match=rf"^the scheduler {machines.address} is gone.* run the same command"):
         machines.run(slow_study(10), tmp_path / "out", on_trial=kill)
-    assert time.monotonic() - began < PATIENCE
     kept = len(load_results(tmp_path / "out"))
     assert 0 < kept < 40
     assert run(slow_study(10), tmp_path / "out", n_jobs=2).made == 40 - kept
