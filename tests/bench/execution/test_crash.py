@@ -158,6 +158,7 @@ def wait_until(condition):
     return found
 
 
+@pytest.mark.slow
 def test_fifty_kills_lose_nothing_and_change_nothing(start, tmp_path):
     """At random moments, from a run's first: its parent, its whole group, a joblib worker, a trial process."""
     folder, whole, chance = tmp_path / "out", tmp_path / "whole", random.Random(50)
@@ -334,6 +335,7 @@ def one_sentence(done, *parts):
         assert part in done.stderr
 
 
+@pytest.mark.slow
 def test_a_full_disk_stops_a_run_that_then_goes_on(start, disk, tmp_path):
     folder, whole = disk.path / "out", tmp_path / "whole"
     code, said = start(folder, trials=40, slow=0).end()

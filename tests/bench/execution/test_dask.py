@@ -99,6 +99,7 @@ def slow_study(trials):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_run_that_loses_a_worker_ends_with_the_frame_of_one_machine(machines, tmp_path, capfd):
     core = min(os.sched_getaffinity(0))
     workers = [machines.worker("one", threads=2), machines.worker("two", cores={core})]
@@ -125,6 +126,7 @@ def test_a_run_that_loses_a_worker_ends_with_the_frame_of_one_machine(machines, 
     assert capfd.readouterr().err == ""
 
 
+@pytest.mark.slow
 def test_a_run_whose_scheduler_is_lost_ends_with_a_sentence_and_goes_on_later(machines, tmp_path, capfd):
     machines.worker("one")
 
@@ -147,6 +149,7 @@ def test_a_cluster_that_loses_all_its_workers_is_not_waited_for_for_ever(machine
     assert len(load_results(tmp_path / "out")) > 0
 
 
+@pytest.mark.slow
 def test_a_worker_with_other_code_is_refused_by_name_first_or_last(machines, tmp_path):
     copy = tmp_path / "copy"
     shutil.copytree(Path(cluster.__file__).parents[1], copy / "bench", ignore=shutil.ignore_patterns("__pycache__"))
