@@ -18,7 +18,7 @@ from bench.execution.pool import WorkerDiedError
 
 pytest.importorskip("distributed", reason="the optional extra 'dask' is not installed")
 
-PATIENCE = 90
+PATIENCE = 90  # seconds; ends a test that hangs, and decides nothing else
 HANG = """
 import os, time
 
@@ -102,7 +102,12 @@ def slow_study(trials):
 @pytest.mark.slow
 def test_a_run_that_loses_a_worker_ends_with_the_frame_of_one_machine(machines, tmp_path, capfd):
     core = min(os.sched_getaffinity(0))
-    workers = [machines.worker("one", threads=2), machines.worker("two", cores={core})]
+    (tmp_path / "meeting").mkdir()  # neither worker makes many trials before the other one has begun
+    meeting = {"MEETING": str(tmp_path / "meeting")}
+    workers = [
+        machines.worker("one", threads=2, environment=meeting),
+        machines.worker("two", cores={core}, environment=meeting),
+    ]
     machines.registered(2)
     cores, made = {}, []
 

@@ -66,10 +66,14 @@ class Early(Optimizer):
 
 
 def pause():
-    """Wait until the file $GATE exists, where one is named, and then $SLOW seconds."""
-    gate = os.environ.get("GATE")
+    """Wait until the file $GATE exists, until two workers meet in the folder $MEETING, and $SLOW seconds."""
+    gate, meeting = os.environ.get("GATE"), os.environ.get("MEETING")
     while gate and not Path(gate).exists():
         sleep(0.01)
+    if meeting:
+        (Path(meeting) / str(os.getppid())).touch()
+        while len(list(Path(meeting).iterdir())) < 2:
+            sleep(0.01)
     sleep(float(os.environ.get("SLOW", "0.01")))
 
 
