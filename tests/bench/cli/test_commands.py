@@ -30,7 +30,7 @@ def copied(made, tmp_path):
     return tmp_path / "copy"
 
 
-def test_status_tells_counts_reasons_and_provenance(bench_here, made):
+def test_status_prints_counts_reasons_and_provenance(bench_here, made):
     done = bench_here("status", made / "out")
     assert done.returncode == 0
     lines = done.stdout.splitlines()
@@ -41,11 +41,11 @@ def test_status_tells_counts_reasons_and_provenance(bench_here, made):
     ]  # fmt: skip
     assert "failed: faulty on sphere-2, trial 0 and 2 more: RuntimeError: cannot do planes" in done.stdout
     record = json.loads((made / "out" / "environment.json").read_text())[0]
-    for told in (
+    for part in (
         record["started"], record["ended"], "12 trials with 1 jobs (loky)", record["host"], record["processor"],
         f"Python {record['python']}", f"numpy {record['packages']['numpy']}", record["command"], "threads: 1",
     ):  # fmt: skip
-        assert told in done.stdout
+        assert part in done.stdout
     assert "running" not in done.stdout
 
 
@@ -105,7 +105,7 @@ def test_rm_refuses_what_it_does_not_know(bench_here, made, arguments, said):
     assert said in done.stderr
 
 
-def test_a_dry_run_tells_the_plan_and_the_time_and_writes_nothing(bench_here, made):
+def test_a_dry_run_prints_the_plan_and_the_time_and_writes_nothing(bench_here, made):
     before = sorted((path.name, path.stat().st_mtime_ns) for path in (made / "out").iterdir())
     done = bench_here("run", made / "mixed.toml", "--output", made / "out", "--dry-run", "--trials", 1000, "--jobs", 2)
     assert done.returncode == 0

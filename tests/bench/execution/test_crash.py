@@ -249,7 +249,7 @@ def test_an_interrupt_keeps_what_is_done_and_says_how_to_go_on(start, number, jo
             assert all(record["ended"] for record in Folder(folder).environments())
 
 
-def test_a_second_run_is_refused_and_told_of_the_first(start, study, bench_here, tmp_path):
+def test_a_second_run_is_refused_with_the_number_of_the_first(start, study, bench_here, tmp_path):
     folder = tmp_path / "out"
     run = start(folder, trials=1000, slow=0.1)
     wait_until(lambda: committed(folder))
@@ -264,7 +264,7 @@ def test_a_second_run_is_refused_and_told_of_the_first(start, study, bench_here,
     assert "running:" not in bench_here("status", folder).stdout
 
 
-def test_of_two_first_runs_at_the_same_moment_one_wins(start, tmp_path):
+def test_one_of_two_first_runs_at_the_same_moment_wins(start, tmp_path):
     folder = tmp_path / "out"
     runs = [start(folder, trials=2, slow=0, gate=tmp_path / "gate") for _ in range(2)]
     wait_until(lambda: not all(run.going for run in runs))

@@ -1,4 +1,4 @@
-"""A process for strangers' code: whatever that does, its owner is told and goes on, and nothing is left behind."""
+"""A process for plug-in code: whatever that does, its owner gets an error and goes on, and nothing is left behind."""
 
 import os
 import signal
@@ -107,7 +107,7 @@ def test_large_arguments_and_answers_pass(calls, shared):
         ("ColouredError()", "ColouredError: �[31mred� end"),
     ],
 )
-def test_what_the_function_raises_is_told_in_a_line(calls, shared, error, said):
+def test_what_the_function_raises_is_one_line(calls, shared, error, said):
     with pytest.raises(RemoteError) as caught:
         shared.call(calls.raise_, error, patience=LONG)
     assert str(caught.value) == said
@@ -209,7 +209,7 @@ def test_one_that_does_not_read_its_call_holds_nobody_up(calls, process):
     assert gone(pid)
 
 
-def test_a_crash_tells_its_place(calls, process):
+def test_a_crash_gives_its_place(calls, process):
     with pytest.raises(DiedError) as caught:
         process.call(calls.crash, patience=LONG)
     assert caught.value.code == -signal.SIGSEGV
@@ -221,7 +221,7 @@ def test_a_crash_tells_its_place(calls, process):
     assert len(lines) == 4
 
 
-def test_an_exit_tells_its_code_and_what_was_said_last(calls, process):
+def test_an_exit_gives_its_code_and_last_output(calls, process):
     with pytest.raises(DiedError) as caught:
         process.call(calls.leave, 3, b"\x1b[31mno licence\x00\xff\n", patience=None)
     assert (caught.value.code, str(caught.value)) == (3, "exit code 3")
@@ -327,7 +327,7 @@ def test_it_ends_in_the_middle_of_a_call_when_its_owner_is_killed(tmp_path):
 # Words
 
 
-def test_of_a_crash_the_c_library_s_reason_is_told_too():
+def test_the_c_library_s_reason_of_a_crash_is_kept_too():
     said = b"warming up\nfree(): invalid pointer\nFatal Python error: Aborted\n\nStack (most recent call first):\n"
     said += b"".join(b'  File "mine.py", line %d in f\n' % line for line in range(9)) + b"\nExtension modules: numpy\n"
     assert last_words(said).splitlines() == [
