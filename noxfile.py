@@ -1,7 +1,6 @@
-"""The project's sessions: ``nox -s tests``, ``versions``, ``lint``, ``types`` and ``benchmark``.
+"""The project's sessions: ``nox -s tests``, ``tests-3.12`` and so on, ``lint``, ``types`` and ``benchmark``.
 
-``tests`` runs on the interpreter that runs nox; ``versions`` runs on every supported one that is installed, and
-``versions-3.12`` on that one.
+``tests`` runs on the interpreter that runs nox; ``tests-3.12`` on that version, and is skipped where it is missing.
 """
 
 import nox
@@ -28,10 +27,12 @@ def tests(session: nox.Session) -> None:
     session.run("python", "-m", "pytest", *together, *session.posargs)
 
 
-@nox.session(python=VERSIONS)
-def versions(session: nox.Session) -> None:
-    """Run the test suite on each supported version of Python; arguments after -- go to pytest."""
-    tests(session)
+for version in VERSIONS:
+
+    @nox.session(name=f"tests-{version}", python=version)
+    def tests_on_version(session: nox.Session) -> None:
+        """Run the test suite on this version of Python; arguments after -- go to pytest."""
+        tests(session)
 
 
 @nox.session
