@@ -1,12 +1,17 @@
-"""The project's sessions: ``nox -s tests``, ``lint``, ``types`` and ``benchmark``."""
+"""The project's sessions: ``nox -s tests``, ``tests-3.12`` and so on, ``lint``, ``types`` and ``benchmark``.
+
+``tests`` runs on the interpreter that runs nox; ``tests-3.12`` on that version, and is skipped where it is missing.
+"""
 
 import nox
 
 nox.options.default_venv_backend = "venv"
 nox.options.reuse_existing_virtualenvs = True
+nox.options.error_on_missing_interpreters = False  # they are skipped
 nox.options.sessions = ["lint", "types", "tests"]
 
 PROJECT = nox.project.load_toml("pyproject.toml")
+VERSIONS = nox.project.python_versions(PROJECT)  # from the classifiers in pyproject.toml
 
 
 def group(name: str) -> list[str]:
@@ -16,18 +21,27 @@ def group(name: str) -> list[str]:
 
 @nox.session
 def tests(session: nox.Session) -> None:
-    """Run the test suite on every core; arguments after -- go to pytest."""
+    """Run the test suite on every core; arguments after -- go to pytest, such as -m "not slow"."""
     session.install("-e", ".", *group("test"))
     together = ("-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder")  # in the order of tests/conftest.py
     session.run("python", "-m", "pytest", *together, *session.posargs)
 
 
+for version in VERSIONS:
+
+    @nox.session(name=f"tests-{version}", python=version)
+    def tests_on_version(session: nox.Session) -> None:
+        """Run the test suite on this version of Python; arguments after -- go to pytest."""
+        tests(session)
+
+
 @nox.session
 def lint(session: nox.Session) -> None:
-    """Check style and formatting."""
+    """Check style, formatting, and that packages import only what their layer may."""
     session.install(*group("lint"))
     session.run("ruff", "check", ".")
     session.run("ruff", "format", "--check", ".")
+    session.run("lint-imports")
 
 
 @nox.session

@@ -13,7 +13,7 @@ settings.load_profile("suite")
 gc.set_threshold(20_000, 50, 100)
 
 SLOWEST = (
-    "test_distributions.py", "test_plugin_example.py", "test_reference_results.py", "test_hostile.py", "test_crash.py",
+    "test_distributions.py", "test_examples.py", "test_reference_results.py", "test_hostile.py", "test_crash.py",
     "test_cma_es_fast.py", "test_app.py", "test_dask.py", "test_problem.py", "test_conformance.py",
 )  # fmt: skip
 

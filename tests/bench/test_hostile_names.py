@@ -50,6 +50,7 @@ def test_status_rm_and_merge_take_them_for_names(bench_here, place, tmp_path):
     assert merge([out], tmp_path / "united").rows == 2 * 8 * len(LABELS)
 
 
+@pytest.mark.slow
 def test_report_and_exports_stay_in_their_folder(bench_here, place):
     before = files(place)
     out = place / "a" / "b" / "out"
@@ -74,6 +75,7 @@ class Markup(HTMLParser):
         self.elements.append((tag, dict(attributes)))
 
 
+@pytest.mark.slow
 def test_the_page_and_the_tables_hold_no_markup_of_theirs(place):
     out = place / "a" / "b" / "out"
     page = (out / "report.html").read_text(encoding="utf-8")

@@ -42,6 +42,7 @@ def p_value(ours, theirs):
     return ks_2samp(ours, [best for _, best in theirs], method="exact").pvalue
 
 
+@pytest.mark.slow
 def test_final_bests_are_distributed_like_those_of_the_reference(reference):
     cells = [(name, *variant) for variant in VARIANTS for name in FUNCTIONS]
     assert set(cells) <= set(reference)

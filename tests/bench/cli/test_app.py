@@ -25,32 +25,32 @@ def tiny(tmp_path):
     return path
 
 
-def test_run_writes_a_report_and_status_knows_it(bench, tiny, tmp_path):
+def test_run_writes_a_report_and_status_knows_it(bench, bench_here, tiny, tmp_path):
     done = bench("run", tiny, "--output", tmp_path / "out", "--jobs", 1)
     assert done.returncode == 0, done.stderr
     assert "2 problems x 2 optimizers x 2 trials = 8 runs of 40 evaluations" in done.stdout
     assert "8 of 8 runs done" in done.stdout
     for name in ("study.toml", "trials.sqlite", "environment.json", "report.html"):
         assert (tmp_path / "out" / name).stat().st_size > 0
-    again = bench("run", tiny, "--output", tmp_path / "out", "--jobs", 1, "--no-report")
+    again = bench_here("run", tiny, "--output", tmp_path / "out", "--jobs", 1, "--no-report")
     assert "8 of them already done" in again.stdout
-    status = bench("status", tmp_path / "out")
+    status = bench_here("status", tmp_path / "out")
     assert status.returncode == 0
     assert "scatter       4     0       4" in status.stdout
 
 
-def test_failed_trials_are_said_and_end_with_one(bench, tmp_path):
+def test_failed_trials_are_said_and_end_with_one(bench_here, tmp_path):
     path = tmp_path / "faults.toml"
     path.write_text(STUDY.format(second="faulty"))
-    done = bench("run", path, "--output", tmp_path / "out", "--jobs", 1)
+    done = bench_here("run", path, "--output", tmp_path / "out", "--jobs", 1)
     assert done.returncode == 1
     assert "failed: faulty on sphere-2, trial 0: RuntimeError: cannot do planes" in done.stdout
     assert "2 trials failed" in done.stderr
     assert (tmp_path / "out" / "report.html").exists()
 
 
-def test_the_default_output_is_named_after_the_study(bench, tiny, tmp_path):
-    assert bench("run", tiny, "--jobs", 1, "--no-report", cwd=tmp_path).returncode == 0
+def test_the_default_output_is_named_after_the_study(bench_here, tiny, tmp_path):
+    assert bench_here("run", tiny, "--jobs", 1, "--no-report", cwd=tmp_path).returncode == 0
     assert (tmp_path / "results" / "runs" / "tiny" / "trials.sqlite").exists()
 
 
@@ -71,16 +71,16 @@ def test_list_names_everything_and_a_broken_plugin_s_error(bench):
     assert "agents=30" in done.stdout
 
 
-def test_solve_prints_the_point_and_the_figures(bench):
-    done = bench("solve", "sphere-3", "hill-climber", "--budget", 300, "--seed", 4, "--set", "sigma=0.1")
+def test_solve_prints_the_point_and_the_figures(bench_here):
+    done = bench_here("solve", "sphere-3", "hill-climber", "--budget", 300, "--seed", 4, "--set", "sigma=0.1")
     assert done.returncode == 0
     for word in ("best value", "x3", "radius", "300 (stopped by: budget)"):
         assert word in done.stdout
 
 
-def test_simulate_writes_a_recording_that_can_be_fitted(bench, tmp_path):
-    assert bench("simulate", tmp_path / "a.csv", "--level", 12).returncode == 0
-    done = bench("solve", f"recording:{tmp_path / 'a.csv'}", "gwo", "--set", "agents=100", "--budget", 20000)
+def test_simulate_writes_a_recording_that_can_be_fitted(bench_here, tmp_path):
+    assert bench_here("simulate", tmp_path / "a.csv", "--level", 12).returncode == 0
+    done = bench_here("solve", f"recording:{tmp_path / 'a.csv'}", "gwo", "--set", "agents=100", "--budget", 20000)
     assert done.returncode == 0
     assert "backlash_rad" in done.stdout
 
@@ -123,19 +123,19 @@ def test_wrong_input_is_one_sentence_and_exit_code_two(bench_here, arguments, sa
     assert done.stderr.count("\n") == 1
 
 
-def test_files_that_are_no_study(bench, tmp_path):
+def test_files_that_are_no_study(bench_here, tmp_path):
     (tmp_path / "bad.toml").write_text("name = ")
-    assert "is not valid TOML" in bench("run", tmp_path / "bad.toml").stderr
+    assert "is not valid TOML" in bench_here("run", tmp_path / "bad.toml").stderr
     (tmp_path / "odd.toml").write_text(STUDY.format(second="hillclimber"))
-    done = bench("run", tmp_path / "odd.toml")
+    done = bench_here("run", tmp_path / "odd.toml")
     assert done.returncode == 2
     assert "unknown optimizer 'hillclimber'; did you mean 'hill-climber'?" in done.stderr
 
 
-def test_another_study_s_folder_is_left_alone(bench, tiny, tmp_path):
-    bench("run", tiny, "--output", tmp_path / "out", "--jobs", 1, "--no-report")
+def test_another_study_s_folder_is_left_alone(bench_here, tiny, tmp_path):
+    bench_here("run", tiny, "--output", tmp_path / "out", "--jobs", 1, "--no-report")
     before = (tmp_path / "out" / "study.toml").read_text()
-    done = bench("run", tiny, "--output", tmp_path / "out", "--budget", 50)
+    done = bench_here("run", tiny, "--output", tmp_path / "out", "--budget", 50)
     assert done.returncode == 2
     assert "holds another study" in done.stderr
     assert (tmp_path / "out" / "study.toml").read_text() == before

@@ -1,4 +1,4 @@
-"""What ``bench list`` tells of optimizers: lineage, parameters, families, and what failed to load."""
+"""What ``bench list`` prints about optimizers: lineage, parameters, families, and what failed to load."""
 
 import json
 
@@ -40,7 +40,7 @@ def test_a_family_lists_its_members(bench_here):
         assert f"scipy:{name}" in bench_here("list", "optimizers").stdout
 
 
-def test_what_all_members_share_is_told_once(bench_here):
+def test_what_all_members_share_is_printed_once(bench_here):
     said = bench_here("list", "scipy").stdout
     assert said.count("code: scipy ") == said.count("family: scipy") == 1
     assert said.index("all of scipy") < said.index("code: scipy ") < said.index("scipy:basinhopping")

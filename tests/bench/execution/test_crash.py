@@ -26,6 +26,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals, proces
 TIMES = ["wall_s", "cpu_s", "objective_s"]
 MARK = "BENCH_CRASH_TEST"
 CELLS = 4
+PATIENCE = 120.0  # seconds; ends a test that hangs, and decides nothing else
 STUDY = """
 name = "long"
 trials = 1
@@ -51,7 +52,7 @@ def hear_interrupts():
 class Run:
     """The command line in a group of its own, as a shell starts it, with a mark on all that belongs to it."""
 
-    def __init__(self, study, folder, *, trials=10, slow=0.01, jobs=2):
+    def __init__(self, study, folder, *, trials=10, slow=0.01, jobs=2, gate=""):
         self.mark = uuid4().hex
         self._said = (study.parent / f"{self.mark}.txt").open("w+")
         self.began = time.monotonic()
@@ -59,7 +60,7 @@ class Run:
             [sys.executable, "-m", "bench", "run", study, "--output", folder, "--no-report",
              "--jobs", str(jobs), "--trials", str(trials)],
             start_new_session=True, preexec_fn=hear_interrupts, stdout=subprocess.DEVNULL, stderr=self._said,
-            env=os.environ | {MARK: self.mark, "SLOW": str(slow)},
+            env=os.environ | {MARK: self.mark, "SLOW": str(slow), "GATE": str(gate)},
         )  # fmt: skip
 
     @property
@@ -90,10 +91,10 @@ class Run:
                 choice.choice(members).kill()
         return bool(members)
 
-    def end(self, timeout=60):
+    def end(self):
         """Wait for its end; return its exit code and what it said. No process of it may stay."""
-        self.process.wait(timeout)
-        deadline = time.monotonic() + 15
+        self.process.wait(PATIENCE)
+        deadline = time.monotonic() + PATIENCE
         while (left := self.members()) and time.monotonic() < deadline:
             time.sleep(0.02)
         commands = [each.cmdline() for each in left]
@@ -149,14 +150,15 @@ def same(one, other):
     assert committed(one) == committed(other)
 
 
-def wait_until(condition, seconds=60):
-    deadline = time.monotonic() + seconds
+def wait_until(condition):
+    deadline = time.monotonic() + PATIENCE
     while not (found := condition()):
         assert time.monotonic() < deadline, "it did not happen"
         time.sleep(0.01)
     return found
 
 
+@pytest.mark.slow
 def test_fifty_kills_lose_nothing_and_change_nothing(start, tmp_path):
     """At random moments, from a run's first: its parent, its whole group, a joblib worker, a trial process."""
     folder, whole, chance = tmp_path / "out", tmp_path / "whole", random.Random(50)
@@ -225,7 +227,7 @@ def test_an_interrupt_keeps_what_is_done_and_says_how_to_go_on(start, number, jo
     chance = random.Random(int(number) + 10 * jobs + again)
     for late in (False, True):
         folder = tmp_path / str(late)
-        run = start(folder, slow=0.05, jobs=jobs)
+        run = start(folder, trials=1000, slow=0.05, jobs=jobs)  # it is not done before it is interrupted
         if late:
             wait_until(lambda: committed(folder))  # noqa: B023
             time.sleep(chance.uniform(0, 0.5))
@@ -247,9 +249,9 @@ def test_an_interrupt_keeps_what_is_done_and_says_how_to_go_on(start, number, jo
             assert all(record["ended"] for record in Folder(folder).environments())
 
 
-def test_a_second_run_is_refused_and_told_of_the_first(start, study, bench_here, tmp_path):
+def test_a_second_run_is_refused_with_the_number_of_the_first(start, study, bench_here, tmp_path):
     folder = tmp_path / "out"
-    run = start(folder, slow=0.1)
+    run = start(folder, trials=1000, slow=0.1)
     wait_until(lambda: committed(folder))
     done = bench_here("run", study, "--output", folder)
     assert done.returncode == 2
@@ -262,9 +264,11 @@ def test_a_second_run_is_refused_and_told_of_the_first(start, study, bench_here,
     assert "running:" not in bench_here("status", folder).stdout
 
 
-def test_of_two_first_runs_at_the_same_moment_one_wins(start, tmp_path):
+def test_one_of_two_first_runs_at_the_same_moment_wins(start, tmp_path):
     folder = tmp_path / "out"
-    runs = [start(folder, trials=2, slow=0.15) for _ in range(2)]
+    runs = [start(folder, trials=2, slow=0, gate=tmp_path / "gate") for _ in range(2)]
+    wait_until(lambda: not all(run.going for run in runs))
+    (tmp_path / "gate").touch()  # the other one has begun, and may go on
     ends = sorted(run.end() for run in runs)
     assert [code for code, _ in ends] == [0, 2]
     assert ends[0][1] == ""
@@ -331,6 +335,7 @@ def one_sentence(done, *parts):
         assert part in done.stderr
 
 
+@pytest.mark.slow
 def test_a_full_disk_stops_a_run_that_then_goes_on(start, disk, tmp_path):
     folder, whole = disk.path / "out", tmp_path / "whole"
     code, said = start(folder, trials=40, slow=0).end()

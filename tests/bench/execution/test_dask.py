@@ -18,7 +18,7 @@ from bench.execution.pool import WorkerDiedError
 
 pytest.importorskip("distributed", reason="the optional extra 'dask' is not installed")
 
-PATIENCE = 90
+PATIENCE = 90  # seconds; ends a test that hangs, and decides nothing else
 HANG = """
 import os, time
 
@@ -99,9 +99,15 @@ def slow_study(trials):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_run_that_loses_a_worker_ends_with_the_frame_of_one_machine(machines, tmp_path, capfd):
     core = min(os.sched_getaffinity(0))
-    workers = [machines.worker("one", threads=2), machines.worker("two", cores={core})]
+    (tmp_path / "meeting").mkdir()  # neither worker makes many trials before the other one has begun
+    meeting = {"MEETING": str(tmp_path / "meeting")}
+    workers = [
+        machines.worker("one", threads=2, environment=meeting),
+        machines.worker("two", cores={core}, environment=meeting),
+    ]
     machines.registered(2)
     cores, made = {}, []
 
@@ -125,16 +131,15 @@ def test_a_run_that_loses_a_worker_ends_with_the_frame_of_one_machine(machines, 
     assert capfd.readouterr().err == ""
 
 
+@pytest.mark.slow
 def test_a_run_whose_scheduler_is_lost_ends_with_a_sentence_and_goes_on_later(machines, tmp_path, capfd):
     machines.worker("one")
 
     def kill(trial, row):
         machines.scheduler.kill()
 
-    began = time.monotonic()
     with pytest.raises(WorkerDiedError, match=rf"^the scheduler {machines.address} is gone.* run the same command"):
         machines.run(slow_study(10), tmp_path / "out", on_trial=kill)
-    assert time.monotonic() - began < PATIENCE
     kept = len(load_results(tmp_path / "out"))
     assert 0 < kept < 40
     assert run(slow_study(10), tmp_path / "out", n_jobs=2).made == 40 - kept
@@ -149,6 +154,7 @@ def test_a_cluster_that_loses_all_its_workers_is_not_waited_for_for_ever(machine
     assert len(load_results(tmp_path / "out")) > 0
 
 
+@pytest.mark.slow
 def test_a_worker_with_other_code_is_refused_by_name_first_or_last(machines, tmp_path):
     copy = tmp_path / "copy"
     shutil.copytree(Path(cluster.__file__).parents[1], copy / "bench", ignore=shutil.ignore_patterns("__pycache__"))

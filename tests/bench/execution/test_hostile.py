@@ -95,6 +95,7 @@ def of(frame, deed, problem="sphere-2"):
     return frame[(frame["optimizer"] == deed) & (frame["problem"] == problem)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("deed", EXPECTED)
 def test_each_ends_as_a_row_with_its_reason(frame, deed):
     status, words = EXPECTED[deed]
@@ -104,15 +105,18 @@ def test_each_ends_as_a_row_with_its_reason(frame, deed):
     assert all(words in error for error in rows["error"]), list(rows["error"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("deed", HARMLESS)
 def test_what_harms_nobody_does_not_fail(frame, deed):
     assert of(frame, deed)["status"].eq("ok").all()
 
 
+@pytest.mark.slow
 def test_trials_elsewhere_are_all_finished(frame):
     assert frame.loc[frame["problem"] == "sphere-3", "status"].eq("ok").all()
 
 
+@pytest.mark.slow
 def test_honest_results_are_the_same_to_the_last_bit_as_without_them(frame, tmp_path, testing_plugins):
     (tmp_path / "study.toml").write_text(HEAD.format(name="honest") + HONEST)
     run(tmp_path / "study.toml", tmp_path / "out", n_jobs=1)
@@ -122,11 +126,13 @@ def test_honest_results_are_the_same_to_the_last_bit_as_without_them(frame, tmp_
     pd.testing.assert_frame_equal(mine.astype(object), alone.astype(object), check_exact=True)
 
 
+@pytest.mark.slow
 def test_one_that_is_killed_from_outside_is_begun_again_once(ran, frame):
     assert Path(ran[2]).exists()
     assert of(frame, "kill-once")["status"].eq("ok").all()
 
 
+@pytest.mark.slow
 def test_the_command_fails_and_says_little(ran):
     done = ran[0]
     assert done.returncode == 1
@@ -135,6 +141,7 @@ def test_the_command_fails_and_says_little(ran):
     assert "78 trials failed" in done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_no_process_is_left(ran):
     left = []
     for process in psutil.process_iter(["pid", "environ"]):
@@ -143,6 +150,7 @@ def test_no_process_is_left(ran):
     assert left == []
 
 
+@pytest.mark.slow
 def test_the_status_and_the_report_say_the_reasons(ran, bench_here):
     status = bench_here("status", ran[1]).stdout
     assert "SIGSEGV" in status
@@ -153,6 +161,7 @@ def test_the_status_and_the_report_say_the_reasons(ran, bench_here):
     assert "its process ended with signal SIGSEGV" in page
 
 
+@pytest.mark.slow
 def test_no_escape_or_markup_of_theirs_reaches_a_file(ran):
     files = [file for file in ran[1].rglob("*") if file.suffix in (".html", ".tex", ".md", ".csv", ".json")]
     assert len(files) > 10
@@ -165,6 +174,7 @@ def test_no_escape_or_markup_of_theirs_reaches_a_file(ran):
             assert "\\input{x}" not in text
 
 
+@pytest.mark.slow
 def test_a_reason_to_stop_is_one_short_line(frame):
     reason = of(frame, "stop")["stop"].iloc[0]
     assert reason.startswith("\ufffd[31m")

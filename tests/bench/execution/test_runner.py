@@ -221,16 +221,16 @@ def test_a_problem_that_ends_its_process_costs_its_own_cell(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("code", "said"),
+    ("code", "patience", "said"),
     [
-        ("import time\ntime.sleep(1000)", "hangs: no sign of life for 2 s"),
-        ("import os\nos._exit(3)", "failed: exit code 3"),
-        ("raise SystemExit(4)", "SystemExit"),
-        ("def f(:", "invalid syntax"),
+        ("import time\ntime.sleep(1000)", 0.5, "hangs: no sign of life for 0.5 s"),
+        ("import os\nos._exit(3)", 600.0, "failed: exit code 3"),
+        ("raise SystemExit(4)", 600.0, "SystemExit"),
+        ("def f(:", 600.0, "invalid syntax"),
     ],
 )
-def test_a_plug_in_that_cannot_be_loaded_ends_the_run_before_it_begins(code, said, tmp_path, monkeypatch):
-    monkeypatch.setattr("bench.execution.supervisor.CHECKING", 2.0)
+def test_a_plug_in_that_cannot_be_loaded_ends_the_run_before_it_begins(code, patience, said, tmp_path, monkeypatch):
+    monkeypatch.setattr("bench.execution.supervisor.CHECKING", patience)
     (tmp_path / "mine.py").write_text(f"{code}\ndef mine(objective, rng):\n    pass\n")
     study = {"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": [{"name": f"{tmp_path / 'mine.py'}:mine"}]}
     with pytest.raises(BenchError, match=said) as refused:

@@ -21,12 +21,13 @@ def sleep(seconds, pulse):
     time.sleep(seconds)
 
 
-def work(seconds, pulse):
-    until = time.monotonic() + seconds
-    while time.monotonic() < until:
+def work(path, pulse):
+    """Pulse until the file exists; return how many pulses were sent."""
+    sent = 0
+    while not Path(path).exists():
         pulse(1, 2)
-        time.sleep(0.01)
-    return "done"
+        sent += 1
+    return sent
 
 
 def hang_in_native_code(path, pulse):
@@ -57,14 +58,14 @@ def fork(pulse):
     return os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
 
 
-def fork_and_leave(path, own_session, seconds, pulse):
+def fork_and_leave(path, own_session, seen, pulse):
+    """Start a child that writes its number into the file, and leave when the child is seen: when that file exists."""
     if os.fork() == 0:
         if own_session:
             os.setsid()
         Path(path).write_text(f"{os.getpid()}\n")
         time.sleep(60)
-    time.sleep(seconds)
-    while not Path(path).exists():
+    while not (Path(path).exists() and Path(seen).exists()):
         time.sleep(0.01)
     os._exit(3)
 

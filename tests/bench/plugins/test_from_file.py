@@ -126,17 +126,19 @@ def test_what_is_wrong_with_a_file_is_one_sentence(mine, name, options, said):
     assert "\n" not in str(caught.value)
 
 
-def test_a_run_takes_them_beside_the_study_s_own(bench, mine):
+def test_a_run_takes_them_beside_the_study_s_own(bench, bench_here, mine):
     done = bench("run", "tiny.toml", "--optimizer", "mine.py:Mine", "--optimizer", "mine.py:walk", "--jobs", 2,
                  "--no-report", "--output", "out", cwd=mine.parent)  # fmt: skip
     assert done.returncode == 0, done.stderr
     frame = Results(mine.parent / "out").frame
     assert frame.groupby("optimizer").size().to_dict() == {"Mine": 2, "scatter": 2, "walk": 2}
     assert (frame["status"] == "ok").all()
-    again = bench("run", "tiny.toml", "--optimizer", "mine.py:Mine", "--optimizer", "mine.py:Mine", cwd=mine.parent)
+    again = bench_here(
+        "run", "tiny.toml", "--optimizer", "mine.py:Mine", "--optimizer", "mine.py:Mine", cwd=mine.parent
+    )
     assert again.returncode == 2
     assert "'Mine' stands twice among the optimizers" in again.stderr
-    unknown = bench("run", "tiny.toml", "--optimizer", "hillclimber", cwd=mine.parent)
+    unknown = bench_here("run", "tiny.toml", "--optimizer", "hillclimber", cwd=mine.parent)
     assert unknown.returncode == 2
     assert "did you mean 'hill-climber'?" in unknown.stderr
 

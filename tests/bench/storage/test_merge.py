@@ -138,7 +138,7 @@ def test_verify_finds_all_trials_repeated_and_notes_it(copied):
     assert "12 of 12 trials of 6 cells are the same bit by bit with 2 workers" in found.sentence
 
 
-def test_verify_tells_what_is_not_repeated(copied):
+def test_verify_reports_what_is_not_repeated(copied):
     _, place = copied
     change(place / "whole", "fun = fun * (1 + 1e-15) + 1e-300")
     found = verify(place / "whole", trials=3, n_jobs=1)

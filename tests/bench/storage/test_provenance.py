@@ -41,7 +41,7 @@ class TestMachine:
         assert 0 < first["memory_gb"] < 1e5
         assert all(each.keys() == {"library", "version", "threads"} for each in first["blas"])
 
-    def test_the_distributions_of_the_plugins_in_use_are_told_with_the_library_of_a_family(self):
+    def test_the_distributions_of_the_plugins_in_use_are_recorded_with_the_library_of_a_family(self):
         pytest.importorskip("mealpy")
         plain = machine(modules([load_optimizer("gwo")]))["packages"]
         assert plain.keys() == machine()["packages"].keys()
@@ -140,7 +140,7 @@ class TestCheckouts:
         monkeypatch.setenv("GIT_INDEX_FILE", str(git.repo / "nowhere"))
         assert git.state() == before
 
-    def test_without_git_or_a_commit_nothing_is_told(self, git, monkeypatch):
+    def test_without_git_or_a_commit_nothing_is_recorded(self, git, monkeypatch):
         git.ask("update-ref", "-d", "HEAD")
         assert git.state() is None
         monkeypatch.setenv("PATH", str(git.repo))
@@ -155,13 +155,13 @@ class TestCheckouts:
 
 
 class TestRun:
-    def test_it_tells_of_the_study_and_how_it_was_asked_for(self, small_study, monkeypatch):
+    def test_it_records_the_study_and_the_command(self, small_study, monkeypatch):
         monkeypatch.setattr(sys, "argv", ["/usr/bin/bench", "run", "my study.toml", "\udcff"])
-        told = run(small_study, Fingerprints({"p": "f00"}, {"a": "ba7"}), 4, "loky", timeout=9.5, shard="1/2")
-        assert shlex.split(told["command"]) == ["bench", "run", "my study.toml", "\N{REPLACEMENT CHARACTER}"]
-        assert told["started"].endswith("+00:00")
-        assert told["ended"] is None
-        assert {key: value for key, value in told.items() if key not in ("started", "ended", "command")} == {
+        record = run(small_study, Fingerprints({"p": "f00"}, {"a": "ba7"}), 4, "loky", timeout=9.5, shard="1/2")
+        assert shlex.split(record["command"]) == ["bench", "run", "my study.toml", "\N{REPLACEMENT CHARACTER}"]
+        assert record["started"].endswith("+00:00")
+        assert record["ended"] is None
+        assert {key: value for key, value in record.items() if key not in ("started", "ended", "command")} == {
             "jobs": 4, "backend": "loky", "study": small_study.identity(), "data": {"p": "f00"}, "code": {"a": "ba7"},
             "timeout": 9.5, "shard": "1/2",
         }  # fmt: skip
@@ -199,7 +199,7 @@ class TestDifferences:
     def test_they_are_short_phrases(self, change, phrases):
         assert differences(RECORD, RECORD | change) == phrases
 
-    def test_other_changes_to_one_commit_are_told_where_their_hash_is_known(self):
+    def test_other_changes_to_one_commit_are_reported_where_their_hash_is_known(self):
         before = RECORD | {"git": DIRTY}
         assert differences(before, RECORD | {"git": DIRTY | {"diff": "b" * 64}}) == ["other uncommitted changes"]
         assert differences(before, RECORD | {"git": {"commit": DIRTY["commit"], "dirty": True}}) == []
@@ -210,7 +210,7 @@ class TestDifferences:
         assert differences(before, now) == ["mine: commit abc → def"]
         assert differences(before, {"checkouts": {}}) == []
 
-    def test_what_a_record_of_an_older_version_does_not_tell_is_not_compared(self):
+    def test_what_a_record_of_an_older_version_lacks_is_not_compared(self):
         old = {key: RECORD[key] for key in ("packages", "python", "system", "processor", "cores")}
         old["git"] = {"commit": RECORD["git"]["commit"], "dirty": False}
         old["packages"] = old["packages"] | {"seaborn": "0.13.2", "gone": None}

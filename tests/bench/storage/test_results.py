@@ -38,7 +38,7 @@ def test_one_folder_keeps_its_labels(ran):
     assert results.fingerprints.keys() == {"sphere-2", "sphere-3"}
 
 
-def test_two_versions_of_an_optimizer_are_told_apart_by_folder(ran):
+def test_two_versions_of_an_optimizer_are_distinguished_by_folder(ran):
     old, new = ran("old"), ran("new", optimizers=[{"name": "scatter", "agents": 9}, {"name": "early"}])
     results = Results(old, new)
     labels = ["hill-climber", "scatter (old)", "early (old)", "scatter (new)", "early (new)"]
@@ -55,7 +55,7 @@ def test_two_versions_of_an_optimizer_are_told_apart_by_folder(ran):
     pd.testing.assert_frame_equal(load_results(old, new), results.frame)
 
 
-def test_folders_of_one_name_are_told_apart_by_their_parents(ran):
+def test_folders_of_one_name_are_distinguished_by_their_parents(ran):
     results = Results(ran("a/out"), ran("b/out"))
     assert [entry.label for entry in results.study.optimizers][::3] == ["hill-climber (a/out)", "hill-climber (b/out)"]
 

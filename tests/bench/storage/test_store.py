@@ -92,7 +92,7 @@ def test_rows_by_a_condition_and_in_the_order_of_cells(store):
     assert store.find("sphere-2", "scatter", 9) is None
 
 
-def test_cells_count_by_status_and_keys_tell_finished_from_lost(store):
+def test_cells_count_by_status_and_keys_distinguish_finished_from_lost(store):
     fill(store, 0, 1)
     fill(store, 2, row=LOST)
     fill(store, 3, row=LOST | {"status": "timeout"})
@@ -335,5 +335,5 @@ def study_of_store(tmp_path):
 
 
 def test_a_schema_that_changes_has_another_version():
-    """An old store is told from a new one by nothing else."""
+    """Nothing else distinguishes an old store from a new one."""
     assert "user_version = 1;" in SCHEMA

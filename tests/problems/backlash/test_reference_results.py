@@ -79,6 +79,7 @@ def test_its_regrets_and_the_shares_that_found_the_fit_follow_from_its_trials(tr
     np.testing.assert_allclose(found.reindex(share.index), share)
 
 
+@pytest.mark.slow
 def test_the_code_of_today_repeats_its_means(means):
     """Fresh runs of today's code on two datasets: the same law, so the same means within their own scatter."""
     study = Study.load("thesis")

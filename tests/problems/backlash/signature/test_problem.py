@@ -205,6 +205,7 @@ def test_options_out_of_range_are_named(options, message):
     assert message in str(caught.value)
 
 
+@pytest.mark.slow
 def test_cma_es_on_the_published_dataset_12_looks_like_the_authors_runs(published):
     """Their 30 runs of 300 x 200 end at two fits, the best known one in a third of the runs."""
     theirs = json.loads((published / "cma-es-dataset-12.json").read_text())["rmse_rps"]

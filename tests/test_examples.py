@@ -1,0 +1,142 @@
+"""The examples, built and installed beside the built wheel in one fresh environment, do what their READMEs promise."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from bench import Study, load_results
+
+ROOT = Path(__file__).resolve().parents[1]
+EXAMPLES = ROOT / "examples"
+OPTIMIZER, PROBLEM, STUDY = EXAMPLES / "optimizer", EXAMPLES / "problem", EXAMPLES / "study"
+TIMES = ["wall_s", "cpu_s", "objective_s"]
+
+
+def call(*command, cwd=None):
+    """Run a program as in a shell that knows nothing of this environment."""
+    ours = ("PYTHONPATH", "VIRTUAL_ENV", "PYTHONDONTWRITEBYTECODE")
+    clean = {key: value for key, value in os.environ.items() if key not in ours}
+    done = subprocess.run(
+        list(map(str, command)), cwd=cwd, env=clean, capture_output=True, text=True, timeout=400, check=False
+    )
+    assert "Traceback" not in done.stderr, done.stderr
+    return done
+
+
+def succeed(*command, cwd=None):
+    done = call(*command, cwd=cwd)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="session")
+def wheels(tmp_path_factory):
+    """The wheels of this project and of the example packages, by the names of their distributions."""
+    folder = tmp_path_factory.mktemp("wheels")
+    for source in (ROOT, OPTIMIZER, PROBLEM):
+        succeed(sys.executable, "-m", "uv", "build", "--wheel", "--out-dir", folder, source)
+    return {wheel.name.partition("-")[0]: wheel for wheel in sorted(folder.glob("*.whl"))}
+
+
+@pytest.fixture(scope="session")
+def programs(wheels, tmp_path_factory):
+    """The programs of a fresh environment that holds all wheels and nothing of this checkout."""
+    place = tmp_path_factory.mktemp("stranger") / "venv"
+    uv = [sys.executable, "-m", "uv"]
+    succeed(*uv, "venv", "--python", sys.executable, place)
+    succeed(*uv, "pip", "install", "--python", place, *wheels.values(), "pytest")
+    return place / ("Scripts" if os.name == "nt" else "bin")
+
+
+# The packages
+
+
+@pytest.mark.slow
+def test_the_wheel_holds_the_marks_of_typed_packages(wheels):
+    assert list(wheels) == ["backlash_bench", "hill_climber", "water_filling"]
+    held = zipfile.ZipFile(wheels["backlash_bench"]).namelist()
+    for package in ("bench", "optimizers", "problems"):
+        assert f"{package}/py.typed" in held
+    assert {name.partition("/")[0].partition("-")[0] for name in held} == {
+        "bench", "optimizers", "problems", "backlash_bench"
+    }  # fmt: skip
+
+
+@pytest.mark.slow
+def test_the_optimizer_is_listed_with_its_package(programs, tmp_path):
+    listed = json.loads(succeed(programs / "bench", "list", "--json", "optimizers", cwd=tmp_path))
+    mine = next(each for each in listed if each["name"] == "hill-climber")
+    assert mine["package"] == "hill-climber 0.1.0"
+    assert mine["parameters"][0]["default"] == 0.2
+    unmet = {each["name"]: each["error"] for each in listed if "error" in each}
+    assert set(unmet) == {"mealpy", "nevergrad", "pymoo"}  # the extras are not installed there
+    for name, sentence in unmet.items():
+        assert f"pip install 'backlash-bench[{name}]'" in sentence
+
+
+@pytest.mark.slow
+def test_a_missing_extra_is_named_in_one_sentence(programs, tmp_path):
+    done = call(programs / "bench", "solve", "signature-12", "mealpy:OriginalGWO", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.strip().endswith("pip install 'backlash-bench[mealpy]'")
+
+
+@pytest.mark.slow
+def test_bench_check_clears_the_optimizer(programs, tmp_path):
+    printed = succeed(programs / "bench", "check", "hill-climber", "--no-bias", cwd=tmp_path)
+    assert "passed: hill-climber, budget" in printed
+    assert "FAILED" not in printed
+
+
+@pytest.mark.slow
+def test_bench_run_takes_the_optimizer_beside_the_built_ins(programs, tmp_path):
+    succeed(programs / "bench", "run", OPTIMIZER / "study.toml", "--output", "out", cwd=tmp_path)
+    assert "hill-climber" in (tmp_path / "out" / "report.html").read_text()
+    status = succeed(programs / "bench", "status", "out", cwd=tmp_path)
+    assert re.search(r"hill-climber +10 +0 +10", status)
+
+
+@pytest.mark.slow
+def test_bench_run_takes_the_problems(programs, tmp_path):
+    assert "water-filling-2 … water-filling-8" in succeed(programs / "bench", "list", "problems", cwd=tmp_path)
+    succeed(programs / "bench", "run", PROBLEM / "study.toml", "--output", "out", "--no-report", cwd=tmp_path)
+    assert re.search(r"cma-es +10 +0 +10", succeed(programs / "bench", "status", "out", cwd=tmp_path))
+    frame = load_results(tmp_path / "out")
+    assert (frame["capacity_bits"] == -frame["fun"]).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("package", [OPTIMIZER, PROBLEM], ids=["optimizer", "problem"])
+def test_the_author_s_own_tests_pass(package, programs, tmp_path):
+    succeed(programs / "python", "-m", "pytest", "-q", "-p", "no:cacheprovider", package / "tests", cwd=tmp_path)
+
+
+def test_the_readme_shows_the_whole_optimizer():
+    code = (OPTIMIZER / "src" / "hill_climber.py").read_text(encoding="utf-8").partition("from dataclasses")[2]
+    assert "from dataclasses" + code in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+# The study
+
+
+def test_the_study_in_python_is_that_of_the_file():
+    given = {}
+    exec((STUDY / "smallest.py").read_text(encoding="utf-8").partition("# --- go")[0], given)
+    assert given["study"].to_toml() == Study.load(STUDY / "smallest.toml").to_toml()
+
+
+@pytest.mark.slow
+def test_the_study_gives_the_same_numbers_from_python_and_from_the_command_line(programs, tmp_path):
+    printed = succeed(programs / "python", STUDY / "smallest.py", cwd=tmp_path)
+    assert re.search(r"^signature-12 +0\.\d+ +0\.\d+$", printed, re.MULTILINE)
+    assert (tmp_path / "results" / "runs" / "smallest" / "report.html").exists()
+    succeed(programs / "bench", "run", STUDY / "smallest.toml", "--output", "other", "--no-report", cwd=tmp_path)
+    frames = [load_results(tmp_path / each).drop(columns=TIMES) for each in ("results/runs/smallest", "other")]
+    assert frames[0].equals(frames[1])
+    assert len(frames[0]) == 20
