@@ -129,7 +129,7 @@ class Study:
         """
         added = _entries([{"name": name} for name in names], "optimizers", repr(self.name)) if names else ()
         optimizers = self.optimizers + added
-        _refuse_twins(optimizers, "optimizers", repr(self.name))
+        _refuse_duplicates(optimizers, "optimizers", repr(self.name))
         return dataclasses.replace(self, optimizers=optimizers)
 
     def problem(self, label: str) -> Problem:
@@ -229,7 +229,7 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         entries += [Entry(name, label or _label(name), options) for name in names]
         if not all(entry.label.isprintable() for entry in entries):
             raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
-    _refuse_twins(entries, key, where)
+    _refuse_duplicates(entries, key, where)
     return tuple(entries)
 
 
@@ -239,7 +239,7 @@ def _label(name: str) -> str:
     return parts[1] if parts and parts[1] else name
 
 
-def _refuse_twins(entries: Iterable[Entry], key: str, where: str) -> None:
+def _refuse_duplicates(entries: Iterable[Entry], key: str, where: str) -> None:
     labels = [entry.label for entry in entries]
     twice = sorted({label for label in labels if labels.count(label) > 1})
     if twice:

@@ -15,7 +15,7 @@ from bench.check.fault import FaultError, UnmadeError
 from bench.check.searching import START
 from bench.check.subject import Subject
 from bench.check.verdict import Verdict
-from bench.sandbox.messages import spell
+from bench.sandbox.messages import describe_error
 
 PATIENCE = 30.0  # seconds without a sign of life that are allowed once everything is imported and compiled
 
@@ -85,7 +85,7 @@ def judge(check: Check, subject: Subject) -> Verdict | None:
     except FaultError as fault:
         return failed(check, fault.finding, fault.mend)
     except (Exception, SystemExit) as error:
-        return failed(check, f"it raised {spell(error)}")
+        return failed(check, f"it raised {describe_error(error)}")
 
 
 def failed(check: Check, finding: str, mend: str = "") -> Verdict:

@@ -13,7 +13,7 @@ from bench.check.fault import LET_IT_PASS, FaultError, UnmadeError, describe, ex
 from bench.check.probe import Run
 from bench.check.subject import Subject, ordinary_budget, pack, parameters, unpack
 from bench.problem import FunctionProblem
-from bench.sandbox.messages import spell
+from bench.sandbox.messages import describe_error
 from bench.sandbox.process import DiedError, Process, Pulse, SilentError
 
 CLIP = (
@@ -205,7 +205,7 @@ def _each(subject: Subject, problem: FunctionProblem, where: str) -> Run:
     try:
         run = subject.run(problem, optimizer=optimizer)
     except (Exception, SystemExit) as error:
-        raise FaultError(f"it raised {spell(error)}{where}", "") from error
+        raise FaultError(f"it raised {describe_error(error)}{where}", "") from error
     if run.stop == "undeclared" and subject.run(landscapes.bowl()).stop != run.stop:  # one that is usual is told once
         _within_budget(dataclasses.replace(run, asked_after=0), ordinary_budget(optimizer), where)
     return run

@@ -12,7 +12,7 @@ from bench.check.searching import START
 from bench.check.subject import Subject, make_subject, pack, unpack
 from bench.check.verdict import Verdict
 from bench.optimizer import Optimizer
-from bench.sandbox.messages import spell
+from bench.sandbox.messages import describe_error
 from bench.sandbox.process import DiedError, Process, Pulse, RemoteError, SilentError
 
 PICKLING = next(check for check in CHECKS if check.name == "pickling")
@@ -126,7 +126,7 @@ def conformance(subject: Subject, haste: float = 1.0) -> Iterator[Verdict]:
     try:
         packed = pack(subject)
     except Exception as error:  # what a stranger's parameters hold may raise anything
-        yield failed(PICKLING, f"it cannot be sent to another process: {spell(error)}")
+        yield failed(PICKLING, f"it cannot be sent to another process: {describe_error(error)}")
         return
     runner = _Runner(packed, haste)
     try:
@@ -178,5 +178,5 @@ def _biases(subject: Subject, n_jobs: int) -> list[Verdict]:
     try:
         return diagnose(subject.fresh(), n_jobs=n_jobs, seed=subject.seed)
     except Exception as error:  # a plug-in may raise anything, and its other verdicts stand
-        finding = f"it could not be examined: {spell(error)}"
+        finding = f"it could not be examined: {describe_error(error)}"
         return [Verdict("bias", "bias", False, finding, "mend what raises on ordinary functions of seven variables")]

@@ -20,17 +20,19 @@ def show(kind: str, console: Console) -> None:
     """Print the plug-ins of a kind or of all, or the optimizers of a family; what fails to load shows its error."""
     known = (*KINDS, "all")
     # only a family's name takes the import of the optimizers
-    families = [] if kind in known else [e for e in registry.entries("optimizers") if registry.is_family(_loaded(e))]
+    families = (
+        [] if kind in known else [e for e in registry.entries("optimizers") if registry.is_family(_load_or_none(e))]
+    )
     if kind not in (*known, *families):
         raise BenchError(f"unknown kind {kind!r}{nearest(kind, (*known, *families))}")
     for each in KINDS if kind == "all" else (kind,):
         table = Table("name", "what it is", title=each, title_justify="left", box=None, pad_edge=False)
         if each in families:
             members = registry.load("optimizers", each).names()
-            rows = _told_once([(name, _attempt(_optimizer, name)) for name in members], f"all of {each}")
+            rows = _shared_lines_first([(name, _describe(_optimizer, name)) for name in members], f"all of {each}")
         else:
             names = sorted(registry.entries(each))
-            rows = [(name, _attempt(_about, each, name, kind == "optimizers")) for name in names]
+            rows = [(name, _describe(_about, each, name, kind == "optimizers")) for name in names]
         for name, (about, style) in rows:
             table.add_row(Text(name, no_wrap=True), Text(about, style=style))
         console.print(table, "")
@@ -54,7 +56,7 @@ def records(kind: str) -> list[dict[str, Any]]:
     return known
 
 
-def _loaded(name: str) -> Any:
+def _load_or_none(name: str) -> Any:
     """Return an optimizer plug-in, None where it fails to load."""
     try:
         return registry.load("optimizers", name)
@@ -62,16 +64,16 @@ def _loaded(name: str) -> Any:
         return None
 
 
-def _told_once(rows: list[tuple[str, tuple[str, str]]], name: str) -> list[tuple[str, tuple[str, str]]]:
+def _shared_lines_first(rows: list[tuple[str, tuple[str, str]]], name: str) -> list[tuple[str, tuple[str, str]]]:
     """Return the rows with the lines that all of them share in a first one, called ``name``."""
     texts = [about.splitlines() for _, (about, _) in rows]
     shared = [line for line in texts[0] if all(line in text for text in texts)] if len(texts) > 1 else []
     own = ["\n".join(line for line in text if line not in shared) for text in texts]
-    told = [(member, (about, style)) for (member, (_, style)), about in zip(rows, own, strict=True)]
-    return [(name, ("\n".join(shared), "")), *told] if shared else told
+    members = [(member, (about, style)) for (member, (_, style)), about in zip(rows, own, strict=True)]
+    return [(name, ("\n".join(shared), "")), *members] if shared else members
 
 
-def _attempt(describe: Callable[..., str], *arguments: Any) -> tuple[str, str]:
+def _describe(describe: Callable[..., str], *arguments: Any) -> tuple[str, str]:
     """Return a description, or what went wrong, and its style."""
     try:
         return describe(*arguments), ""

@@ -41,9 +41,9 @@ class Display:
             disable=not self._live,
         )
         self._bars: dict[str, TaskID] = {}
-        self._told: dict[str, int] = {}  # failures of each optimizer
+        self._failures: dict[str, int] = {}  # failures of each optimizer
         self._made = self._left = 0
-        self._started = self._spoken = monotonic()
+        self._started = self._printed = monotonic()
 
     def __enter__(self) -> Display:
         self._progress.start()
@@ -72,16 +72,16 @@ class Display:
         self._made += 1
         if row["status"] != "ok":
             reason = str(row["error"]).partition("\n")[0]
-            told = self._told[trial.optimizer] = self._told.get(trial.optimizer, 0) + 1
-            more = "; more of them are counted, not shown" if told == SHOWN else ""
-            if told <= SHOWN:
+            count = self._failures[trial.optimizer] = self._failures.get(trial.optimizer, 0) + 1
+            more = "; more of them are counted, not shown" if count == SHOWN else ""
+            if count <= SHOWN:
                 where = f"{trial.optimizer} on {trial.problem}, trial {trial.number}"
                 print_line(f"{row['status']}: {where}: {reason}{more}", "red", self._console)
         self._progress.advance(self._bars["all"])
         self._progress.advance(self._bars[f"of {trial.optimizer}"])
-        if not self._live and (monotonic() - self._spoken > 15 or self._made == self._left):
-            self._spoken = monotonic()
-            rest = (self._spoken - self._started) / self._made * (self._left - self._made)
+        if not self._live and (monotonic() - self._printed > 15 or self._made == self._left):
+            self._printed = monotonic()
+            rest = (self._printed - self._started) / self._made * (self._left - self._made)
             left = f", about {duration(rest)} left" if self._made < self._left else ""
             print_line(f"{self._made} of {self._left} runs done{left}", console=self._console)
 

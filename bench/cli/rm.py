@@ -30,11 +30,11 @@ def remove(
     ]
     if dry_run:
         cells = [cell for cell in folder.store.cells() if cell.problem in chosen[0] and cell.optimizer in chosen[1]]
-        count = sum(cell.lost if failed else cell.lost + cell.done for cell in cells)
+        count = sum(cell.failed if failed else cell.failed + cell.done for cell in cells)
         print_line(f"{count} trials would be removed")
         return
     with folder.lock(), folder.store.writer() as writer:
-        count = writer.remove(*chosen, lost_only=failed)
+        count = writer.remove(*chosen, failed_only=failed)
     print_line(f"{count} trials removed; 'bench run' into this folder makes them again")
 
 

@@ -107,7 +107,7 @@ def _show_estimate(plan: Plan, jobs: int, console: Console) -> None:
         print_line(f"  {entry.label}: {sum(mine)} to run", console=console)
     seconds, workers = plan.seconds(), cpu_count() if jobs == -1 else jobs
     if seconds is None:
-        said = "no trial is there to tell the time by; run some first, as with --trials 1"
+        estimate = "no trial is there to tell the time by; run some first, as with --trials 1"
     else:
-        said = f"about {duration(seconds / workers)} with {workers} jobs, by the trials that are there"
-    print_line(said, console=console)
+        estimate = f"about {duration(seconds / workers)} with {workers} jobs, by the trials that are there"
+    print_line(estimate, console=console)

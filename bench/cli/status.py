@@ -60,7 +60,7 @@ def summary(folder: Folder) -> Group:
     table = Table("optimizer", "done", "failed", "of", "s a trial", box=None, pad_edge=False)
     for entry in study.optimizers:
         mine = [cell for cell in cells if cell.optimizer == entry.label]
-        done, lost = sum(cell.done for cell in mine), sum(cell.lost for cell in mine)
+        done, lost = sum(cell.done for cell in mine), sum(cell.failed for cell in mine)
         mean = f"{sum(cell.wall_s for cell in mine) / done:.3g}" if done else ""
         planned = len(study.problems) * study.trials
         table.add_row(Text(entry.label), str(done), Text(str(lost), style="red" if lost else ""), str(planned), mean)
@@ -77,15 +77,15 @@ def summary(folder: Folder) -> Group:
 
 def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
     """Return who is running, how fast, and how long it may take."""
-    said = f"running: process {running['pid']} on {running['host']} since {running['started']}"
+    text = f"running: process {running['pid']} on {running['host']} since {running['started']}"
     made = folder.store.made()
     own = [number for number, record in folder.store.environments().items() if record["started"] >= running["started"]]
     count = sum(made.get(number, 0) for number in own)
     if not count:
-        return said
+        return text
     elapsed = (datetime.now(UTC) - datetime.fromisoformat(running["started"])).total_seconds()
     rest = f", about {duration(elapsed / count * left)} for the {left} left" if left else ""
-    return f"{said}; {count} trials made, {count / max(elapsed, 1):.3g} a second{rest}"
+    return f"{text}; {count} trials made, {count / max(elapsed, 1):.3g} a second{rest}"
 
 
 def _failures(folder: Folder) -> list[str]:

@@ -21,7 +21,7 @@ from uuid import uuid4
 from joblib.parallel import ParallelBackendBase
 
 from bench.errors import BenchError, require
-from bench.execution.dask_worker import LOOK, rest, work
+from bench.execution.dask_worker import LOOK, release, work
 from bench.execution.pool import Answer, Pool, WorkerDiedError
 from bench.execution.supervisor import Task
 from bench.storage import provenance
@@ -30,12 +30,12 @@ from bench.trial import Trial
 CONNECT = 10.0  # seconds that a scheduler has to answer
 ARRIVE = 20.0  # seconds that the first worker has to arrive
 RETURN = 600.0  # seconds that a cluster may be without any worker before a run gives up
-BATCH, MOST = 0.5, 100  # seconds of a thread, and trials, that travel together
-AHEAD = 500  # batches under way at least, so that workers which come later find something to do
+BATCH, LARGEST = 0.5, 100  # seconds of a thread, and trials, that travel together
+QUEUED = 500  # batches under way at least, so that workers which come later find something to do
 
 _LOGGERS = ("distributed", "tornado", "asyncio")
 
-Introduction = tuple[str, str]  # a worker's name and host, and its package
+Version = tuple[str, str]  # a worker's name and host, and its package
 
 
 @contextmanager
@@ -50,7 +50,7 @@ def cluster(scheduler: str) -> Iterator[Pool]:
             run another version of this package.
     """
     distributed = require("distributed", "dask", "the dask backend needs")
-    with _quiet():
+    with _logs_silenced():
         client = _connect(distributed.Client, scheduler)
         try:
             jobs = _wait_for_workers(client, scheduler)
@@ -63,7 +63,7 @@ def cluster(scheduler: str) -> Iterator[Pool]:
         finally:
             with suppress(Exception):
                 if client.status == "running":
-                    client.run(rest, on_error="ignore")
+                    client.run(release, on_error="ignore")
                 client.close(timeout=CONNECT)
 
 
@@ -80,9 +80,9 @@ class Cluster(Pool):
 
         self._client, self._scheduler = client, scheduler
         self._futures = _Futures(client, jobs)
-        super().__init__(jobs, max(3 * jobs, AHEAD), backend=self._futures)
+        super().__init__(jobs, max(3 * jobs, QUEUED), backend=self._futures)
         self.work, self.deaths = work, (KilledWorker,)
-        self._gone = (CancelledError, CommClosedError)
+        self._losses = (CancelledError, CommClosedError)
 
     def close(self) -> None:
         """Wait for nothing any more."""
@@ -94,7 +94,7 @@ class Cluster(Pool):
         watch.start()
         try:
             yield from super()._map(task, trials)
-        except self._gone as error:
+        except self._losses as error:
             raise self._lost("is gone, or has dropped this run") from error
         except (BenchError, ImportError):  # a worker that came later
             _refuse_other_versions(self._client)
@@ -131,8 +131,8 @@ class _Futures(ParallelBackendBase):  # type: ignore[misc]
     def __init__(self, client: Any, jobs: int) -> None:
         super().__init__()
         self._client, self.threads = client, jobs
-        self._flying: dict[str, tuple[Any, Callable[[Any], None]]] = {}
-        self._caller = ThreadPoolExecutor(1)  # joblib's callbacks take their time, which is not the event loop's
+        self._pending: dict[str, tuple[Any, Callable[[Any], None]]] = {}
+        self._callbacks = ThreadPoolExecutor(1)  # joblib's callbacks take their time, which is not the event loop's
         self._since, self._made, self._size = monotonic(), 0, 1
 
     def effective_n_jobs(self, n_jobs: int) -> int:  # noqa: ARG002 - the cluster's own number
@@ -147,7 +147,7 @@ class _Futures(ParallelBackendBase):  # type: ignore[misc]
         except Exception:  # the client was closed meanwhile
             callback(CancelledError())
             return None
-        self._flying[key] = future, callback
+        self._pending[key] = future, callback
         self._client.loop.add_callback(self._fetch, key, future)
         return future
 
@@ -166,26 +166,26 @@ class _Futures(ParallelBackendBase):  # type: ignore[misc]
         self._made += batch_size
         passed = monotonic() - self._since
         if passed > LOOK:
-            self._size = min(max(1, int(BATCH * self._made / (passed * self.threads))), MOST)
+            self._size = min(max(1, int(BATCH * self._made / (passed * self.threads))), LARGEST)
             self._since, self._made = monotonic(), 0
 
     def abort_everything(self, ensure_ready: bool = True) -> None:  # noqa: ARG002 - it always is
         """Let go of all batches: the workers drop them, see :func:`work`."""
-        while self._flying:
+        while self._pending:
             with suppress(KeyError, RuntimeError):
-                self._flying.popitem()[1][0].release()
+                self._pending.popitem()[1][0].release()
 
     def fail(self, error: Exception) -> None:
         """Have whoever waits for a batch see an error."""
-        while self._flying:
+        while self._pending:
             with suppress(KeyError, RuntimeError):
-                future, callback = self._flying.popitem()[1]
+                future, callback = self._pending.popitem()[1]
                 future.release()
                 callback(error)
 
     def close(self) -> None:
         """End what calls back."""
-        self._caller.shutdown(wait=False, cancel_futures=True)
+        self._callbacks.shutdown(wait=False, cancel_futures=True)
 
     async def _fetch(self, key: str, future: Any) -> None:
         """Wait for a batch beside the others: a worker may be lost with what it made, which is then made again."""
@@ -197,10 +197,10 @@ class _Futures(ParallelBackendBase):  # type: ignore[misc]
         except asyncio.CancelledError:
             out = CancelledError()
         with suppress(RuntimeError):  # closed: nobody waits
-            self._caller.submit(self._land, key, out)
+            self._callbacks.submit(self._deliver, key, out)
 
-    def _land(self, key: str, out: Any) -> None:
-        _, callback = self._flying.pop(key, (None, None))
+    def _deliver(self, key: str, out: Any) -> None:
+        _, callback = self._pending.pop(key, (None, None))
         if callback is not None:
             callback(out)
 
@@ -251,7 +251,7 @@ def _refuse_other_versions(client: Any) -> None:
     """Raise BenchError where a worker runs another package than this process."""
     own = provenance.package()
 
-    def introduce(dask_worker: Any) -> Introduction:  # sent as code: the worker may have no such module
+    def report_version(dask_worker: Any) -> Version:  # sent as code: the worker may have no such module
         import socket
 
         try:
@@ -262,8 +262,10 @@ def _refuse_other_versions(client: Any) -> None:
             runs = f"no usable backlash-bench ({type(error).__name__}: {error})"
         return f"{dask_worker.name} on {socket.gethostname()}", runs
 
-    found = {f"the worker {address}": said for address, said in client.run(introduce, on_error="return").items()}
-    others = {who: said for who, said in found.items() if not isinstance(said, Exception) and said[1] != own}
+    found = {
+        f"the worker {address}": answer for address, answer in client.run(report_version, on_error="return").items()
+    }
+    others = {who: answer for who, answer in found.items() if not isinstance(answer, Exception) and answer[1] != own}
     if others:
         who, (name, runs) = next(iter(others.items()))
         more = f" ({len(others) - 1} others differ too)" if len(others) > 1 else ""
@@ -273,8 +275,8 @@ def _refuse_other_versions(client: Any) -> None:
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep dask's own log off the terminal: what matters to a run is said in sentences."""
+def _logs_silenced() -> Iterator[None]:
+    """Keep dask's own log off the terminal: what matters to a run is printed in sentences."""
     names = [*_LOGGERS, *(each for each in logging.root.manager.loggerDict if each.startswith(_LOGGERS))]
     levels = {logging.getLogger(name): logging.getLogger(name).level for name in names}
     try:

@@ -43,9 +43,9 @@ def work(task: Task, trial: Trial) -> Answer:
         _threads.end()
 
 
-def rest() -> None:
+def release() -> None:
     """End the trial processes of this worker soon, unless there is something to do for them."""
-    _threads.rest()
+    _threads.release()
 
 
 class _Threads:
@@ -71,7 +71,7 @@ class _Threads:
             del self._busy[get_ident()]
             self._used = monotonic()
 
-    def rest(self) -> None:
+    def release(self) -> None:
         """Note that there may be no more to do."""
         self._used = -inf
 

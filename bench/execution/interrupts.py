@@ -19,45 +19,45 @@ class Interrupts:
     """
 
     def __init__(self) -> None:
-        self.pending = self._open = False
+        self.pending = self._allowed = False
 
-    def arrive(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002 - a signal handler
+    def handle(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002 - a signal handler
         """Take a signal: raise it now, or as soon as the run waits."""
         self.pending = True
-        if self._open:
+        if self._allowed:
             raise KeyboardInterrupt
 
     @contextmanager
-    def welcome(self) -> Iterator[None]:
+    def allowed(self) -> Iterator[None]:
         """Raise KeyboardInterrupt within, for a signal that comes now or came before."""
-        self._open = True
+        self._allowed = True
         try:
             if self.pending:
                 raise KeyboardInterrupt
             yield
         finally:
-            self._open = False
+            self._allowed = False
 
 
 @contextmanager
-def deferred() -> Iterator[Interrupts]:
-    """Yield the interrupts of the signals that raise KeyboardInterrupt, which do so only where they are welcome.
+def interrupts_deferred() -> Iterator[Interrupts]:
+    """Yield the interrupts of the signals that raise KeyboardInterrupt, which do so only where they are allowed.
 
     One that came where no other could raise it does so at the end; any that come after one was raised do nothing.
     """
     interrupts = Interrupts()
-    with _handled(interrupts.arrive, lambda handler: handler is signal.default_int_handler):
+    with _handlers_replaced(interrupts.handle, lambda handler: handler is signal.default_int_handler):
         yield interrupts
     if interrupts.pending:
         raise KeyboardInterrupt
 
 
 @contextmanager
-def undisturbed() -> Iterator[None]:
+def signals_delayed() -> Iterator[None]:
     """Put signals off until the end: what is interrupted while it starts may leave half of it behind."""
     came: set[int] = set()
     try:
-        with _handled(lambda number, _: came.add(number), callable):
+        with _handlers_replaced(lambda number, _: came.add(number), callable):
             yield
     finally:
         for number in came:
@@ -65,7 +65,7 @@ def undisturbed() -> Iterator[None]:
 
 
 @contextmanager
-def _handled(handler: Handler, concerns: Callable[[object], bool]) -> Iterator[None]:
+def _handlers_replaced(handler: Handler, concerns: Callable[[object], bool]) -> Iterator[None]:
     """Have the handler take the signals whose present handlers it concerns; only a main thread has any."""
     main = current_thread() is main_thread()
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM) if main}

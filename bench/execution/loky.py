@@ -25,7 +25,7 @@ def processes(jobs: int) -> Iterator[Pool]:
     """Yield worker processes of this machine, which end with the context; -1 takes every core."""
     jobs = cpu_count() if jobs == -1 else jobs
     try:
-        yield Loky(jobs, 2 * jobs, "loky", initializer=supervisor.attend, initargs=(os.getpid(),))
+        yield Loky(jobs, 2 * jobs, "loky", initializer=supervisor.end_with_parent, initargs=(os.getpid(),))
     finally:
         supervisor.close()  # a single job is made in this process
         if jobs != 1:
@@ -48,7 +48,7 @@ class Loky(Pool):
     def _start(self) -> None:
         # Workers that inherit a blocked Ctrl-C are deaf to it from the first: it is the parent's to answer.
         resource_tracker.ensure_running()  # it lets through what is held, when it starts
-        with _held(signal.SIGINT):
+        with _blocked(signal.SIGINT):
             Parallel()([delayed(abs)(0)])
 
 
@@ -63,7 +63,7 @@ def _shut_down() -> None:
 
 
 @contextmanager
-def _held(number: int) -> Iterator[None]:
+def _blocked(number: int) -> Iterator[None]:
     """Hold a signal back; processes that are started meanwhile never see it."""
     if not hasattr(signal, "pthread_sigmask"):
         yield

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import islice
 
 from bench.errors import BenchError
-from bench.storage.store import Cell, Keys
+from bench.storage.store import CellCounts, Keys
 from bench.study import Study
 from bench.trial import Trial
 
@@ -48,7 +48,7 @@ class Plan:
     study: Study
     shard: Shard | None
     finished: Keys
-    cells: Sequence[Cell] = ()
+    cells: Sequence[CellCounts] = ()
     notes: Sequence[str] = ()
 
     def trials(self) -> Iterator[Trial]:
@@ -86,7 +86,7 @@ class Plan:
         Returns:
             None where no trial is stored to go by.
         """
-        groups: dict[tuple[str, ...], list[Cell]] = defaultdict(list)
+        groups: dict[tuple[str, ...], list[CellCounts]] = defaultdict(list)
         for cell in self.cells:
             if cell.done:
                 for group in ((cell.problem, cell.optimizer), (cell.optimizer,), ()):

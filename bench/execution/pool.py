@@ -9,7 +9,7 @@ from typing import Any
 
 from joblib import Parallel, delayed, parallel_config
 
-from bench.execution.interrupts import undisturbed
+from bench.execution.interrupts import signals_delayed
 from bench.execution.supervisor import Task
 from bench.trial import Row, Trial
 
@@ -70,7 +70,7 @@ class Pool:
     def _map(self, task: Task, trials: Iterable[Trial]) -> Iterator[Answer]:
         """Yield answers until there are no more trials; short trials travel in batches."""
         with parallel_config(n_jobs=self.jobs, backend=self._backend, **self._options), ExitStack() as ending:
-            with undisturbed():  # an interrupt while joblib hands out work would leave it in pieces
+            with signals_delayed():  # an interrupt while joblib hands out work would leave it in pieces
                 self._start()
                 parallel = Parallel(return_as="generator_unordered", batch_size="auto", pre_dispatch=self.window)
                 answers = parallel(delayed(self.work)(task, trial) for trial in trials)

@@ -12,7 +12,7 @@ from typing import Any
 
 from bench.execution import supervisor
 from bench.execution.backends import open_pool
-from bench.execution.interrupts import Interrupts, deferred
+from bench.execution.interrupts import Interrupts, interrupts_deferred
 from bench.execution.plan import Plan, Shard
 from bench.execution.pool import Answer
 from bench.execution.supervisor import Task
@@ -73,8 +73,8 @@ def run(
     _check_limits(n_jobs, timeout, memory)
     part, study = _part(shard), _study(study)
     folder = _folder(study, output)
-    with deferred() as interrupts, ExitStack() as held:
-        with interrupts.welcome():  # plug-ins or a cluster may keep one waiting
+    with interrupts_deferred() as interrupts, ExitStack() as held:
+        with interrupts.allowed():  # plug-ins or a cluster may keep one waiting
             held.callback(supervisor.close)
             found = prepare(study, folder, keep=n_jobs == 1)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
@@ -87,7 +87,7 @@ def run(
         about = provenance.run(study, found, pool.jobs, backend, timeout=timeout, shard=shard)
         task = Task(study.to_toml(), timeout, _bytes(memory, pool.jobs, backend))
         made = _make(plan, folder, pool.answers(task, plan.missing), about, interrupts, on_trial)
-        return Outcome(folder.path, made, sum(cell.lost for cell in folder.store.cells()))
+        return Outcome(folder.path, made, sum(cell.failed for cell in folder.store.cells()))
 
 
 def plan(
@@ -158,7 +158,7 @@ def _make(
     with folder.store.writer() as writer:
         try:
             while True:
-                with interrupts.welcome():
+                with interrupts.allowed():
                     answer = next(answers, None)
                 if answer is None:
                     return made

@@ -57,9 +57,9 @@ def work(task: Task, trial: Trial) -> tuple[Trial, Row, str]:
     Raises:
         BenchError: when this worker has another version of the package than the parent.
     """
-    require(task.package)
-    keeper = _keeper(task)
-    return trial, keeper.make(trial), keeper.machine()
+    require_same_package(task.package)
+    supervisor = _supervisor(task)
+    return trial, supervisor.make(trial), supervisor.machine()
 
 
 def check(task: Task, *, keep: bool = False) -> Fingerprints:
@@ -75,7 +75,7 @@ def check(task: Task, *, keep: bool = False) -> Fingerprints:
     """
     loading = "loading the study's problems and optimizers"
     try:
-        found = _keeper(task).check()
+        found = _supervisor(task).check()
     except SilentError as error:
         raise BenchError(
             f"{loading} hangs: no sign of life for {error}; try each with 'bench solve' to find which"
@@ -90,7 +90,7 @@ def check(task: Task, *, keep: bool = False) -> Fingerprints:
     return Fingerprints(*found)
 
 
-def require(package: str) -> None:
+def require_same_package(package: str) -> None:
     """Raise BenchError where this process runs another package than the one named."""
     own = provenance.package()
     if own != package:
@@ -99,7 +99,7 @@ def require(package: str) -> None:
         )
 
 
-def attend(parent: int) -> None:
+def end_with_parent(parent: int) -> None:
     """End this worker when its parent is gone, killed while this one waits, say; Ctrl-C is the parent's."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
@@ -113,47 +113,47 @@ def attend(parent: int) -> None:
 
 def close() -> None:
     """End the trial processes of all this process's threads."""
-    for keeper in list(_keepers.values()):
-        keeper.close()
+    for supervisor in list(_supervisors.values()):
+        supervisor.close()
 
 
-def _keeper(task: Task) -> _Keeper:
-    """Return this thread's keeper, set to the task."""
+def _supervisor(task: Task) -> _Supervisor:
+    """Return this thread's supervisor, set to the task."""
     me = threading.get_ident()
-    keeper = _keepers.get(me)
-    if keeper is None:
-        keeper = _keepers[me] = _Keeper(task)
-    elif keeper.task != task:
-        keeper.take(task)
-    return keeper
+    supervisor = _supervisors.get(me)
+    if supervisor is None:
+        supervisor = _supervisors[me] = _Supervisor(task)
+    elif supervisor.task != task:
+        supervisor.set_task(task)
+    return supervisor
 
 
-class _Keeper:
+class _Supervisor:
     """Keeps one trial process for one thread, and starts another one when it is lost."""
 
     def __init__(self, task: Task) -> None:
         self.task = task
         self._process: Process | None = None
-        self._prepared: set[tuple[str, str]] = set()  # cells, in the process as it is
-        self._late: set[tuple[str, str]] = set()  # cells whose warm-up took too long: they go on without
+        self._ready: set[tuple[str, str]] = set()  # cells, in the process as it is
+        self._slow_to_warm: set[tuple[str, str]] = set()  # cells whose warm-up took too long: they go on without
         self._machine = ""
         self._next_look = 0.0  # at the process's memory
 
-    def take(self, task: Task) -> None:
+    def set_task(self, task: Task) -> None:
         """Make trials of another task, in the same process where that will do."""
         if task.hash_seed != self.task.hash_seed:
             self.close()
         if task.study != self.task.study:
             self._machine = ""
-            self._prepared.clear()
-            self._late.clear()
+            self._ready.clear()
+            self._slow_to_warm.clear()
         self.task = task
 
     def check(self) -> Any:
         """Return the answer of :func:`trial_process.check`; a process that is killed from outside is replaced."""
         for left in reversed(range(DEATHS)):
             try:
-                return self._ask(trial_process.check, patience=CHECKING)
+                return self._call(trial_process.check, patience=CHECKING)
             except DiedError as error:
                 self.close()
                 if error.code not in KILLED or not left:
@@ -163,7 +163,7 @@ class _Keeper:
     def close(self) -> None:
         """End the process; another thread than the one that works with it may do so, too."""
         process, self._process = self._process, None  # first of all: the other one may start a new one meanwhile
-        self._prepared.clear()
+        self._ready.clear()
         if process is not None:
             process.close()
 
@@ -172,7 +172,7 @@ class _Keeper:
         if not self._machine:
             sound = False
             try:
-                self._machine, sound = self._ask(trial_process.describe, patience=self._patience(LOADING))
+                self._machine, sound = self._call(trial_process.describe_machine, patience=self._patience(LOADING))
             except (SilentError, DiedError, RemoteError, MemoryExceededError):
                 self._machine = json.dumps(provenance.machine())
             finally:
@@ -193,20 +193,20 @@ class _Keeper:
         doing, sound = "", False
         try:
             self.machine()
-            if cell not in self._prepared:
+            if cell not in self._ready:
                 doing = "while its plug-ins were loaded"
-                self._ask(trial_process.load, *cell, patience=self._patience(LOADING))
-                if cell not in self._late:
+                self._call(trial_process.load, *cell, patience=self._patience(LOADING))
+                if cell not in self._slow_to_warm:
                     doing = "in its warm-up, a short trial before the first"
-                    self._late.add(cell)
-                    self._ask(trial_process.warm_up, *cell, patience=self._patience(at_least=WARMING))
-                    self._late.discard(cell)
-                self._prepared.add(cell)
+                    self._slow_to_warm.add(cell)
+                    self._call(trial_process.warm_up, *cell, patience=self._patience(at_least=WARMING))
+                    self._slow_to_warm.discard(cell)
+                self._ready.add(cell)
             doing = ""
             began = monotonic()
-            row, sound = self._ask(trial_process.make, trial, patience=timeout)
+            row, sound = self._call(trial_process.make, trial, patience=timeout)
             sound = sound and not self._is_full(monotonic() - began)
-            return self._judge(row)
+            return self._checked(row)
         except SilentError as error:
             where = (
                 f"{doing}, after {error} without a sign of life" if doing else f"after {error}, the limit of a trial"
@@ -217,14 +217,14 @@ class _Keeper:
         except DiedError as error:
             if error.code in KILLED and not last:
                 return None
-            return failed(_obituary(error))
+            return failed(_why_it_ended(error))
         except RemoteError as error:
             return failed(str(error))
         finally:
             if not sound:
                 self.close()
 
-    def _judge(self, row: Row) -> Row:
+    def _checked(self, row: Row) -> Row:
         """Return the row of a trial as it came, or why it cannot stand."""
         process = self._process  # another thread may close it
         if row["status"] == "ok" and process is not None and process.printed > PRINTED:
@@ -242,22 +242,22 @@ class _Keeper:
     def _patience(self, beside: float = 0.0, at_least: float = 0.0) -> float | None:
         return None if self.task.timeout is None else max(self.task.timeout + beside, at_least)
 
-    def _ask(self, function: Any, *arguments: Any, patience: float | None) -> Any:
+    def _call(self, function: Any, *arguments: Any, patience: float | None) -> Any:
         process = self._process
         if process is None:
             process = self._process = Process(self.task.hash_seed)
         return process.call(function, self.task.study, *arguments, patience=patience, memory=self.task.memory)
 
 
-def _obituary(error: DiedError) -> str:
+def _why_it_ended(error: DiedError) -> str:
     """Return why a trial's process ended."""
     if error.code == trial_process.STILL_ASKING:
         return "went on asking for values after its budget was spent; let BudgetExhausted pass"
     if error.code == UNANSWERABLE:
         return "closed files that are not its own, by which its process answers"
     twice = " twice; the machine may be short of memory" if error.code in KILLED else ""
-    words = f"\n{error.last_words}" if error.last_words else ""
-    return f"its process ended with {error}{twice}{words}"
+    output = f"\n{error.end_of_output}" if error.end_of_output else ""
+    return f"its process ended with {error}{twice}{output}"
 
 
-_keepers: dict[int, _Keeper] = {}
+_supervisors: dict[int, _Supervisor] = {}

@@ -47,9 +47,9 @@ class Verification:
         """All of it in one sentence."""
         same = self.trials - len(self.different)
         workers = f"{self.jobs} worker{'s' if self.jobs > 1 else ''}"
-        said = f"{same:,} of {self.trials:,} trials of {self.cells:,} cells are the same bit by bit"
+        same_bits = f"{same:,} of {self.trials:,} trials of {self.cells:,} cells are the same bit by bit"
         other = f", though in another environment ({'; '.join(self.notes)})" if self.notes else ""
-        return f"{said} with {workers} and another PYTHONHASHSEED{other}"
+        return f"{same_bits} with {workers} and another PYTHONHASHSEED{other}"
 
     def lines(self) -> Iterator[str]:
         """Yield a line for every trial that came out otherwise."""

@@ -95,16 +95,16 @@ def _parameters(kind: type[Optimizer]) -> list[Parameter]:
     hints = get_type_hints(kind)
     return [
         Parameter(
-            field.name, field.default, _spell(hints[field.name]),
+            field.name, field.default, _type_name(hints[field.name]),
             field.metadata.get("minimum"), field.metadata.get("maximum"),
         )
         for field in dataclasses.fields(kind)  # type: ignore[arg-type]
     ]  # fmt: skip
 
 
-def _spell(hint: Any) -> str:
+def _type_name(hint: Any) -> str:
     if get_origin(hint) is Literal:
         return " | ".join(repr(choice) for choice in get_args(hint))
     if get_origin(hint) in (Union, types.UnionType):
-        return " | ".join(_spell(option) for option in get_args(hint))
+        return " | ".join(_type_name(option) for option in get_args(hint))
     return "None" if hint is type(None) else str(getattr(hint, "__name__", hint))

@@ -59,11 +59,11 @@ def _optimizer(name: str, attribute: str, path: Path, fingerprint: str) -> type[
         return of_function(found, name, load_optimizer, fingerprint=fingerprint)
     if attribute in vars(module):
         raise BenchError(f"{attribute!r} of {path} is neither an Optimizer subclass nor a function")
-    own = [key for key, value in vars(module).items() if _offers(module, value)]
+    own = [key for key, value in vars(module).items() if _is_own_optimizer(module, value)]
     raise BenchError(f"{path} holds no optimizer called {attribute!r}{nearest(attribute, own)}")
 
 
-class _Unkept(SourceFileLoader):
+class _UncachedLoader(SourceFileLoader):
     """Compiles the source each time: kept bytecode may be that of another version of the same second and size."""
 
     def get_code(self, fullname: str) -> CodeType:  # noqa: ARG002 - a loader's signature
@@ -74,7 +74,7 @@ class _Unkept(SourceFileLoader):
 def _module(path: Path, fingerprint: str) -> ModuleType:
     """Run the file as a module of its own; modules that lie beside it can be imported from it."""
     name = f"bench_file_{path.stem}_{fingerprint}"  # an edited file is loaded anew
-    spec = spec_from_file_location(name, path, loader=_Unkept(name, str(path)))
+    spec = spec_from_file_location(name, path, loader=_UncachedLoader(name, str(path)))
     if spec is None or spec.loader is None:
         raise BenchError(f"the optimizer file {path} cannot be read as Python")
     module = module_from_spec(spec)
@@ -89,6 +89,6 @@ def _module(path: Path, fingerprint: str) -> ModuleType:
     return module
 
 
-def _offers(module: ModuleType, value: object) -> bool:
+def _is_own_optimizer(module: ModuleType, value: object) -> bool:
     mine = getattr(value, "__module__", None) == module.__name__
     return mine and (inspect.isfunction(value) or (isinstance(value, type) and issubclass(value, Optimizer)))

@@ -32,7 +32,7 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
     if isinstance(plugin, type) and issubclass(plugin, Optimizer) and not colon:
         return build(plugin, name, options)
     if isinstance(plugin, registry.Family) and colon:
-        loaded = _ask(plugin.load, name, options)
+        loaded = _call_loader(plugin.load, name, options)
         if isinstance(loaded, Optimizer):
             return loaded
     if registry.is_family(plugin):
@@ -51,7 +51,7 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     prefix, colon, _ = name.partition(":")
     families = registry.entries("problems")
     if colon and prefix in families:
-        return _problem(_ask(registry.load("problems", prefix).load, name, options), name)
+        return _problem(_call_loader(registry.load("problems", prefix).load, name, options), name)
     for family in sorted(families, key=lambda family: not name.startswith(family)):
         try:
             plugin = registry.load("problems", family)
@@ -61,11 +61,11 @@ def load_problem(name: str, /, **options: Any) -> Problem:
                 raise BenchError(f"problem {name!r} cannot be looked up: {_first_line(error)}") from error
             continue
         if mine:
-            return _problem(_ask(plugin.load, name, options), name)
+            return _problem(_call_loader(plugin.load, name, options), name)
     raise BenchError(f"unknown problem {name!r}{nearest(name, registry.problem_names())}")
 
 
-def _ask(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:
+def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:
     """Call a family's loader; what a stranger's code raises becomes one sentence."""
     try:
         return loader(name, **options)

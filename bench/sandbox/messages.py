@@ -14,7 +14,7 @@ _CRASH = re.compile(r"^Fatal Python error: .*$", re.MULTILINE)
 _FRAME = re.compile(r'^  File ".*$', re.MULTILINE)
 
 
-def spell(error: BaseException) -> str:
+def describe_error(error: BaseException) -> str:
     """Return an exception as one printable line of about 300 characters: its type, and what it says."""
     try:
         said = (str(error)[: 10 * _LONGEST].strip() or "no message").splitlines()[0]
@@ -23,7 +23,7 @@ def spell(error: BaseException) -> str:
     return printable(f"{type(error).__name__}: {said}".replace("\n", " "), _LONGEST)
 
 
-def last_words(written: bytes) -> str:
+def end_of_output(written: bytes) -> str:
     """Return the useful end of what a process wrote to its standard error: of a crash, its kind and place.
 
     The place is what :mod:`faulthandler` tells of the thread that crashed, cut to its innermost frames.

@@ -17,7 +17,7 @@ from time import monotonic
 from types import TracebackType
 from typing import IO, Any
 
-from bench.sandbox.messages import last_words, spell
+from bench.sandbox.messages import describe_error, end_of_output
 from bench.sandbox.server import UNANSWERABLE, receive, send
 
 # The pipes are put out of the reach of what is called before anything is imported; prints go to standard error.
@@ -40,7 +40,7 @@ _ONE_THREAD = dict.fromkeys(
 )  # fmt: skip
 
 _LOOK = 0.2  # seconds between looks at a process that is at work: is it there, and how large is it?
-_FAMILY = 1.0  # seconds, at least, between looks for the processes that it started
+_TREE_LOOK = 1.0  # seconds, at least, between looks for the processes that it started
 _GRACE = 0.5  # seconds for what a process that has ended left in its pipes
 _TAIL = 1 << 15  # bytes kept of standard error: a crash tells 100 frames and all extension modules
 _DIRECT = 4096  # bytes that a pipe takes at once, whether or not anyone reads it
@@ -62,12 +62,12 @@ class DiedError(RuntimeError):
 
     Attributes:
         code: its exit code, minus the signal where one ended it.
-        last_words: the end of what it printed, in lines; of a crash, its kind and place.
+        end_of_output: the end of what it printed, in lines; of a crash, its kind and place.
     """
 
-    def __init__(self, code: int, last_words: str = "") -> None:
-        super().__init__(code, last_words)
-        self.code, self.last_words = code, last_words
+    def __init__(self, code: int, end_of_output: str = "") -> None:
+        super().__init__(code, end_of_output)
+        self.code, self.end_of_output = code, end_of_output
 
     def __str__(self) -> str:
         number = -self.code
@@ -100,12 +100,12 @@ class Process:
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=self._leads,
             creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
         )  # fmt: skip
-        self._calls, self._before, self._ended = 0, 0, False
+        self._calls, self._printed_before, self._ended = 0, 0, False
         self._messages, self._output = SimpleQueue[_Message](), _Output()
         self._listener = _start(_listen, self._process.stdout, self._messages)
-        self._drain = _start(_keep_end, self._process.stderr, self._output)
+        self._drain = _start(_keep_tail, self._process.stderr, self._output)
         self._sender: Thread | None = None
-        self._family = _Family(self._process.pid)
+        self._tree = _ProcessTree(self._process.pid)
 
     def __enter__(self) -> Process:
         return self
@@ -124,12 +124,12 @@ class Process:
     @property
     def resident(self) -> int:
         """Bytes of memory that it and all it started hold; what they share counts for each."""
-        return self._family.resident()
+        return self._tree.resident()
 
     @property
     def printed(self) -> int:
         """Bytes that the last call wrote to standard output and error, but for those still in the pipe."""
-        return self._output.total - self._before
+        return self._output.total - self._printed_before
 
     def close(self) -> None:
         """End the process and whatever it started."""
@@ -170,24 +170,24 @@ class Process:
         """
         self.pulse = None
         self._calls += 1
-        self._before = self._output.total
+        self._printed_before = self._output.total
         self._send(pickle.dumps((function, arguments)))
         limit = inf if patience is None else patience
-        heard = monotonic()
-        look = heard + _LOOK
+        last_sign = monotonic()
+        look = last_sign + _LOOK
         while True:
             try:
-                message = self._messages.get(timeout=max(0.0, min(look, heard + limit) - monotonic()))
+                message = self._messages.get(timeout=max(0.0, min(look, last_sign + limit) - monotonic()))
             except Empty:
-                if monotonic() >= heard + limit:
+                if monotonic() >= last_sign + limit:
                     self._end()
                     raise SilentError(f"{patience:g} s") from None
             else:
                 if message is None:
-                    raise self._death()
+                    raise self._died_error()
                 number, payload = message
                 if number == self._calls:  # and not of a call that was left by an interrupt
-                    heard = monotonic()
+                    last_sign = monotonic()
                     kind, value = _load(payload)
                     if kind != "pulse":
                         self._output.tail.clear()  # no last words after all
@@ -198,7 +198,7 @@ class Process:
                     if on_pulse is not None:
                         on_pulse(*value)
             if monotonic() >= look:
-                self._look(memory)
+                self._inspect(memory)
                 look = monotonic() + _LOOK
 
     def _send(self, call: bytes) -> None:
@@ -209,7 +209,7 @@ class Process:
             else:  # a process that hangs may leave it unread
                 self._sender = _start(_send, pipe, self._calls, call)
 
-    def _look(self, memory: int | None) -> None:
+    def _inspect(self, memory: int | None) -> None:
         """See to a process that is silent because it ended, or has grown too large."""
         if not self.alive:
             self._listener.join(_GRACE)
@@ -220,24 +220,24 @@ class Process:
                 f"it held {held / 1e6:,.0f} MB of memory, where {memory / 1e6:,.0f} MB are allowed"
             )
 
-    def _death(self) -> DiedError:
+    def _died_error(self) -> DiedError:
         code = UNANSWERABLE  # of a process that only closed its pipe
         with suppress(subprocess.TimeoutExpired):
             code = self._process.wait(_GRACE)
         self._end()
         self._drain.join(_GRACE)
-        return DiedError(code, last_words(bytes(self._output.tail)))
+        return DiedError(code, end_of_output(bytes(self._output.tail)))
 
     def _end(self) -> None:
         if self._ended:  # its number may be another's by now
             return
-        self._family.look()
+        self._tree.look()
         with suppress(OSError):
             if self._leads:
                 os.killpg(self._process.pid, signal.SIGKILL)
             else:
                 self._process.kill()
-        self._family.kill()
+        self._tree.kill()
         self._ended = True
         with suppress(subprocess.TimeoutExpired):  # one that waits for a dead disk cannot be ended
             self._process.wait(10 * _GRACE)
@@ -250,7 +250,7 @@ class _Output:
         self.total, self.tail = 0, bytearray()
 
 
-class _Family:
+class _ProcessTree:
     """A process and all that it started, also in sessions of their own."""
 
     def __init__(self, pid: int) -> None:
@@ -271,7 +271,7 @@ class _Family:
             if self._first is not None:
                 self._members.update((self._first, *self._first.children(recursive=True)))
         now = monotonic()
-        self._next = now + max(_FAMILY, 50 * (now - began))  # it reads a file of every process of the machine
+        self._next = now + max(_TREE_LOOK, 50 * (now - began))  # it reads a file of every process of the machine
 
     def resident(self) -> int:
         """Return the bytes of memory that the members hold."""
@@ -303,7 +303,7 @@ def _listen(pipe: IO[bytes], messages: SimpleQueue[_Message]) -> None:
     messages.put(None)
 
 
-def _keep_end(pipe: IO[bytes], output: _Output) -> None:
+def _keep_tail(pipe: IO[bytes], output: _Output) -> None:
     with pipe, suppress(OSError):
         while chunk := os.read(pipe.fileno(), 1 << 16):
             output.total += len(chunk)
@@ -320,4 +320,4 @@ def _load(payload: bytes) -> Any:
     try:
         return pickle.loads(payload)
     except Exception as error:
-        return "error", f"its answer cannot be read: {spell(error)}"
+        return "error", f"its answer cannot be read: {describe_error(error)}"

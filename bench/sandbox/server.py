@@ -14,7 +14,7 @@ from queue import SimpleQueue
 from threading import Lock, Thread
 from time import monotonic
 
-from bench.sandbox.messages import spell
+from bench.sandbox.messages import describe_error
 
 UNANSWERABLE = 88
 """The exit code of a process that cannot answer, as what it called has closed the pipe."""
@@ -58,7 +58,7 @@ def serve(calls: int, answers: int, owner: int) -> None:
         owner: the number of the process whose main thread started this one; 0 where another thread did.
     """
     faulthandler.enable(all_threads=False)
-    _bind(owner)
+    _end_with_owner(owner)
     channel, made = _Channel(answers), SimpleQueue[tuple[int, bytes]]()
     Thread(target=_listen, args=(calls, made), daemon=True).start()
     while True:  # in the main thread, where plug-ins expect to be imported and run
@@ -71,10 +71,10 @@ def _answer(call: bytes, pulse: _Pulse) -> bytes:
         function, arguments = pickle.loads(call)
         return pickle.dumps(("answer", function(*arguments, pulse=pulse)))
     except BaseException as error:  # a plug-in may raise KeyboardInterrupt or GeneratorExit too
-        return pickle.dumps(("error", spell(error)))
+        return pickle.dumps(("error", describe_error(error)))
 
 
-def _bind(owner: int) -> None:
+def _end_with_owner(owner: int) -> None:
     """Have the kernel end this process before its owner, and with it even where native code keeps the interpreter."""
     with suppress(OSError):  # the first to go where the machine is out of memory
         Path("/proc/self/oom_score_adj").write_text("1000")
@@ -111,11 +111,11 @@ class _Channel:
         if os.getpid() != self._process:
             os._exit(0)
         try:
-            self.tell(number, payload)
+            self.write(number, payload)
         except OSError:
             os._exit(UNANSWERABLE)
 
-    def tell(self, number: int, payload: bytes) -> None:
+    def write(self, number: int, payload: bytes) -> None:
         """Send anything, from any thread."""
         if os.getpid() == self._process:
             with self._lock:
@@ -131,4 +131,4 @@ class _Pulse:
     def __call__(self, made: int, budget: int) -> None:
         if made == budget or monotonic() >= self._next:
             self._next = monotonic() + _PULSE
-            self._channel.tell(self._number, pickle.dumps(("pulse", (int(made), int(budget)))))
+            self._channel.write(self._number, pickle.dumps(("pulse", (int(made), int(budget)))))

@@ -28,7 +28,7 @@ import psutil
 
 from bench import objective, seeds, trial
 
-_FAREWELL = 0.1  # seconds that threads and processes have to end after their trial
+_GRACE = 0.1  # seconds that threads and processes have to end after their trial
 _SIGNALS = [
     getattr(signal, name)
     for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM", "SIGUSR1", "SIGUSR2", "SIGCHLD", "SIGPIPE")
@@ -41,7 +41,7 @@ _SHARED: tuple[Any, ...] = (
 """Namespaces on which everyone's results rest."""
 
 
-class Leftovers:
+class SideEffects:
     """A context for strangers' code, which holds at its end what the code left behind.
 
     Attributes:
@@ -56,7 +56,7 @@ class Leftovers:
         self.threads = self.processes = 0
         self.lasting = False
 
-    def __enter__(self) -> Leftovers:
+    def __enter__(self) -> SideEffects:
         self._threads, self._thread_count = set(threading.enumerate()), _thread._count()
         self._folder = _folder()
         self._stack = ExitStack()
@@ -65,34 +65,34 @@ class Leftovers:
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        _known.put_back()
+        _baseline.restore()
         if _folder() != self._folder:
             os.chdir(self._folder)
         self._stack.close()
-        deadline = time.monotonic() + _FAREWELL
+        deadline = time.monotonic() + _GRACE
         for each in set(threading.enumerate()) - self._threads:
             each.join(max(0.0, deadline - time.monotonic()))
         self.threads = max(0, _thread._count() - self._thread_count)
-        self.processes = _children(deadline)
+        self.processes = _left_running(deadline)
         self.random = [name for name, state in seeds.global_states().items() if state != _STATES[name]]
         if self.random:
-            _set_random()
-        _known.lost |= bool(self.threads or self.processes) or _known.changed()
-        self.lasting = _known.lost
+            _reset_random()
+        _baseline.altered |= bool(self.threads or self.processes) or _baseline.changed()
+        self.lasting = _baseline.altered
 
 
-def accept() -> bool:
+def set_baseline() -> bool:
     """Take the process as it is now for the way it should be, as after an import; return whether it can be.
 
     It cannot where what others rest on was replaced.
     """
-    _set_random()
-    _known.lost |= _replaced()
-    _known.renew()
-    return not _known.lost
+    _reset_random()
+    _baseline.altered |= _is_replaced()
+    _baseline.record()
+    return not _baseline.altered
 
 
-class _Known:
+class _Baseline:
     """The process as it should be.
 
     Attributes:
@@ -100,21 +100,21 @@ class _Known:
     """
 
     def __init__(self) -> None:
-        self.lost = False
-        self.renew()
+        self.altered = False
+        self.record()
 
-    def renew(self) -> None:
+    def record(self) -> None:
         """Take it as it is."""
         self._recursion, self._path, self._path_items = sys.getrecursionlimit(), sys.path, list(sys.path)
         self._tracer = sys.gettrace()
         self._gc = gc.isenabled(), gc.get_threshold()
-        self._environment, self._raw = dict(os.environ), dict(_raw())
+        self._environment, self._raw_environment = dict(os.environ), dict(_raw_environment())
         self._streams = sys.stdin, sys.stdout, sys.stderr
         self._handlers = {number: signal.getsignal(number) for number in _SIGNALS}
         self._modules = dict(sys.modules)
-        self._held = _held()
+        self._system_state = _system_state()
 
-    def put_back(self) -> None:
+    def restore(self) -> None:
         """Undo what can be undone."""
         sys.setrecursionlimit(self._recursion)  # first of all: what follows takes some depth
         if sys.gettrace() is not self._tracer:
@@ -126,7 +126,7 @@ class _Known:
             sys.path[:] = self._path_items
         (gc.enable if self._gc[0] else gc.disable)()
         gc.set_threshold(*self._gc[1])
-        if _raw() != self._raw:
+        if _raw_environment() != self._raw_environment:
             os.environ.clear()
             os.environ.update(self._environment)
         sys.stdin, sys.stdout, sys.stderr = self._streams
@@ -141,18 +141,18 @@ class _Known:
         lost = self._modules != sys.modules and _lacks(sys.modules, self._modules)
         if len(self._modules) != len(sys.modules):
             self._modules = dict(sys.modules)
-        return lost or self._held != _held() or _replaced()
+        return lost or self._system_state != _system_state() or _is_replaced()
 
 
-def _raw() -> Mapping[Any, Any]:
+def _raw_environment() -> Mapping[Any, Any]:
     """Return the environment's variables undecoded: to decode them takes as long as a short trial."""
     found: Mapping[Any, Any] = getattr(os.environ, "_data", os.environ)
     return found
 
 
-def _set_random() -> None:
-    random.setstate(_PYTHON)
-    np.random.set_state(_NUMPY)  # noqa: NPY002
+def _reset_random() -> None:
+    random.setstate(_PYTHON_STATE)
+    np.random.set_state(_NUMPY_STATE)  # noqa: NPY002
 
 
 def _folder() -> str:
@@ -161,7 +161,7 @@ def _folder() -> str:
     return ""
 
 
-def _held() -> tuple[Any, ...]:
+def _system_state() -> tuple[Any, ...]:
     """Return what the process has from the system: its standard files, limits and priority."""
     files = [_identity(number) for number in range(3)]
     closed = [getattr(stream, "closed", True) for stream in (sys.stdin, sys.stdout, sys.stderr)]
@@ -185,9 +185,9 @@ def _limits() -> list[Callable[[], Any]]:
     return [lambda: [resource.getrlimit(kind) for kind in kinds], lambda: os.getpriority(os.PRIO_PROCESS, 0)]
 
 
-def _replaced() -> bool:
+def _is_replaced() -> bool:
     """Return whether a function or class that results rest on is another one by now."""
-    for namespace, names, seen in _ORIGINAL:
+    for namespace, names, seen in _ORIGINALS:
         if vars(namespace) != seen:
             if _lacks(vars(namespace), names):
                 return True
@@ -201,7 +201,7 @@ def _lacks(current: Mapping[str, Any], known: Mapping[str, Any]) -> bool:
     return not all(map(is_, map(current.get, known), known.values()))
 
 
-def _children(deadline: float) -> int:
+def _left_running(deadline: float) -> int:
     """Return how many processes started from this one run on; multiprocessing's own trackers of resources do not count.
 
     Those that have ended are buried.
@@ -214,21 +214,21 @@ def _children(deadline: float) -> int:
                 pass
         except ChildProcessError:
             return 0
-        running = sum(map(_is_stranger, psutil.Process().children(recursive=True)))
+        running = sum(map(_counts, psutil.Process().children(recursive=True)))
         if not running or time.monotonic() >= deadline:
             return running
-        time.sleep(_FAREWELL / 10)
+        time.sleep(_GRACE / 10)
 
 
-def _is_stranger(process: psutil.Process) -> bool:
+def _counts(process: psutil.Process) -> bool:
     with suppress(psutil.Error):
         return process.status() != psutil.STATUS_ZOMBIE and not any("resource_tracker" in w for w in process.cmdline())
     return False
 
 
 _LIMITS = _limits()
-_PYTHON, _NUMPY, _STATES = random.getstate(), np.random.get_state(), seeds.global_states()  # noqa: NPY002
-_ORIGINAL = [
+_PYTHON_STATE, _NUMPY_STATE, _STATES = random.getstate(), np.random.get_state(), seeds.global_states()  # noqa: NPY002
+_ORIGINALS = [
     (each, {name: value for name, value in vars(each).items() if callable(value)}, dict(vars(each))) for each in _SHARED
 ]
-_known = _Known()
+_baseline = _Baseline()

@@ -48,7 +48,7 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
                 new, old = _copy(source, writer)
                 added, same = added + new, same + old
         target.write_environments()
-        rows = sum(cell.done + cell.lost for cell in target.store.cells())
+        rows = sum(cell.done + cell.failed for cell in target.store.cells())
     return Merged(rows, added, same)
 
 
@@ -68,7 +68,7 @@ def _copy(source: Folder, writer: Writer) -> tuple[int, int]:
     """Add a folder's trials; return how many were added, and how many were there."""
     numbers = {number: writer.environment(record) for number, record in source.store.environments().items()}
     added = same = 0
-    with writer.at_once():
+    with writer.transaction():
         for row in source.store.rows(traces=True):
             present = writer.find(row["problem"], row["optimizer"], row["trial"])
             if present is None or (present["status"] != "ok" and row["status"] == "ok"):

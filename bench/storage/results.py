@@ -25,7 +25,7 @@ AnyPath = str | PathLike[str]
 
 
 @dataclasses.dataclass(frozen=True)
-class Known:
+class ProblemFacts:
     """What results may be measured against, as far as the problem can be loaded where they are read.
 
     Attributes:
@@ -73,7 +73,7 @@ class Results:
         }
         self.verifications = [source.folder.verification() for source in self._sources]
         self._problem = cache(self.study.problem)
-        self._known = cache(self._look_up)
+        self._facts = cache(self._look_up)
 
     def __repr__(self) -> str:
         return f"Results({', '.join(repr(str(path)) for path in self.paths)})"
@@ -120,11 +120,11 @@ class Results:
             raise BenchError(f"the data of problem {label!r} is no longer what the trials were made with")
         return problem
 
-    def known(self, label: str) -> Known:
+    def facts(self, label: str) -> ProblemFacts:
         """Return what is known of the problem of that label here and now; it never raises."""
-        return self._known(label)
+        return self._facts(label)
 
-    def _look_up(self, label: str) -> Known:
+    def _look_up(self, label: str) -> ProblemFacts:
         try:
             problem = self.problem(label)
             optimum = None if problem.optimum is None else float(problem.optimum)
@@ -132,11 +132,11 @@ class Results:
                 raise ValueError(f"its optimum is {optimum}")
             expected = {str(name): (float(true), float(near)) for name, (true, near) in problem.expected.items()}
             box = zip(map(float, problem.lower), map(float, problem.upper), strict=True)
-            return Known(optimum, expected, dict(zip(problem.variables, box, strict=True)))
+            return ProblemFacts(optimum, expected, dict(zip(problem.variables, box, strict=True)))
         except BenchError as error:
-            return Known(reason=str(error))
+            return ProblemFacts(reason=str(error))
         except Exception as error:  # a plug-in may raise anything
-            return Known(reason=f"{type(error).__name__}: {error}")
+            return ProblemFacts(reason=f"{type(error).__name__}: {error}")
 
 
 def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:

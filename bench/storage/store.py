@@ -84,7 +84,7 @@ class Keys:
 
 
 @dataclass
-class Cell:
+class CellCounts:
     """What is stored of one optimizer on one problem.
 
     Attributes:
@@ -105,7 +105,7 @@ class Cell:
         return self.status.get("ok", 0)
 
     @property
-    def lost(self) -> int:
+    def failed(self) -> int:
         """Trials that failed or ran out of time."""
         return sum(self.status.values()) - self.done
 
@@ -123,7 +123,7 @@ class Store:
     @contextmanager
     def _open(self) -> Iterator[sqlite3.Connection]:
         try:
-            with _place(self.path) as place, closing(sqlite3.connect(place, timeout=30, uri=True)) as connection:
+            with _uri(self.path) as uri, closing(sqlite3.connect(uri, timeout=30, uri=True)) as connection:
                 version = connection.execute("PRAGMA user_version").fetchone()[0]
                 if version != VERSION and connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
                     raise BenchError(
@@ -152,14 +152,14 @@ class Store:
             keys.add(*key)
         return keys
 
-    def cells(self) -> list[Cell]:
+    def cells(self) -> list[CellCounts]:
         """Return what is stored of each cell, in numbers."""
-        cells: dict[tuple[str, str], Cell] = {}
+        cells: dict[tuple[str, str], CellCounts] = {}
         for problem, optimizer, status, count, wall in self._select(
             "SELECT problem, optimizer, status, count(*), coalesce(sum(wall_s), 0)"
             " FROM results JOIN cells ON cells.id = cell GROUP BY cell, status"
         ):
-            cell = cells.setdefault((problem, optimizer), Cell(problem, optimizer))
+            cell = cells.setdefault((problem, optimizer), CellCounts(problem, optimizer))
             cell.status[status] = count
             cell.wall_s += wall
         return list(cells.values())
@@ -245,11 +245,11 @@ class Writer:
             row: its columns, as :func:`bench.trial.as_row` gives them; those that are missing are unknown.
             environment: the number of what made it.
         """
-        with self.at_once():
+        with self.transaction():
             self.put(stored(trial, row) | {"environment": environment})
 
     @contextmanager
-    def at_once(self) -> Iterator[None]:
+    def transaction(self) -> Iterator[None]:
         """Commit what is put within in one go, or nothing of it."""
         try:
             with self._connection:
@@ -259,7 +259,7 @@ class Writer:
             raise
 
     def put(self, row: Mapping[str, Any]) -> None:
-        """Add a row as :meth:`Store.rows` gives it, within :meth:`at_once`."""
+        """Add a row as :meth:`Store.rows` gives it, within :meth:`transaction`."""
         cell, number = self._cell(row["problem"], row["optimizer"]), row["trial"]
         self._connection.execute("DELETE FROM results WHERE cell = ? AND trial = ? AND status != 'ok'", (cell, number))
         self._connection.execute(
@@ -290,11 +290,11 @@ class Writer:
         with self._connection:
             self._connection.execute("UPDATE environments SET record = ? WHERE id = ?", (json.dumps(record), number))
 
-    def remove(self, problems: list[str], optimizers: list[str], *, lost_only: bool = False) -> int:
+    def remove(self, problems: list[str], optimizers: list[str], *, failed_only: bool = False) -> int:
         """Remove the rows of all cells of these problems and optimizers, or the failed ones; return how many."""
         cells = [(self._cells.get((problem, optimizer)),) for problem in problems for optimizer in optimizers]
         with self._connection:
-            if lost_only:  # these have no traces
+            if failed_only:  # these have no traces
                 done = self._connection.executemany("DELETE FROM results WHERE cell = ? AND status != 'ok'", cells)
             else:
                 self._connection.executemany("DELETE FROM traces WHERE cell = ?", cells)
@@ -338,7 +338,7 @@ def _query(where: str, *, traces: bool) -> tuple[str, tuple[str, ...]]:
 
 
 @contextmanager
-def _place(path: Path) -> Iterator[str]:
+def _uri(path: Path) -> Iterator[str]:
     """Yield the URI by which SQLite opens a store.
 
     SQLite writes beside a store even to read it. Where it may not, it can read what a run that is there, or was killed,

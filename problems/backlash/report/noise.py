@@ -98,7 +98,7 @@ def best_fits(results: Results, cells: pd.DataFrame) -> pd.DataFrame:
     virtual sensor tells by it, 0 where it tells no disturbance from the noise) and told error.
     """
     rows = cells.drop_duplicates("problem")[["problem", "dataset", "noise level", "theoretical"]]
-    rows = rows[[not results.known(label).reason for label in rows["problem"]]]
+    rows = rows[[not results.facts(label).reason for label in rows["problem"]]]
     rows[["mean", "told"]] = [_amplitudes_of_best(results, label) for label in rows["problem"]]
     for amplitude, error in (("mean", "error"), ("told", "told error")):
         rows[error] = relative(rows[amplitude] - rows["theoretical"], rows["theoretical"])

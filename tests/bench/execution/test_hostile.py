@@ -186,11 +186,11 @@ def test_a_process_that_has_grown_is_given_up_before_it_costs_another_trial(test
     made = []
     for share in (0.9, 0.0):
         monkeypatch.setattr(supervisor, "FULL", share)
-        keeper = supervisor._Keeper(Task(study.to_toml(), None, 2_000_000_000))
+        own = supervisor._Supervisor(Task(study.to_toml(), None, 2_000_000_000))
         for trial in study.plan():
-            assert keeper.make(trial)["status"] == "ok"
-        made.append(keeper._process is not None)
-        keeper.close()
+            assert own.make(trial)["status"] == "ok"
+        made.append(own._process is not None)
+        own.close()
     assert made == [True, False]
 
 
