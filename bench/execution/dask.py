@@ -1,8 +1,8 @@
-"""Many machines: trials made by the workers of a dask.distributed cluster, which joblib hands them to.
+"""The dask backend, the parent's side: hand trials to the workers of a dask.distributed cluster through joblib.
 
-The parent's side is :func:`cluster`, the workers' side :func:`work`. Batches that fail, are cancelled or lose their
-scheduler all come back through joblib's documented interface for backends: its own backend for dask never hears of
-some of them and waits for ever, and it makes the trials of a cluster with a single thread in the parent.
+The workers' side is :mod:`bench.execution.dask_worker`. This module implements joblib's documented interface for
+backends and reports batches that fail, are cancelled or lose their scheduler. Joblib's own dask backend does not: it
+waits for ever for some of them, and it makes the trials in the parent where the cluster has a single thread.
 """
 
 from __future__ import annotations
@@ -27,27 +27,27 @@ from bench.execution.supervisor import Task
 from bench.storage import provenance
 from bench.trial import Trial
 
-CONNECT = 10.0  # seconds that a scheduler has to answer
-ARRIVE = 20.0  # seconds that the first worker has to arrive
-RETURN = 600.0  # seconds that a cluster may be without any worker before a run gives up
-BATCH, LARGEST = 0.5, 100  # seconds of a thread, and trials, that travel together
-QUEUED = 500  # batches under way at least, so that workers which come later find something to do
+CONNECT = 10.0  # seconds for a scheduler to answer
+ARRIVE = 20.0  # seconds for the first worker to arrive
+RETURN = 600.0  # seconds that a cluster may be without workers before a run gives up
+BATCH, LARGEST = 0.5, 100  # limits of a batch: seconds of one thread, and trials
+QUEUED = 500  # batches submitted at least, so that workers that join later have work
 
 _LOGGERS = ("distributed", "tornado", "asyncio")
 
-Version = tuple[str, str]  # a worker's name and host, and its package
+Version = tuple[str, str]  # of a worker: its name and host, and its package
 
 
 @contextmanager
 def cluster(scheduler: str) -> Iterator[Pool]:
-    """Yield the workers of a cluster; nothing of the run is left on them when the context ends.
+    """Yield the workers of a cluster; when the context ends, nothing of the run is left on them.
 
     Args:
         scheduler: its address, such as "tcp://10.0.0.1:8786".
 
     Raises:
-        BenchError: when the extra "dask" is not installed, the scheduler cannot be reached, it has no workers, or they
-            run another version of this package.
+        BenchError: when the extra "dask" is not installed, the scheduler cannot be reached, or it has no workers or
+            workers with another version of this package.
     """
     distributed = require("distributed", "dask", "the dask backend needs")
     with _logs_silenced():
@@ -71,7 +71,7 @@ class Cluster(Pool):
     """The workers of a dask cluster.
 
     Attributes:
-        jobs: threads of all workers together, as they are at the start.
+        jobs: the threads of all workers at the start.
     """
 
     def __init__(self, client: Any, scheduler: str, jobs: int) -> None:
@@ -85,7 +85,7 @@ class Cluster(Pool):
         self._losses = (CancelledError, CommClosedError)
 
     def close(self) -> None:
-        """Wait for nothing any more."""
+        """Stop waiting for results."""
         self._futures.close()
 
     def _map(self, task: Task, trials: Iterable[Trial]) -> Iterator[Answer]:
@@ -96,7 +96,7 @@ class Cluster(Pool):
             yield from super()._map(task, trials)
         except self._losses as error:
             raise self._lost("is gone, or has dropped this run") from error
-        except (BenchError, ImportError):  # a worker that came later
+        except (BenchError, ImportError):  # a worker that joined later
             _refuse_other_versions(self._client)
             raise
         finally:
@@ -104,12 +104,12 @@ class Cluster(Pool):
             watch.join()
 
     def _watch(self, ended: Event) -> None:
-        """End the run when the scheduler or all workers are lost for good."""
+        """End the run when the scheduler or all workers are lost."""
         seen = monotonic()
         while not ended.wait(LOOK):
             if self._client.status != "running":
                 return self._futures.fail(self._lost("is gone"))
-            with suppress(Exception):  # a scheduler that is gone is seen above
+            with suppress(Exception):  # a lost scheduler is detected above
                 if threads := sum(self._client.nthreads().values()):
                     seen, self._futures.threads = monotonic(), threads
             if monotonic() - seen > RETURN:
@@ -124,7 +124,7 @@ class Cluster(Pool):
 
 
 class _Futures(ParallelBackendBase):  # type: ignore[misc]
-    """What joblib asks of a backend, by dask's futures."""
+    """Joblib's backend interface, implemented with dask futures."""
 
     supports_retrieve_callback = True
 
@@ -132,15 +132,15 @@ class _Futures(ParallelBackendBase):  # type: ignore[misc]
         super().__init__()
         self._client, self.threads = client, jobs
         self._pending: dict[str, tuple[Any, Callable[[Any], None]]] = {}
-        self._callbacks = ThreadPoolExecutor(1)  # joblib's callbacks take their time, which is not the event loop's
+        self._callbacks = ThreadPoolExecutor(1)  # joblib's callbacks are slow and must not block the event loop
         self._since, self._made, self._size = monotonic(), 0, 1
 
     def effective_n_jobs(self, n_jobs: int) -> int:  # noqa: ARG002 - the cluster's own number
-        """Return how many batches are made at a time; two at least, for joblib makes a single job's in this process."""
+        """Return the number of batches made at a time; at least two, as joblib makes a single job's in this process."""
         return max(2, self.threads)
 
     def submit(self, func: Any, callback: Callable[[Any], None]) -> Any:
-        """Have a batch made; the callback is called once with what it returned or raised, whatever becomes of it."""
+        """Submit a batch; the callback is called exactly once, with what the batch returned or raised."""
         key = f"bench-{uuid4().hex}"
         try:
             future = self._client.submit(func, key=key, pure=False)
@@ -152,31 +152,31 @@ class _Futures(ParallelBackendBase):  # type: ignore[misc]
         return future
 
     def retrieve_result_callback(self, out: Any) -> Any:
-        """Return what a batch returned, or raise what ended it."""
+        """Return the batch's results, or raise the exception that ended it."""
         if isinstance(out, BaseException):
             raise out
         return out
 
     def compute_batch_size(self) -> int:
-        """Return how many trials travel together."""
+        """Return the number of trials in a batch."""
         return self._size
 
-    def batch_completed(self, batch_size: int, duration: float) -> None:  # noqa: ARG002 - nearly all of it in a queue
-        """Have as many short trials travel together as take half a second, by how many are made in one."""
+    def batch_completed(self, batch_size: int, duration: float) -> None:  # noqa: ARG002 - it is mostly time in a queue
+        """Adapt the batch size to half a second of work, from the number of trials made per second."""
         self._made += batch_size
         passed = monotonic() - self._since
         if passed > LOOK:
             self._size = min(max(1, int(BATCH * self._made / (passed * self.threads))), LARGEST)
             self._since, self._made = monotonic(), 0
 
-    def abort_everything(self, ensure_ready: bool = True) -> None:  # noqa: ARG002 - it always is
-        """Let go of all batches: the workers drop them, see :func:`work`."""
+    def abort_everything(self, ensure_ready: bool = True) -> None:  # noqa: ARG002 - joblib's signature
+        """Release all batches; the workers then drop them (:func:`bench.execution.dask_worker.work`)."""
         while self._pending:
             with suppress(KeyError, RuntimeError):
                 self._pending.popitem()[1][0].release()
 
     def fail(self, error: Exception) -> None:
-        """Have whoever waits for a batch see an error."""
+        """Raise an error in whatever waits for a batch."""
         while self._pending:
             with suppress(KeyError, RuntimeError):
                 future, callback = self._pending.popitem()[1]
@@ -184,11 +184,11 @@ class _Futures(ParallelBackendBase):  # type: ignore[misc]
                 callback(error)
 
     def close(self) -> None:
-        """End what calls back."""
+        """End the thread that calls callbacks."""
         self._callbacks.shutdown(wait=False, cancel_futures=True)
 
     async def _fetch(self, key: str, future: Any) -> None:
-        """Wait for a batch beside the others: a worker may be lost with what it made, which is then made again."""
+        """Wait for one batch, alone: dask makes it again when its worker is lost with the results."""
         out: Any
         try:
             (out,) = await self._client.gather([future], asynchronous=True)
@@ -205,13 +205,13 @@ class _Futures(ParallelBackendBase):  # type: ignore[misc]
             callback(out)
 
 
-# before the first trial
+# checks before the first trial
 
 
 def _connect(client: Callable[..., Any], scheduler: str) -> Any:
     """Return a client of the scheduler."""
     if not scheduler.strip():
-        raise BenchError("the address of the dask scheduler is empty; it is such as tcp://10.0.0.1:8786")
+        raise BenchError("the address of the dask scheduler is empty; give one such as tcp://10.0.0.1:8786")
     answer: list[Any] = []
 
     def connect() -> None:
@@ -220,7 +220,7 @@ def _connect(client: Callable[..., Any], scheduler: str) -> Any:
         except Exception as error:
             answer.append(error)
 
-    # In a thread, since a server that accepts and says nothing would be waited for without end.
+    # In a thread, since a server that accepts but never answers would block for ever.
     thread = Thread(target=connect, daemon=True)
     with warnings.catch_warnings(action="ignore"):
         thread.start()
@@ -251,7 +251,7 @@ def _refuse_other_versions(client: Any) -> None:
     """Raise BenchError where a worker runs another package than this process."""
     own = provenance.package()
 
-    def report_version(dask_worker: Any) -> Version:  # sent as code: the worker may have no such module
+    def report_version(dask_worker: Any) -> Version:  # sent as code: the worker may lack this module
         import socket
 
         try:
@@ -276,7 +276,7 @@ def _refuse_other_versions(client: Any) -> None:
 
 @contextmanager
 def _logs_silenced() -> Iterator[None]:
-    """Keep dask's own log off the terminal: what matters to a run is printed in sentences."""
+    """Silence dask's own log: a run reports errors as sentences."""
     names = [*_LOGGERS, *(each for each in logging.root.manager.loggerDict if each.startswith(_LOGGERS))]
     levels = {logging.getLogger(name): logging.getLogger(name).level for name in names}
     try:

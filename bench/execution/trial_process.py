@@ -1,4 +1,4 @@
-"""Inside a trial process: load the plug-ins, warm up, make one trial after another."""
+"""The functions called in a trial process: load plug-ins, warm up, make trials."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from bench.text import printable
 from bench.trial import Row, Trial, as_row, search
 
 STILL_ASKING = 87
-"""The exit code of a process that an optimizer held up, asking on and on after its budget was spent."""
+"""The exit code of a process whose optimizer kept asking for values after its budget was spent."""
 
-_REFUSALS = 10  # one is all that an optimizer needs to see
+_REFUSALS = 10  # of BudgetExhausted; one suffices for an optimizer that lets it pass
 
 
 def failed(reason: str) -> Row:
@@ -38,7 +38,7 @@ def failed(reason: str) -> Row:
 
 
 def check(study_text: str, *, pulse: Pulse) -> Fingerprints | str:
-    """Return what :meth:`bench.study.Study.check` does, or in words why the study cannot be run.
+    """Return the result of :meth:`bench.study.Study.check`, or a sentence on why the study cannot be run.
 
     Pulses while modules are imported.
     """
@@ -50,10 +50,10 @@ def check(study_text: str, *, pulse: Pulse) -> Fingerprints | str:
 
 
 def describe_machine(study_text: str, *, pulse: Pulse) -> tuple[str, bool]:
-    """Load all the study's plug-ins and tell what :func:`bench.storage.provenance.machine` then says of this process.
+    """Load all plug-ins of the study and return :func:`bench.storage.provenance.machine` of this process.
 
     Returns:
-        that as JSON, and whether the process may go on to make trials.
+        the record as JSON, and whether the process may make trials.
     """
     study = _study(study_text)
     plugins: list[object] = []
@@ -61,28 +61,28 @@ def describe_machine(study_text: str, *, pulse: Pulse) -> tuple[str, bool]:
         for load, entries in ((study.optimizer, study.optimizers), (study.problem, study.problems)):
             for entry in entries:
                 pulse(0, 1)
-                with contextlib.suppress(BaseException):  # its trials will say what is wrong
+                with contextlib.suppress(BaseException):  # its trials will report the error
                     plugins.append(load(entry.label))
     threadpool_limits(limits=1)
     return json.dumps(provenance.machine(provenance.modules(plugins))), side_effects.set_baseline()
 
 
 def load(study_text: str, problem: str, optimizer: str, *, pulse: Pulse) -> None:
-    """Load what a cell's trials are made of; pulses while modules are imported."""
-    with contextlib.suppress(BaseException), _pulsing(pulse):  # the trial itself will say what is wrong
+    """Load the problem and the optimizer of a cell; pulses while modules are imported."""
+    with contextlib.suppress(BaseException), _pulsing(pulse):  # the trial itself will report the error
         _problem(study_text, problem)
         pulse(0, 1)
         _study(study_text).optimizer(optimizer)
-    threadpool_limits(limits=1)  # of what was loaded only now; the environment has told the others
-    side_effects.set_baseline()  # or a trial will find that it cannot be
+    threadpool_limits(limits=1)  # for libraries loaded just now; the environment set the limit of the others
+    side_effects.set_baseline()  # where it fails, the next trial reports so
 
 
 def warm_up(study_text: str, problem: str, optimizer: str, *, pulse: Pulse) -> None:
-    """Make one discarded, short trial for each kind of problem and optimizer: no trial shall wait for a compiler.
+    """Make and discard one short trial for each kind of problem and optimizer, so that no trial waits for a compiler.
 
     Pulses while modules are imported and numba compiles, which may take longer than a trial is allowed to.
     """
-    with contextlib.suppress(BaseException):  # the trial itself will say what is wrong
+    with contextlib.suppress(BaseException):  # the trial itself will report the error
         study = _study(study_text)
         loaded, chosen = _problem(study_text, problem), study.optimizer(optimizer)
         key = study_text, type(loaded), optimizer
@@ -92,14 +92,14 @@ def warm_up(study_text: str, problem: str, optimizer: str, *, pulse: Pulse) -> N
         with _pulsing(pulse), SideEffects():
             budget = min(study.budget, 3 * chosen.minimum_budget)
             search(loaded, chosen, budget, 0, _end_if_stuck)
-    threadpool_limits(limits=1)  # of what only a run loads
+    threadpool_limits(limits=1)  # for libraries that only a run loads
 
 
-def make(study_text: str, trial: Trial, *, pulse: Pulse) -> tuple[Row, bool]:  # noqa: ARG001 - a trial is not disturbed
-    """Make one trial; whatever it raises becomes its row.
+def make(study_text: str, trial: Trial, *, pulse: Pulse) -> tuple[Row, bool]:  # noqa: ARG001 - would disturb a trial
+    """Make one trial; an exception becomes its row.
 
     Returns:
-        the trial's row, and whether the process may go on to make others.
+        the trial's row, and whether the process may make other trials.
     """
     effects = SideEffects()
     try:
@@ -108,7 +108,7 @@ def make(study_text: str, trial: Trial, *, pulse: Pulse) -> tuple[Row, bool]:  #
         with effects:
             result = search(problem, optimizer, study.budget, trial.seed, _end_if_stuck)
         row = as_row(result, problem.variables)
-    except BaseException as error:  # a plug-in may raise anything, and it costs only its own cell
+    except BaseException as error:  # a plug-in may raise anything; only its own trial fails
         row = failed(f"{describe_error(error)}\n{traceback.format_exc(limit=-3)}")
     if row["status"] == "ok" and (reason := _why_void(effects)):
         row = failed(reason)
@@ -116,11 +116,11 @@ def make(study_text: str, trial: Trial, *, pulse: Pulse) -> tuple[Row, bool]:  #
 
 
 def _why_void(effects: SideEffects) -> str:
-    """Return why a trial cannot stand for what it left behind, "" where it can."""
+    """Return why the side effects of a trial void it, "" where they do not."""
     running = [kind for count, kind in ((effects.threads, "threads"), (effects.processes, "processes")) if count]
     if running:
         return (
-            f"left {' and '.join(running)} running, in the time of the trials after it; have them ended before "
+            f"left {' and '.join(running)} running, in the time of the trials after it; end them before "
             "minimize returns or its budget is spent"
         )
     if effects.random:
@@ -145,14 +145,14 @@ _warm: set[tuple[str, type, str]] = set()
 
 
 def _end_if_stuck(number: int) -> None:
-    """End this process when an optimizer does not take the end of its budget for an answer: nothing else stops it."""
+    """End this process when an optimizer keeps ignoring BudgetExhausted: nothing else stops it."""
     if number > _REFUSALS:
         os._exit(STILL_ASKING)
 
 
 @contextlib.contextmanager
 def _pulsing(pulse: Pulse) -> Iterator[None]:
-    """Pulse with every module that is looked for, and with every step of whatever numba compiles."""
+    """Pulse at every import of a module and at every step of a compilation by numba."""
     finder = _PulsingFinder(pulse)
     sys.meta_path.insert(0, finder)
     try:
@@ -164,7 +164,7 @@ def _pulsing(pulse: Pulse) -> Iterator[None]:
 
 
 class _PulsingFinder(MetaPathFinder):
-    """Finds no module, but tells that one is looked for."""
+    """Finds no module, but pulses whenever one is searched for."""
 
     def __init__(self, pulse: Pulse) -> None:
         self._pulse = pulse
@@ -176,7 +176,7 @@ class _PulsingFinder(MetaPathFinder):
 
 @contextlib.contextmanager
 def _pulsing_compilations(pulse: Pulse) -> Iterator[None]:
-    """Pulse at the start and the end of every step of whatever numba compiles, where it is in use."""
+    """Pulse at the start and the end of every step of a compilation by numba, where it is loaded."""
     if "numba" not in sys.modules:
         yield
         return

@@ -16,11 +16,11 @@ from bench.storage import packages
 from bench.text import printable, unique
 
 SOURCES = (*all_suffixes(), ".pyx", ".pxd", ".c", ".cc", ".cpp", ".cu", ".h", ".hpp", ".f", ".f90", ".rs", ".jl")
-"""How names of code end; other untracked files, such as a run's own log, change nothing that runs."""
+"""Suffixes of code files; other untracked files, such as a run's own log, do not change what runs."""
 
 
 def states(modules: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """Return the state of the modules' checkouts, but for the harness's own."""
+    """Return the states of the modules' checkouts by distribution or folder name, without the harness's own."""
     homes: dict[Path, str] = {}
     for module in modules:
         if (file := packages.module_file(module)) and (home := _home(file)) and home != _home(Path(__file__).resolve()):
@@ -45,7 +45,7 @@ def _home(file: Path) -> Path | None:
 
 @cache
 def _state(home: Path) -> dict[str, Any] | None:
-    """Return commit and uncommitted changes of a checkout, None where git cannot tell.
+    """Return commit and uncommitted changes of a checkout, None where git cannot report them.
 
     ``diff`` is a SHA-256 of the names and contents of all files that differ from the commit or are code that git does
     not know, and None where there are none: unlike a patch, it depends on no setting and no version of git.
@@ -64,20 +64,22 @@ def _state(home: Path) -> dict[str, Any] | None:
 
 
 def _is_code(name: str) -> bool:
-    """Return whether a file that git does not know may change what runs; kept bytecode follows its source."""
+    """Return whether an untracked file may change what runs; cached bytecode follows its source."""
     return name.endswith(SOURCES) and "__pycache__" not in name.split("/")
 
 
 def content_hash(path: Path) -> bytes:
-    """Return the hash of a file's content, of nothing where it was deleted."""
+    """Return the SHA-256 of a file's content, zeros where it cannot be read."""
     with suppress(OSError), path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").digest()
     return bytes(32)
 
 
 def _git(home: Path, *arguments: str) -> bytes | None:
-    """Return what git answers, None where it is missing, fails or never ends."""
-    plain = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}  # a hook's say another home
+    """Return git's output, None where git is missing, fails or times out."""
+    plain = {
+        key: value for key, value in os.environ.items() if not key.startswith("GIT_")
+    }  # in a hook they name another repository
     try:
         return subprocess.run(
             ["git", "-C", home, "-c", "core.fsmonitor=false", *arguments],

@@ -1,4 +1,4 @@
-"""Unite stores of one study that were run on different machines."""
+"""Merge the stores of one study that was run on different machines."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from bench.study import Study
 
 @dataclass(frozen=True)
 class Merged:
-    """How many trials the united store holds, how many of them were added, and how many were there already."""
+    """The numbers of trials in the merged store, of those added, and of those that it held already."""
 
     rows: int
     added: int
@@ -24,12 +24,12 @@ class Merged:
 
 
 def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -> Merged:
-    """Write the trials of all folders into one, with the environments that they come from.
+    """Write the trials of all folders into one, with the environments that made them.
 
     The output may hold some of them already: a merge that was interrupted is continued by the same call.
 
     Args:
-        folders: two or more that hold the same study; their numbers of trials may differ.
+        folders: two or more folders of the same study; their numbers of trials may differ.
         output: the folder to write.
 
     Raises:
@@ -53,7 +53,7 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
 
 
 def _common(studies: list[tuple[Folder, Study]]) -> Study:
-    """Return the study of all folders, with the most trials of any."""
+    """Return the study of all folders, with the largest number of trials."""
     first, study = studies[0]
     for folder, other in studies[1:]:
         if other.identity() != study.identity():
@@ -65,7 +65,7 @@ def _common(studies: list[tuple[Folder, Study]]) -> Study:
 
 
 def _copy(source: Folder, writer: Writer) -> tuple[int, int]:
-    """Add a folder's trials; return how many were added, and how many were there."""
+    """Add a folder's trials; return the number added and the number present already."""
     numbers = {number: writer.environment(record) for number, record in source.store.environments().items()}
     added = same = 0
     with writer.transaction():
@@ -81,7 +81,7 @@ def _copy(source: Folder, writer: Writer) -> tuple[int, int]:
 
 
 def _compare(present: dict[str, Any], row: dict[str, Any], source: Folder) -> None:
-    """Raise BenchError where a finished trial came out in two ways."""
+    """Raise BenchError where a finished trial has two different outcomes."""
     if row["status"] != "ok":
         return
     if different := disagreement(present, row):

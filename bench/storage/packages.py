@@ -20,7 +20,7 @@ SITES = ("site-packages", "dist-packages")
 
 
 def versions(modules: Iterable[str]) -> dict[str, str]:
-    """Return the versions of what is installed of ``PACKAGES``, the modules' distributions and what those need."""
+    """Return the versions of the installed ``PACKAGES``, of the modules' distributions and of their requirements."""
     names = list(PACKAGES)
     for module in modules:
         names += [each for name in distributions(module) for each in (name, *_requirements(name, _extras(module)))]
@@ -33,13 +33,13 @@ def versions(modules: Iterable[str]) -> dict[str, str]:
 
 
 def _entries() -> Iterator[tuple[str, EntryPoint]]:
-    """Yield the group and the entry point of all that makes trials."""
+    """Yield group and entry point of every optimizer and problem."""
     for group in ("optimizers", "problems"):
         yield from ((group, entry) for entry in registry.entries(group).values())
 
 
 def distributions(module: str) -> list[str]:
-    """Return the names of the distributions that a module comes from, none for a file that nobody installed."""
+    """Return the names of the distributions that a module belongs to, none for a file that is not installed."""
     top = module.partition(".")[0]
     own = {entry.dist.name for _, entry in _entries() if entry.dist and entry.module.partition(".")[0] == top}
     if not own and (file := module_file(module)) and is_installed(file):
@@ -48,17 +48,17 @@ def distributions(module: str) -> list[str]:
 
 
 def _extras(module: str) -> set[str]:
-    """Return the optional extras that the families of a module need."""
+    """Return the optional extras that a module's families need."""
     extras = set()
     for group, entry in _entries():
         if entry.module == module:
-            with suppress(BenchError):  # its trials say what is wrong
+            with suppress(BenchError):  # its trials report the error
                 extras.add(str(getattr(registry.load(group, entry.name), "extra", "")))
     return extras
 
 
 def _requirements(name: str, extras: set[str]) -> list[str]:
-    """Return what a distribution needs for these extras; of a stranger's, also what it always needs."""
+    """Return a distribution's requirements for these extras; for a third party's, also its unconditional ones."""
     wanted = extras - {""} if name == registry.DISTRIBUTION else extras | {""}
     found = []
     for text in distribution(name).requires or ():
@@ -69,8 +69,8 @@ def _requirements(name: str, extras: set[str]) -> list[str]:
 
 
 def module_file(module: str) -> Path | None:
-    """Return where a module comes from."""
-    with suppress(Exception):  # a stranger's package may raise anything
+    """Return the file of a module."""
+    with suppress(Exception):  # a plug-in's package may raise anything
         spec = find_spec(module)
         return Path(spec.origin).resolve() if spec and spec.has_location and spec.origin else None
     return None

@@ -1,4 +1,4 @@
-"""Where results come from: the machine, the versions and the code that made them, and the run that asked for them.
+"""Record and compare where results come from: machine, versions, code and run.
 
 A study's ``environment.json`` is a list of flat records, one for each run on each machine that took part in it:
 ``machine(…) | run(…)``. Each of them holds
@@ -6,21 +6,21 @@ A study's ``environment.json`` is a list of flat records, one for each run on ea
 ==============  =====================================================================================================
 packages        version by distribution: this one, the numerical libraries, and those of the plug-ins in use
 python          version of Python
-system          the operating system, as :func:`platform.platform` tells it
+system          the operating system, as :func:`platform.platform` returns it
 host            the machine's own name
 processor       its model
 cores           those that the process may use
-memory_gb       what of the machine's memory the process may use, in 10⁹ bytes
+memory_gb       the memory that the process may use, in 10⁹ bytes
 blas            ``{"library", "version", "threads"}`` of every BLAS that the process has loaded
-git             commit of the checkout that the harness runs from, ``{"commit", "dirty", "diff"}``; None outside one
+git             state of the checkout that the harness runs from, ``{"commit", "dirty", "diff"}``; None outside one
 checkouts       the same of the plug-ins' own checkouts, by distribution or by the checkout's folder
 started, ended  in UTC, ISO 8601; a run that was killed has no end
 command         as typed, for a shell
-jobs, backend   trials at a time, and what distributes them
-study           hash of all that decides a trial's result (:meth:`bench.study.Study.identity`)
+jobs, backend   trials made at a time, and the backend that distributes them
+study           hash of all settings that decide a trial's result (:meth:`bench.study.Study.identity`)
 data            hash of every problem's data, by label
 code            hash of every optimizer's file, by label; installed optimizers have none
-timeout, shard  the limit of a trial in seconds and the share of the study that was asked for; None without
+timeout, shard  the limit of a trial in seconds, and the part of the study that was run; None without
 ==============  =====================================================================================================
 
 Records of older versions lack some of these.
@@ -51,14 +51,14 @@ from bench.study import Fingerprints, Study
 from bench.text import printable
 
 LONGEST = 10_000
-"""Letters of a text that are noted, such as of a command with all its arguments."""
+"""Characters noted of a text, such as a command with all its arguments."""
 
 CONTAINER_LIMITS = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"))
-"""Where Linux tells a container how much memory it may use: in version 2 of control groups, and in version 1."""
+"""Files with a container's memory limit on Linux: of control groups version 2 and version 1."""
 
 
 def machine(plugins: Sequence[str] = ()) -> dict[str, Any]:
-    """Return what describes this process and its machine; it is the same every time on one of them.
+    """Return the record of this process and its machine; every call on one machine returns the same.
 
     Args:
         plugins: the importable names of the modules that the plug-ins in use come from (:func:`modules`).
@@ -87,15 +87,15 @@ def run(
     timeout: float | None = None,
     shard: str | None = None,
 ) -> dict[str, Any]:
-    """Return what describes a run that starts now.
+    """Return the record of a run that starts now.
 
     Args:
-        study: what is run.
-        fingerprints: of its problems' data and its optimizers' files.
-        jobs: trials at a time.
-        backend: what distributes them.
+        study: the study to run.
+        fingerprints: the hashes of its problems' data and its optimizers' files.
+        jobs: trials made at a time.
+        backend: the backend that distributes them.
         timeout: the limit of a trial in seconds.
-        shard: the share of the study that is run here.
+        shard: the part of the study that is run, None for the whole.
     """
     return {
         "started": now(),
@@ -112,14 +112,14 @@ def run(
 
 
 def _command() -> str:
-    """Return what was typed, as far as it can be told."""
+    """Return the command line as typed, as far as it is known."""
     program = Path(sys.argv[0])
-    words = ["python", "-m", program.parent.name] if program.name == "__main__.py" else [program.name]
-    return printable(shlex.join([*words, *sys.argv[1:]]), LONGEST)
+    command = ["python", "-m", program.parent.name] if program.name == "__main__.py" else [program.name]
+    return printable(shlex.join([*command, *sys.argv[1:]]), LONGEST)
 
 
 def modules(plugins: Iterable[object]) -> list[str]:
-    """Return the names of the modules that plug-ins come from: of their classes and of the functions they hold."""
+    """Return the names of the modules that define the plug-ins' classes and the functions they hold."""
     found: set[str] = set()
     for plugin in plugins:
         kind = type(plugin)
@@ -130,9 +130,9 @@ def modules(plugins: Iterable[object]) -> list[str]:
 
 
 def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
-    """Return in short phrases what may change results or times from one record to another: ``"numpy 2.4 → 2.5"``.
+    """Return in short phrases the differences of two records that may change results or times: ``"numpy 2.4 → 2.5"``.
 
-    What one of them does not tell is not compared; nor are the kernel's build and the machine's name, cores and memory.
+    Not compared: keys that one record lacks, the kernel's build, and the machine's name, cores and memory.
     """
     old, new = _versions(before), _versions(now)
     phrases = [f"{what} {old[what]} → {new[what]}" for what in old if what in new and old[what] != new[what]]
@@ -151,7 +151,7 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
 
 @cache
 def package() -> str:
-    """Return the name and version of this harness, and a hash of its code: a version in the making may be many."""
+    """Return the harness's name and version with a hash of its code, as a development version has many states."""
     own = distribution(registry.DISTRIBUTION)
     home = Path(__file__).resolve().parents[2]
     digest = hashlib.sha256()
@@ -162,12 +162,12 @@ def package() -> str:
 
 
 def host() -> str:
-    """Return the machine's own name."""
+    """Return the machine's name."""
     return printable(socket.gethostname(), LONGEST)
 
 
 def memory() -> int:
-    """Return the bytes of memory that the machine has, or that a container or a batch system lets its processes use."""
+    """Return the bytes of memory of the machine, or the limit that a container or a batch system sets."""
     limits = [int(psutil.virtual_memory().total)]
     for file in CONTAINER_LIMITS:
         with suppress(OSError, ValueError):  # "max" is no limit
@@ -180,11 +180,11 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
-# what differs
+# differences
 
 
 def _versions(record: Mapping[str, Any]) -> dict[str, str]:
-    """Return all that is compared as it stands, by what to call it."""
+    """Return all versions that are compared as texts, by name."""
     system = str(record.get("system") or "")
     if system.startswith("Linux"):  # the C library computes sines and logarithms; the kernel does not
         system = f"Linux {system.partition('-with-')[2]}".strip()
@@ -193,7 +193,7 @@ def _versions(record: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _changes(before: Mapping[str, Any] | None, now: Mapping[str, Any] | None) -> Iterator[str]:
-    """Yield what differs between two states of a checkout; None is none."""
+    """Yield the differences of two states of a checkout, where None is no checkout."""
     before, now = before or {}, now or {}
     old, new = (str(state.get("commit") or "unknown") for state in (before, now))
     if old != new:

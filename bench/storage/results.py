@@ -1,4 +1,4 @@
-"""Read one study's folder, or several to be compared: the tidy frame, the traces and what they belong to."""
+"""Read one study's folder, or several to compare: tidy frame, traces, study and environments."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ AnyPath = str | PathLike[str]
 
 @dataclasses.dataclass(frozen=True)
 class ProblemFacts:
-    """What results may be measured against, as far as the problem can be loaded where they are read.
+    """The facts of a problem that results are measured against, as far as it can be loaded where they are read.
 
     Attributes:
         optimum: its best known objective value, or None.
-        expected: the true value of domain figures and how far from it is near enough, by name.
+        expected: the true value of domain metrics and the tolerance around it, by name.
         box: the bounds of each search variable, by name.
-        reason: why the problem cannot be loaded and nothing is known of it, "" where it can.
+        reason: why the problem cannot be loaded, so that no fact is known; "" where it can.
     """
 
     optimum: float | None = None
@@ -42,18 +42,18 @@ class ProblemFacts:
 
 
 class Results:
-    """All that a report needs of a study's folder, or of several that compare like with like, read once and lazily.
+    """The contents of a study's folder, or of several that can be compared, read lazily and once.
 
-    Several folders make one study of all their problems and optimizers. An optimizer's label that stands in more
-    than one of them is told apart by its folder's name, as in ``"gwo (old)"``.
+    Several folders make one study of all their problems and optimizers. An optimizer's label that occurs in several
+    folders gets the folder's name, as in ``"gwo (old)"``.
 
     Attributes:
-        names: the folders' own names, with as many parents as it takes to tell them apart.
-        study: the study as frozen in the folder; for several, all their problems and optimizers.
-        environments: what made the trials: a record for each run on each machine (:mod:`bench.storage.provenance`).
-        checks: what ``bench check`` noted of each optimizer, by label; empty where it was not asked.
-        verifications: what ``bench verify`` noted in each folder, empty where it was not asked.
-        fingerprints: the hash of each problem's data, by label, as noted when it ran; "" where the name says it all.
+        names: the folders' names, with as many parents as make them distinct.
+        study: the study as frozen in the folder; for several folders, all their problems and optimizers.
+        environments: one record for each run on each machine (:mod:`bench.storage.provenance`).
+        checks: the verdicts of ``bench check`` by optimizer label; empty where it has not run.
+        verifications: the note of ``bench verify`` in each folder, empty where it has not run.
+        fingerprints: the hash of each problem's data when it ran, by label; "" where its name determines the data.
 
     Raises:
         BenchError: when a folder holds no study, or the folders differ in budget or in what a problem's label means.
@@ -90,7 +90,7 @@ class Results:
 
     @property
     def origins(self) -> pd.Series:
-        """Which of ``environments`` made each row of the frame, counted from 1; apart, as it is no result."""
+        """The number (from 1) of the environment of each row of the frame; not a column, as it is no result."""
         return self._rows["environment"]
 
     @cached_property
@@ -111,7 +111,7 @@ class Results:
         }
 
     def problem(self, label: str) -> Problem:
-        """Return the problem of that label, loaded once; raises BenchError when it is not the one that was run.
+        """Return the problem of that label, loaded once; raises BenchError when it is not the problem that was run.
 
         Its data may have changed since, or its plug-in may be missing on the machine that reads the results.
         """
@@ -121,7 +121,7 @@ class Results:
         return problem
 
     def facts(self, label: str) -> ProblemFacts:
-        """Return what is known of the problem of that label here and now; it never raises."""
+        """Return the facts of the problem of that label, as it loads on this machine; never raises."""
         return self._facts(label)
 
     def _look_up(self, label: str) -> ProblemFacts:
@@ -140,11 +140,11 @@ class Results:
 
 
 def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
-    """Return the tidy frame of a study's folder, one row a trial, in the study's order; of several, all their rows.
+    """Return the tidy frame of a study's folder, one row a trial, in the study's order; or all rows of several folders.
 
     Columns: study, problem, optimizer, trial, seed, status (ok | failed | timeout), fun, nfev, wall_s, cpu_s,
-    objective_s, stop, outside_box, error, one ``x_<variable>`` per variable and one per domain figure. A failed
-    trial's figures are missing values.
+    objective_s, stop, outside_box, error, one ``x_<variable>`` per variable and one per domain metric. A failed
+    trial's metrics are missing values.
 
     Raises:
         BenchError: when a folder holds no study or no trials, or the folders cannot be compared (:class:`Results`).
@@ -154,7 +154,7 @@ def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
 
 @dataclasses.dataclass(frozen=True)
 class _Source:
-    """One folder, its study with the labels as shown, and what its own optimizer labels are shown as."""
+    """One folder: its study with the labels as shown, the shown label of each optimizer, and its environments."""
 
     folder: Folder
     name: str
@@ -164,7 +164,7 @@ class _Source:
     environment_places: dict[int, int]
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield the store's rows with the labels as shown, the study's name and the environment's place among all."""
+        """Yield the store's rows with shown labels, the study's name and the environment's number among all folders."""
         known = {entry.label for entry in self.study.problems}
         for row in self.folder.store.rows():
             if row["problem"] not in known or row["optimizer"] not in self.shown:
@@ -186,7 +186,7 @@ def _sources(folders: list[Folder]) -> list[_Source]:
         for study, name in zip(studies, names, strict=True)
         for entry in study.optimizers
     ]
-    distinct = iter(unique(every))  # a label may already look like another one with its folder
+    distinct = iter(unique(every))  # a label may already equal another one with its folder
     sources: list[_Source] = []
     for folder, study, name in zip(folders, studies, names, strict=True):
         shown = {entry.label: next(distinct) for entry in study.optimizers}
@@ -201,7 +201,7 @@ def _sources(folders: list[Folder]) -> list[_Source]:
 
 
 def _short_names(paths: list[Path]) -> list[str]:
-    """Return the folders' own names, or with as many parents as it takes to tell them apart."""
+    """Return the folders' names, with as many parents as make them distinct."""
     parts = [path.resolve().parts for path in paths]
     if len(set(parts)) < len(parts):
         raise BenchError(f"{paths[0]} is given twice; give folders that differ")
@@ -213,7 +213,7 @@ def _short_names(paths: list[Path]) -> list[str]:
 
 
 def _united(studies: list[Study]) -> Study:
-    """Return one study of all problems and optimizers."""
+    """Return one study with the problems and optimizers of all."""
     first = studies[0]
     if len(studies) == 1:
         return first
@@ -241,7 +241,7 @@ def _united(studies: list[Study]) -> Study:
 
 
 def _agreed(fingerprints: Sequence[dict[str, str]], paths: list[Path]) -> dict[str, str]:
-    """Return all fingerprints; raises BenchError when a problem's data differs between folders."""
+    """Return the fingerprints of all folders; raises BenchError when a problem's data differs between folders."""
     agreed: dict[str, str] = {}
     for each, path in zip(fingerprints, paths, strict=True):
         for label, fingerprint in each.items():

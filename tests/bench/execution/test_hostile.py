@@ -28,7 +28,7 @@ EXPECTED = {
     "raise-base": ("failed", "SeriousError: no"),
     "raise-exit": ("failed", "SystemExit: 0"),
     "raise-interrupt": ("failed", "KeyboardInterrupt: no message"),
-    "raise-unspeakable": ("failed", "UnspeakableError: its message cannot be told: SystemExit"),
+    "raise-unspeakable": ("failed", "UnspeakableError: its message cannot be read: SystemExit"),
     "recurse": ("failed", "RecursionError"),
     "return-nothing-done": ("failed", "returned without a single evaluation"),
     "generator": ("failed", "returned without a single evaluation"),

@@ -91,7 +91,7 @@ def test_large_arguments_and_answers_pass(calls, shared):
         ("KeyboardInterrupt()", "KeyboardInterrupt: no message"),
         ("GeneratorExit()", "GeneratorExit: no message"),
         ("SystemExit(4)", "SystemExit: 4"),
-        ("RaisingError()", "RaisingError: its message cannot be told: ValueError"),
+        ("RaisingError()", "RaisingError: its message cannot be read: ValueError"),
         ("ColouredError()", "ColouredError: �[31mred� end"),
     ],
 )
