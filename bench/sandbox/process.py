@@ -134,8 +134,8 @@ class Process:
     def close(self) -> None:
         """End the process and all that it started."""
         self._end()
-        # A process that escaped the tree may hold a pipe open. Its thread is then left alone: closing the pipe would free
-        # a file number that another pipe may take, and the thread would read that.
+        # A process that escaped the tree may hold a pipe open. Its thread then stays: closing the pipe would free a
+        # file number that another pipe may take, and the thread would read that one.
         threads = [each for each in (self._listener, self._drain, self._sender) if each is not None]
         for thread in threads:
             thread.join(_GRACE)

@@ -135,7 +135,7 @@ def test_a_run_takes_them_beside_the_study_s_own(bench, mine):
     assert (frame["status"] == "ok").all()
     again = bench("run", "tiny.toml", "--optimizer", "mine.py:Mine", "--optimizer", "mine.py:Mine", cwd=mine.parent)
     assert again.returncode == 2
-    assert "'Mine' stands twice among the optimizers" in again.stderr
+    assert "'Mine' occurs twice among the optimizers" in again.stderr
     unknown = bench("run", "tiny.toml", "--optimizer", "hillclimber", cwd=mine.parent)
     assert unknown.returncode == 2
     assert "did you mean 'hill-climber'?" in unknown.stderr
