@@ -10,7 +10,8 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.storage.folder import Folder
-from bench.storage.store import Writer, disagreement
+from bench.storage.schema import disagreement
+from bench.storage.store import Writer
 from bench.study import Study
 
 
