@@ -71,8 +71,7 @@ def run(
         KeyboardInterrupt: on Ctrl-C, once what has finished is committed.
     """
     _check_limits(n_jobs, timeout, memory)
-    part, study = _part(shard), _study(study)
-    folder = _folder(study, output)
+    study, folder, part = _resolved(study, output, shard)
     with interrupts_deferred() as interrupts, ExitStack() as held:
         with interrupts.allowed():  # loading plug-ins or reaching a cluster may take long
             held.callback(supervisor.close)
@@ -98,8 +97,7 @@ def plan(
     Raises:
         BenchError: for a study that cannot be run, or a folder that holds another one.
     """
-    part, study = _part(shard), _study(study)
-    folder = _folder(study, output)
+    study, folder, part = _resolved(study, output, shard)
     prepare(study, folder)
     return _plan(folder.extended(study), folder, part)
 
@@ -121,16 +119,12 @@ def prepare(study: Study, folder: Folder, *, keep: bool = False) -> Fingerprints
     return found
 
 
-def _part(shard: str | None) -> Shard | None:
-    return None if shard is None else Shard.parse(shard)
-
-
-def _study(study: Study | str | PathLike[str]) -> Study:
-    return study if isinstance(study, Study) else Study.load(study)
-
-
-def _folder(study: Study, output: str | PathLike[str] | None) -> Folder:
-    return Folder(output if output is not None else Path("results") / "runs" / study.name)
+def _resolved(
+    study: Study | str | PathLike[str], output: str | PathLike[str] | None, shard: str | None
+) -> tuple[Study, Folder, Shard | None]:
+    part = None if shard is None else Shard.parse(shard)
+    study = study if isinstance(study, Study) else Study.load(study)
+    return study, Folder(Path("results") / "runs" / study.name if output is None else output), part
 
 
 def _plan(study: Study, folder: Folder, shard: Shard | None) -> Plan:
