@@ -91,7 +91,7 @@ def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
 def _failures(folder: Folder) -> list[str]:
     """Return one line for each optimizer and reason of failure, at most ``SHOWN``."""
     reasons: dict[tuple[str, str, str], list[dict[str, Any]]] = {}
-    for row in folder.store.rows("status != 'ok'") if folder.store.path.exists() else ():
+    for row in folder.store.rows("status != 'ok'") if folder.store.exists else ():
         key = row["status"], row["optimizer"], str(row["error"]).partition("\n")[0]
         reasons.setdefault(key, []).append(row)
     lines = []

@@ -82,6 +82,11 @@ class Store:
     def __init__(self, folder: Path) -> None:
         self.path = folder / FILE
 
+    @property
+    def exists(self) -> bool:
+        """Whether the store has been begun, as far as this user may see."""
+        return os.path.exists(self.path)  # noqa: PTH110 - Path.exists raises without permission
+
     @contextmanager
     def _open(self) -> Iterator[sqlite3.Connection]:
         try:
@@ -136,7 +141,7 @@ class Store:
         Raises:
             BenchError: when there is no store.
         """
-        if not self.path.exists():
+        if not self.exists:
             raise BenchError(f"there is no {FILE} in {self.path.parent}; give the folder that 'bench run' wrote")
         query, names = _query(where, traces=traces)
         return (dict(zip(names, row, strict=True)) for row in self._select(query))
@@ -185,7 +190,7 @@ class Store:
 
     def _select(self, query: str, values: Sequence[object] = ()) -> Iterator[tuple[Any, ...]]:
         """Yield a query's rows; none of a store that is missing, or whose run was killed before it made tables."""
-        if not self.path.exists():
+        if not self.exists:
             return
         with self._open() as connection:
             if connection.execute("PRAGMA user_version").fetchone()[0]:
