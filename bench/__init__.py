@@ -2,8 +2,8 @@
 
 The harness knows problems and optimizers only by their two contracts, :class:`Problem` and :class:`Optimizer`, and
 finds them by entry point. ``bench.solve`` runs one optimizer once; ``bench.run`` runs a study; ``bench.load_results``
-reads what it wrote; ``bench.write_report`` makes tables, figures and a page of it. ``bench.analysis`` and
-``bench.plots`` hold the statistics and figures one by one, for notebooks.
+reads its results; ``bench.write_report`` writes a page, tables and figures. ``bench.analysis`` and ``bench.plots`` hold
+the single statistics and figures, for notebooks.
 """
 
 from importlib import import_module
@@ -44,7 +44,7 @@ __all__ = [
     "write_report",
 ]
 
-# Every name is imported when it is first used: pandas or numba take longer to import than many a command to run.
+# Every name is imported at its first use: importing pandas or numba takes longer than many commands.
 _HOMES = {
     "BenchError": "errors", "BudgetExhausted": "objective", "FunctionProblem": "problem", "Objective": "objective",
     "Optimizer": "optimizer", "Problem": "problem", "Result": "trial", "Results": "storage.results", "Study": "study",
@@ -56,12 +56,12 @@ _PACKAGES = ("analysis", "plots")
 
 
 def __dir__() -> list[str]:
-    """Name what is imported on demand too, so that it completes in a notebook."""
+    """List the names imported on demand, so that they complete in a notebook."""
     return sorted([*__all__, *_PACKAGES])
 
 
 def __getattr__(name: str) -> Any:
-    """Import what is needed on demand."""
+    """Import a public name or package at its first use."""
     if name in _HOMES:
         value = getattr(import_module(f"bench.{_HOMES[name]}"), name)
         globals()[name] = value

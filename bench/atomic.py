@@ -1,4 +1,4 @@
-"""Write a file or a folder at once: a kill or an error leaves the old one or the new one, never a half."""
+"""Write a file or a folder atomically: a kill or an error leaves the old one or the new one, never a part."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from bench.errors import BenchError
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Yield a place beside ``path`` for a file or folder, which replaces what is at ``path`` when the context ends.
+    """Yield a temporary path beside ``path``; the file or folder made there replaces ``path`` when the context ends.
 
-    After an error nothing is left of it, and what was at ``path`` is still there.
+    After an error it is removed and ``path`` is unchanged.
 
     Raises:
         BenchError: where it cannot be written.

@@ -1,4 +1,4 @@
-"""Checks of the numbers that users give: one sentence for what is no number or out of its range."""
+"""Check numbers that users give; raise one sentence for a wrong type or range."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from bench.errors import BenchError
 
 
 def is_whole(value: object) -> bool:
-    """Return whether the value is a whole number; True and False are none."""
+    """Return whether the value is a whole number; True and False are not."""
     return isinstance(value, Integral) and not isinstance(value, bool)
 
 
 def is_finite(value: object) -> bool:
-    """Return whether the value is a finite number; True and False are none."""
+    """Return whether the value is a finite number; True and False are not."""
     try:
         return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
     except OverflowError:  # a whole number that no float can hold
@@ -28,7 +28,7 @@ def require_whole(
     """Raise BenchError unless the value is a whole number within the closed range.
 
     Args:
-        what: the begin of the sentence, such as ``"the seed"``.
+        what: the subject of the sentence, such as ``"the seed"``.
         value: what the user gave.
         minimum: the smallest number allowed, None for no limit.
         maximum: the largest number allowed, None for no limit; it needs a minimum.
@@ -46,7 +46,7 @@ def require_positive(what: str, value: Any, maximum: float = math.inf, *, unit: 
     """Raise BenchError unless the value is a finite number above 0 and at most ``maximum``.
 
     Args:
-        what: the begin of the sentence, such as ``"the timeout of a trial"``.
+        what: the subject of the sentence, such as ``"the timeout of a trial"``.
         value: what the user gave.
         maximum: the largest number allowed.
         unit: the unit of the number, such as ``"seconds"``.

@@ -1,4 +1,4 @@
-"""Seeds that depend on what a trial is, never on when, where or beside what it runs."""
+"""Derive seeds from the identity of a trial alone, never from when, where or beside which trials it runs."""
 
 import hashlib
 import json
@@ -12,14 +12,14 @@ from bench.numbers import require_whole
 
 
 def check_seed(seed: object) -> None:
-    """Raise BenchError for what is no seed of a run."""
+    """Raise BenchError for a value that is no seed."""
     require_whole("the seed", seed, 0)
 
 
 def trial_seed(study_seed: int, problem: str, optimizer: str, trial: int) -> int:
     """Return the 63-bit seed of a trial: a stable hash (SHA-256) of its four coordinates.
 
-    Adding, removing or reordering problems and optimizers, or changing the number of workers, leaves it as it is.
+    Adding, removing or reordering problems and optimizers, or changing the number of workers, does not change it.
     """
     key = json.dumps([study_seed, problem, optimizer, trial], ensure_ascii=True).encode()
     return int.from_bytes(hashlib.sha256(key).digest()[:8], "big") >> 1
@@ -32,6 +32,6 @@ def streams(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
 
 
 def global_states() -> dict[str, Hashable]:
-    """Return the global random states of Python and numpy, which no optimizer shall use, by what they are called."""
+    """Return the global random states of Python and numpy, which no optimizer may use, by name."""
     state: Any = np.random.get_state()  # noqa: NPY002
     return {"Python's random": random.getstate(), "numpy.random": (state[0], state[1].tobytes(), *state[2:])}

@@ -26,23 +26,23 @@ from bench.trial import Trial
 
 @dataclass(frozen=True)
 class Entry:
-    """A problem or an optimizer of a study: its plug-in name, the label results carry, and its options."""
+    """A problem or an optimizer of a study: its plug-in name, its label in results, and its options."""
 
     name: str
     label: str
     options: dict[str, Any] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the entry as it stands in a study file."""
+        """Return the entry as a table of a study file."""
         label = {} if self.label == self.name else {"label": self.label}
         return {"name": self.name, **label, **self.options}
 
 
 class Fingerprints(NamedTuple):
-    """What decides a study's results beside its text.
+    """The hashes of data and code that decide a study's results beside its text.
 
     Attributes:
-        data: the hash of every problem's data, by label; "" where the problem's name says it all.
+        data: the hash of every problem's data, by label; "" where the problem's name determines its data.
         code: the hash of every optimizer's file, by label; installed optimizers have none.
     """
 
@@ -56,9 +56,9 @@ class Study:
 
     Attributes:
         name: a short name, which also names the default output folder.
-        title: one line that says what is compared.
-        seed: the root of every trial's seed.
-        trials: runs of each optimizer on each problem.
+        title: one line on what is compared.
+        seed: the seed that all trials' seeds derive from.
+        trials: the number of runs of each optimizer on each problem.
         budget: evaluations a run may spend.
         problems: the problems, with distinct labels.
         optimizers: the optimizers, with distinct labels.
@@ -77,7 +77,7 @@ class Study:
         """Return the study of an installed name (``"thesis"``) or of a TOML file's path.
 
         Raises:
-            BenchError: for an unknown name, an unreadable or malformed file, or contents that make no study.
+            BenchError: for an unknown name, an unreadable or malformed file, or contents that are no valid study.
         """
         text, where = _read(source)
         try:
@@ -88,7 +88,7 @@ class Study:
 
     @classmethod
     def from_dict(cls, data: dict[str, Any], where: str = "given") -> Study:
-        """Return the study that a parsed TOML document describes; raises BenchError naming what does not fit."""
+        """Return the study that a parsed TOML document describes; raises BenchError naming the first invalid entry."""
         known = {item.name for item in dataclasses.fields(cls)}
         for key in data:
             if key not in known:
@@ -116,20 +116,20 @@ class Study:
         return study
 
     def override(self, **changes: Any) -> Study:
-        """Return a copy with the given fields replaced, those that are None left as they are."""
+        """Return a copy with the given fields replaced; None leaves a field as it is."""
         given = {key: value for key, value in changes.items() if value is not None}
         _check_numbers(given, "")
         return dataclasses.replace(self, **given)
 
     def beside(self, names: Iterable[str]) -> Study:
-        """Return a copy with more optimizers, by name and with their defaults.
+        """Return a copy with more optimizers, given by name, with their defaults.
 
         Raises:
-            BenchError: for an optimizer whose label the study has already.
+            BenchError: for an optimizer whose label is already in the study.
         """
         added = _entries([{"name": name} for name in names], "optimizers", repr(self.name)) if names else ()
         optimizers = self.optimizers + added
-        _refuse_twins(optimizers, "optimizers", repr(self.name))
+        _refuse_duplicates(optimizers, "optimizers", repr(self.name))
         return dataclasses.replace(self, optimizers=optimizers)
 
     def problem(self, label: str) -> Problem:
@@ -157,10 +157,10 @@ class Study:
         return Fingerprints({entry.label: self.problem(entry.label).fingerprint() for entry in self.problems}, code)
 
     def plan(self) -> Iterator[Trial]:
-        """Yield every trial of the study in randomised complete blocks: one trial of each cell, in an order by chance.
+        """Yield every trial of the study in randomised complete blocks: one trial of each cell, in random order.
 
-        A machine that is busy for a while then slows no one algorithm more than another. The seeds are hashes, so their
-        order is one by chance that more trials leave as it is.
+        A machine that is busy for a while then slows all algorithms alike. The order is that of the seeds, which are
+        hashes, so that it is random and stays the same when trials are added.
         """
         for number in range(self.trials):
             block = [
@@ -181,7 +181,7 @@ class Study:
         return tomli_w.dumps({**head, **lists})
 
     def identity(self) -> str:
-        """Return a hash of all that decides a trial's result; the number of trials and the title do not."""
+        """Return a hash of all settings that decide a trial's result, so without the number of trials and the title."""
         content = dataclasses.asdict(self) | {"trials": None, "title": None}
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
@@ -193,7 +193,7 @@ def _check_numbers(given: Mapping[str, Any], where: str) -> None:
 
 
 def _read(source: str | os.PathLike[str]) -> tuple[str, str]:
-    """Return the text of a study and how to call it in a message."""
+    """Return the text of a study and its name in messages."""
     installed = registry.entries("studies")
     if str(source) in installed:
         text: str = registry.load("studies", str(source)).read_text(encoding="utf-8")
@@ -205,13 +205,13 @@ def _read(source: str | os.PathLike[str]) -> tuple[str, str]:
         )
     try:
         return path.read_text(encoding="utf-8-sig"), str(path)
-    except (OSError, ValueError) as error:  # a ValueError is a text that is no UTF-8, or a path with a NUL
+    except (OSError, ValueError) as error:  # ValueError: text that is not UTF-8, or a path with a NUL
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
         raise BenchError(f"the study file {path} cannot be read: {reason}") from error
 
 
 def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
-    """Return the entries of a ``[[problems]]`` or ``[[optimizers]]`` list; ``names`` stands for several of one kind."""
+    """Return the entries of a ``[[problems]]`` or ``[[optimizers]]`` list; ``names`` gives one entry for each name."""
     if not isinstance(items, list) or not items or not all(isinstance(item, dict) for item in items):
         raise BenchError(f"study {where} needs at least one [[{key}]] table with a name")
     entries: list[Entry] = []
@@ -229,21 +229,21 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         entries += [Entry(name, label or _label(name), options) for name in names]
         if not all(entry.label.isprintable() for entry in entries):
             raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
-    _refuse_twins(entries, key, where)
+    _refuse_duplicates(entries, key, where)
     return tuple(entries)
 
 
 def _label(name: str) -> str:
-    """Return what results are labelled by without a word from the study: of a file's optimizer, its class's name."""
+    """Return the default label of a plug-in name: the class's name for an optimizer in a file, else the name."""
     parts = from_file.split(name)
     return parts[1] if parts and parts[1] else name
 
 
-def _refuse_twins(entries: Iterable[Entry], key: str, where: str) -> None:
+def _refuse_duplicates(entries: Iterable[Entry], key: str, where: str) -> None:
     labels = [entry.label for entry in entries]
     twice = sorted({label for label in labels if labels.count(label) > 1})
     if twice:
-        raise BenchError(f"study {where}: {twice[0]!r} stands twice among the {key}; give one of them another label")
+        raise BenchError(f"study {where}: {twice[0]!r} occurs twice among the {key}; give one of them another label")
 
 
 def _named(entries: Iterable[Entry], label: str, kind: str, study: str) -> Entry:

@@ -11,7 +11,7 @@ from bench.check.conformance.rules import RULES
 from bench.check.conformance.subject import Subject, make_subject
 from bench.check.verdict import Verdict
 from bench.optimizer import Optimizer
-from bench.sandbox.messages import spell
+from bench.sandbox.messages import describe_error
 
 Listener = Callable[[Verdict], None]
 
@@ -123,5 +123,5 @@ def _biases(subject: Subject, n_jobs: int) -> list[Verdict]:
     try:
         return diagnose(subject.fresh(), n_jobs=n_jobs, seed=subject.seed)
     except Exception as error:  # a plug-in may raise anything, and its other verdicts stand
-        finding = f"it could not be examined: {spell(error)}"
+        finding = f"it could not be examined: {describe_error(error)}"
         return [Verdict("bias", "bias", False, finding, "mend what raises on ordinary functions of seven variables")]

@@ -1,1 +1,1 @@
-"""The command line, one file a command; a command imports what it needs when it is called."""
+"""The command line, one file a command; each imports the harness only when it is called, so that `--help` is fast."""

@@ -1,4 +1,4 @@
-"""The command line. Bad input is one sentence and exit code 2; failed trials end a run with 1, Ctrl-C with 130."""
+"""The ``bench`` command. Exit codes: 1 after failed trials, 2 with one sentence for bad input, 130 for Ctrl-C."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bench.errors import BenchError
 from bench.plugins import registry
 
 app = typer.Typer(
-    help="Compare metaheuristics: run studies, and report what may be claimed from them.",
+    help="Compare metaheuristics: run studies, test the results statistically and write reports.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -28,7 +28,7 @@ for _name, _command in (
 
 
 def main() -> None:
-    """Run the command line and turn bad input into a sentence on standard error."""
+    """Run the command line; print bad input as one sentence on standard error."""
     try:
         for name in registry.entries("commands"):  # refuses foreign modules of the distribution's generic names
             _add_command(name)
@@ -47,7 +47,7 @@ def main() -> None:
 
 
 def _add_command(name: str) -> None:
-    """Add a plug-in's sub-command; one that fails to load says so when it is called, and breaks nothing else."""
+    """Add a plug-in's sub-command; one that fails to load raises its error when it is called, and breaks no other."""
     try:
         command = registry.load("commands", name)
     except BenchError as error:

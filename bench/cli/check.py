@@ -1,4 +1,4 @@
-"""bench check: whether an optimizer keeps the contract, and which biases it has."""
+"""bench check: test whether an optimizer keeps the contract, and detect its biases."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ def check(
         ),
     ],
     option: Parameters = None,
-    bias: Annotated[bool, typer.Option(help="Also look for biases, which takes longer.")] = True,
+    bias: Annotated[bool, typer.Option(help="Also test for biases, which takes longer.")] = True,
     jobs: Jobs = -1,
 ) -> None:
-    """Check that an optimizer keeps the contract, and whether it favours places of the box by itself.
+    """Check that an optimizer keeps the contract, and detect biases: places of the box that it favours by itself.
 
-    Every check says what it saw and, where it failed, how to mend it. A breach of the contract ends the command with 1;
-    a bias is a trait of the method, and is told. Given a study's folder, all its optimizers are checked for biases with
-    their own options; what is found is noted there for the study's report.
+    Every check prints its finding and, where it failed, how to mend it. A breach of the contract ends the command with
+    exit code 1; a bias is a trait of the method and is only reported. Given a study's folder, the command checks all
+    its optimizers for biases, with the study's options, and notes the findings there for the report.
     """
     from bench.check import check_optimizer
 
@@ -57,14 +57,14 @@ def check_folder(path: Path, console: Console, jobs: int) -> bool:
     found, failed = diagnose_folder(Folder(path), jobs)
     for label, verdicts in found.items():
         for each in verdicts:
-            show_verdict(label, each, console, mend=False)  # said once by 'bench check NAME'
+            show_verdict(label, each, console, mend=False)  # 'bench check NAME' prints it
     for label, reason in failed.items():
         print_error(f"{label} could not be checked: {reason}")
     return not failed
 
 
 def show_verdict(label: str, verdict: Verdict, console: Console, mend: bool = True) -> None:
-    """Print a check's outcome: a breach of the contract in red, a bias in yellow; with how to ``mend`` it."""
+    """Print a check's outcome and, with ``mend``, its remedy: a breach of the contract in red, a bias in yellow."""
     lines = [f"{verdict.outcome}: {label}, {verdict.check}: {verdict.finding}"]
     lines += [f"    to mend it: {verdict.mend}"] if mend and verdict.mend else []
     style = {"passed": None, "BIASED": "yellow", "FAILED": "red"}[verdict.outcome]

@@ -1,4 +1,4 @@
-"""What the commands share: lines on the terminal, and arguments and options that several of them take."""
+"""What commands share: arguments, options, and the printing of lines and durations."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from bench.errors import BenchError
 
 Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.")]
 Jobs = Annotated[int, typer.Option(help="Worker processes; -1 takes every core.")]
-Parameters = Annotated[list[str] | None, typer.Option("--set", help="A parameter of the optimizer, as agents=300.")]
+Parameters = Annotated[
+    list[str] | None, typer.Option("--set", help="Parameter of the optimizer, as in agents=300; repeatable.")
+]
 
 
 def print_line(text: str, style: str | None = None, console: Console | None = None) -> None:
-    """Print a text as it stands: its lines are not wrapped, and brackets in it are no markup."""
+    """Print a text unchanged: without wrapping its lines or reading brackets as markup."""
     (console or Console()).print(text, style=style, markup=False, emoji=False, highlight=False, soft_wrap=True)
 
 
@@ -27,12 +29,12 @@ def print_error(message: str) -> None:
 
 
 def pairs(items: list[str] | None) -> dict[str, Any]:
-    """Return KEY=VALUE texts as options; a value that is no TOML value is taken as a text."""
+    """Parse KEY=VALUE texts into options; a value that is not TOML is a text."""
     options: dict[str, Any] = {}
     for item in items or []:
         key, equals, value = item.partition("=")
         if not equals or not key.strip():
-            raise BenchError(f"{item!r} is no KEY=VALUE, as in agents=300")
+            raise BenchError(f"{item!r} is not KEY=VALUE, as in agents=300")
         try:
             options[key.strip()] = tomllib.loads(f"value = {value}")["value"]
         except tomllib.TOMLDecodeError:
@@ -41,7 +43,7 @@ def pairs(items: list[str] | None) -> dict[str, Any]:
 
 
 def duration(seconds: float) -> str:
-    """Return a time in words, to two units: "8 s", "12 min", "3 h 5 min", "2 d 4 h"."""
+    """Return a duration as text, to two units: "8 s", "12 min", "3 h 5 min", "2 d 4 h"."""
     whole = round(seconds)
     if whole < 120:
         return f"{whole} s"

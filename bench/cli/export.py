@@ -12,12 +12,12 @@ from bench.cli.console import Output, print_line
 
 def export(
     output: Output,
-    kind: Annotated[str, typer.Option("--format", help="ioh, coco, csv or parquet (which needs the extra parquet).")],
+    kind: Annotated[str, typer.Option("--format", help="ioh, coco, csv or parquet (needs the extra 'parquet').")],
     folder: Annotated[
         Path | None, typer.Option("--output", help="Folder to write; default: OUTPUT/export/FORMAT.")
     ] = None,
 ) -> None:
-    """Write a study's results for other tools: IOHanalyzer, COCO's cocopp, or as plain tables."""
+    """Write a study's results for IOHanalyzer (ioh) or cocopp (coco), or as plain tables (csv, parquet)."""
     from bench.export import export as export_results
     from bench.storage.results import Results
 

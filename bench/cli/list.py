@@ -1,4 +1,4 @@
-"""bench list: the plug-ins that are installed, and what is known of them."""
+"""bench list: print the installed plug-ins with their lineage and parameters."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import typer
 
 def list_plugins(
     kind: Annotated[
-        str, typer.Argument(help="optimizers, problems, studies, commands, all, or a family such as mealpy.")
+        str, typer.Argument(help="optimizers, problems, studies, commands, all, or a family's name, such as mealpy.")
     ] = "all",
     as_json: Annotated[
-        bool, typer.Option("--json", help="Print every optimizer, those of families too, as a JSON list.")
+        bool, typer.Option("--json", help="Print a JSON list of every optimizer, families' members included.")
     ] = False,
 ) -> None:
-    """List what is installed: optimizers with lineage and parameters, problems, studies, commands."""
+    """List the installed plug-ins: optimizers with lineage and parameters, problems, studies, commands."""
     from rich.console import Console
 
     from bench.cli.listing import records, show

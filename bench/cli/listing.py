@@ -1,4 +1,4 @@
-"""What ``bench list`` prints: plug-ins, a family's members, and what is known of each."""
+"""Describe plug-ins and the members of a family, for ``bench list``."""
 
 from __future__ import annotations
 
@@ -17,33 +17,35 @@ KINDS = ("optimizers", "problems", "studies", "commands")
 
 
 def show(kind: str, console: Console) -> None:
-    """Print the plug-ins of a kind or of all, or the optimizers of a family; what fails to load shows its error."""
+    """Print the plug-ins of one kind or of all, or a family's optimizers; one that fails to load by its error."""
     known = (*KINDS, "all")
-    # only a family's name takes the import of the optimizers
-    families = [] if kind in known else [e for e in registry.entries("optimizers") if registry.is_family(_loaded(e))]
+    # to recognise a family, the optimizers must be imported
+    families = (
+        [] if kind in known else [e for e in registry.entries("optimizers") if registry.is_family(_load_or_none(e))]
+    )
     if kind not in (*known, *families):
         raise BenchError(f"unknown kind {kind!r}{nearest(kind, (*known, *families))}")
     for each in KINDS if kind == "all" else (kind,):
         table = Table("name", "what it is", title=each, title_justify="left", box=None, pad_edge=False)
         if each in families:
             members = registry.load("optimizers", each).names()
-            rows = _told_once([(name, _attempt(_optimizer, name)) for name in members], f"all of {each}")
+            rows = _shared_lines_first([(name, _describe(_optimizer, name)) for name in members], f"all of {each}")
         else:
             names = sorted(registry.entries(each))
-            rows = [(name, _attempt(_about, each, name, kind == "optimizers")) for name in names]
+            rows = [(name, _describe(_about, each, name, kind == "optimizers")) for name in names]
         for name, (about, style) in rows:
             table.add_row(Text(name, no_wrap=True), Text(about, style=style))
         console.print(table, "")
 
 
 def records(kind: str) -> list[dict[str, Any]]:
-    """Return what is known of every optimizer, of families' members too, or of one family's, as JSON can hold it."""
+    """Return the record of every optimizer, families' members included, or of one family's members, as JSON values."""
     known: list[dict[str, Any]] = []
     for name in registry.entries("optimizers") if kind in ("optimizers", "all") else [kind]:
         try:
             plugin = registry.load("optimizers", name)
             names = plugin.names() if registry.is_family(plugin) else [name]
-        except Exception as error:  # a stranger's plug-in may raise anything
+        except Exception as error:  # a plug-in may raise anything
             known.append({"name": name, "error": str(error)})
             continue
         for member in names:
@@ -54,7 +56,7 @@ def records(kind: str) -> list[dict[str, Any]]:
     return known
 
 
-def _loaded(name: str) -> Any:
+def _load_or_none(name: str) -> Any:
     """Return an optimizer plug-in, None where it fails to load."""
     try:
         return registry.load("optimizers", name)
@@ -62,27 +64,27 @@ def _loaded(name: str) -> Any:
         return None
 
 
-def _told_once(rows: list[tuple[str, tuple[str, str]]], name: str) -> list[tuple[str, tuple[str, str]]]:
-    """Return the rows with the lines that all of them share in a first one, called ``name``."""
+def _shared_lines_first(rows: list[tuple[str, tuple[str, str]]], name: str) -> list[tuple[str, tuple[str, str]]]:
+    """Move the lines that all rows share into a first row, called ``name``."""
     texts = [about.splitlines() for _, (about, _) in rows]
     shared = [line for line in texts[0] if all(line in text for text in texts)] if len(texts) > 1 else []
     own = ["\n".join(line for line in text if line not in shared) for text in texts]
-    told = [(member, (about, style)) for (member, (_, style)), about in zip(rows, own, strict=True)]
-    return [(name, ("\n".join(shared), "")), *told] if shared else told
+    members = [(member, (about, style)) for (member, (_, style)), about in zip(rows, own, strict=True)]
+    return [(name, ("\n".join(shared), "")), *members] if shared else members
 
 
-def _attempt(describe: Callable[..., str], *arguments: Any) -> tuple[str, str]:
-    """Return a description, or what went wrong, and its style."""
+def _describe(describe: Callable[..., str], *arguments: Any) -> tuple[str, str]:
+    """Return a description or the error that it raised, and the style to print it in."""
     try:
         return describe(*arguments), ""
     except BenchError as error:
         return str(error), "red"
-    except Exception as error:  # a stranger's plug-in may raise anything
+    except Exception as error:  # a plug-in may raise anything
         return f"failed to load: {error}", "red"
 
 
 def _about(kind: str, name: str, members: bool) -> str:
-    """Return what a plug-in is: of an optimizer its lineage and parameters, of a family whom it stands for."""
+    """Describe a plug-in: an optimizer by its lineage and parameters, a family by its members."""
     plugin = registry.load(kind, name)
     if kind == "optimizers":
         return _family(name, plugin, members) if registry.is_family(plugin) else _optimizer(name)
@@ -97,7 +99,7 @@ def _about(kind: str, name: str, members: bool) -> str:
 
 
 def _family(name: str, plugin: Any, members: bool) -> str:
-    """Return what a family is; naming its members takes the import of its library."""
+    """Describe a family; with ``members``, import its library to name them."""
     extra = f"\nextra: {plugin.extra}" if getattr(plugin, "extra", "") else ""
     about = f"{catalogue.first_line(plugin)}\nloaded as {name}:<name>; 'bench list {name}' shows each{extra}"
     if not members:
@@ -110,7 +112,7 @@ def _family(name: str, plugin: Any, members: bool) -> str:
 
 
 def _optimizer(name: str) -> str:
-    """Return an optimizer's lineage and parameters, a line each."""
+    """Describe an optimizer by its lineage and parameters, one line each."""
     known = catalogue.record(name)
     lines = [known.about, *(f"paper: {paper}" for paper in known.paper)]
     for title, text in (

@@ -1,4 +1,4 @@
-"""bench merge: unite the folders of one study."""
+"""bench merge: combine the folders of one study into one."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from bench.cli.console import print_line
 
 
 def merge(
-    folders: Annotated[list[Path], typer.Argument(metavar="OUTPUT…", help="Folders of one study, such as shards.")],
-    output: Annotated[Path, typer.Option("--output", "-o", help="The folder to write; a new one, or one to add to.")],
+    folders: Annotated[list[Path], typer.Argument(metavar="OUTPUT…", help="Folders of one study, such as its shards.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder to write: a new one, or one to add to.")],
 ) -> None:
-    """Unite the trials of one study that were made on different machines.
+    """Combine the trials of one study that different machines made.
 
-    A trial that several folders hold must be the same in all of them; where one failed, the finished one is taken.
+    A trial that several folders hold must be identical in all of them; a finished trial replaces a failed one.
     """
     from bench.storage.merge import merge as merge_folders
 

@@ -1,4 +1,4 @@
-"""What a person sees while a study runs: live bars on a terminal, plain lines elsewhere."""
+"""Display the progress of a run: live bars on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SHOWN = 20  # failures of an optimizer that are printed as they happen
 
 
 class Display:
-    """Trials done, in all and per optimizer, and the time left."""
+    """Displays the trials done, in total and per optimizer, and the time left."""
 
     def __init__(self, console: Console) -> None:
         self._console = console
@@ -41,9 +41,9 @@ class Display:
             disable=not self._live,
         )
         self._bars: dict[str, TaskID] = {}
-        self._told: dict[str, int] = {}  # failures of each optimizer
+        self._failures: dict[str, int] = {}  # by optimizer
         self._made = self._left = 0
-        self._started = self._spoken = monotonic()
+        self._started = self._printed = monotonic()
 
     def __enter__(self) -> Display:
         self._progress.start()
@@ -55,7 +55,7 @@ class Display:
         self._progress.stop()
 
     def plan(self, plan: Plan) -> None:
-        """Show the plan: how many trials there are, how many an earlier run already made, and what to know before."""
+        """Print the plan's size and notes, and start the bars at the trials that an earlier run made."""
         counts = plan.counts()
         show_plan(plan, counts, self._console)
         total, present = (sum(each) for each in zip(*counts.values(), strict=True))
@@ -68,26 +68,26 @@ class Display:
             self._bars[f"of {entry.label}"] = self._progress.add_task(entry.label, total=total, completed=present)
 
     def trial(self, trial: Trial, row: dict[str, Any]) -> None:
-        """Count one finished trial; a failed one is said at once."""
+        """Count one finished trial; print a failed one at once."""
         self._made += 1
         if row["status"] != "ok":
             reason = str(row["error"]).partition("\n")[0]
-            told = self._told[trial.optimizer] = self._told.get(trial.optimizer, 0) + 1
-            more = "; more of them are counted, not shown" if told == SHOWN else ""
-            if told <= SHOWN:
+            count = self._failures[trial.optimizer] = self._failures.get(trial.optimizer, 0) + 1
+            more = "; further failures of it are counted, not printed" if count == SHOWN else ""
+            if count <= SHOWN:
                 where = f"{trial.optimizer} on {trial.problem}, trial {trial.number}"
                 print_line(f"{row['status']}: {where}: {reason}{more}", "red", self._console)
         self._progress.advance(self._bars["all"])
         self._progress.advance(self._bars[f"of {trial.optimizer}"])
-        if not self._live and (monotonic() - self._spoken > 15 or self._made == self._left):
-            self._spoken = monotonic()
-            rest = (self._spoken - self._started) / self._made * (self._left - self._made)
+        if not self._live and (monotonic() - self._printed > 15 or self._made == self._left):
+            self._printed = monotonic()
+            rest = (self._printed - self._started) / self._made * (self._left - self._made)
             left = f", about {duration(rest)} left" if self._made < self._left else ""
             print_line(f"{self._made} of {self._left} runs done{left}", console=self._console)
 
 
 def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], console: Console) -> None:
-    """Print the size of a plan, how much of it is done, and what to know before it begins."""
+    """Print the size of a plan, how much of it is done, and its notes."""
     study = plan.study
     total, present = (sum(each) for each in zip(*counts.values(), strict=True))
     size = f"{len(study.problems)} problems x {len(study.optimizers)} optimizers x {study.trials} trials"
@@ -100,7 +100,7 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
 
 @contextmanager
 def steps(console: Console, name: str) -> Iterator[Callable[[str, int, int], None]]:
-    """Show a bar for work in known steps; yields what to call before each: its title, steps done, steps in all."""
+    """Display a progress bar; yield a function to call before each step: its title, steps done, steps in total."""
     progress = Progress(
         TextColumn("{task.fields[name]}", markup=False),
         BarColumn(),

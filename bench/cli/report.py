@@ -1,4 +1,4 @@
-"""bench report: write the report of one or several study folders."""
+"""bench report: write the report of one study's folder, or of several compared."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from bench.cli.console import print_line
 
 def report(
     folders: Annotated[
-        list[Path], typer.Argument(metavar="OUTPUT…", help="A folder that 'bench run' wrote, or several to compare.")
+        list[Path], typer.Argument(metavar="OUTPUT…", help="The folder that 'bench run' wrote, or several to compare.")
     ],
     output: Annotated[
         Path | None,
-        typer.Option(help="Folder to write; default: OUTPUT itself, and results/comparisons/NAMES for several."),
+        typer.Option(help="Folder to write; default: OUTPUT, or results/comparisons/NAMES for several."),
     ] = None,
 ) -> None:
     """Write the report of a study's folder: a page, tables (CSV, LaTeX), figures (SVG, PDF) and a methods paragraph.
@@ -28,7 +28,7 @@ def report(
 
 
 def report_on(folders: list[Path], console: Console, output: Path | None = None) -> None:
-    """Write the report and say where it is."""
+    """Write the report and print its path."""
     from bench.cli.progress import steps
     from bench.report import write_report
 

@@ -12,34 +12,38 @@ from bench.errors import BenchError, nearest
 
 def remove(
     output: Output,
-    optimizer: Annotated[list[str] | None, typer.Option(help="Of this optimizer; repeatable.")] = None,
-    problem: Annotated[list[str] | None, typer.Option(help="On this problem; repeatable.")] = None,
-    failed: Annotated[bool, typer.Option("--failed", help="Only those that failed or ran out of time.")] = False,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say how many they are.")] = False,
+    optimizer: Annotated[
+        list[str] | None, typer.Option(help="Remove the trials of this optimizer; repeatable.")
+    ] = None,
+    problem: Annotated[list[str] | None, typer.Option(help="Remove the trials on this problem; repeatable.")] = None,
+    failed: Annotated[bool, typer.Option("--failed", help="Remove only trials that failed or timed out.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Print how many trials would be removed, and remove none.")
+    ] = False,
 ) -> None:
-    """Remove trials from a study's folder, so that the next run makes them again."""
+    """Remove trials from a study's folder; the next run makes them again."""
     from bench.storage.folder import Folder
 
     folder = Folder(output)
     study = folder.study()
     if not (optimizer or problem or failed):
-        raise BenchError("say what to remove: --optimizer NAME, --problem NAME, both for one cell, or --failed")
+        raise BenchError("name what to remove: --optimizer NAME, --problem NAME, both for one cell, or --failed")
     chosen = [
         _labels(wanted, [entry.label for entry in entries], kind)
         for wanted, entries, kind in ((problem, study.problems, "problem"), (optimizer, study.optimizers, "optimizer"))
     ]
     if dry_run:
         cells = [cell for cell in folder.store.cells() if cell.problem in chosen[0] and cell.optimizer in chosen[1]]
-        count = sum(cell.lost if failed else cell.lost + cell.done for cell in cells)
+        count = sum(cell.failed if failed else cell.failed + cell.done for cell in cells)
         print_line(f"{count} trials would be removed")
         return
     with folder.lock(), folder.store.writer() as writer:
-        count = writer.remove(*chosen, lost_only=failed)
+        count = writer.remove(*chosen, failed_only=failed)
     print_line(f"{count} trials removed; 'bench run' into this folder makes them again")
 
 
 def _labels(wanted: list[str] | None, known: list[str], kind: str) -> list[str]:
-    """Return the labels asked for, all of them where none is."""
+    """Return the labels asked for, or all of them where none is given."""
     for label in wanted or []:
         if label not in known:
             raise BenchError(f"the study has no {kind} {label!r}{nearest(label, known)}")

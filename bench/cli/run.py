@@ -24,28 +24,31 @@ def run(
     jobs: Jobs = -1,
     backend: Annotated[str, typer.Option(help="Where trials are made: loky (this machine) or dask.")] = "loky",
     scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Of dask's scheduler, as tcp://10.0.0.1:8786.")
+        str | None, typer.Option(metavar="ADDRESS", help="Address of dask's scheduler, as in tcp://10.0.0.1:8786.")
     ] = None,
     trials: Annotated[
-        int | None, typer.Option(help="Trials of each optimizer on each problem, instead of the study's.")
+        int | None, typer.Option(help="Trials of each optimizer on each problem, instead of the study's number.")
     ] = None,
-    budget: Annotated[int | None, typer.Option(help="Evaluations a trial, instead of the study's.")] = None,
-    seed: Annotated[int | None, typer.Option(help="The root of all seeds, instead of the study's.")] = None,
+    budget: Annotated[int | None, typer.Option(help="Evaluations per trial, instead of the study's budget.")] = None,
+    seed: Annotated[
+        int | None, typer.Option(help="Seed that all trials' seeds derive from, instead of the study's.")
+    ] = None,
     optimizer: Annotated[
         list[str] | None,
-        typer.Option(help="Another optimizer beside the study's: a name, or path/to/file.py:ClassName; repeatable."),
+        typer.Option(help="Add an optimizer to the study's: a name, or path/to/file.py:ClassName; repeatable."),
     ] = None,
     timeout: Annotated[
-        float | None, typer.Option(metavar="SECONDS", help="Wall-clock limit of a trial; one that exceeds it is lost.")
+        float | None,
+        typer.Option(metavar="SECONDS", help="Wall-clock limit of a trial; a trial that exceeds it is stopped."),
     ] = None,
     memory: Annotated[
         float | None,
-        typer.Option(metavar="GB", help="Memory a trial may take; default: its share of the machine's."),
+        typer.Option(metavar="GB", help="Memory that a trial may use; default: an equal share of the machine's."),
     ] = None,
     shard: Annotated[
-        str | None, typer.Option(metavar="K/N", help="Only the K-th of N parts, one a machine; see 'bench merge'.")
+        str | None, typer.Option(metavar="K/N", help="Run only part K of N, one per machine; see 'bench merge'.")
     ] = None,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and about how long it takes.")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and its estimated duration only.")] = False,
     check: Annotated[
         bool, typer.Option("--check", help="Also check the optimizers (see 'bench check') before the report.")
     ] = False,
@@ -54,7 +57,7 @@ def run(
     """Run a study, continue one that was interrupted, or extend one; then write its report.
 
     The same command continues where the last one ended: every finished trial is kept. An optimizer that raises, hangs
-    or crashes costs its own trials only: they are counted as failed, and tried again by the next run.
+    or crashes loses only its own trials: they count as failed, and the next run tries them again.
     """
     from bench.cli.progress import Display
     from bench.execution.pool import WorkerDiedError
@@ -62,7 +65,7 @@ def run(
     from bench.execution.runner import run as run_study
     from bench.study import Study
 
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # a polite kill ends like Ctrl-C, and stops the workers
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
 
     console = Console()
     chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed).beside(optimizer or [])
@@ -84,7 +87,7 @@ def run(
         print_error(str(error))
         sys.exit(1)
     unchecked = check and not check_folder(outcome.folder, console, jobs)
-    if report and shard is None:  # of a part there is nothing to claim yet
+    if report and shard is None:  # a part of a study supports no claim yet
         report_on([outcome.folder], console)
     else:
         print_line(f"results in {outcome.folder}", console=console)
@@ -95,7 +98,7 @@ def run(
 
 
 def _show_estimate(plan: Plan, jobs: int, console: Console) -> None:
-    """Print a plan, each optimizer's part of it, and the time that it takes by the trials that are there."""
+    """Print a plan, each optimizer's part of it, and the duration estimated from the stored trials."""
     from joblib import cpu_count
 
     from bench.cli.progress import show_plan
@@ -107,7 +110,7 @@ def _show_estimate(plan: Plan, jobs: int, console: Console) -> None:
         print_line(f"  {entry.label}: {sum(mine)} to run", console=console)
     seconds, workers = plan.seconds(), cpu_count() if jobs == -1 else jobs
     if seconds is None:
-        said = "no trial is there to tell the time by; run some first, as with --trials 1"
+        estimate = "no duration can be estimated without a stored trial; run some first, as with --trials 1"
     else:
-        said = f"about {duration(seconds / workers)} with {workers} jobs, by the trials that are there"
-    print_line(said, console=console)
+        estimate = f"about {duration(seconds / workers)} with {workers} jobs, estimated from the stored trials"
+    print_line(estimate, console=console)

@@ -22,11 +22,15 @@ def solve(
     problem: Annotated[str, typer.Argument(help="A problem's name, such as signature-12 or recording:joint2.csv.")],
     optimizer: Annotated[str, typer.Argument(help="An optimizer's name, such as gwo.")],
     budget: Annotated[int, typer.Option(help="Evaluations to spend.")] = 60_000,
-    seed: Annotated[int, typer.Option(help="Repeats the run; the seed of a study's row repeats that trial.")] = 0,
+    seed: Annotated[
+        int, typer.Option(help="Seed of the run; with the seed in a study's row it repeats that trial.")
+    ] = 0,
     option: Parameters = None,
-    problem_option: Annotated[list[str] | None, typer.Option(help="An option of the problem, as unit=rpm.")] = None,
+    problem_option: Annotated[
+        list[str] | None, typer.Option(help="An option of the problem, as in unit=rpm; repeatable.")
+    ] = None,
 ) -> None:
-    """Run one optimizer once on one problem and print what it found."""
+    """Run one optimizer once on one problem and print its best point."""
     from bench.execution.solve import solve as solve_once
     from bench.plugins import loading
 

@@ -1,4 +1,4 @@
-"""How far a study's folder is, what failed in it, and where it was run; read while a run writes to it, too."""
+"""bench status: print the progress, failures and environments of a study's folder, also while a run writes to it."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ HASHES = 20  # of data and code; environment.json holds all
 
 def status(
     output: Output,
-    watch: Annotated[bool, typer.Option("--watch", help="Show it anew every two seconds until the run ends.")] = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Refresh every two seconds until the run ends.")] = False,
 ) -> None:
-    """Show how far a study's folder is, what failed, and where it ran; also while a run writes to it."""
+    """Print the progress, failures and environments of a study's folder, also while a run writes to it."""
     from bench.storage.folder import Folder
 
     console, folder = Console(), Folder(output)
@@ -39,7 +39,7 @@ def status(
 
 
 def show_status(folder: Folder, console: Console) -> None:
-    """Print a folder's summary, its failures by reason, what verified it, and the runs that made it."""
+    """Print a folder's summary, its failures by reason, its last verification, and the runs that made it."""
     console.print(summary(folder))
     for line in _failures(folder):
         print_line(line, "red", console)
@@ -54,13 +54,13 @@ def show_status(folder: Folder, console: Console) -> None:
 
 
 def summary(folder: Folder) -> Group:
-    """Return the trials that are done and lost, by optimizer, and the run that is under way."""
+    """Return a table of finished and failed trials by optimizer, and a line for a run that is under way."""
     study = folder.study()
     cells = folder.store.cells()
     table = Table("optimizer", "done", "failed", "of", "s a trial", box=None, pad_edge=False)
     for entry in study.optimizers:
         mine = [cell for cell in cells if cell.optimizer == entry.label]
-        done, lost = sum(cell.done for cell in mine), sum(cell.lost for cell in mine)
+        done, lost = sum(cell.done for cell in mine), sum(cell.failed for cell in mine)
         mean = f"{sum(cell.wall_s for cell in mine) / done:.3g}" if done else ""
         planned = len(study.problems) * study.trials
         table.add_row(Text(entry.label), str(done), Text(str(lost), style="red" if lost else ""), str(planned), mean)
@@ -76,22 +76,22 @@ def summary(folder: Folder) -> Group:
 
 
 def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
-    """Return who is running, how fast, and how long it may take."""
-    said = f"running: process {running['pid']} on {running['host']} since {running['started']}"
+    """Describe the run that is under way: its process, its speed and the time left."""
+    text = f"running: process {running['pid']} on {running['host']} since {running['started']}"
     made = folder.store.made()
     own = [number for number, record in folder.store.environments().items() if record["started"] >= running["started"]]
     count = sum(made.get(number, 0) for number in own)
     if not count:
-        return said
+        return text
     elapsed = (datetime.now(UTC) - datetime.fromisoformat(running["started"])).total_seconds()
     rest = f", about {duration(elapsed / count * left)} for the {left} left" if left else ""
-    return f"{said}; {count} trials made, {count / max(elapsed, 1):.3g} a second{rest}"
+    return f"{text}; {count} trials made, {count / max(elapsed, 1):.3g} a second{rest}"
 
 
 def _failures(folder: Folder) -> list[str]:
-    """Return a line for each optimizer and reason for which trials were lost, as far as there is room."""
+    """Return one line for each optimizer and reason of failure, at most ``SHOWN``."""
     reasons: dict[tuple[str, str, str], list[dict[str, Any]]] = {}
-    for row in folder.store.rows("status != 'ok'") if folder.store.path.exists() else ():
+    for row in folder.store.rows("status != 'ok'") if folder.store.exists else ():
         key = row["status"], row["optimizer"], str(row["error"]).partition("\n")[0]
         reasons.setdefault(key, []).append(row)
     lines = []
@@ -104,7 +104,7 @@ def _failures(folder: Folder) -> list[str]:
 
 
 def _environment(record: dict[str, Any], made: int) -> list[str]:
-    """Return what one run on one machine was, in lines."""
+    """Describe one run on one machine in lines."""
     git = record.get("git") or {}
     dirty = f" with changes {git['diff'][:10]}" if git.get("diff") else " with changes" if git.get("dirty") else ""
     commit = f", commit {git['commit'][:10]}{dirty}" if git.get("commit") else ""

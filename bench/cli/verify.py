@@ -14,12 +14,12 @@ from bench.cli.console import Output, print_error, print_line
 def verify(
     output: Output,
     trials: Annotated[int, typer.Option(help="Trials of each cell to make again.")] = 2,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes; default: another number than the run's.")] = None,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes; default: a number other than the run's.")] = None,
 ) -> None:
-    """Make some trials of each cell again, and compare them with the stored ones bit by bit.
+    """Make some trials of each cell again and compare them with the stored ones, bit by bit.
 
-    They are made by another number of workers and with another PYTHONHASHSEED. What is found is noted in the folder,
-    for the report. Ends with 1 where a trial is not repeated.
+    They are made with another number of workers and another PYTHONHASHSEED. The outcome is noted in the folder for the
+    report. The exit code is 1 where a trial differs.
     """
     from bench.cli.progress import steps
     from bench.execution.verify import verify as verify_folder
@@ -31,5 +31,5 @@ def verify(
         print_line(line, "red", console)
     print_line(found.sentence, console=console)
     if found.different:
-        print_error("not every trial is repeated bit by bit")
+        print_error("some trials are not repeated bit by bit")
         sys.exit(1)

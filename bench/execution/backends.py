@@ -1,4 +1,4 @@
-"""Open the workers of a backend: loky's on this machine, or dask's on a cluster."""
+"""Open the workers of a backend: loky on this machine, or dask on a cluster."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ BACKENDS = ("dask", "loky")
 
 
 def open_pool(backend: str, jobs: int, scheduler: str | None) -> AbstractContextManager[Pool]:
-    """Return a context with the workers of a backend, which end with it.
+    """Return a context that yields the workers of a backend and ends them.
 
     Args:
         backend: "loky" or "dask".

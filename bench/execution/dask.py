@@ -1,8 +1,8 @@
-"""Many machines: trials made by the workers of a dask.distributed cluster, which joblib hands them to.
+"""The dask backend, the parent's side: hand trials to the workers of a dask.distributed cluster through joblib.
 
-The parent's side is :func:`cluster`, the workers' side :func:`work`. Batches that fail, are cancelled or lose their
-scheduler all come back through joblib's documented interface for backends: its own backend for dask never hears of
-some of them and waits for ever, and it makes the trials of a cluster with a single thread in the parent.
+The workers' side is :mod:`bench.execution.dask_worker`. This module implements joblib's documented interface for
+backends and reports batches that fail, are cancelled or lose their scheduler. Joblib's own dask backend does not: it
+waits for ever for some of them, and it makes the trials in the parent where the cluster has a single thread.
 """
 
 from __future__ import annotations
@@ -21,36 +21,36 @@ from uuid import uuid4
 from joblib.parallel import ParallelBackendBase
 
 from bench.errors import BenchError, require
-from bench.execution.dask_worker import LOOK, rest, work
+from bench.execution.dask_worker import LOOK, release, work
 from bench.execution.pool import Answer, Pool, WorkerDiedError
 from bench.execution.supervisor import Task
 from bench.storage import provenance
 from bench.trial import Trial
 
-CONNECT = 10.0  # seconds that a scheduler has to answer
-ARRIVE = 20.0  # seconds that the first worker has to arrive
-RETURN = 600.0  # seconds that a cluster may be without any worker before a run gives up
-BATCH, MOST = 0.5, 100  # seconds of a thread, and trials, that travel together
-AHEAD = 500  # batches under way at least, so that workers which come later find something to do
+CONNECT = 10.0  # seconds for a scheduler to answer
+ARRIVE = 20.0  # seconds for the first worker to arrive
+RETURN = 600.0  # seconds that a cluster may be without workers before a run gives up
+BATCH, LARGEST = 0.5, 100  # limits of a batch: seconds of one thread, and trials
+QUEUED = 500  # batches submitted at least, so that workers that join later have work
 
 _LOGGERS = ("distributed", "tornado", "asyncio")
 
-Introduction = tuple[str, str]  # a worker's name and host, and its package
+Version = tuple[str, str]  # of a worker: its name and host, and its package
 
 
 @contextmanager
 def cluster(scheduler: str) -> Iterator[Pool]:
-    """Yield the workers of a cluster; nothing of the run is left on them when the context ends.
+    """Yield the workers of a cluster; when the context ends, nothing of the run is left on them.
 
     Args:
         scheduler: its address, such as "tcp://10.0.0.1:8786".
 
     Raises:
-        BenchError: when the extra "dask" is not installed, the scheduler cannot be reached, it has no workers, or they
-            run another version of this package.
+        BenchError: when the extra "dask" is not installed, the scheduler cannot be reached, or it has no workers or
+            workers with another version of this package.
     """
     distributed = require("distributed", "dask", "the dask backend needs")
-    with _quiet():
+    with _logs_silenced():
         client = _connect(distributed.Client, scheduler)
         try:
             jobs = _wait_for_workers(client, scheduler)
@@ -63,7 +63,7 @@ def cluster(scheduler: str) -> Iterator[Pool]:
         finally:
             with suppress(Exception):
                 if client.status == "running":
-                    client.run(rest, on_error="ignore")
+                    client.run(release, on_error="ignore")
                 client.close(timeout=CONNECT)
 
 
@@ -71,7 +71,7 @@ class Cluster(Pool):
     """The workers of a dask cluster.
 
     Attributes:
-        jobs: threads of all workers together, as they are at the start.
+        jobs: the threads of all workers at the start.
     """
 
     def __init__(self, client: Any, scheduler: str, jobs: int) -> None:
@@ -80,12 +80,12 @@ class Cluster(Pool):
 
         self._client, self._scheduler = client, scheduler
         self._futures = _Futures(client, jobs)
-        super().__init__(jobs, max(3 * jobs, AHEAD), backend=self._futures)
+        super().__init__(jobs, max(3 * jobs, QUEUED), backend=self._futures)
         self.work, self.deaths = work, (KilledWorker,)
-        self._gone = (CancelledError, CommClosedError)
+        self._losses = (CancelledError, CommClosedError)
 
     def close(self) -> None:
-        """Wait for nothing any more."""
+        """Stop waiting for results."""
         self._futures.close()
 
     def _map(self, task: Task, trials: Iterable[Trial]) -> Iterator[Answer]:
@@ -94,9 +94,9 @@ class Cluster(Pool):
         watch.start()
         try:
             yield from super()._map(task, trials)
-        except self._gone as error:
+        except self._losses as error:
             raise self._lost("is gone, or has dropped this run") from error
-        except (BenchError, ImportError):  # a worker that came later
+        except (BenchError, ImportError):  # a worker that joined later
             _refuse_other_versions(self._client)
             raise
         finally:
@@ -104,12 +104,12 @@ class Cluster(Pool):
             watch.join()
 
     def _watch(self, ended: Event) -> None:
-        """End the run when the scheduler or all workers are lost for good."""
+        """End the run when the scheduler or all workers are lost."""
         seen = monotonic()
         while not ended.wait(LOOK):
             if self._client.status != "running":
                 return self._futures.fail(self._lost("is gone"))
-            with suppress(Exception):  # a scheduler that is gone is seen above
+            with suppress(Exception):  # a lost scheduler is detected above
                 if threads := sum(self._client.nthreads().values()):
                     seen, self._futures.threads = monotonic(), threads
             if monotonic() - seen > RETURN:
@@ -124,71 +124,71 @@ class Cluster(Pool):
 
 
 class _Futures(ParallelBackendBase):  # type: ignore[misc]
-    """What joblib asks of a backend, by dask's futures."""
+    """Joblib's backend interface, implemented with dask futures."""
 
     supports_retrieve_callback = True
 
     def __init__(self, client: Any, jobs: int) -> None:
         super().__init__()
         self._client, self.threads = client, jobs
-        self._flying: dict[str, tuple[Any, Callable[[Any], None]]] = {}
-        self._caller = ThreadPoolExecutor(1)  # joblib's callbacks take their time, which is not the event loop's
+        self._pending: dict[str, tuple[Any, Callable[[Any], None]]] = {}
+        self._callbacks = ThreadPoolExecutor(1)  # joblib's callbacks are slow and must not block the event loop
         self._since, self._made, self._size = monotonic(), 0, 1
 
     def effective_n_jobs(self, n_jobs: int) -> int:  # noqa: ARG002 - the cluster's own number
-        """Return how many batches are made at a time; two at least, for joblib makes a single job's in this process."""
+        """Return the number of batches made at a time; at least two, as joblib makes a single job's in this process."""
         return max(2, self.threads)
 
     def submit(self, func: Any, callback: Callable[[Any], None]) -> Any:
-        """Have a batch made; the callback is called once with what it returned or raised, whatever becomes of it."""
+        """Submit a batch; the callback is called exactly once, with what the batch returned or raised."""
         key = f"bench-{uuid4().hex}"
         try:
             future = self._client.submit(func, key=key, pure=False)
         except Exception:  # the client was closed meanwhile
             callback(CancelledError())
             return None
-        self._flying[key] = future, callback
+        self._pending[key] = future, callback
         self._client.loop.add_callback(self._fetch, key, future)
         return future
 
     def retrieve_result_callback(self, out: Any) -> Any:
-        """Return what a batch returned, or raise what ended it."""
+        """Return the batch's results, or raise the exception that ended it."""
         if isinstance(out, BaseException):
             raise out
         return out
 
     def compute_batch_size(self) -> int:
-        """Return how many trials travel together."""
+        """Return the number of trials in a batch."""
         return self._size
 
-    def batch_completed(self, batch_size: int, duration: float) -> None:  # noqa: ARG002 - nearly all of it in a queue
-        """Have as many short trials travel together as take half a second, by how many are made in one."""
+    def batch_completed(self, batch_size: int, duration: float) -> None:  # noqa: ARG002 - it is mostly time in a queue
+        """Adapt the batch size to half a second of work, from the number of trials made per second."""
         self._made += batch_size
         passed = monotonic() - self._since
         if passed > LOOK:
-            self._size = min(max(1, int(BATCH * self._made / (passed * self.threads))), MOST)
+            self._size = min(max(1, int(BATCH * self._made / (passed * self.threads))), LARGEST)
             self._since, self._made = monotonic(), 0
 
-    def abort_everything(self, ensure_ready: bool = True) -> None:  # noqa: ARG002 - it always is
-        """Let go of all batches: the workers drop them, see :func:`work`."""
-        while self._flying:
+    def abort_everything(self, ensure_ready: bool = True) -> None:  # noqa: ARG002 - joblib's signature
+        """Release all batches; the workers then drop them (:func:`bench.execution.dask_worker.work`)."""
+        while self._pending:
             with suppress(KeyError, RuntimeError):
-                self._flying.popitem()[1][0].release()
+                self._pending.popitem()[1][0].release()
 
     def fail(self, error: Exception) -> None:
-        """Have whoever waits for a batch see an error."""
-        while self._flying:
+        """Raise an error in whatever waits for a batch."""
+        while self._pending:
             with suppress(KeyError, RuntimeError):
-                future, callback = self._flying.popitem()[1]
+                future, callback = self._pending.popitem()[1]
                 future.release()
                 callback(error)
 
     def close(self) -> None:
-        """End what calls back."""
-        self._caller.shutdown(wait=False, cancel_futures=True)
+        """End the thread that calls callbacks."""
+        self._callbacks.shutdown(wait=False, cancel_futures=True)
 
     async def _fetch(self, key: str, future: Any) -> None:
-        """Wait for a batch beside the others: a worker may be lost with what it made, which is then made again."""
+        """Wait for one batch, alone: dask makes it again when its worker is lost with the results."""
         out: Any
         try:
             (out,) = await self._client.gather([future], asynchronous=True)
@@ -197,21 +197,21 @@ class _Futures(ParallelBackendBase):  # type: ignore[misc]
         except asyncio.CancelledError:
             out = CancelledError()
         with suppress(RuntimeError):  # closed: nobody waits
-            self._caller.submit(self._land, key, out)
+            self._callbacks.submit(self._deliver, key, out)
 
-    def _land(self, key: str, out: Any) -> None:
-        _, callback = self._flying.pop(key, (None, None))
+    def _deliver(self, key: str, out: Any) -> None:
+        _, callback = self._pending.pop(key, (None, None))
         if callback is not None:
             callback(out)
 
 
-# before the first trial
+# checks before the first trial
 
 
 def _connect(client: Callable[..., Any], scheduler: str) -> Any:
     """Return a client of the scheduler."""
     if not scheduler.strip():
-        raise BenchError("the address of the dask scheduler is empty; it is such as tcp://10.0.0.1:8786")
+        raise BenchError("the address of the dask scheduler is empty; give one such as tcp://10.0.0.1:8786")
     answer: list[Any] = []
 
     def connect() -> None:
@@ -220,7 +220,7 @@ def _connect(client: Callable[..., Any], scheduler: str) -> Any:
         except Exception as error:
             answer.append(error)
 
-    # In a thread, since a server that accepts and says nothing would be waited for without end.
+    # In a thread, since a server that accepts but never answers would block for ever.
     thread = Thread(target=connect, daemon=True)
     with warnings.catch_warnings(action="ignore"):
         thread.start()
@@ -251,7 +251,7 @@ def _refuse_other_versions(client: Any) -> None:
     """Raise BenchError where a worker runs another package than this process."""
     own = provenance.package()
 
-    def introduce(dask_worker: Any) -> Introduction:  # sent as code: the worker may have no such module
+    def report_version(dask_worker: Any) -> Version:  # sent as code: the worker may lack this module
         import socket
 
         try:
@@ -262,8 +262,10 @@ def _refuse_other_versions(client: Any) -> None:
             runs = f"no usable backlash-bench ({type(error).__name__}: {error})"
         return f"{dask_worker.name} on {socket.gethostname()}", runs
 
-    found = {f"the worker {address}": said for address, said in client.run(introduce, on_error="return").items()}
-    others = {who: said for who, said in found.items() if not isinstance(said, Exception) and said[1] != own}
+    found = {
+        f"the worker {address}": answer for address, answer in client.run(report_version, on_error="return").items()
+    }
+    others = {who: answer for who, answer in found.items() if not isinstance(answer, Exception) and answer[1] != own}
     if others:
         who, (name, runs) = next(iter(others.items()))
         more = f" ({len(others) - 1} others differ too)" if len(others) > 1 else ""
@@ -273,8 +275,8 @@ def _refuse_other_versions(client: Any) -> None:
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep dask's own log off the terminal: what matters to a run is said in sentences."""
+def _logs_silenced() -> Iterator[None]:
+    """Silence dask's own log: a run reports errors as sentences."""
     names = [*_LOGGERS, *(each for each in logging.root.manager.loggerDict if each.startswith(_LOGGERS))]
     levels = {logging.getLogger(name): logging.getLogger(name).level for name in names}
     try:

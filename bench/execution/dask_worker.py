@@ -1,4 +1,4 @@
-"""Inside a worker of a dask cluster: make a trial for as long as somebody waits for it."""
+"""The dask backend, the workers' side: make a trial for as long as the parent waits for it."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from bench.execution.pool import Answer
 from bench.execution.supervisor import Task
 from bench.trial import Trial
 
-LOOK = 1.0  # seconds between looks at what is going on
+LOOK = 1.0  # seconds between looks at the state of tasks
 IDLE = 60.0  # seconds after which idle trial processes end
 
 
 def work(task: Task, trial: Trial) -> Answer:
-    """Have one trial made by a process of this thread's own, for as long as somebody waits for it.
+    """Have one trial made by this thread's trial process, for as long as the parent waits for it.
 
-    Dask cannot end what a thread is at. When the parent has let go, was killed or has lost the scheduler, the trial's
-    process is ended here, and so are those that have had nothing to do for a while.
+    Dask cannot interrupt a thread. When the parent has released the trial, was killed or has lost the scheduler, this
+    module ends the trial's process. It also ends processes that have been idle for a while.
 
     Raises:
-        CancelledError: when nobody waits.
+        CancelledError: when the parent no longer waits.
         BenchError: as :func:`bench.execution.supervisor.work`.
     """
     from distributed import get_worker
@@ -43,20 +43,20 @@ def work(task: Task, trial: Trial) -> Answer:
         _threads.end()
 
 
-def rest() -> None:
-    """End the trial processes of this worker soon, unless there is something to do for them."""
-    _threads.rest()
+def release() -> None:
+    """End the trial processes of this worker soon, unless they get more work."""
+    _threads.release()
 
 
 class _Threads:
-    """What the threads of this worker are at."""
+    """The threads of this worker that have a trial made, and the watch over them."""
 
     def __init__(self) -> None:
         self._lock, self._busy, self._used = Lock(), dict[int, Callable[[], bool]](), 0.0
         self._looking = False
 
     def begin(self, is_wanted: Callable[[], bool]) -> None:
-        """Note that this thread has a trial made."""
+        """Register this thread as busy."""
         with self._lock:
             if not is_wanted():
                 raise CancelledError
@@ -66,23 +66,23 @@ class _Threads:
                 Thread(target=self._look, daemon=True).start()
 
     def end(self) -> None:
-        """Note that it is done."""
+        """Register this thread as idle."""
         with self._lock:
             del self._busy[get_ident()]
             self._used = monotonic()
 
-    def rest(self) -> None:
-        """Note that there may be no more to do."""
+    def release(self) -> None:
+        """Let idle trial processes end without waiting ``IDLE`` seconds."""
         self._used = -inf
 
     def _look(self) -> None:
-        """End trial processes that nobody waits for, until all threads are idle."""
+        """End trial processes that nobody waits for; return when all threads have been idle for a while."""
         while self._looking:
             sleep(LOOK)
             with self._lock:
                 if self._busy:
                     if not any(is_wanted() for is_wanted in self._busy.values()):
-                        supervisor.close()  # as often as it takes: a trial whose process is killed is begun once more
+                        supervisor.close()  # repeated, as a trial whose process is killed is begun once more
                 elif monotonic() - self._used > IDLE:
                     supervisor.close()
                     self._looking = False

@@ -1,4 +1,4 @@
-"""Ctrl-C that waits for what must not be cut in two."""
+"""Defer KeyboardInterrupt until a commit is complete."""
 
 from __future__ import annotations
 
@@ -12,61 +12,61 @@ Handler = Callable[[int, FrameType | None], object]
 
 
 class Interrupts:
-    """Interrupts of a run: let in while it waits, kept until then while it commits.
+    """The interrupts of a run: raised while the run waits, deferred while it commits.
 
     Attributes:
-        pending: whether one came.
+        pending: whether a signal has arrived.
     """
 
     def __init__(self) -> None:
-        self.pending = self._open = False
+        self.pending = self._allowed = False
 
-    def arrive(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002 - a signal handler
-        """Take a signal: raise it now, or as soon as the run waits."""
+    def handle(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002 - a signal handler
+        """Handle a signal: raise KeyboardInterrupt now, or as soon as the run waits."""
         self.pending = True
-        if self._open:
+        if self._allowed:
             raise KeyboardInterrupt
 
     @contextmanager
-    def welcome(self) -> Iterator[None]:
-        """Raise KeyboardInterrupt within, for a signal that comes now or came before."""
-        self._open = True
+    def allowed(self) -> Iterator[None]:
+        """Raise KeyboardInterrupt in this context for a signal that arrives now or has arrived before."""
+        self._allowed = True
         try:
             if self.pending:
                 raise KeyboardInterrupt
             yield
         finally:
-            self._open = False
+            self._allowed = False
 
 
 @contextmanager
-def deferred() -> Iterator[Interrupts]:
-    """Yield the interrupts of the signals that raise KeyboardInterrupt, which do so only where they are welcome.
+def interrupts_deferred() -> Iterator[Interrupts]:
+    """Let signals raise KeyboardInterrupt only within :meth:`Interrupts.allowed` of the object yielded.
 
-    One that came where no other could raise it does so at the end; any that come after one was raised do nothing.
+    A signal that arrives after the last such context raises at the end; signals after the first raise nothing more.
     """
     interrupts = Interrupts()
-    with _handled(interrupts.arrive, lambda handler: handler is signal.default_int_handler):
+    with _handlers_replaced(interrupts.handle, lambda handler: handler is signal.default_int_handler):
         yield interrupts
     if interrupts.pending:
         raise KeyboardInterrupt
 
 
 @contextmanager
-def undisturbed() -> Iterator[None]:
-    """Put signals off until the end: what is interrupted while it starts may leave half of it behind."""
-    came: set[int] = set()
+def signals_delayed() -> Iterator[None]:
+    """Delay signals until the context ends, such as around a start that must not stop halfway."""
+    arrived: set[int] = set()
     try:
-        with _handled(lambda number, _: came.add(number), callable):
+        with _handlers_replaced(lambda number, _: arrived.add(number), callable):
             yield
     finally:
-        for number in came:
+        for number in arrived:
             signal.raise_signal(number)
 
 
 @contextmanager
-def _handled(handler: Handler, concerns: Callable[[object], bool]) -> Iterator[None]:
-    """Have the handler take the signals whose present handlers it concerns; only a main thread has any."""
+def _handlers_replaced(handler: Handler, concerns: Callable[[object], bool]) -> Iterator[None]:
+    """Replace the present handlers that ``concerns`` selects; outside the main thread there are none to replace."""
     main = current_thread() is main_thread()
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM) if main}
     before = {number: present for number, present in before.items() if concerns(present)}

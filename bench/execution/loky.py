@@ -1,4 +1,4 @@
-"""Trials made on this machine, by loky's worker processes."""
+"""The loky backend: make trials on this machine in worker processes."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from joblib.externals.loky.process_executor import BrokenProcessPool
 from bench.execution import supervisor
 from bench.execution.pool import Pool
 
-FEEDING = 5.0  # seconds that a thread which feeds workers may take to see that there are none any more
+FEEDING = 5.0  # seconds for a thread that feeds workers to notice that they have ended
 
 
 @contextmanager
 def processes(jobs: int) -> Iterator[Pool]:
-    """Yield worker processes of this machine, which end with the context; -1 takes every core."""
+    """Yield worker processes on this machine, which end with the context; -1 takes every core."""
     jobs = cpu_count() if jobs == -1 else jobs
     try:
-        yield Loky(jobs, 2 * jobs, "loky", initializer=supervisor.attend, initargs=(os.getpid(),))
+        yield Loky(jobs, 2 * jobs, "loky", initializer=supervisor.end_with_parent, initargs=(os.getpid(),))
     finally:
         supervisor.close()  # a single job is made in this process
         if jobs != 1:
@@ -33,22 +33,22 @@ def processes(jobs: int) -> Iterator[Pool]:
 
 
 class Loky(Pool):
-    """Processes on this machine."""
+    """Worker processes on this machine."""
 
     work = staticmethod(supervisor.work)
     deaths = (BrokenProcessPool,)
 
     def _settle(self) -> None:
-        # loky's thread breaks when it is stopped with trials in hand that it has not passed on to the workers' queue;
-        # that queue has room for all of a window.
+        # loky's thread breaks when it is stopped before it has passed all trials on to the workers' queue; that queue
+        # has room for a whole window.
         executor = reusable_executor._executor
         while executor is not None and not executor._flags.broken and not executor._work_ids.empty():
             sleep(0.01)
 
     def _start(self) -> None:
-        # Workers that inherit a blocked Ctrl-C are deaf to it from the first: it is the parent's to answer.
-        resource_tracker.ensure_running()  # it lets through what is held, when it starts
-        with _held(signal.SIGINT):
+        # Workers inherit the blocked signal, so that Ctrl-C never reaches them: the parent handles it.
+        resource_tracker.ensure_running()  # before, as its start unblocks signals
+        with _blocked(signal.SIGINT):
             Parallel()([delayed(abs)(0)])
 
 
@@ -58,13 +58,15 @@ def _shut_down() -> None:
     with suppress(Exception):
         # Not get_reusable_executor(), which waits for a thread that may wait for a lock that it holds.
         reusable_executor._executor.shutdown(wait=True, kill_workers=True)
-    for each in feeders:  # loky leaves them to themselves: one that is cut off as it frees a semaphore leaks it, loudly
+    for each in (
+        feeders
+    ):  # loky does not wait for them, and one that is cut off while it frees a semaphore leaks it with a warning
         each.join(FEEDING)
 
 
 @contextmanager
-def _held(number: int) -> Iterator[None]:
-    """Hold a signal back; processes that are started meanwhile never see it."""
+def _blocked(number: int) -> Iterator[None]:
+    """Block a signal; processes started meanwhile never receive it."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

@@ -1,4 +1,4 @@
-"""What a run is about to do: which trials of a study are missing, how many there are, and how long they may take."""
+"""Plan a run: the missing trials of a study or shard, their number, and an estimate of their duration."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from itertools import islice
 
 from bench.errors import BenchError
-from bench.storage.store import Cell, Keys
+from bench.storage.store import CellCounts, Keys
 from bench.study import Study
 from bench.trial import Trial
 
 
 @dataclass(frozen=True)
 class Shard:
-    """One part of a study that several machines share: every ``of``-th trial of its plan, from the ``number``-th on."""
+    """One part of a study for one machine of several: every ``of``-th trial of its plan, from the ``number``-th on."""
 
     number: int
     of: int
@@ -26,7 +26,7 @@ class Shard:
         """Return the shard of a text such as ``"3/20"``; raises BenchError for any other."""
         found = re.fullmatch(r"(\d{1,9})/(\d{1,9})", text.strip())
         if not found or not 1 <= int(found[1]) <= int(found[2]):
-            raise BenchError(f"a shard is a number from 1 and their number, as in 3/20, not {text!r}")
+            raise BenchError(f"a shard is its number (from 1) and the number of shards, as in 3/20, not {text!r}")
         return cls(int(found[1]), int(found[2]))
 
     def __str__(self) -> str:
@@ -35,20 +35,20 @@ class Shard:
 
 @dataclass(frozen=True)
 class Plan:
-    """The trials of a study, or of one shard of it, and those of them that are finished.
+    """The trials of a study, or of one shard of it, and which of them are finished.
 
     Attributes:
         study: the study as frozen in its folder.
-        shard: the part that is run here, None for all of it.
-        finished: the trials that need not be made; a run puts its own in.
-        cells: what the folder holds already.
-        notes: what is worth a warning before it begins.
+        shard: the part to run, None for the whole study.
+        finished: the trials that need not be made; a run adds those that it makes.
+        cells: the counts of the trials that the folder holds.
+        notes: warnings to print before the run begins.
     """
 
     study: Study
     shard: Shard | None
     finished: Keys
-    cells: Sequence[Cell] = ()
+    cells: Sequence[CellCounts] = ()
     notes: Sequence[str] = ()
 
     def trials(self) -> Iterator[Trial]:
@@ -57,11 +57,11 @@ class Plan:
         return plan if self.shard is None else islice(plan, self.shard.number - 1, None, self.shard.of)
 
     def missing(self) -> Iterator[Trial]:
-        """Yield the trials that are not finished when their turn comes."""
+        """Yield the trials that are not finished at the moment they are reached."""
         return (trial for trial in self.trials() if trial.key not in self.finished)
 
     def counts(self) -> dict[tuple[str, str], tuple[int, int]]:
-        """Return how many trials each cell (problem, optimizer) has, and how many of them are finished."""
+        """Return for each cell (problem, optimizer) the number of trials, and of those finished."""
         study = self.study
         if self.shard is None:
             return {
@@ -79,14 +79,14 @@ class Plan:
         return counts
 
     def seconds(self) -> float | None:
-        """Return the seconds of one processor that the missing trials will take, going by those that are stored.
+        """Estimate the seconds on one processor that the missing trials will take, from those that are stored.
 
-        A cell without any counts as the mean of its optimizer's others, and else of all.
+        A cell without stored trials counts as the mean of its optimizer's other trials, or else of all trials.
 
         Returns:
-            None where no trial is stored to go by.
+            None where no trial is stored.
         """
-        groups: dict[tuple[str, ...], list[Cell]] = defaultdict(list)
+        groups: dict[tuple[str, ...], list[CellCounts]] = defaultdict(list)
         for cell in self.cells:
             if cell.done:
                 for group in ((cell.problem, cell.optimizer), (cell.optimizer,), ()):

@@ -1,4 +1,4 @@
-"""Workers that make trials, whatever their backend: hand trials out, and take back what became of each."""
+"""Distribute trials to workers through joblib, and collect their rows; common to all backends."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ from typing import Any
 
 from joblib import Parallel, delayed, parallel_config
 
-from bench.execution.interrupts import undisturbed
+from bench.execution.interrupts import signals_delayed
 from bench.execution.supervisor import Task
 from bench.trial import Row, Trial
 
-DEATHS = 3  # of workers in a row, without a trial between them, before a run gives up
+DEATHS = 3  # of workers in a row, without a finished trial between them, before a run gives up
 
 Answer = tuple[Trial, Row, str]
 
 
 class WorkerDiedError(RuntimeError):
-    """Worker processes end again and again, whatever they are given; what was finished is kept."""
+    """Workers were killed several times in a row, or their scheduler was lost; every finished trial is kept."""
 
 
 class Pool:
-    """Workers that make trials through one of joblib's backends; a subclass says which.
+    """Workers that make trials through one of joblib's backends; subclasses choose the backend.
 
     Attributes:
-        jobs: the number of trials made at a time.
-        window: the number of batches of trials under way at a time; all but ``jobs`` of them wait.
+        jobs: the number of trials made at the same time.
+        window: the number of batches dispatched at a time; all but ``jobs`` of them wait.
         work: the function that a worker calls for each trial.
-        deaths: the exceptions raised when a worker ends in the middle of its work.
+        deaths: the exceptions that joblib raises when a worker ends during its work.
     """
 
     work: Callable[[Task, Trial], Answer]
@@ -40,16 +40,16 @@ class Pool:
         self._backend, self._options = backend, options
 
     def answers(self, task: Task, missing: Callable[[], Iterable[Trial]]) -> Iterator[Answer]:
-        """Yield each trial with its row and its machine as workers finish, in any order.
+        """Yield each trial with its row and its machine's record (JSON) as workers finish, in any order.
 
-        A worker that is killed costs nothing but time: what was under way is begun again.
+        A killed worker costs only time: the trials under way are begun again.
 
         Args:
             task: what the trials have in common.
             missing: returns the trials that are not finished yet.
 
         Raises:
-            WorkerDiedError: when workers end again and again.
+            WorkerDiedError: when workers are killed several times in a row.
             BenchError: for workers that cannot be used.
         """
         deaths = 0
@@ -68,26 +68,26 @@ class Pool:
                     ) from error
 
     def _map(self, task: Task, trials: Iterable[Trial]) -> Iterator[Answer]:
-        """Yield answers until there are no more trials; short trials travel in batches."""
+        """Yield answers until there are no more trials; short trials are dispatched in batches."""
         with parallel_config(n_jobs=self.jobs, backend=self._backend, **self._options), ExitStack() as ending:
-            with undisturbed():  # an interrupt while joblib hands out work would leave it in pieces
+            with signals_delayed():  # an interrupt while joblib dispatches would leave it in an undefined state
                 self._start()
                 parallel = Parallel(return_as="generator_unordered", batch_size="auto", pre_dispatch=self.window)
                 answers = parallel(delayed(self.work)(task, trial) for trial in trials)
                 ending.callback(_close, answers)
                 self._settle()
-            for answer in answers:  # not from it, which would end it, warning, before _close does  # noqa: UP028
+            for answer in answers:  # no yield from: it would close answers, with a warning, before _close does  # noqa: UP028
                 yield answer
 
     def _start(self) -> None:
-        """Start what must be there before the first trial."""
+        """Start what must run before the first trial."""
 
     def _settle(self) -> None:
-        """Wait until what was handed out can be taken back."""
+        """Wait until dispatched trials can be cancelled."""
 
 
 def _close(answers: Generator[Answer]) -> None:
-    """End what is under way, without joblib's warning that it was."""
+    """Cancel the trials under way, without joblib's warning about them."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         answers.close()

@@ -1,4 +1,4 @@
-"""Run a study's missing trials with joblib and commit each as it finishes."""
+"""Run a study's missing trials on a pool of workers and commit each as it finishes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 
 from bench.execution import supervisor
 from bench.execution.backends import open_pool
-from bench.execution.interrupts import Interrupts, deferred
+from bench.execution.interrupts import Interrupts, interrupts_deferred
 from bench.execution.plan import Plan, Shard
 from bench.execution.pool import Answer
 from bench.execution.supervisor import Task
@@ -27,7 +27,7 @@ Listener = Callable[[Trial, dict[str, Any]], None]
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run ended: where its results are, how many trials it made, and how many of the study's failed."""
+    """The outcome of a run: its folder, the trials that it made, and the trials of the study that failed."""
 
     folder: Path
     made: int
@@ -56,25 +56,24 @@ def run(
     Args:
         study: a study, the name of an installed one, or a TOML file's path.
         output: the folder to write, ``results/runs/<study name>`` by default.
-        n_jobs: worker processes; -1 takes every core. A dask cluster has its own number.
+        n_jobs: worker processes; -1 takes every core. Not used with dask, whose workers are the cluster's.
         backend: where trials are made, "loky" (this machine) or "dask" (a cluster).
         scheduler: the address of dask's scheduler, such as "tcp://10.0.0.1:8786".
         timeout: wall seconds that a trial may take before it is stopped.
-        memory: gigabytes that a trial's process may hold; by default its share of nine tenths of the machine's.
-        shard: "3/20" for the third of twenty parts, each of which one machine runs into a folder of its own.
-        on_plan: called once with what is to be done.
+        memory: gigabytes that a trial's process may hold; by default an equal share of 90% of the machine's memory.
+        shard: "3/20" for the third of twenty parts; each part is run into a folder of its own.
+        on_plan: called once with the plan, before the first trial.
         on_trial: called with every finished trial and its row.
 
     Raises:
         BenchError: for a study that cannot be run or a folder that cannot take it.
-        WorkerDiedError: when worker processes end again and again, whatever they are given.
+        WorkerDiedError: when workers are killed several times in a row, or a cluster is lost.
         KeyboardInterrupt: on Ctrl-C, once what has finished is committed.
     """
     _check_limits(n_jobs, timeout, memory)
-    part, study = _part(shard), _study(study)
-    folder = _folder(study, output)
-    with deferred() as interrupts, ExitStack() as held:
-        with interrupts.welcome():  # plug-ins or a cluster may keep one waiting
+    study, folder, part = _resolved(study, output, shard)
+    with interrupts_deferred() as interrupts, ExitStack() as held:
+        with interrupts.allowed():  # loading plug-ins or reaching a cluster may take long
             held.callback(supervisor.close)
             found = prepare(study, folder, keep=n_jobs == 1)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
@@ -87,19 +86,18 @@ def run(
         about = provenance.run(study, found, pool.jobs, backend, timeout=timeout, shard=shard)
         task = Task(study.to_toml(), timeout, _bytes(memory, pool.jobs, backend))
         made = _make(plan, folder, pool.answers(task, plan.missing), about, interrupts, on_trial)
-        return Outcome(folder.path, made, sum(cell.lost for cell in folder.store.cells()))
+        return Outcome(folder.path, made, sum(cell.failed for cell in folder.store.cells()))
 
 
 def plan(
     study: Study | str | PathLike[str], output: str | PathLike[str] | None = None, *, shard: str | None = None
 ) -> Plan:
-    """Return what :func:`run` would do, and write nothing.
+    """Return the plan of :func:`run`, and write nothing.
 
     Raises:
         BenchError: for a study that cannot be run, or a folder that holds another one.
     """
-    part, study = _part(shard), _study(study)
-    folder = _folder(study, output)
+    study, folder, part = _resolved(study, output, shard)
     prepare(study, folder)
     return _plan(folder.extended(study), folder, part)
 
@@ -110,7 +108,7 @@ def prepare(study: Study, folder: Folder, *, keep: bool = False) -> Fingerprints
     Args:
         study: the study to run, or to repeat trials of.
         folder: the study's folder, which may be empty.
-        keep: whether the process that loaded the plug-ins stays for trials made here (:func:`supervisor.check`).
+        keep: whether to keep the process that loaded the plug-ins, for trials made here (:func:`supervisor.check`).
 
     Raises:
         BenchError: for a study that cannot be run, and a folder that holds another study, other data or other code.
@@ -121,24 +119,20 @@ def prepare(study: Study, folder: Folder, *, keep: bool = False) -> Fingerprints
     return found
 
 
-def _part(shard: str | None) -> Shard | None:
-    return None if shard is None else Shard.parse(shard)
-
-
-def _study(study: Study | str | PathLike[str]) -> Study:
-    return study if isinstance(study, Study) else Study.load(study)
-
-
-def _folder(study: Study, output: str | PathLike[str] | None) -> Folder:
-    return Folder(output if output is not None else Path("results") / "runs" / study.name)
+def _resolved(
+    study: Study | str | PathLike[str], output: str | PathLike[str] | None, shard: str | None
+) -> tuple[Study, Folder, Shard | None]:
+    part = None if shard is None else Shard.parse(shard)
+    study = study if isinstance(study, Study) else Study.load(study)
+    return study, Folder(Path("results") / "runs" / study.name if output is None else output), part
 
 
 def _plan(study: Study, folder: Folder, shard: Shard | None) -> Plan:
-    """Return the plan of a study in its folder, with what changed since it was last run there."""
+    """Return the plan of a study in its folder, with a note on what changed in the environment since its last run."""
     changed = folder.differences(provenance.machine())
     note = (
-        f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): those to come may "
-        "differ in their last digits and their times; the report tells them apart"
+        f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "
+        "differ in their last digits and their times; the report lists them separately"
     )
     store = folder.store
     return Plan(study, shard, store.keys(finished_only=True), store.cells(), [note] if changed else [])
@@ -153,12 +147,12 @@ def _make(
     on_trial: Listener | None,
 ) -> int:
     """Commit the missing trials as they are made; return their number."""
-    numbers: dict[str, int] = {}  # of the environments, by their machine's text
+    numbers: dict[str, int] = {}  # of environments, by the machine's record
     made = 0
     with folder.store.writer() as writer:
         try:
             while True:
-                with interrupts.welcome():
+                with interrupts.allowed():
                     answer = next(answers, None)
                 if answer is None:
                     return made
@@ -189,7 +183,7 @@ def _check_limits(n_jobs: object, timeout: object, memory: object) -> None:
 
 
 def _bytes(memory: float | None, jobs: int, backend: str) -> int | None:
-    """Return how many bytes of memory one trial's process may hold; a cluster's workers have their own limits."""
+    """Return the bytes of memory that one trial's process may hold, None for a cluster: its workers set limits."""
     if memory is not None:
         return int(memory * 1e9)
     return int(0.9 * provenance.memory() / jobs) if backend == "loky" else None

@@ -19,7 +19,7 @@ def solve(problem: str | Problem, optimizer: str | Optimizer, *, budget: int, se
     Args:
         problem: a problem or the name of one.
         optimizer: an optimizer or the name of one.
-        budget: evaluations it may spend; a budget below one generation is spent and then ends.
+        budget: evaluations it may spend; it may be less than one generation.
         seed: repeats the run exactly; the ``seed`` of a study's row repeats that trial.
 
     Raises:
@@ -30,5 +30,5 @@ def solve(problem: str | Problem, optimizer: str | Optimizer, *, budget: int, se
     if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
         raise BenchError("solve needs a problem and an optimizer, or their names")
     check_seed(seed)
-    with threadpool_limits(limits=1):  # results and times must not depend on how many threads a BLAS finds
+    with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
         return search(problem, optimizer, budget, seed)

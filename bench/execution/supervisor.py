@@ -1,4 +1,4 @@
-"""In a worker: have trials made by a process of their own, which a plug-in may hang, fill or crash at its own cost."""
+"""Supervise trial processes from a worker: start and restart them, and turn hangs, crashes and excess into rows."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from bench.storage import provenance
 from bench.study import Fingerprints
 from bench.trial import Row, Trial
 
-LOADING = 20.0  # seconds beside the limit of a trial that may pass between two imports of a plug-in
-WARMING = 3.0  # seconds, at least, that a warm-up may take, imports and compilation aside
-PRINTED = 1_000_000  # bytes that a trial may print: they go nowhere, but reading them takes everybody's time
-CHECKING = 60.0  # seconds without a sign of life in which a study's plug-ins are loaded for the first time
-DEATHS = 3  # of the process that loads them, by what comes from outside, before a study is given up
-FULL = 0.5  # of the memory allowed; a process that holds more between trials is given up, lest the next one pays
+LOADING = 20.0  # seconds, added to the limit of a trial, allowed between two imports of a plug-in
+WARMING = 3.0  # minimum seconds allowed for a warm-up, without imports and compilation
+PRINTED = 1_000_000  # bytes that a trial may print: they are discarded, but reading them takes time from other trials
+CHECKING = 60.0  # seconds allowed without a sign of life while a study's plug-ins are first loaded
+DEATHS = 3  # of the process that loads them, by signals from outside, before the study is given up
+FULL = 0.5  # share of the memory allowed; a process that holds more between trials is ended, to spare the next trial
 KILLED = [-getattr(signal, name) for name in ("SIGKILL", "SIGTERM") if hasattr(signal, name)]
-"""Exit codes of what comes from outside: the system short of memory, or a person."""
+"""Exit codes after a kill from outside: by the system when memory runs out, or by a person."""
 
-_SHORT = 0.01  # seconds of a trial that has no time to fill much: to look would take a tenth of a millisecond
-_LOOK = 0.5  # seconds between looks for the parent, and at least between those at a process's memory
+_SHORT = 0.01  # seconds; a shorter trial cannot fill much memory, and each look takes 0.1 ms
+_LOOK = 0.5  # seconds between looks for the parent, and minimum seconds between looks at a process's memory
 
 
 @dataclass(frozen=True)
@@ -37,10 +37,10 @@ class Task:
     """What every trial of a run has in common.
 
     Attributes:
-        study: the study as TOML: a study's text is its pickle, and workers load plug-ins by name as the parent does.
+        study: the study as TOML, so that workers load plug-ins by name as the parent does.
         timeout: wall seconds that a trial may take, or None.
         memory: bytes of memory that a trial's process may hold, or None.
-        hash_seed: of the process, which orders sets of texts.
+        hash_seed: the PYTHONHASHSEED of trial processes, which orders sets of strings.
         package: :func:`bench.storage.provenance.package` of the parent; a worker with another one is refused.
     """
 
@@ -52,30 +52,30 @@ class Task:
 
 
 def work(task: Task, trial: Trial) -> tuple[Trial, Row, str]:
-    """Have one trial made; return it with its row and the worker's :func:`bench.storage.provenance.machine` as JSON.
+    """Have one trial made; return it with its row and its machine's record (:func:`bench.storage.provenance.machine`).
 
     Raises:
         BenchError: when this worker has another version of the package than the parent.
     """
-    require(task.package)
-    keeper = _keeper(task)
-    return trial, keeper.make(trial), keeper.machine()
+    require_same_package(task.package)
+    supervisor = _supervisor(task)
+    return trial, supervisor.make(trial), supervisor.machine()
 
 
 def check(task: Task, *, keep: bool = False) -> Fingerprints:
-    """Return what :meth:`bench.study.Study.check` does, without loading a plug-in into this process.
+    """Run :meth:`bench.study.Study.check` in a trial process, so that no plug-in is loaded into this one.
 
     Args:
-        task: of which the study counts.
-        keep: whether the process that it takes stays, for trials that are made here, until :func:`close`.
+        task: the task whose study is checked.
+        keep: whether to keep the process for trials that are made here, until :func:`close`.
 
     Raises:
         BenchError: for the first name, parameter, recording or budget that cannot work, or for plug-ins that hang or
-            crash when they are loaded.
+            crash while they are loaded.
     """
     loading = "loading the study's problems and optimizers"
     try:
-        found = _keeper(task).check()
+        found = _supervisor(task).check()
     except SilentError as error:
         raise BenchError(
             f"{loading} hangs: no sign of life for {error}; try each with 'bench solve' to find which"
@@ -90,7 +90,7 @@ def check(task: Task, *, keep: bool = False) -> Fingerprints:
     return Fingerprints(*found)
 
 
-def require(package: str) -> None:
+def require_same_package(package: str) -> None:
     """Raise BenchError where this process runs another package than the one named."""
     own = provenance.package()
     if own != package:
@@ -99,8 +99,8 @@ def require(package: str) -> None:
         )
 
 
-def attend(parent: int) -> None:
-    """End this worker when its parent is gone, killed while this one waits, say; Ctrl-C is the parent's."""
+def end_with_parent(parent: int) -> None:
+    """End this worker when its parent has ended, such as by a kill; ignore Ctrl-C, which the parent handles."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     def watch() -> None:
@@ -112,48 +112,48 @@ def attend(parent: int) -> None:
 
 
 def close() -> None:
-    """End the trial processes of all this process's threads."""
-    for keeper in list(_keepers.values()):
-        keeper.close()
+    """End the trial processes of all threads of this process."""
+    for supervisor in list(_supervisors.values()):
+        supervisor.close()
 
 
-def _keeper(task: Task) -> _Keeper:
-    """Return this thread's keeper, set to the task."""
+def _supervisor(task: Task) -> _Supervisor:
+    """Return the supervisor of this thread, set to the task."""
     me = threading.get_ident()
-    keeper = _keepers.get(me)
-    if keeper is None:
-        keeper = _keepers[me] = _Keeper(task)
-    elif keeper.task != task:
-        keeper.take(task)
-    return keeper
+    supervisor = _supervisors.get(me)
+    if supervisor is None:
+        supervisor = _supervisors[me] = _Supervisor(task)
+    elif supervisor.task != task:
+        supervisor.set_task(task)
+    return supervisor
 
 
-class _Keeper:
-    """Keeps one trial process for one thread, and starts another one when it is lost."""
+class _Supervisor:
+    """Supervises the one trial process of one thread, and starts another when it is lost."""
 
     def __init__(self, task: Task) -> None:
         self.task = task
         self._process: Process | None = None
-        self._prepared: set[tuple[str, str]] = set()  # cells, in the process as it is
-        self._late: set[tuple[str, str]] = set()  # cells whose warm-up took too long: they go on without
+        self._ready: set[tuple[str, str]] = set()  # cells loaded and warmed up in the present process
+        self._slow_to_warm: set[tuple[str, str]] = set()  # cells whose warm-up took too long: it is not repeated
         self._machine = ""
-        self._next_look = 0.0  # at the process's memory
+        self._next_look = 0.0  # time of the next look at the process's memory
 
-    def take(self, task: Task) -> None:
-        """Make trials of another task, in the same process where that will do."""
+    def set_task(self, task: Task) -> None:
+        """Change to another task; keep the process unless the hash seed differs."""
         if task.hash_seed != self.task.hash_seed:
             self.close()
         if task.study != self.task.study:
             self._machine = ""
-            self._prepared.clear()
-            self._late.clear()
+            self._ready.clear()
+            self._slow_to_warm.clear()
         self.task = task
 
     def check(self) -> Any:
-        """Return the answer of :func:`trial_process.check`; a process that is killed from outside is replaced."""
+        """Return the answer of :func:`trial_process.check`; replace a process that is killed from outside."""
         for left in reversed(range(DEATHS)):
             try:
-                return self._ask(trial_process.check, patience=CHECKING)
+                return self._call(trial_process.check, patience=CHECKING)
             except DiedError as error:
                 self.close()
                 if error.code not in KILLED or not left:
@@ -161,18 +161,18 @@ class _Keeper:
         raise AssertionError("the last death is raised")
 
     def close(self) -> None:
-        """End the process; another thread than the one that works with it may do so, too."""
-        process, self._process = self._process, None  # first of all: the other one may start a new one meanwhile
-        self._prepared.clear()
+        """End the process; any thread may do so."""
+        process, self._process = self._process, None  # first, as the supervised thread may start a new one meanwhile
+        self._ready.clear()
         if process is not None:
             process.close()
 
     def machine(self) -> str:
-        """Return what the trials are made by, as JSON."""
+        """Return the machine's record as JSON (:func:`bench.storage.provenance.machine`)."""
         if not self._machine:
             sound = False
             try:
-                self._machine, sound = self._ask(trial_process.describe, patience=self._patience(LOADING))
+                self._machine, sound = self._call(trial_process.describe_machine, patience=self._patience(LOADING))
             except (SilentError, DiedError, RemoteError, MemoryExceededError):
                 self._machine = json.dumps(provenance.machine())
             finally:
@@ -181,9 +181,9 @@ class _Keeper:
         return self._machine
 
     def make(self, trial: Trial) -> Row:
-        """Return the row of a trial, whatever becomes of it.
+        """Return the row of a trial, whether it finishes, fails or times out.
 
-        A trial whose process is killed from outside is begun once more: it may be no fault of its own.
+        A trial whose process is killed from outside is begun once more, as that may not be the trial's fault.
         """
         row = self._make(trial)
         return row if row is not None else self._make(trial, last=True) or failed("its process was killed twice")
@@ -193,20 +193,20 @@ class _Keeper:
         doing, sound = "", False
         try:
             self.machine()
-            if cell not in self._prepared:
+            if cell not in self._ready:
                 doing = "while its plug-ins were loaded"
-                self._ask(trial_process.load, *cell, patience=self._patience(LOADING))
-                if cell not in self._late:
+                self._call(trial_process.load, *cell, patience=self._patience(LOADING))
+                if cell not in self._slow_to_warm:
                     doing = "in its warm-up, a short trial before the first"
-                    self._late.add(cell)
-                    self._ask(trial_process.warm_up, *cell, patience=self._patience(at_least=WARMING))
-                    self._late.discard(cell)
-                self._prepared.add(cell)
+                    self._slow_to_warm.add(cell)
+                    self._call(trial_process.warm_up, *cell, patience=self._patience(at_least=WARMING))
+                    self._slow_to_warm.discard(cell)
+                self._ready.add(cell)
             doing = ""
             began = monotonic()
-            row, sound = self._ask(trial_process.make, trial, patience=timeout)
+            row, sound = self._call(trial_process.make, trial, patience=timeout)
             sound = sound and not self._is_full(monotonic() - began)
-            return self._judge(row)
+            return self._checked(row)
         except SilentError as error:
             where = (
                 f"{doing}, after {error} without a sign of life" if doing else f"after {error}, the limit of a trial"
@@ -217,22 +217,22 @@ class _Keeper:
         except DiedError as error:
             if error.code in KILLED and not last:
                 return None
-            return failed(_obituary(error))
+            return failed(_why_it_ended(error))
         except RemoteError as error:
             return failed(str(error))
         finally:
             if not sound:
                 self.close()
 
-    def _judge(self, row: Row) -> Row:
-        """Return the row of a trial as it came, or why it cannot stand."""
-        process = self._process  # another thread may close it
+    def _checked(self, row: Row) -> Row:
+        """Return the trial's row, or a failed row where the trial printed too much."""
+        process = self._process  # a local name, as another thread may close it
         if row["status"] == "ok" and process is not None and process.printed > PRINTED:
             return failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
         return dict(row)
 
     def _is_full(self, seconds: float) -> bool:
-        """Return whether the process holds so much that it is to be given up, after a trial of so many seconds."""
+        """Return whether the process holds too much memory for another trial, after a trial of ``seconds``."""
         limit, process, now = self.task.memory, self._process, monotonic()
         if limit is None or process is None or (seconds < _SHORT and now < self._next_look):
             return False
@@ -242,22 +242,22 @@ class _Keeper:
     def _patience(self, beside: float = 0.0, at_least: float = 0.0) -> float | None:
         return None if self.task.timeout is None else max(self.task.timeout + beside, at_least)
 
-    def _ask(self, function: Any, *arguments: Any, patience: float | None) -> Any:
+    def _call(self, function: Any, *arguments: Any, patience: float | None) -> Any:
         process = self._process
         if process is None:
             process = self._process = Process(self.task.hash_seed)
         return process.call(function, self.task.study, *arguments, patience=patience, memory=self.task.memory)
 
 
-def _obituary(error: DiedError) -> str:
+def _why_it_ended(error: DiedError) -> str:
     """Return why a trial's process ended."""
     if error.code == trial_process.STILL_ASKING:
         return "went on asking for values after its budget was spent; let BudgetExhausted pass"
     if error.code == UNANSWERABLE:
-        return "closed files that are not its own, by which its process answers"
+        return "closed files that are not its own, through which its process answers"
     twice = " twice; the machine may be short of memory" if error.code in KILLED else ""
-    words = f"\n{error.last_words}" if error.last_words else ""
-    return f"its process ended with {error}{twice}{words}"
+    output = f"\n{error.end_of_output}" if error.end_of_output else ""
+    return f"its process ended with {error}{twice}{output}"
 
 
-_keepers: dict[int, _Keeper] = {}
+_supervisors: dict[int, _Supervisor] = {}

@@ -1,4 +1,4 @@
-"""Inside a trial process: load the plug-ins, warm up, make one trial after another."""
+"""The functions called in a trial process: load plug-ins, warm up, make trials."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from threadpoolctl import threadpool_limits
 from bench.errors import BenchError
 from bench.problem import Problem
 from bench.sandbox import side_effects
-from bench.sandbox.messages import spell
+from bench.sandbox.messages import describe_error
 from bench.sandbox.process import Pulse
-from bench.sandbox.side_effects import Leftovers
+from bench.sandbox.side_effects import SideEffects
 from bench.storage import provenance
 from bench.study import Fingerprints, Study
 from bench.text import printable
 from bench.trial import Row, Trial, as_row, search
 
 STILL_ASKING = 87
-"""The exit code of a process that an optimizer held up, asking on and on after its budget was spent."""
+"""The exit code of a process whose optimizer kept asking for values after its budget was spent."""
 
-_REFUSALS = 10  # one is all that an optimizer needs to see
+_REFUSALS = 10  # of BudgetExhausted; one suffices for an optimizer that lets it pass
 
 
 def failed(reason: str) -> Row:
@@ -38,95 +38,95 @@ def failed(reason: str) -> Row:
 
 
 def check(study_text: str, *, pulse: Pulse) -> Fingerprints | str:
-    """Return what :meth:`bench.study.Study.check` does, or in words why the study cannot be run.
+    """Return the result of :meth:`bench.study.Study.check`, or a sentence on why the study cannot be run.
 
     Pulses while modules are imported.
     """
     try:
-        with _signs_of_life(pulse):
+        with _pulsing(pulse):
             return _study(study_text).check()
     except BenchError as error:
         return printable(str(error), 4000)
 
 
-def describe(study_text: str, *, pulse: Pulse) -> tuple[str, bool]:
-    """Load all the study's plug-ins and tell what :func:`bench.storage.provenance.machine` then says of this process.
+def describe_machine(study_text: str, *, pulse: Pulse) -> tuple[str, bool]:
+    """Load all plug-ins of the study and return :func:`bench.storage.provenance.machine` of this process.
 
     Returns:
-        that as JSON, and whether the process may go on to make trials.
+        the record as JSON, and whether the process may make trials.
     """
     study = _study(study_text)
     plugins: list[object] = []
-    with _signs_of_life(pulse):
+    with _pulsing(pulse):
         for load, entries in ((study.optimizer, study.optimizers), (study.problem, study.problems)):
             for entry in entries:
                 pulse(0, 1)
-                with contextlib.suppress(BaseException):  # its trials will say what is wrong
+                with contextlib.suppress(BaseException):  # its trials will report the error
                     plugins.append(load(entry.label))
     threadpool_limits(limits=1)
-    return json.dumps(provenance.machine(provenance.modules(plugins))), side_effects.accept()
+    return json.dumps(provenance.machine(provenance.modules(plugins))), side_effects.set_baseline()
 
 
 def load(study_text: str, problem: str, optimizer: str, *, pulse: Pulse) -> None:
-    """Load what a cell's trials are made of; pulses while modules are imported."""
-    with contextlib.suppress(BaseException), _signs_of_life(pulse):  # the trial itself will say what is wrong
+    """Load the problem and the optimizer of a cell; pulses while modules are imported."""
+    with contextlib.suppress(BaseException), _pulsing(pulse):  # the trial itself will report the error
         _problem(study_text, problem)
         pulse(0, 1)
         _study(study_text).optimizer(optimizer)
-    threadpool_limits(limits=1)  # of what was loaded only now; the environment has told the others
-    side_effects.accept()  # or a trial will find that it cannot be
+    threadpool_limits(limits=1)  # for libraries loaded just now; the environment set the limit of the others
+    side_effects.set_baseline()  # where it fails, the next trial reports so
 
 
 def warm_up(study_text: str, problem: str, optimizer: str, *, pulse: Pulse) -> None:
-    """Make one discarded, short trial for each kind of problem and optimizer: no trial shall wait for a compiler.
+    """Make and discard one short trial for each kind of problem and optimizer, so that no trial waits for a compiler.
 
     Pulses while modules are imported and numba compiles, which may take longer than a trial is allowed to.
     """
-    with contextlib.suppress(BaseException):  # the trial itself will say what is wrong
+    with contextlib.suppress(BaseException):  # the trial itself will report the error
         study = _study(study_text)
         loaded, chosen = _problem(study_text, problem), study.optimizer(optimizer)
         key = study_text, type(loaded), optimizer
         if key in _warm:
             return
         _warm.add(key)
-        with _signs_of_life(pulse), Leftovers():
+        with _pulsing(pulse), SideEffects():
             budget = min(study.budget, 3 * chosen.minimum_budget)
-            search(loaded, chosen, budget, 0, _refuse)
-    threadpool_limits(limits=1)  # of what only a run loads
+            search(loaded, chosen, budget, 0, _end_if_stuck)
+    threadpool_limits(limits=1)  # for libraries that only a run loads
 
 
-def make(study_text: str, trial: Trial, *, pulse: Pulse) -> tuple[Row, bool]:  # noqa: ARG001 - a trial is not disturbed
-    """Make one trial; whatever it raises becomes its row.
+def make(study_text: str, trial: Trial, *, pulse: Pulse) -> tuple[Row, bool]:  # noqa: ARG001 - would disturb a trial
+    """Make one trial; an exception becomes its row.
 
     Returns:
-        the trial's row, and whether the process may go on to make others.
+        the trial's row, and whether the process may make other trials.
     """
-    left = Leftovers()
+    effects = SideEffects()
     try:
         study = _study(study_text)
         problem, optimizer = _problem(study_text, trial.problem), study.optimizer(trial.optimizer)
-        with left:
-            result = search(problem, optimizer, study.budget, trial.seed, _refuse)
+        with effects:
+            result = search(problem, optimizer, study.budget, trial.seed, _end_if_stuck)
         row = as_row(result, problem.variables)
-    except BaseException as error:  # a plug-in may raise anything, and it costs only its own cell
-        row = failed(f"{spell(error)}\n{traceback.format_exc(limit=-3)}")
-    if row["status"] == "ok" and (reason := _breach(left)):
+    except BaseException as error:  # a plug-in may raise anything; only its own trial fails
+        row = failed(f"{describe_error(error)}\n{traceback.format_exc(limit=-3)}")
+    if row["status"] == "ok" and (reason := _why_void(effects)):
         row = failed(reason)
-    return row, not left.lasting
+    return row, not effects.lasting
 
 
-def _breach(left: Leftovers) -> str:
-    """Return why a trial cannot stand for what it left behind, "" where it can."""
-    running = [kind for count, kind in ((left.threads, "threads"), (left.processes, "processes")) if count]
+def _why_void(effects: SideEffects) -> str:
+    """Return why the side effects of a trial void it, "" where they do not."""
+    running = [kind for count, kind in ((effects.threads, "threads"), (effects.processes, "processes")) if count]
     if running:
         return (
-            f"left {' and '.join(running)} running, in the time of the trials after it; have them ended before "
+            f"left {' and '.join(running)} running, in the time of the trials after it; end them before "
             "minimize returns or its budget is spent"
         )
-    if left.random:
+    if effects.random:
         return (
-            f"used the global random state of {' and '.join(left.random)}, so its seed does not repeat it; draw from "
-            "the rng that minimize is given"
+            f"used the global random state of {' and '.join(effects.random)}, so its seed does not repeat it; draw "
+            "from the rng that minimize is given"
         )
     return ""
 
@@ -144,27 +144,27 @@ def _problem(study_text: str, label: str) -> Problem:
 _warm: set[tuple[str, type, str]] = set()
 
 
-def _refuse(number: int) -> None:
-    """End this process when an optimizer does not take the end of its budget for an answer: nothing else stops it."""
+def _end_if_stuck(number: int) -> None:
+    """End this process when an optimizer keeps ignoring BudgetExhausted: nothing else stops it."""
     if number > _REFUSALS:
         os._exit(STILL_ASKING)
 
 
 @contextlib.contextmanager
-def _signs_of_life(pulse: Pulse) -> Iterator[None]:
-    """Pulse with every module that is looked for, and with every step of whatever numba compiles."""
-    finder = _Finder(pulse)
+def _pulsing(pulse: Pulse) -> Iterator[None]:
+    """Pulse at every import of a module and at every step of a compilation by numba."""
+    finder = _PulsingFinder(pulse)
     sys.meta_path.insert(0, finder)
     try:
-        with _compilations(pulse):
+        with _pulsing_compilations(pulse):
             yield
     finally:
         with contextlib.suppress(ValueError):
             sys.meta_path.remove(finder)
 
 
-class _Finder(MetaPathFinder):
-    """Finds no module, but tells that one is looked for."""
+class _PulsingFinder(MetaPathFinder):
+    """Finds no module, but pulses whenever one is searched for."""
 
     def __init__(self, pulse: Pulse) -> None:
         self._pulse = pulse
@@ -175,8 +175,8 @@ class _Finder(MetaPathFinder):
 
 
 @contextlib.contextmanager
-def _compilations(pulse: Pulse) -> Iterator[None]:
-    """Pulse at the start and the end of every step of whatever numba compiles, where it is in use."""
+def _pulsing_compilations(pulse: Pulse) -> Iterator[None]:
+    """Pulse at the start and the end of every step of a compilation by numba, where it is loaded."""
     if "numba" not in sys.modules:
         yield
         return

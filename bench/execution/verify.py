@@ -1,4 +1,4 @@
-"""Make stored trials again, under other circumstances, and compare them bit by bit."""
+"""Make stored trials again under other conditions and compare them bit by bit."""
 
 from __future__ import annotations
 
@@ -16,24 +16,25 @@ from bench.execution.supervisor import Task
 from bench.numbers import require_whole
 from bench.storage import provenance
 from bench.storage.folder import Folder
-from bench.storage.store import Keys, Store, disagreement, stored
+from bench.storage.schema import disagreement, stored
+from bench.storage.store import Keys, Store
 from bench.trial import Row, Trial
 
-HASH_SEED = 4242  # a run's processes have 0
+HASH_SEED = 4242  # other than the 0 of a run's processes
 
 OnProgress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
 class Verification:
-    """What came of making trials again.
+    """The outcome of making trials again.
 
     Attributes:
-        cells: the cells (problem, optimizer) that trials were taken from.
-        trials: the trials made again.
-        jobs: the workers that made them.
-        different: the trials that came out otherwise, and in what.
-        notes: how this machine and its versions differ from those that made the trials.
+        cells: the number of cells (problem, optimizer) that the trials are from.
+        trials: the number of trials made again.
+        jobs: the number of workers that made them.
+        different: the trials that differ, each with the difference.
+        notes: the differences between this environment and the one that made the trials.
     """
 
     cells: int
@@ -44,15 +45,15 @@ class Verification:
 
     @property
     def sentence(self) -> str:
-        """All of it in one sentence."""
+        """The outcome in one sentence."""
         same = self.trials - len(self.different)
         workers = f"{self.jobs} worker{'s' if self.jobs > 1 else ''}"
-        said = f"{same:,} of {self.trials:,} trials of {self.cells:,} cells are the same bit by bit"
+        same_bits = f"{same:,} of {self.trials:,} trials of {self.cells:,} cells are the same bit by bit"
         other = f", though in another environment ({'; '.join(self.notes)})" if self.notes else ""
-        return f"{said} with {workers} and another PYTHONHASHSEED{other}"
+        return f"{same_bits} with {workers} and another PYTHONHASHSEED{other}"
 
     def lines(self) -> Iterator[str]:
-        """Yield a line for every trial that came out otherwise."""
+        """Yield a line for every trial that differs."""
         for trial, what in self.different.items():
             yield f"different: {trial.optimizer} on {trial.problem}, trial {trial.number}: {what}"
 
@@ -64,13 +65,13 @@ def verify(
     n_jobs: int | None = None,
     on_progress: OnProgress | None = None,
 ) -> Verification:
-    """Make some finished trials of every cell again and note in the folder whether they are the same.
+    """Make some finished trials of every cell again and note in the folder whether they are identical.
 
     Args:
         path: the folder that ``bench.run`` wrote.
-        trials: how many of each cell, chosen by chance.
-        n_jobs: worker processes; None for another number than the run's.
-        on_progress: called with a title, trials made and trials in all.
+        trials: the number of trials of each cell, chosen at random.
+        n_jobs: worker processes; None for a number other than the run's.
+        on_progress: called with a title, the trials made and the total.
 
     Raises:
         BenchError: when the folder holds no finished trial, or its data or code changed.
@@ -104,7 +105,7 @@ def verify(
 
 
 def _chosen(folder: Folder, trials: int, seed: int) -> list[Trial]:
-    """Return so many finished trials of each cell, by chance."""
+    """Return up to ``trials`` finished trials of each cell, chosen at random."""
     require_whole("the number of trials to verify", trials, 1)
     cells: dict[tuple[str, str], list[Trial]] = {}
     for row in folder.store.rows("status = 'ok'"):
@@ -117,7 +118,7 @@ def _chosen(folder: Folder, trials: int, seed: int) -> list[Trial]:
 
 
 def _other_number(folder: Folder) -> int:
-    """Return a number of workers that the last run did not have."""
+    """Return a number of workers other than the last run's."""
     noted = [record.get("jobs") for record in folder.environments()]
     cores = int(cpu_count())
     if not noted or noted[-1] != cores:
@@ -126,7 +127,7 @@ def _other_number(folder: Folder) -> int:
 
 
 def _difference(store: Store, trial: Trial, row: Row) -> str:
-    """Return in what a trial made again differs from the stored one, "" where in nothing."""
+    """Return how a trial made again differs from the stored one, "" where it does not."""
     before, again = store.find(*trial.key), stored(trial, row)
     if before is None:
         return "it is no longer stored"

@@ -107,7 +107,7 @@ def references(results: Results) -> dict[str, Reference]:
     lowest = {entry.label: np.inf for entry in results.study.problems}
     for (problem, _, _), trace in results.traces.items():
         lowest[problem] = min([lowest[problem], *trace.values[-1:].tolist()])
-    optima = {label: known for label in lowest if (known := results.known(label).optimum) is not None}
+    optima = {label: known for label in lowest if (known := results.facts(label).optimum) is not None}
     return {label: _reference(*found) for label, found in analysis.references(lowest, optima).items()}
 
 

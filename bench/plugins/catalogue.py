@@ -1,4 +1,4 @@
-"""What is known of an installed optimizer: where it comes from, whose code it is, and which parameters it takes."""
+"""Describe an installed optimizer: its papers, whose code it is, and its parameters."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ import types
 from dataclasses import dataclass
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-import typer
-
 from bench.bibtex import parse
 from bench.errors import BenchError
 from bench.optimizer import Optimizer
@@ -18,7 +16,7 @@ from bench.plugins import from_file, loading, registry
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an optimizer: its default, what it may be, and the closed range it must lie in."""
+    """A parameter of an optimizer: its default, its type or choices, and the closed range of its values."""
 
     name: str
     default: Any
@@ -38,14 +36,14 @@ class Record:
     """An optimizer's lineage and parameters.
 
     Attributes:
-        name: the name it is loaded by.
-        family: the family it belongs to, "" for a plug-in of its own.
-        about: one line.
-        paper: authors, year, title and DOI of each work it comes from.
+        name: the name that loads it.
+        family: the family that it is a member of, "" for none.
+        about: one line on what it is.
+        paper: authors, year, title and DOI of each work that it implements.
         code: whose implementation runs.
         parameters: its parameters.
-        extra: the optional extra of this distribution that it needs, "" for none.
-        unmapped: what its adapter could not carry over from its library, one sentence each.
+        extra: the optional extra of this distribution that it needs, or "".
+        unmapped: features of its library that its adapter does not support, one sentence each.
         package: the package that offers it.
     """
 
@@ -61,7 +59,7 @@ class Record:
 
 
 def record(name: str) -> Record:
-    """Return what is known of the optimizer of that name; raises BenchError where it cannot be loaded."""
+    """Return the record of the optimizer of that name; raises BenchError where it cannot be loaded."""
     family, colon, _ = name.partition(":")
     own = from_file.split(name) is None
     entry = registry.entries("optimizers").get(family) if own else None
@@ -80,9 +78,9 @@ def record(name: str) -> Record:
 
 
 def first_line(thing: Any) -> str:
-    """Return the first line of a docstring, without the marks of reStructuredText."""
-    text = thing.info.help if isinstance(thing, typer.Typer) else inspect.getdoc(thing)  # of an app it is typer's own
-    return (text or "").partition("\n")[0].replace("``", "")
+    """Return the first line of a docstring, or of the help of a typer app, without double backquotes."""
+    info = getattr(thing, "info", None)
+    return (getattr(info, "help", None) or inspect.getdoc(thing) or "").partition("\n")[0].replace("``", "")
 
 
 def _papers(bibtex: str) -> list[str]:
@@ -98,16 +96,16 @@ def _parameters(kind: type[Optimizer]) -> list[Parameter]:
     hints = get_type_hints(kind)
     return [
         Parameter(
-            field.name, field.default, _spell(hints[field.name]),
+            field.name, field.default, _type_name(hints[field.name]),
             field.metadata.get("minimum"), field.metadata.get("maximum"),
         )
         for field in dataclasses.fields(kind)  # type: ignore[arg-type]
     ]  # fmt: skip
 
 
-def _spell(hint: Any) -> str:
+def _type_name(hint: Any) -> str:
     if get_origin(hint) is Literal:
         return " | ".join(repr(choice) for choice in get_args(hint))
     if get_origin(hint) in (Union, types.UnionType):
-        return " | ".join(_spell(option) for option in get_args(hint))
+        return " | ".join(_type_name(option) for option in get_args(hint))
     return "None" if hint is type(None) else str(getattr(hint, "__name__", hint))

@@ -17,8 +17,8 @@ def derive(
 ) -> type[Optimizer]:
     """Return a frozen dataclass of optimizers that adds ``parameters`` and class attributes to ``base``.
 
-    Another process cannot import such a class: its instances are pickled as ``load``, name and options, and loaded
-    again by these.
+    Another process cannot import such a class, so its instances are pickled as ``load``, name and options, and loaded
+    again from these.
 
     Args:
         base: the class that implements ``minimize``.

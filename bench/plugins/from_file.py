@@ -1,4 +1,4 @@
-"""Optimizers from a Python file that nobody installed, named ``path/to/file.py:ClassName``."""
+"""Load optimizers from a Python file that is not installed, named ``path/to/file.py:ClassName``."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def split(name: str) -> tuple[Path, str] | None:
 
 
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
-    """Return the optimizer of that file with the given parameters; raises BenchError as :func:`load` and for these."""
+    """Return the optimizer of that file with these parameters; raises BenchError as :func:`load`, or for them."""
     return build(load(name), name, options)
 
 
@@ -59,12 +59,12 @@ def _optimizer(name: str, attribute: str, path: Path, fingerprint: str) -> type[
         return of_function(found, name, load_optimizer, fingerprint=fingerprint)
     if attribute in vars(module):
         raise BenchError(f"{attribute!r} of {path} is neither an Optimizer subclass nor a function")
-    own = [key for key, value in vars(module).items() if _offers(module, value)]
+    own = [key for key, value in vars(module).items() if _is_own_optimizer(module, value)]
     raise BenchError(f"{path} holds no optimizer called {attribute!r}{nearest(attribute, own)}")
 
 
-class _Unkept(SourceFileLoader):
-    """Compiles the source each time: kept bytecode may be that of another version of the same second and size."""
+class _UncachedLoader(SourceFileLoader):
+    """Compiles the source each time: cached bytecode may be of another version with the same time and size."""
 
     def get_code(self, fullname: str) -> CodeType:  # noqa: ARG002 - a loader's signature
         return self.source_to_code(self.get_data(self.path), self.path)
@@ -72,23 +72,23 @@ class _Unkept(SourceFileLoader):
 
 @cache
 def _module(path: Path, fingerprint: str) -> ModuleType:
-    """Run the file as a module of its own; modules that lie beside it can be imported from it."""
-    name = f"bench_file_{path.stem}_{fingerprint}"  # an edited file is loaded anew
-    spec = spec_from_file_location(name, path, loader=_Unkept(name, str(path)))
+    """Import the file as a module of its own, which can import the modules beside it."""
+    name = f"bench_file_{path.stem}_{fingerprint}"  # an edited file is another module
+    spec = spec_from_file_location(name, path, loader=_UncachedLoader(name, str(path)))
     if spec is None or spec.loader is None:
         raise BenchError(f"the optimizer file {path} cannot be read as Python")
     module = module_from_spec(spec)
-    sys.modules[name] = module  # dataclasses look their annotations up there
+    sys.modules[name] = module  # dataclasses look up annotations there
     if str(path.parent) not in sys.path:
         sys.path.append(str(path.parent))
     try:
         spec.loader.exec_module(module)
-    except (Exception, SystemExit) as error:  # a stranger's file may raise anything
+    except (Exception, SystemExit) as error:  # the file may raise anything
         del sys.modules[name]
         raise BenchError(f"the optimizer file {path} failed to load: {type(error).__name__}: {error}") from error
     return module
 
 
-def _offers(module: ModuleType, value: object) -> bool:
+def _is_own_optimizer(module: ModuleType, value: object) -> bool:
     mine = getattr(value, "__module__", None) == module.__name__
     return mine and (inspect.isfunction(value) or (isinstance(value, type) and issubclass(value, Optimizer)))

@@ -1,4 +1,4 @@
-"""Optimizers from a plain function ``minimize(objective, rng, ...)``."""
+"""Make an optimizer class of a plain function ``minimize(objective, rng, ...)``."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class FunctionOptimizer(Optimizer):
 def of_function(
     function: Callable[..., Any], name: str, load: Callable[..., Optimizer], **attributes: Any
 ) -> type[Optimizer]:
-    """Return the optimizer class of a function; what it takes after ``objective`` and ``rng`` are its parameters.
+    """Return the optimizer class of a function; its arguments after ``objective`` and ``rng`` become parameters.
 
     Raises:
         BenchError: where the function cannot be called as ``function(objective, rng)``.

@@ -1,4 +1,4 @@
-"""Load an optimizer or a problem by its name: an installed plug-in, a member of a family, or a file's class."""
+"""Load an optimizer or a problem by name: an installed plug-in, a member of a family, or a class in a file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
         options: its parameters.
 
     Raises:
-        BenchError: for an unknown name or parameter (with the nearest one) or a value out of its range.
+        BenchError: for an unknown name or parameter (naming the nearest) or a value out of range.
     """
     if from_file.split(name):
         return from_file.load_optimizer(name, **options)
@@ -32,7 +32,7 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
     if isinstance(plugin, type) and issubclass(plugin, Optimizer) and not colon:
         return build(plugin, name, options)
     if isinstance(plugin, registry.Family) and colon:
-        loaded = _ask(plugin.load, name, options)
+        loaded = _call_loader(plugin.load, name, options)
         if isinstance(loaded, Optimizer):
             return loaded
     if registry.is_family(plugin):
@@ -46,27 +46,27 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     """Return the problem of that name, such as ``load_problem("signature-12", unit="rpm")``.
 
     Raises:
-        BenchError: for an unknown name or option (with the nearest one) or data that cannot be read.
+        BenchError: for an unknown name or option (naming the nearest) or data that cannot be read.
     """
     prefix, colon, _ = name.partition(":")
     families = registry.entries("problems")
     if colon and prefix in families:
-        return _problem(_ask(registry.load("problems", prefix).load, name, options), name)
+        return _problem(_call_loader(registry.load("problems", prefix).load, name, options), name)
     for family in sorted(families, key=lambda family: not name.startswith(family)):
         try:
             plugin = registry.load("problems", family)
             mine = name in plugin.names()
-        except Exception as error:  # a broken family must not stand in the way of another's problem
+        except Exception as error:  # a broken family must not block another's problem
             if name.startswith(family):
                 raise BenchError(f"problem {name!r} cannot be looked up: {_first_line(error)}") from error
             continue
         if mine:
-            return _problem(_ask(plugin.load, name, options), name)
+            return _problem(_call_loader(plugin.load, name, options), name)
     raise BenchError(f"unknown problem {name!r}{nearest(name, registry.problem_names())}")
 
 
-def _ask(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:
-    """Call a family's loader; what a stranger's code raises becomes one sentence."""
+def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:
+    """Call a family's loader; turn any exception into a BenchError of one sentence."""
     try:
         return loader(name, **options)
     except BenchError:
@@ -86,15 +86,15 @@ def _problem(loaded: Any, name: str) -> Problem:
 
 
 def matching(pattern: str) -> list[str]:
-    """Return the members of a family that a pattern such as ``"mealpy:*GWO"`` stands for; another name is itself.
+    """Return the members of a family that match a pattern such as ``"mealpy:*GWO"``, or the name if it is no pattern.
 
     Raises:
-        BenchError: where no member fits, or the family's library is missing.
+        BenchError: where no member matches, or the family's library is missing.
     """
     family, colon, member = pattern.partition(":")
     if not (colon and "*" in member) or from_file.split(pattern) or family not in registry.entries("optimizers"):
         return [pattern]
     names: list[str] = fnmatch.filter(registry.load("optimizers", family).names(), pattern)
     if not names:
-        raise BenchError(f"no optimizer fits {pattern!r}; 'bench list {family}' shows those there are")
+        raise BenchError(f"no optimizer matches {pattern!r}; 'bench list {family}' shows all")
     return names

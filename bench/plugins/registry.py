@@ -1,4 +1,4 @@
-"""Find and load plug-ins by entry point; built-ins have no privilege that a stranger's package lacks.
+"""Find and load plug-ins by entry point; built-ins and third-party packages are treated alike.
 
 Groups: ``bench.optimizers``, ``bench.problems``, ``bench.commands``, ``bench.studies``, ``bench.report_sections``.
 """
@@ -25,10 +25,10 @@ class Family(Protocol):
     """
 
     def names(self) -> list[str]:
-        """Return the full names that can be listed; a family may load others too (``recording:<path>``)."""
+        """Return the full names that can be listed; the family may load others too (``recording:<path>``)."""
 
     def load(self, name: str, **options: Any) -> Any:
-        """Return the plug-in of that full name; raises BenchError for what it does not know."""
+        """Return the plug-in of that full name; raises BenchError for an unknown one."""
 
 
 @cache
@@ -55,7 +55,7 @@ def load(group: str, name: str) -> Any:
     """Return the object behind an entry point; raises BenchError when its package fails to import."""
     try:
         return entries(group)[name].load()
-    except Exception as error:  # a stranger's import may raise anything
+    except Exception as error:  # an import may raise anything
         raise BenchError(
             f"the plug-in {name!r} of bench.{group} ({entries(group)[name].value}) failed to load: "
             f"{type(error).__name__}: {error}"
@@ -66,21 +66,21 @@ def problem_names() -> list[str]:
     """Return every problem name that can be listed."""
     names: list[str] = []
     for family in entries("problems"):
-        with suppress(Exception):  # `bench list` shows it with its error
+        with suppress(Exception):  # `bench list` shows its error
             names += load("problems", family).names()
     return sorted(names)
 
 
 def is_family(plugin: Any) -> bool:
-    """Return whether the object behind an entry point stands for many plug-ins."""
+    """Return whether the object behind an entry point is a family of plug-ins."""
     return isinstance(plugin, Family) and not isinstance(plugin, type)
 
 
 def refuse_foreign_modules() -> None:
-    """Refuse to run where another package's module shadows one of this distribution's generic top-level names.
+    """Refuse to run where another package's module shadows a top-level module of this distribution.
 
     Raises:
-        BenchError: when the distribution is not installed, or ``optimizers`` or ``problems`` is somebody else's.
+        BenchError: when the distribution is not installed, or ``optimizers`` or ``problems`` is another package's.
     """
     home = Path(__file__).resolve().parents[2]
     try:
@@ -94,6 +94,6 @@ def refuse_foreign_modules() -> None:
         origin = spec.origin if spec is not None else None
         if origin is None or Path(origin).resolve().parents[1] != home:
             raise BenchError(
-                f"the module {module!r} found at {origin or 'no place'} is not {DISTRIBUTION}'s own, "
-                f"which is in {home}; run from another folder or rename that module"
+                f"the module {module!r} found at {origin or 'no place'} is not the one of {DISTRIBUTION} "
+                f"in {home}; run from another folder or rename that module"
             )

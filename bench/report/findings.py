@@ -10,7 +10,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.report.methods import Methods, MethodsFacts, methods
-from bench.storage.results import Known, Results
+from bench.storage.results import ProblemFacts, Results
 from bench.study import Study
 
 
@@ -43,9 +43,9 @@ class Findings:
         return analysis.coverage(self.frame, self.results.study.trials)
 
     @cached_property
-    def known(self) -> dict[str, Known]:
+    def known(self) -> dict[str, ProblemFacts]:
         """What is known of each problem here."""
-        return {label: self.results.known(label) for label in self.problems}
+        return {label: self.results.facts(label) for label in self.problems}
 
     @cached_property
     def optima(self) -> dict[str, float]:

@@ -1,1 +1,1 @@
-"""A process of its own for plug-in code, and what such code changed in it."""
+"""Run plug-in code in a separate process, and detect and undo its side effects."""

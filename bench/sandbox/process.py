@@ -1,4 +1,4 @@
-"""A process of one's own for code that may hang, print, eat memory, crash the interpreter or end it."""
+"""Call functions in a separate process: they may hang, print, exhaust memory, crash the interpreter or end it."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from time import monotonic
 from types import TracebackType
 from typing import IO, Any
 
-from bench.sandbox.messages import last_words, spell
+from bench.sandbox.messages import describe_error, end_of_output
 from bench.sandbox.server import UNANSWERABLE, receive, send
 
-# The pipes are put out of the reach of what is called before anything is imported; prints go to standard error.
+# Before any import the pipes move to other file numbers, out of reach of the code called; prints go to standard error.
 _START = """
 import json, os, sys
 calls, answers, nowhere = os.dup(0), os.dup(1), os.open(os.devnull, os.O_RDWR)
@@ -30,7 +30,7 @@ from bench.sandbox.server import serve
 serve(calls, answers, owner)
 """
 
-# A process is one thread's work: times and results must not depend on how many cores a library finds.
+# One thread a process: times and results must not depend on the number of cores that a library finds.
 _ONE_THREAD = dict.fromkeys(
     (
         "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS", "NUMEXPR_NUM_THREADS",
@@ -39,35 +39,35 @@ _ONE_THREAD = dict.fromkeys(
     "1",
 )  # fmt: skip
 
-_LOOK = 0.2  # seconds between looks at a process that is at work: is it there, and how large is it?
-_FAMILY = 1.0  # seconds, at least, between looks for the processes that it started
-_GRACE = 0.5  # seconds for what a process that has ended left in its pipes
-_TAIL = 1 << 15  # bytes kept of standard error: a crash tells 100 frames and all extension modules
-_DIRECT = 4096  # bytes that a pipe takes at once, whether or not anyone reads it
+_LOOK = 0.2  # seconds between looks at a busy process: is it alive, and how much memory does it hold?
+_TREE_LOOK = 1.0  # seconds, at least, between searches for the processes that it started
+_GRACE = 0.5  # seconds to read what an ended process left in its pipes
+_TAIL = 1 << 15  # bytes kept of standard error: a crash prints 100 frames and all extension modules
+_DIRECT = 4096  # bytes that a pipe takes in one write, whether or not anyone reads it
 
 Pulse = Callable[[int, int], None]
-_Message = tuple[int, bytes] | None  # the call's number, and a pulse or answer; None at the end of the pipe
+_Message = tuple[int, bytes] | None  # the call's number, and a pulse or an answer; None at the end of the pipe
 
 
 class SilentError(RuntimeError):
-    """The process gave no sign of life for as long as was allowed."""
+    """The process gave no sign of life for longer than allowed."""
 
 
 class MemoryExceededError(RuntimeError):
-    """The process, with all that it started, held more memory than was allowed; the message says how much."""
+    """The process and those it started held more memory than allowed; the message states how much."""
 
 
 class DiedError(RuntimeError):
     """The process ended without an answer.
 
     Attributes:
-        code: its exit code, minus the signal where one ended it.
-        last_words: the end of what it printed, in lines; of a crash, its kind and place.
+        code: its exit code; after a signal, minus the signal's number.
+        end_of_output: the last lines that it printed; after a crash, the kind and place of the crash.
     """
 
-    def __init__(self, code: int, last_words: str = "") -> None:
-        super().__init__(code, last_words)
-        self.code, self.last_words = code, last_words
+    def __init__(self, code: int, end_of_output: str = "") -> None:
+        super().__init__(code, end_of_output)
+        self.code, self.end_of_output = code, end_of_output
 
     def __str__(self) -> str:
         number = -self.code
@@ -76,22 +76,22 @@ class DiedError(RuntimeError):
 
 
 class RemoteError(RuntimeError):
-    """What was called raised an exception; the message says which."""
+    """The function called raised an exception, which the message describes."""
 
 
 class Process:
     """A Python process that calls functions of importable modules, one after another.
 
-    It ends with the process that started it, at the latest; any thread may make and use one, one thread at a time.
+    It ends at the latest with the process that started it. Any thread may create and use one, one thread at a time.
 
     Args:
-        hash_seed: what orders its sets of texts.
-        nested: whether it is started by such a process, and ends with it.
+        hash_seed: its PYTHONHASHSEED, which orders sets of strings.
+        nested: whether another ``Process`` starts it, with which it ends.
     """
 
     def __init__(self, hash_seed: int, *, nested: bool = False) -> None:
-        self._leads = hasattr(os, "killpg") and not nested  # a session, so that all it starts can be ended
-        self.pulse: tuple[int, int] | None = None  # the last one: evaluations made, and the budget
+        self._leads = hasattr(os, "killpg") and not nested  # it leads a session, so that all it starts can be ended
+        self.pulse: tuple[int, int] | None = None  # the last one: evaluations made, budget
         main_thread = get_native_id() == os.getpid()
         given = json.dumps([[str(each) for each in sys.path], os.getpid() if main_thread else 0])
         own = {"PYTHONHASHSEED": str(hash_seed), "PYTHONIOENCODING": "utf-8"}
@@ -100,12 +100,12 @@ class Process:
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=self._leads,
             creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
         )  # fmt: skip
-        self._calls, self._before, self._ended = 0, 0, False
+        self._calls, self._printed_before, self._ended = 0, 0, False
         self._messages, self._output = SimpleQueue[_Message](), _Output()
         self._listener = _start(_listen, self._process.stdout, self._messages)
-        self._drain = _start(_keep_end, self._process.stderr, self._output)
+        self._drain = _start(_keep_tail, self._process.stderr, self._output)
         self._sender: Thread | None = None
-        self._family = _Family(self._process.pid)
+        self._tree = _ProcessTree(self._process.pid)
 
     def __enter__(self) -> Process:
         return self
@@ -115,7 +115,7 @@ class Process:
 
     @property
     def alive(self) -> bool:
-        """Whether the process is there; when it is not, what it started is ended too."""
+        """Whether the process runs; when it does not, the processes that it started are ended too."""
         if self._process.poll() is None:
             return True
         self._end()
@@ -123,19 +123,19 @@ class Process:
 
     @property
     def resident(self) -> int:
-        """Bytes of memory that it and all it started hold; what they share counts for each."""
-        return self._family.resident()
+        """Bytes of memory that it and the processes it started hold; shared memory counts for each."""
+        return self._tree.resident()
 
     @property
     def printed(self) -> int:
-        """Bytes that the last call wrote to standard output and error, but for those still in the pipe."""
-        return self._output.total - self._before
+        """Bytes that the last call wrote to standard output and error, as far as they have been read."""
+        return self._output.total - self._printed_before
 
     def close(self) -> None:
-        """End the process and whatever it started."""
+        """End the process and all that it started."""
         self._end()
-        # What has left the process's family may hold a pipe open: its thread then stays, for a pipe that is closed
-        # under a thread may come to life as another's.
+        # A process that escaped the tree may hold a pipe open. Its thread then stays: closing the pipe would free a
+        # file number that another pipe may take, and the thread would read that one.
         threads = [each for each in (self._listener, self._drain, self._sender) if each is not None]
         for thread in threads:
             thread.join(_GRACE)
@@ -150,17 +150,17 @@ class Process:
         on_pulse: Pulse | None = None,
         memory: int | None = None,
     ) -> Any:
-        """Return ``function(*arguments, pulse=…)`` of the process; all must be picklable.
+        """Call ``function(*arguments, pulse=…)`` in the process and return its result; all must be picklable.
 
-        The function calls ``pulse(made, budget)`` as a sign of life, which ``on_pulse`` passes on. After any error but
-        a RemoteError the process is ended.
+        The function calls ``pulse(made, budget)`` as a sign of life, which is passed to ``on_pulse``. After any error
+        but a RemoteError the process is ended.
 
         Args:
-            function: of an importable module.
-            arguments: of the function.
-            patience: seconds without a sign of life that are allowed; None for any.
+            function: a function of an importable module.
+            arguments: its positional arguments.
+            patience: seconds allowed without a sign of life; None for no limit.
             on_pulse: called with evaluations made and the budget, at most twice a second.
-            memory: bytes that the process may hold, see :attr:`resident`; None for any.
+            memory: bytes that the process may hold (:attr:`resident`); None for no limit.
 
         Raises:
             SilentError: when neither a pulse nor the answer came for ``patience`` seconds.
@@ -170,27 +170,27 @@ class Process:
         """
         self.pulse = None
         self._calls += 1
-        self._before = self._output.total
+        self._printed_before = self._output.total
         self._send(pickle.dumps((function, arguments)))
         limit = inf if patience is None else patience
-        heard = monotonic()
-        look = heard + _LOOK
+        last_sign = monotonic()
+        look = last_sign + _LOOK
         while True:
             try:
-                message = self._messages.get(timeout=max(0.0, min(look, heard + limit) - monotonic()))
+                message = self._messages.get(timeout=max(0.0, min(look, last_sign + limit) - monotonic()))
             except Empty:
-                if monotonic() >= heard + limit:
+                if monotonic() >= last_sign + limit:
                     self._end()
                     raise SilentError(f"{patience:g} s") from None
             else:
                 if message is None:
-                    raise self._death()
+                    raise self._died_error()
                 number, payload = message
-                if number == self._calls:  # and not of a call that was left by an interrupt
-                    heard = monotonic()
+                if number == self._calls:  # not of an earlier call that an interrupt cut short
+                    last_sign = monotonic()
                     kind, value = _load(payload)
                     if kind != "pulse":
-                        self._output.tail.clear()  # no last words after all
+                        self._output.tail.clear()  # it did not end, so its output is of no interest
                         if kind == "error":
                             raise RemoteError(value)
                         return value
@@ -198,63 +198,63 @@ class Process:
                     if on_pulse is not None:
                         on_pulse(*value)
             if monotonic() >= look:
-                self._look(memory)
+                self._inspect(memory)
                 look = monotonic() + _LOOK
 
     def _send(self, call: bytes) -> None:
-        with suppress(OSError, ValueError):  # a process that is gone, or closed, says so below
+        with suppress(OSError, ValueError):  # an ended or closed process is detected below
             pipe = self._process.stdin.fileno()  # type: ignore[union-attr]
             if len(call) <= _DIRECT:
                 send(pipe, self._calls, call)
-            else:  # a process that hangs may leave it unread
+            else:  # in a thread: a process that hangs may never read it
                 self._sender = _start(_send, pipe, self._calls, call)
 
-    def _look(self, memory: int | None) -> None:
-        """See to a process that is silent because it ended, or has grown too large."""
+    def _inspect(self, memory: int | None) -> None:
+        """Detect a process that has ended silently, or end one that has grown too large."""
         if not self.alive:
             self._listener.join(_GRACE)
-            self._messages.put(None)  # a fork that still has the pipe keeps its end from being seen
+            self._messages.put(None)  # a fork that still holds the pipe hides its end
         elif memory is not None and (held := self.resident) > memory:
             self._end()
             raise MemoryExceededError(
                 f"it held {held / 1e6:,.0f} MB of memory, where {memory / 1e6:,.0f} MB are allowed"
             )
 
-    def _death(self) -> DiedError:
-        code = UNANSWERABLE  # of a process that only closed its pipe
+    def _died_error(self) -> DiedError:
+        code = UNANSWERABLE  # for a process that only closed its pipe
         with suppress(subprocess.TimeoutExpired):
             code = self._process.wait(_GRACE)
         self._end()
         self._drain.join(_GRACE)
-        return DiedError(code, last_words(bytes(self._output.tail)))
+        return DiedError(code, end_of_output(bytes(self._output.tail)))
 
     def _end(self) -> None:
-        if self._ended:  # its number may be another's by now
+        if self._ended:  # another process may have its number by now
             return
-        self._family.look()
+        self._tree.look()
         with suppress(OSError):
             if self._leads:
                 os.killpg(self._process.pid, signal.SIGKILL)
             else:
                 self._process.kill()
-        self._family.kill()
+        self._tree.kill()
         self._ended = True
-        with suppress(subprocess.TimeoutExpired):  # one that waits for a dead disk cannot be ended
+        with suppress(subprocess.TimeoutExpired):  # a process that waits for a dead disk cannot be ended
             self._process.wait(10 * _GRACE)
 
 
 class _Output:
-    """What a process prints: how many bytes, and the last of them."""
+    """What a process has printed: the number of bytes, and the last of them."""
 
     def __init__(self) -> None:
         self.total, self.tail = 0, bytearray()
 
 
-class _Family:
-    """A process and all that it started, also in sessions of their own."""
+class _ProcessTree:
+    """A process and all that it started, including those in sessions of their own."""
 
     def __init__(self, pid: int) -> None:
-        import psutil  # here, since it takes as long as all else that this module needs
+        import psutil  # not at the top: its import takes as long as all others of this module
 
         self._quietly = suppress(psutil.Error, OSError)
         self._members: set[Any] = set()
@@ -264,14 +264,14 @@ class _Family:
         self._first = next(iter(self._members), None)
 
     def look(self) -> None:
-        """Look for members; those known stay while they run, for a child may outlive what started it."""
+        """Search for members; known ones are kept while they run, as a child may outlive its parent."""
         began = monotonic()
         with self._quietly:
             self._members = {each for each in self._members if each.is_running()}
             if self._first is not None:
                 self._members.update((self._first, *self._first.children(recursive=True)))
         now = monotonic()
-        self._next = now + max(_FAMILY, 50 * (now - began))  # it reads a file of every process of the machine
+        self._next = now + max(_TREE_LOOK, 50 * (now - began))  # a search reads a file of every process on the machine
 
     def resident(self) -> int:
         """Return the bytes of memory that the members hold."""
@@ -303,7 +303,7 @@ def _listen(pipe: IO[bytes], messages: SimpleQueue[_Message]) -> None:
     messages.put(None)
 
 
-def _keep_end(pipe: IO[bytes], output: _Output) -> None:
+def _keep_tail(pipe: IO[bytes], output: _Output) -> None:
     with pipe, suppress(OSError):
         while chunk := os.read(pipe.fileno(), 1 << 16):
             output.total += len(chunk)
@@ -320,4 +320,4 @@ def _load(payload: bytes) -> Any:
     try:
         return pickle.loads(payload)
     except Exception as error:
-        return "error", f"its answer cannot be read: {spell(error)}"
+        return "error", f"its answer cannot be read: {describe_error(error)}"

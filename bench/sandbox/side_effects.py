@@ -1,7 +1,7 @@
-"""What strangers' code changes of its process for those after it: put back, or told where it cannot be.
+"""Undo the side effects of plug-in code on the trial process, or report those that cannot be undone.
 
-A plug-in is no prisoner here: it is kept from harming others by accident or carelessness, and a process that is not as
-it was is given up rather than mended in full.
+This is no security boundary: it keeps a plug-in from harming other trials by accident. A process that cannot be
+restored cheaply is given up.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ import psutil
 
 from bench import objective, seeds, trial
 
-_FAREWELL = 0.1  # seconds that threads and processes have to end after their trial
+_GRACE = 0.1  # seconds for threads and processes to end after their trial
 _SIGNALS = [
     getattr(signal, name)
     for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM", "SIGUSR1", "SIGUSR2", "SIGCHLD", "SIGPIPE")
@@ -38,17 +38,17 @@ _TIMERS = [getattr(signal, name) for name in ("ITIMER_REAL", "ITIMER_VIRTUAL", "
 _SHARED: tuple[Any, ...] = (
     builtins, math, random, time, np, np.random, np.linalg, objective, objective.Objective, seeds, trial,
 )  # fmt: skip
-"""Namespaces on which everyone's results rest."""
+"""Namespaces that every trial's result depends on."""
 
 
-class Leftovers:
-    """A context for strangers' code, which holds at its end what the code left behind.
+class SideEffects:
+    """A context that runs plug-in code, restores the process afterwards and records what the code left behind.
 
     Attributes:
-        random: the global random states that it used, by what they are called.
-        threads: how many threads it left running.
-        processes: how many processes it left running.
-        lasting: whether the process is not as it was, and should make no other trials.
+        random: the names of the global random states that the code used.
+        threads: the number of threads that it left running.
+        processes: the number of processes that it left running.
+        lasting: whether the process could not be restored, and must make no other trials.
     """
 
     def __init__(self) -> None:
@@ -56,7 +56,7 @@ class Leftovers:
         self.threads = self.processes = 0
         self.lasting = False
 
-    def __enter__(self) -> Leftovers:
+    def __enter__(self) -> SideEffects:
         self._threads, self._thread_count = set(threading.enumerate()), _thread._count()
         self._folder = _folder()
         self._stack = ExitStack()
@@ -65,58 +65,58 @@ class Leftovers:
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        _known.put_back()
+        _baseline.restore()
         if _folder() != self._folder:
             os.chdir(self._folder)
         self._stack.close()
-        deadline = time.monotonic() + _FAREWELL
+        deadline = time.monotonic() + _GRACE
         for each in set(threading.enumerate()) - self._threads:
             each.join(max(0.0, deadline - time.monotonic()))
         self.threads = max(0, _thread._count() - self._thread_count)
-        self.processes = _children(deadline)
+        self.processes = _left_running(deadline)
         self.random = [name for name, state in seeds.global_states().items() if state != _STATES[name]]
         if self.random:
-            _set_random()
-        _known.lost |= bool(self.threads or self.processes) or _known.changed()
-        self.lasting = _known.lost
+            _reset_random()
+        _baseline.altered |= bool(self.threads or self.processes) or _baseline.changed()
+        self.lasting = _baseline.altered
 
 
-def accept() -> bool:
-    """Take the process as it is now for the way it should be, as after an import; return whether it can be.
+def set_baseline() -> bool:
+    """Record the present state as the one to restore, such as after an import; return whether it is usable.
 
-    It cannot where what others rest on was replaced.
+    It is not where a function or class that results depend on was replaced.
     """
-    _set_random()
-    _known.lost |= _replaced()
-    _known.renew()
-    return not _known.lost
+    _reset_random()
+    _baseline.altered |= _is_replaced()
+    _baseline.record()
+    return not _baseline.altered
 
 
-class _Known:
-    """The process as it should be.
+class _Baseline:
+    """The state of the process that every trial starts from.
 
     Attributes:
-        lost: whether it is so no more.
+        altered: whether the process differs from it for good.
     """
 
     def __init__(self) -> None:
-        self.lost = False
-        self.renew()
+        self.altered = False
+        self.record()
 
-    def renew(self) -> None:
-        """Take it as it is."""
+    def record(self) -> None:
+        """Record the present state."""
         self._recursion, self._path, self._path_items = sys.getrecursionlimit(), sys.path, list(sys.path)
         self._tracer = sys.gettrace()
         self._gc = gc.isenabled(), gc.get_threshold()
-        self._environment, self._raw = dict(os.environ), dict(_raw())
+        self._environment, self._raw_environment = dict(os.environ), dict(_raw_environment())
         self._streams = sys.stdin, sys.stdout, sys.stderr
         self._handlers = {number: signal.getsignal(number) for number in _SIGNALS}
         self._modules = dict(sys.modules)
-        self._held = _held()
+        self._system_state = _system_state()
 
-    def put_back(self) -> None:
+    def restore(self) -> None:
         """Undo what can be undone."""
-        sys.setrecursionlimit(self._recursion)  # first of all: what follows takes some depth
+        sys.setrecursionlimit(self._recursion)  # first, as the calls below need some depth
         if sys.gettrace() is not self._tracer:
             sys.settrace(self._tracer)
         for timer in _TIMERS:
@@ -126,43 +126,43 @@ class _Known:
             sys.path[:] = self._path_items
         (gc.enable if self._gc[0] else gc.disable)()
         gc.set_threshold(*self._gc[1])
-        if _raw() != self._raw:
+        if _raw_environment() != self._raw_environment:
             os.environ.clear()
             os.environ.update(self._environment)
         sys.stdin, sys.stdout, sys.stderr = self._streams
-        with suppress(ValueError, OSError):  # what it printed is its own; a closed stream is seen below
+        with suppress(ValueError, OSError):  # its output is no concern here; changed() detects a closed stream
             sys.stdout.flush()
         for number, handler in self._handlers.items():
             if handler is not None and signal.getsignal(number) is not handler:
                 signal.signal(number, handler)
 
     def changed(self) -> bool:
-        """Return whether something else is not as it was; modules that were added are taken in."""
+        """Return whether anything that restore() does not undo has changed; added modules become part of the state."""
         lost = self._modules != sys.modules and _lacks(sys.modules, self._modules)
         if len(self._modules) != len(sys.modules):
             self._modules = dict(sys.modules)
-        return lost or self._held != _held() or _replaced()
+        return lost or self._system_state != _system_state() or _is_replaced()
 
 
-def _raw() -> Mapping[Any, Any]:
-    """Return the environment's variables undecoded: to decode them takes as long as a short trial."""
+def _raw_environment() -> Mapping[Any, Any]:
+    """Return the environment's variables undecoded: decoding them takes as long as a short trial."""
     found: Mapping[Any, Any] = getattr(os.environ, "_data", os.environ)
     return found
 
 
-def _set_random() -> None:
-    random.setstate(_PYTHON)
-    np.random.set_state(_NUMPY)  # noqa: NPY002
+def _reset_random() -> None:
+    random.setstate(_PYTHON_STATE)
+    np.random.set_state(_NUMPY_STATE)  # noqa: NPY002
 
 
 def _folder() -> str:
     with suppress(OSError):  # it may have been removed
-        return os.getcwd()  # noqa: PTH109 - after every trial, and some are short
+        return os.getcwd()  # noqa: PTH109 - faster, and called after every trial
     return ""
 
 
-def _held() -> tuple[Any, ...]:
-    """Return what the process has from the system: its standard files, limits and priority."""
+def _system_state() -> tuple[Any, ...]:
+    """Return the state of the process in the system: its standard files, limits and priority."""
     files = [_identity(number) for number in range(3)]
     closed = [getattr(stream, "closed", True) for stream in (sys.stdin, sys.stdout, sys.stderr)]
     return (*files, *closed, *(each() for each in _LIMITS))
@@ -176,7 +176,7 @@ def _identity(number: int) -> tuple[int, int] | None:
 
 
 def _limits() -> list[Callable[[], Any]]:
-    """Return functions that tell the process's limits, where the system has such."""
+    """Return functions that read the process's limits and priority, none where the system has no such limits."""
     try:
         import resource
     except ImportError:
@@ -185,26 +185,27 @@ def _limits() -> list[Callable[[], Any]]:
     return [lambda: [resource.getrlimit(kind) for kind in kinds], lambda: os.getpriority(os.PRIO_PROCESS, 0)]
 
 
-def _replaced() -> bool:
-    """Return whether a function or class that results rest on is another one by now."""
-    for namespace, names, seen in _ORIGINAL:
+def _is_replaced() -> bool:
+    """Return whether a function or class that results depend on has been replaced."""
+    for namespace, names, seen in _ORIGINALS:
         if vars(namespace) != seen:
             if _lacks(vars(namespace), names):
                 return True
             seen.clear()
-            seen.update(vars(namespace))  # such as a part of a package that was imported only now
+            seen.update(vars(namespace))  # such as a submodule that has been imported since
     return False
 
 
 def _lacks(current: Mapping[str, Any], known: Mapping[str, Any]) -> bool:
-    """Return whether a known name is gone or means something else."""
+    """Return whether a known name is missing or refers to another object."""
     return not all(map(is_, map(current.get, known), known.values()))
 
 
-def _children(deadline: float) -> int:
-    """Return how many processes started from this one run on; multiprocessing's own trackers of resources do not count.
+def _left_running(deadline: float) -> int:
+    """Reap ended child processes; return the number of descendants that still run, without resource trackers.
 
-    Those that have ended are buried.
+    Args:
+        deadline: the value of :func:`time.monotonic` until which they may end.
     """
     if not hasattr(os, "WNOHANG"):
         return 0
@@ -214,21 +215,21 @@ def _children(deadline: float) -> int:
                 pass
         except ChildProcessError:
             return 0
-        running = sum(map(_is_stranger, psutil.Process().children(recursive=True)))
+        running = sum(map(_counts, psutil.Process().children(recursive=True)))
         if not running or time.monotonic() >= deadline:
             return running
-        time.sleep(_FAREWELL / 10)
+        time.sleep(_GRACE / 10)
 
 
-def _is_stranger(process: psutil.Process) -> bool:
+def _counts(process: psutil.Process) -> bool:
     with suppress(psutil.Error):
         return process.status() != psutil.STATUS_ZOMBIE and not any("resource_tracker" in w for w in process.cmdline())
     return False
 
 
 _LIMITS = _limits()
-_PYTHON, _NUMPY, _STATES = random.getstate(), np.random.get_state(), seeds.global_states()  # noqa: NPY002
-_ORIGINAL = [
+_PYTHON_STATE, _NUMPY_STATE, _STATES = random.getstate(), np.random.get_state(), seeds.global_states()  # noqa: NPY002
+_ORIGINALS = [
     (each, {name: value for name, value in vars(each).items() if callable(value)}, dict(vars(each))) for each in _SHARED
 ]
-_known = _Known()
+_baseline = _Baseline()

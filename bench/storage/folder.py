@@ -1,4 +1,4 @@
-"""A study's output folder: the frozen study, the environments that ran it, and the refusal of a foreign one."""
+"""A study's folder: its frozen study, environments, fingerprints, notes and lock; it refuses another study."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ VERIFICATION = "verification.json"
 RUNNING = ".running.json"
 
 _CHANGED = (("data of problem", "data sets"), ("code of optimizer", "versions"))
-_REMOVED = dict.fromkeys((DATA, CODE), ": the store, too, notes what its trials were made with")
-_CLOCKS = 2.0  # seconds by which two ways of telling the time of one moment may differ
+_REMOVED = dict.fromkeys((DATA, CODE), ": the store also notes what its trials were made with")
+_CLOCKS = 2.0  # seconds by which two clocks may differ at the same moment
 
 
 class Folder:
-    """The folder that a run writes and that reports read."""
+    """A folder that a run writes and reports read."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
@@ -48,23 +48,23 @@ class Folder:
 
     @property
     def _begun(self) -> bool:
-        return os.path.exists(self.path / STUDY)  # noqa: PTH110 - unlike Path.exists, it never raises
+        return os.path.exists(self.path / STUDY)  # noqa: PTH110 - Path.exists raises without permission
 
     def environments(self) -> list[dict[str, Any]]:
-        """Return the environments that the store's rows come from, in the order of their numbers from 1 on."""
+        """Return the environments that made the store's rows, in the order of their numbers from 1 on."""
         return list(self.store.environments().values())
 
     def write_environments(self) -> None:
-        """Write the store's environments where people look for them."""
+        """Write a copy of the store's environments to environment.json, for people."""
         self._write(ENVIRONMENT, json.dumps(self.environments(), indent=1))
 
     def differences(self, machine: Mapping[str, Any]) -> list[str]:
-        """Return how this machine and its versions differ from what last made trials here, in short phrases."""
+        """Return in short phrases how this machine and its versions differ from those of the last run here."""
         noted = self.environments()
         return provenance.differences(noted[-1], machine) if noted else []
 
     def extended(self, study: Study) -> Study:
-        """Return the study as it is to be frozen here: with as many trials as it had before, or more.
+        """Return the study to freeze here: with the larger of its number of trials and the folder's.
 
         Raises:
             BenchError: when the folder holds another study.
@@ -80,9 +80,9 @@ class Folder:
         return study.override(trials=max(study.trials, present.trials))
 
     def claim(self, study: Study) -> Study:
-        """Freeze ``study`` in the folder, which is locked, and return it as frozen there.
+        """Freeze ``study`` in the folder, which must be locked, and return the frozen study.
 
-        A folder of the same study is continued; more trials than before extend it, fewer leave it as it is.
+        A folder of the same study is continued; more trials than before extend it, fewer do not shrink it.
 
         Raises:
             BenchError: when the folder holds another study or cannot be written.
@@ -92,10 +92,10 @@ class Folder:
         return study
 
     def fingerprints(self) -> Fingerprints:
-        """Return what the folder notes of its problems' data and its optimizers' files.
+        """Return the noted fingerprints of the problems' data and the optimizers' files.
 
         Raises:
-            BenchError: where the notes are damaged.
+            BenchError: where a note is damaged.
         """
         return Fingerprints(self._fingerprints(DATA), self._fingerprints(CODE))
 
@@ -123,8 +123,8 @@ class Folder:
         return noted
 
     def _fingerprints(self, file: str) -> dict[str, str]:
-        """Return what a file notes by label; where it is missing, what the store's environments say instead."""
-        if (self.path / file).exists():
+        """Return a file's fingerprints by label, or those of the store's environments where the file is missing."""
+        if os.path.exists(self.path / file):  # noqa: PTH110 - Path.exists raises without permission
             noted = self._noted(file)
             if not all(isinstance(each, str) for each in noted.values()):
                 raise self._damaged(file)
@@ -134,9 +134,9 @@ class Folder:
         return {label: fingerprint for each in records for label, fingerprint in each.items() if fingerprint}
 
     def checks(self) -> dict[str, list[dict[str, Any]]]:
-        """Return the verdicts that ``bench check`` noted of the study's optimizers, by label; empty where none did.
+        """Return the verdicts that ``bench check`` noted, by optimizer label; empty where it has not run.
 
-        Each has all keys of :class:`bench.check.verdict.Verdict`; what an older file lacks is filled in.
+        Each has all keys of :class:`bench.check.verdict.Verdict`; keys missing in an older file are filled in.
         """
         return {
             label: [whole for each in those if (whole := _verdict(each))]
@@ -149,19 +149,19 @@ class Folder:
         self._write(CHECKS, json.dumps(checks, indent=1))
 
     def verification(self) -> dict[str, Any]:
-        """Return what ``bench verify`` noted last; empty where it did not."""
+        """Return the last note of ``bench verify``; empty where it has not run."""
         return self._noted(VERIFICATION)
 
     def note_verification(self, found: dict[str, Any]) -> None:
-        """Note what ``bench verify`` found."""
+        """Note the outcome of ``bench verify``."""
         self._write(VERIFICATION, json.dumps(found, indent=1))
 
     @contextmanager
     def lock(self) -> Iterator[None]:
-        """Hold the folder, made where it is missing, for one run; a killed run's hold ends with it.
+        """Lock the folder for one run, and create it where it is missing; the lock of a killed run ends with it.
 
         Raises:
-            BenchError: when another run is writing here, or the folder cannot be written or holds something else.
+            BenchError: when another run is writing here, or the folder cannot be written or holds other files.
         """
         hold = FileLock(self.path / ".lock", timeout=0)
         try:
@@ -188,21 +188,21 @@ class Folder:
             hold.release()
 
     def running(self) -> dict[str, Any] | None:
-        """Return pid, host and start of the run that is writing here, as far as can be seen from this machine."""
+        """Return pid, host and start of the run that is writing here, None where this machine detects none."""
         try:
             noted = self._noted(RUNNING)
             began = datetime.fromisoformat(noted["started"]).timestamp()
             here = noted["host"] == provenance.host()
             if here and psutil.Process(noted["pid"]).create_time() > began + _CLOCKS:
-                return None  # a killed run's number is another process's by now
+                return None  # another process has the number of a killed run by now
         except (BenchError, KeyError, TypeError, ValueError, OverflowError, psutil.NoSuchProcess):
             return None
-        except psutil.Error:  # it is there, and somebody else's
+        except psutil.Error:  # the process exists and belongs to another user
             pass
         return noted
 
     def _holder(self) -> dict[str, Any] | None:
-        """Return :meth:`running`; a run that has only just taken hold of the folder is about to say who it is."""
+        """Return :meth:`running`; wait for a run that has just locked the folder to note itself."""
         for _ in range(20):
             if holder := self.running():
                 return holder
@@ -210,7 +210,7 @@ class Folder:
         return None
 
     def _noted(self, name: str) -> dict[str, Any]:
-        """Return what a JSON file notes, nothing where it is missing; raises BenchError where it is damaged."""
+        """Return the content of a JSON file, empty where it is missing; raises BenchError where it is damaged."""
         try:
             noted = json.loads((self.path / name).read_text(encoding="utf-8"))
         except FileNotFoundError:
@@ -233,7 +233,7 @@ class Folder:
 
 
 def _verdict(noted: dict[str, Any]) -> dict[str, Any]:
-    """Return a verdict as noted with all its keys, or nothing for what is none."""
+    """Return a noted verdict with all its keys, empty where it is malformed."""
     whole = {"check": None, "kind": "bias", "passed": None, "finding": "", "mend": "", "figure": None} | noted
     sound = (
         all(isinstance(whole[key], str) for key in ("check", "kind", "finding", "mend"))

@@ -1,4 +1,4 @@
-"""The tidy frame: one row a trial, built in slices, as a study may have millions of rows."""
+"""Build the tidy frame, one row a trial, in slices, as a study may have millions of rows."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from bench.errors import BenchError
 from bench.trial import FRAME_COLUMNS, Row
 
 COLUMNS = (*FRAME_COLUMNS, "environment")
-SLICE = 50_000  # rows whose values are Python objects at a time
+SLICE = 50_000  # rows held as Python objects at a time
 
 
 def tidy(rows: Iterable[Row], problems: Sequence[str], optimizers: Sequence[str]) -> pd.DataFrame:
     """Return the tidy frame of a store's rows.
 
     Args:
-        rows: with all ``COLUMNS``, and ``x`` and ``figures`` as JSON texts, None where there are none.
-        problems: all problems in the order of the frame.
-        optimizers: all optimizers in the order of the frame.
+        rows: each with all ``COLUMNS``, and ``x`` and ``figures`` as JSON texts or None.
+        problems: all problems, in the order of the frame.
+        optimizers: all optimizers, in the order of the frame.
 
     Returns:
-        ``COLUMNS``, one ``x_<variable>`` for each variable of any problem, and one column for each domain figure;
+        ``COLUMNS``, one ``x_<variable>`` for each variable of any problem, and one column for each domain metric;
         sorted by problem, optimizer and trial.
 
     Raises:
-        BenchError: for a row whose texts are damaged.
+        BenchError: for a row with a damaged text.
     """
     left = iter(rows)
     parts: dict[str, list[pd.DataFrame]] = {"own": [], "x": [], "figures": []}
@@ -50,7 +50,7 @@ def tidy(rows: Iterable[Row], problems: Sequence[str], optimizers: Sequence[str]
 
 
 def _parsed(rows: list[Row], name: str) -> list[dict[str, float]]:
-    """Return the content of all rows' texts, read at once unless one of them is damaged."""
+    """Parse the JSON text of every row, all in one call unless one of them is damaged."""
     try:
         parsed: list[dict[str, float]] = json.loads(f"[{','.join(row[name] or '{}' for row in rows)}]")
     except ValueError:

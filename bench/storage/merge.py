@@ -1,4 +1,4 @@
-"""Unite stores of one study that were run on different machines."""
+"""Merge the stores of one study that was run on different machines."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.storage.folder import Folder
-from bench.storage.store import Writer, disagreement
+from bench.storage.schema import disagreement
+from bench.storage.store import Writer
 from bench.study import Study
 
 
 @dataclass(frozen=True)
 class Merged:
-    """How many trials the united store holds, how many of them were added, and how many were there already."""
+    """The numbers of trials in the merged store, of those added, and of those that it held already."""
 
     rows: int
     added: int
@@ -24,12 +25,12 @@ class Merged:
 
 
 def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -> Merged:
-    """Write the trials of all folders into one, with the environments that they come from.
+    """Write the trials of all folders into one, with the environments that made them.
 
     The output may hold some of them already: a merge that was interrupted is continued by the same call.
 
     Args:
-        folders: two or more that hold the same study; their numbers of trials may differ.
+        folders: two or more folders of the same study; their numbers of trials may differ.
         output: the folder to write.
 
     Raises:
@@ -48,12 +49,12 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
                 new, old = _copy(source, writer)
                 added, same = added + new, same + old
         target.write_environments()
-        rows = sum(cell.done + cell.lost for cell in target.store.cells())
+        rows = sum(cell.done + cell.failed for cell in target.store.cells())
     return Merged(rows, added, same)
 
 
 def _common(studies: list[tuple[Folder, Study]]) -> Study:
-    """Return the study of all folders, with the most trials of any."""
+    """Return the study of all folders, with the largest number of trials."""
     first, study = studies[0]
     for folder, other in studies[1:]:
         if other.identity() != study.identity():
@@ -65,10 +66,10 @@ def _common(studies: list[tuple[Folder, Study]]) -> Study:
 
 
 def _copy(source: Folder, writer: Writer) -> tuple[int, int]:
-    """Add a folder's trials; return how many were added, and how many were there."""
+    """Add a folder's trials; return the number added and the number present already."""
     numbers = {number: writer.environment(record) for number, record in source.store.environments().items()}
     added = same = 0
-    with writer.at_once():
+    with writer.transaction():
         for row in source.store.rows(traces=True):
             present = writer.find(row["problem"], row["optimizer"], row["trial"])
             if present is None or (present["status"] != "ok" and row["status"] == "ok"):
@@ -81,7 +82,7 @@ def _copy(source: Folder, writer: Writer) -> tuple[int, int]:
 
 
 def _compare(present: dict[str, Any], row: dict[str, Any], source: Folder) -> None:
-    """Raise BenchError where a finished trial came out in two ways."""
+    """Raise BenchError where a finished trial has two different outcomes."""
     if row["status"] != "ok":
         return
     if different := disagreement(present, row):

@@ -1,15 +1,12 @@
-"""Read one study's folder, or several to be compared: the tidy frame, the traces and what they belong to."""
+"""Read one study's folder, or several to compare: tidy frame, traces, study and environments."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections import Counter
-from collections.abc import Iterator, Sequence
 from functools import cache, cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -18,21 +15,20 @@ from bench.objective import Trace
 from bench.problem import Problem
 from bench.storage.folder import Folder
 from bench.storage.frame import tidy
-from bench.study import Entry, Study
-from bench.text import unique
+from bench.storage.sources import agreed, read_sources, united
 
 AnyPath = str | PathLike[str]
 
 
 @dataclasses.dataclass(frozen=True)
-class Known:
-    """What results may be measured against, as far as the problem can be loaded where they are read.
+class ProblemFacts:
+    """The facts of a problem that results are measured against, as far as it can be loaded where they are read.
 
     Attributes:
         optimum: its best known objective value, or None.
-        expected: the true value of domain figures and how far from it is near enough, by name.
+        expected: the true value of domain metrics and the tolerance around it, by name.
         box: the bounds of each search variable, by name.
-        reason: why the problem cannot be loaded and nothing is known of it, "" where it can.
+        reason: why the problem cannot be loaded, so that no fact is known; "" where it can.
     """
 
     optimum: float | None = None
@@ -42,29 +38,29 @@ class Known:
 
 
 class Results:
-    """All that a report needs of a study's folder, or of several that compare like with like, read once and lazily.
+    """The contents of a study's folder, or of several that can be compared, read lazily and once.
 
-    Several folders make one study of all their problems and optimizers. An optimizer's label that stands in more
-    than one of them is told apart by its folder's name, as in ``"gwo (old)"``.
+    Several folders make one study of all their problems and optimizers. An optimizer's label that occurs in several
+    folders gets the folder's name, as in ``"gwo (old)"``.
 
     Attributes:
-        names: the folders' own names, with as many parents as it takes to tell them apart.
-        study: the study as frozen in the folder; for several, all their problems and optimizers.
-        environments: what made the trials: a record for each run on each machine (:mod:`bench.storage.provenance`).
-        checks: what ``bench check`` noted of each optimizer, by label; empty where it was not asked.
-        verifications: what ``bench verify`` noted in each folder, empty where it was not asked.
-        fingerprints: the hash of each problem's data, by label, as noted when it ran; "" where the name says it all.
+        names: the folders' names, with as many parents as make them distinct.
+        study: the study as frozen in the folder; for several folders, all their problems and optimizers.
+        environments: one record for each run on each machine (:mod:`bench.storage.provenance`).
+        checks: the verdicts of ``bench check`` by optimizer label; empty where it has not run.
+        verifications: the note of ``bench verify`` in each folder, empty where it has not run.
+        fingerprints: the hash of each problem's data when it ran, by label; "" where its name determines the data.
 
     Raises:
         BenchError: when a folder holds no study, or the folders differ in budget or in what a problem's label means.
     """
 
     def __init__(self, path: AnyPath, *others: AnyPath) -> None:
-        self._sources = _sources([Folder(each) for each in (path, *others)])
+        self._sources = read_sources([Folder(each) for each in (path, *others)])
         self.names = [source.name for source in self._sources]
-        self.study = _united([source.study for source in self._sources])
+        self.study = united([source.study for source in self._sources])
         self.environments = [record for source in self._sources for record in source.environments]
-        self.fingerprints = _agreed([source.folder.fingerprints().data for source in self._sources], self.paths)
+        self.fingerprints = agreed([source.folder.fingerprints().data for source in self._sources], self.paths)
         self.checks = {
             source.shown[label]: noted
             for source in self._sources
@@ -73,7 +69,7 @@ class Results:
         }
         self.verifications = [source.folder.verification() for source in self._sources]
         self._problem = cache(self.study.problem)
-        self._known = cache(self._look_up)
+        self._facts = cache(self._look_up)
 
     def __repr__(self) -> str:
         return f"Results({', '.join(repr(str(path)) for path in self.paths)})"
@@ -90,7 +86,7 @@ class Results:
 
     @property
     def origins(self) -> pd.Series:
-        """Which of ``environments`` made each row of the frame, counted from 1; apart, as it is no result."""
+        """The number (from 1) of the environment of each row of the frame; not a column, as it is no result."""
         return self._rows["environment"]
 
     @cached_property
@@ -111,7 +107,7 @@ class Results:
         }
 
     def problem(self, label: str) -> Problem:
-        """Return the problem of that label, loaded once; raises BenchError when it is not the one that was run.
+        """Return the problem of that label, loaded once; raises BenchError when it is not the problem that was run.
 
         Its data may have changed since, or its plug-in may be missing on the machine that reads the results.
         """
@@ -120,11 +116,11 @@ class Results:
             raise BenchError(f"the data of problem {label!r} is no longer what the trials were made with")
         return problem
 
-    def known(self, label: str) -> Known:
-        """Return what is known of the problem of that label here and now; it never raises."""
-        return self._known(label)
+    def facts(self, label: str) -> ProblemFacts:
+        """Return the facts of the problem of that label, as it loads on this machine; never raises."""
+        return self._facts(label)
 
-    def _look_up(self, label: str) -> Known:
+    def _look_up(self, label: str) -> ProblemFacts:
         try:
             problem = self.problem(label)
             optimum = None if problem.optimum is None else float(problem.optimum)
@@ -132,122 +128,21 @@ class Results:
                 raise ValueError(f"its optimum is {optimum}")
             expected = {str(name): (float(true), float(near)) for name, (true, near) in problem.expected.items()}
             box = zip(map(float, problem.lower), map(float, problem.upper), strict=True)
-            return Known(optimum, expected, dict(zip(problem.variables, box, strict=True)))
+            return ProblemFacts(optimum, expected, dict(zip(problem.variables, box, strict=True)))
         except BenchError as error:
-            return Known(reason=str(error))
+            return ProblemFacts(reason=str(error))
         except Exception as error:  # a plug-in may raise anything
-            return Known(reason=f"{type(error).__name__}: {error}")
+            return ProblemFacts(reason=f"{type(error).__name__}: {error}")
 
 
 def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
-    """Return the tidy frame of a study's folder, one row a trial, in the study's order; of several, all their rows.
+    """Return the tidy frame of a study's folder, one row a trial, in the study's order; or all rows of several folders.
 
     Columns: study, problem, optimizer, trial, seed, status (ok | failed | timeout), fun, nfev, wall_s, cpu_s,
-    objective_s, stop, outside_box, error, one ``x_<variable>`` per variable and one per domain figure. A failed
-    trial's figures are missing values.
+    objective_s, stop, outside_box, error, one ``x_<variable>`` per variable and one per domain metric. A failed
+    trial's metrics are missing values.
 
     Raises:
         BenchError: when a folder holds no study or no trials, or the folders cannot be compared (:class:`Results`).
     """
     return Results(path, *others).frame
-
-
-@dataclasses.dataclass(frozen=True)
-class _Source:
-    """One folder, its study with the labels as shown, and what its own optimizer labels are shown as."""
-
-    folder: Folder
-    name: str
-    study: Study
-    shown: dict[str, str]
-    environments: list[dict[str, Any]]
-    environment_places: dict[int, int]
-
-    def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield the store's rows with the labels as shown, the study's name and the environment's place among all."""
-        known = {entry.label for entry in self.study.problems}
-        for row in self.folder.store.rows():
-            if row["problem"] not in known or row["optimizer"] not in self.shown:
-                strange = row["optimizer"] if row["problem"] in known else row["problem"]
-                raise BenchError(
-                    f"{self.folder.path} holds trials of {strange!r}, which its study.toml does not name; "
-                    "put back the study.toml that the run wrote"
-                )
-            place = self.environment_places.get(row["environment"])
-            yield row | {"study": self.study.name, "optimizer": self.shown[row["optimizer"]], "environment": place}
-
-
-def _sources(folders: list[Folder]) -> list[_Source]:
-    studies = [folder.study() for folder in folders]
-    names = _short_names([folder.path for folder in folders])
-    labels = Counter(entry.label for study in studies for entry in study.optimizers)
-    every = [
-        f"{entry.label} ({name})" if labels[entry.label] > 1 else entry.label
-        for study, name in zip(studies, names, strict=True)
-        for entry in study.optimizers
-    ]
-    distinct = iter(unique(every))  # a label may already look like another one with its folder
-    sources: list[_Source] = []
-    for folder, study, name in zip(folders, studies, names, strict=True):
-        shown = {entry.label: next(distinct) for entry in study.optimizers}
-        optimizers = tuple(dataclasses.replace(entry, label=shown[entry.label]) for entry in study.optimizers)
-        noted = folder.store.environments()
-        environments = [{"folder": name} | record if len(folders) > 1 else record for record in noted.values()]
-        before = sum(len(source.environments) for source in sources)
-        places = {number: before + place for place, number in enumerate(noted, start=1)}
-        own = dataclasses.replace(study, optimizers=optimizers)
-        sources.append(_Source(folder, name, own, shown, environments, places))
-    return sources
-
-
-def _short_names(paths: list[Path]) -> list[str]:
-    """Return the folders' own names, or with as many parents as it takes to tell them apart."""
-    parts = [path.resolve().parts for path in paths]
-    if len(set(parts)) < len(parts):
-        raise BenchError(f"{paths[0]} is given twice; give folders that differ")
-    for depth in range(1, max(map(len, parts)) + 1):
-        names = ["/".join(each[-depth:]) for each in parts]
-        if len(set(names)) == len(names):
-            break
-    return ["".join(c if c.isprintable() else "?" for c in name) for name in names]
-
-
-def _united(studies: list[Study]) -> Study:
-    """Return one study of all problems and optimizers."""
-    first = studies[0]
-    if len(studies) == 1:
-        return first
-    problems: dict[str, Entry] = {}
-    for study in studies:
-        if study.budget != first.budget:
-            raise BenchError(
-                f"study {first.name!r} has a budget of {first.budget:,} evaluations and {study.name!r} one of "
-                f"{study.budget:,}; only runs of one budget can be compared"
-            )
-        for entry in study.problems:
-            if problems.setdefault(entry.label, entry) != entry:
-                raise BenchError(
-                    f"problem {entry.label!r} has other options in {study.name!r} than in the studies before it; "
-                    "only runs on the same problem can be compared"
-                )
-    return dataclasses.replace(
-        first,
-        name="-".join(dict.fromkeys(study.name for study in studies)),
-        title=" beside ".join(dict.fromkeys(study.title or study.name for study in studies)),
-        trials=max(study.trials for study in studies),
-        problems=tuple(problems.values()),
-        optimizers=tuple(entry for study in studies for entry in study.optimizers),
-    )
-
-
-def _agreed(fingerprints: Sequence[dict[str, str]], paths: list[Path]) -> dict[str, str]:
-    """Return all fingerprints; raises BenchError when a problem's data differs between folders."""
-    agreed: dict[str, str] = {}
-    for each, path in zip(fingerprints, paths, strict=True):
-        for label, fingerprint in each.items():
-            if agreed.setdefault(label, fingerprint) != fingerprint:
-                raise BenchError(
-                    f"{path} ran problem {label!r} on other data than {paths[0]}; only runs on the same data can be "
-                    "compared"
-                )
-    return agreed

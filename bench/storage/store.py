@@ -13,48 +13,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from bench.errors import BenchError
 from bench.objective import Trace
+from bench.storage.schema import FILE, KEY, MEASURED, SCHEMA, VERSION, stored, unpack
 from bench.trial import Trial
-
-FILE = "trials.sqlite"
-VERSION = 1
-MEASURED = (
-    "environment", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s", "stop", "outside_box", "error",
-    "x", "figures",
-)  # fmt: skip
-"""What is stored of a trial beside its key and its trace."""
-
-KEY = ("problem", "optimizer", "trial")
-REPEATABLE = tuple(
-    name for name in (*MEASURED, "trace") if name not in ("environment", "wall_s", "cpu_s", "objective_s")
-)
-"""What a trial that is made twice must agree in."""
-
-# Times and points are apart from traces, which are ten times as large and of which most readers need none.
-SCHEMA = f"""
-BEGIN;
-CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL);
-CREATE TABLE cells (
-    id INTEGER PRIMARY KEY, problem TEXT NOT NULL, optimizer TEXT NOT NULL, UNIQUE (problem, optimizer)
-);
-CREATE TABLE results (
-    cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, environment INTEGER REFERENCES environments,
-    seed INTEGER NOT NULL, status TEXT NOT NULL, fun REAL, nfev INTEGER, wall_s REAL, cpu_s REAL, objective_s REAL,
-    stop TEXT, outside_box INTEGER, error TEXT, x TEXT, figures TEXT,
-    PRIMARY KEY (cell, trial)
-) WITHOUT ROWID;
-CREATE TABLE traces (
-    cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, trace BLOB, PRIMARY KEY (cell, trial)
-) WITHOUT ROWID;
-CREATE VIEW trials AS
-    SELECT problem, optimizer, trial, {", ".join(MEASURED)}, trace
-    FROM results JOIN cells ON cells.id = results.cell LEFT JOIN traces USING (cell, trial);
-PRAGMA user_version = {VERSION};
-COMMIT;
-"""
 
 Key = tuple[str, str, int]
 
@@ -62,13 +24,13 @@ _ONE = "problem = ? AND optimizer = ? AND trial = ?"
 
 
 class Keys:
-    """A set of trials, a byte each: a study may have millions."""
+    """A set of trials at one byte each, as a study may have millions."""
 
     def __init__(self) -> None:
         self._cells: dict[tuple[str, str], bytearray] = {}
 
     def add(self, problem: str, optimizer: str, number: int) -> None:
-        """Put a trial in."""
+        """Add a trial."""
         marks = self._cells.setdefault((problem, optimizer), bytearray())
         if number >= len(marks):
             marks.extend(bytes(number + 1 - len(marks)))
@@ -79,19 +41,19 @@ class Keys:
         return key[2] < len(marks) and marks[key[2]] == 1
 
     def count(self, problem: str, optimizer: str, trials: int) -> int:
-        """Return how many of the first ``trials`` of a cell are in."""
+        """Return how many of the first ``trials`` of a cell are in the set."""
         return self._cells.get((problem, optimizer), bytearray()).count(1, 0, trials)
 
 
 @dataclass
-class Cell:
-    """What is stored of one optimizer on one problem.
+class CellCounts:
+    """The counts and times of the stored trials of one optimizer on one problem.
 
     Attributes:
         problem: the problem's label.
         optimizer: the optimizer's label.
-        status: rows by status.
-        wall_s: wall seconds of all its finished trials together.
+        status: the number of rows by status.
+        wall_s: the sum of the wall seconds of its finished trials.
     """
 
     problem: str
@@ -101,17 +63,17 @@ class Cell:
 
     @property
     def done(self) -> int:
-        """Trials that did not fail."""
+        """The number of finished trials."""
         return self.status.get("ok", 0)
 
     @property
-    def lost(self) -> int:
-        """Trials that failed or ran out of time."""
+    def failed(self) -> int:
+        """The number of trials that failed or timed out."""
         return sum(self.status.values()) - self.done
 
 
 class Store:
-    """The trials of one study, in ``trials.sqlite`` of its folder; the view ``trials`` in it shows them all.
+    """The trials of one study, in ``trials.sqlite`` of its folder, whose view ``trials`` joins all tables.
 
     Values are stored as SQLite's 8-byte floats or as JSON with all digits, traces as raw little-endian arrays:
     nothing is rounded and nothing is ever unpickled.
@@ -120,10 +82,15 @@ class Store:
     def __init__(self, folder: Path) -> None:
         self.path = folder / FILE
 
+    @property
+    def exists(self) -> bool:
+        """Whether the store has been begun, as far as this user may see."""
+        return os.path.exists(self.path)  # noqa: PTH110 - Path.exists raises without permission
+
     @contextmanager
     def _open(self) -> Iterator[sqlite3.Connection]:
         try:
-            with _place(self.path) as place, closing(sqlite3.connect(place, timeout=30, uri=True)) as connection:
+            with _uri(self.path) as uri, closing(sqlite3.connect(uri, timeout=30, uri=True)) as connection:
                 version = connection.execute("PRAGMA user_version").fetchone()[0]
                 if version != VERSION and connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
                     raise BenchError(
@@ -136,7 +103,7 @@ class Store:
 
     @contextmanager
     def writer(self) -> Iterator[Writer]:
-        """Open the store for writing, made where it is missing; every row is committed as it is added."""
+        """Open the store for writing, creating it where it is missing; every row is committed as it is added."""
         with self._open() as connection:
             connection.execute("PRAGMA journal_mode=WAL")
             connection.execute("PRAGMA synchronous=NORMAL")  # safe against a killed process; a power cut may cost rows
@@ -145,42 +112,42 @@ class Store:
             yield Writer(connection)
 
     def keys(self, *, finished_only: bool = False) -> Keys:
-        """Return which trials are stored, or which of them did not fail."""
+        """Return the stored trials, or the finished ones only."""
         keys = Keys()
         query = "SELECT problem, optimizer, trial FROM results JOIN cells ON cells.id = cell"
         for key in self._select(query + (" WHERE status = 'ok'" if finished_only else "")):
             keys.add(*key)
         return keys
 
-    def cells(self) -> list[Cell]:
-        """Return what is stored of each cell, in numbers."""
-        cells: dict[tuple[str, str], Cell] = {}
+    def cells(self) -> list[CellCounts]:
+        """Return the counts of each cell."""
+        cells: dict[tuple[str, str], CellCounts] = {}
         for problem, optimizer, status, count, wall in self._select(
             "SELECT problem, optimizer, status, count(*), coalesce(sum(wall_s), 0)"
             " FROM results JOIN cells ON cells.id = cell GROUP BY cell, status"
         ):
-            cell = cells.setdefault((problem, optimizer), Cell(problem, optimizer))
+            cell = cells.setdefault((problem, optimizer), CellCounts(problem, optimizer))
             cell.status[status] = count
             cell.wall_s += wall
         return list(cells.values())
 
     def rows(self, where: str = "", *, traces: bool = False) -> Iterator[dict[str, Any]]:
-        """Yield every row, cell by cell; ``x`` and ``figures`` are their JSON texts, a trace its bytes.
+        """Yield every row, cell by cell; ``x`` and ``figures`` are JSON texts, a trace is bytes.
 
         Args:
-            where: an SQL condition on the columns, for some of the rows only.
-            traces: whether to read the traces, too.
+            where: an SQL condition on the columns, to select rows.
+            traces: whether to read the traces too.
 
         Raises:
             BenchError: when there is no store.
         """
-        if not self.path.exists():
+        if not self.exists:
             raise BenchError(f"there is no {FILE} in {self.path.parent}; give the folder that 'bench run' wrote")
         query, names = _query(where, traces=traces)
         return (dict(zip(names, row, strict=True)) for row in self._select(query))
 
     def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
-        """Return the row of one trial with its trace, as :meth:`rows` gives it, or None."""
+        """Return the row of one trial with its trace, as :meth:`rows` yields it, or None."""
         query, names = _query(_ONE, traces=True)
         found = list(self._select(query, (problem, optimizer, trial)))
         return dict(zip(names, found[0], strict=True)) if found else None
@@ -196,7 +163,7 @@ class Store:
             raise self._damaged("a trace") from error
 
     def made(self) -> dict[int, int]:
-        """Return how many rows each environment made, by its number."""
+        """Return the number of rows that each environment made, by the environment's number."""
         query = "SELECT environment, count(*) FROM results WHERE environment IS NOT NULL GROUP BY environment"
         return {int(number): int(count) for number, count in self._select(query)}
 
@@ -222,8 +189,8 @@ class Store:
         return BenchError(f"the store {self.path} is damaged: {what} cannot be read; restore it from a copy")
 
     def _select(self, query: str, values: Sequence[object] = ()) -> Iterator[tuple[Any, ...]]:
-        """Yield a query's rows; a store that is missing, or whose run was killed before it made tables, has none."""
-        if not self.path.exists():
+        """Yield a query's rows; none of a store that is missing, or whose run was killed before it made tables."""
+        if not self.exists:
             return
         with self._open() as connection:
             if connection.execute("PRAGMA user_version").fetchone()[0]:
@@ -231,35 +198,35 @@ class Store:
 
 
 class Writer:
-    """The one open hand that adds and removes rows."""
+    """The only writer of an open store: adds and removes rows."""
 
     def __init__(self, connection: sqlite3.Connection) -> None:
         self._connection = connection
         self._cells = self._stored_cells()
 
     def add(self, trial: Trial, row: Mapping[str, Any], environment: int | None = None) -> None:
-        """Commit one trial's row; a failed row of the same trial is replaced, a finished one never is.
+        """Commit one trial's row; it replaces a failed row of the same trial, but never a finished one.
 
         Args:
-            trial: whose row it is.
-            row: its columns, as :func:`bench.trial.as_row` gives them; those that are missing are unknown.
-            environment: the number of what made it.
+            trial: the trial of the row.
+            row: its columns, as :func:`bench.trial.as_row` returns them; missing ones are stored as NULL.
+            environment: the number of the environment that made it.
         """
-        with self.at_once():
+        with self.transaction():
             self.put(stored(trial, row) | {"environment": environment})
 
     @contextmanager
-    def at_once(self) -> Iterator[None]:
-        """Commit what is put within in one go, or nothing of it."""
+    def transaction(self) -> Iterator[None]:
+        """Commit all rows put in this context, or none of them."""
         try:
             with self._connection:
                 yield
         except BaseException:
-            self._cells = self._stored_cells()  # without those of the rows that were not committed
+            self._cells = self._stored_cells()  # without the cells of rows that were not committed
             raise
 
     def put(self, row: Mapping[str, Any]) -> None:
-        """Add a row as :meth:`Store.rows` gives it, within :meth:`at_once`."""
+        """Add a row as :meth:`Store.rows` yields it, within :meth:`transaction`."""
         cell, number = self._cell(row["problem"], row["optimizer"]), row["trial"]
         self._connection.execute("DELETE FROM results WHERE cell = ? AND trial = ? AND status != 'ok'", (cell, number))
         self._connection.execute(
@@ -270,13 +237,13 @@ class Writer:
             self._connection.execute("INSERT INTO traces VALUES (?, ?, ?)", (cell, number, row["trace"]))
 
     def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
-        """Return the row of one trial with its trace, as :meth:`Store.rows` gives it, or None."""
+        """Return the row of one trial with its trace, as :meth:`Store.rows` yields it, or None."""
         query, names = _query(_ONE, traces=True)
         found = self._connection.execute(query, (problem, optimizer, trial)).fetchone()
         return dict(zip(names, found, strict=True)) if found else None
 
     def environment(self, record: Mapping[str, Any]) -> int:
-        """Commit what made rows, or is about to, and return its number; the same record has one number."""
+        """Commit an environment's record and return its number; equal records have one number."""
         text = json.dumps(record)
         with self._connection:
             known = self._connection.execute("SELECT id FROM environments WHERE record = ?", (text,)).fetchone()
@@ -286,15 +253,15 @@ class Writer:
         return int(made.lastrowid or 0)
 
     def change(self, number: int, record: Mapping[str, Any]) -> None:
-        """Commit another record of an environment."""
+        """Commit a changed record of an environment."""
         with self._connection:
             self._connection.execute("UPDATE environments SET record = ? WHERE id = ?", (json.dumps(record), number))
 
-    def remove(self, problems: list[str], optimizers: list[str], *, lost_only: bool = False) -> int:
-        """Remove the rows of all cells of these problems and optimizers, or the failed ones; return how many."""
+    def remove(self, problems: list[str], optimizers: list[str], *, failed_only: bool = False) -> int:
+        """Remove the rows of all cells of these problems and optimizers, or only failed rows; return their number."""
         cells = [(self._cells.get((problem, optimizer)),) for problem in problems for optimizer in optimizers]
         with self._connection:
-            if lost_only:  # these have no traces
+            if failed_only:  # these have no traces
                 done = self._connection.executemany("DELETE FROM results WHERE cell = ? AND status != 'ok'", cells)
             else:
                 self._connection.executemany("DELETE FROM traces WHERE cell = ?", cells)
@@ -302,7 +269,7 @@ class Writer:
         return int(done.rowcount)
 
     def _stored_cells(self) -> dict[tuple[str, str], int]:
-        """Return the numbers of the cells."""
+        """Return the cells' numbers by (problem, optimizer)."""
         rows = self._connection.execute("SELECT id, problem, optimizer FROM cells")
         return {(problem, optimizer): number for number, problem, optimizer in rows}
 
@@ -314,23 +281,8 @@ class Writer:
         return self._cells[key]
 
 
-def stored(trial: Trial, row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a trial's row as :meth:`Store.rows` gives it, from the columns of :func:`bench.trial.as_row`."""
-    return {
-        **row,
-        "problem": trial.problem, "optimizer": trial.optimizer, "trial": trial.number, "seed": trial.seed,
-        **{name: json.dumps(row[name]) for name in ("x", "figures") if name in row},
-        **({"trace": pack(row["trace"])} if "trace" in row else {}),
-    }  # fmt: skip
-
-
-def disagreement(one: Mapping[str, Any], other: Mapping[str, Any]) -> str:
-    """Return the first of ``REPEATABLE`` in which two rows of one trial, with their traces, differ; "" for none."""
-    return next((name for name in REPEATABLE if one.get(name) != other.get(name)), "")
-
-
 def _query(where: str, *, traces: bool) -> tuple[str, tuple[str, ...]]:
-    """Return the query of the rows of a condition, and the names of its columns."""
+    """Return the query for the rows of a condition, and the names of its columns."""
     names = (*KEY, *MEASURED, "trace") if traces else (*KEY, *MEASURED)
     query = f"SELECT {', '.join(names)} FROM results JOIN cells ON cells.id = cell"
     query += " LEFT JOIN traces USING (cell, trial)" if traces else ""
@@ -338,12 +290,12 @@ def _query(where: str, *, traces: bool) -> tuple[str, tuple[str, ...]]:
 
 
 @contextmanager
-def _place(path: Path) -> Iterator[str]:
-    """Yield the URI by which SQLite opens a store.
+def _uri(path: Path) -> Iterator[str]:
+    """Yield the URI with which SQLite opens a store, also in a folder that cannot be written.
 
-    SQLite writes beside a store even to read it. Where it may not, it can read what a run that is there, or was killed,
-    left beside it; without that it must be told that nothing there can change. Rows in a write-ahead log whose index is
-    missing, as of a copy made by hand, are only found by writing, so such a store is read from a copy.
+    SQLite writes files beside a store even to read it. In a read-only folder it can use the index that a running or
+    killed run left there; without an index the URI must declare the store immutable. Rows in a write-ahead log without
+    an index, as in a copy made by hand, are found only by writing, so such a store is read from a temporary copy.
     """
     uri = path.resolve().as_uri()
     log, index = (path.with_name(f"{path.name}-{beside}") for beside in ("wal", "shm"))
@@ -358,14 +310,3 @@ def _place(path: Path) -> Iterator[str]:
             for each in (path, log):
                 shutil.copy(each, folder)
             yield (Path(folder) / path.name).as_uri()
-
-
-def pack(trace: Trace) -> bytes:
-    """Return a trace as the bytes that are stored."""
-    return trace.evaluations.astype("<i8").tobytes() + trace.values.astype("<f8").tobytes()
-
-
-def unpack(blob: bytes) -> Trace:
-    """Return the trace of :func:`pack`."""
-    half = len(blob) // 2
-    return Trace(np.frombuffer(blob[:half], dtype="<i8"), np.frombuffer(blob[half:], dtype="<f8"))

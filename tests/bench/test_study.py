@@ -70,7 +70,7 @@ def test_identity_is_what_decides_a_result():
         ({"optimizers": [{"names": []}]}, "needs a name"),
         ({"optimizers": [{"names": "gwo"}]}, "needs a name"),
         ({"optimizers": [{"name": "gwo", "label": 7}]}, "needs a name"),
-        ({"optimizers": [{"name": "scatter"}, {"name": "scatter", "agents": 5}]}, "'scatter' stands twice"),
+        ({"optimizers": [{"name": "scatter"}, {"name": "scatter", "agents": 5}]}, "'scatter' occurs twice"),
     ],
 )
 def test_a_study_that_makes_no_sense_is_named(changes, said):

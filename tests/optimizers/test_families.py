@@ -56,5 +56,5 @@ def test_a_pattern_stands_for_all_members_that_fit():
 
 
 def test_a_pattern_that_fits_nothing_is_refused():
-    with pytest.raises(BenchError, match=r"no optimizer fits 'scipy:\*GWO'; 'bench list scipy' shows those there are"):
+    with pytest.raises(BenchError, match=r"no optimizer matches 'scipy:\*GWO'; 'bench list scipy' shows all"):
         study(name="scipy:*GWO")

@@ -15,7 +15,7 @@ from bench.errors import BenchError
 from bench.execution.solve import solve
 from bench.optimizer import Optimizer
 from bench.problem import Floats
-from bench.sandbox.messages import spell
+from bench.sandbox.messages import describe_error
 from bench.seeds import trial_seed
 
 GENERATIONS = 50  # of a run, at least: a bias of the moves needs time to show
@@ -101,7 +101,7 @@ def _run(optimizer: Optimizer, dimension: int, seed: int, name: str, place: str,
     except BenchError:
         raise
     except (Exception, SystemExit) as error:  # a plug-in may raise anything
-        raise BenchError(f"the optimizer failed on {name}: {spell(error)}") from error
+        raise BenchError(f"the optimizer failed on {name}: {describe_error(error)}") from error
     points = problem.points
     return RunSummary(
         best=found.fun,

@@ -10,7 +10,7 @@ from bench.check.conformance.rules import RULES, Rule, failed, find_rule, judge
 from bench.check.conformance.subject import START_PATIENCE, Subject, pack, unpack
 from bench.check.conformance.violation import explain_lost_process
 from bench.check.verdict import Verdict
-from bench.sandbox.messages import spell
+from bench.sandbox.messages import describe_error
 from bench.sandbox.process import DiedError, Process, Pulse, RemoteError, SilentError
 
 CONSTRUCTION, PICKLING = find_rule("parameters"), find_rule("pickling")
@@ -102,7 +102,7 @@ class ProcessJudge:
             try:
                 self._packed = pack(self._subject)
             except Exception as error:  # the parameters of a plug-in may raise anything
-                raise UnloadableError(f"it cannot be sent to another process: {spell(error)}") from error
+                raise UnloadableError(f"it cannot be sent to another process: {describe_error(error)}") from error
         if self._process is None:
             self._process = Process(hash_seed=0)
             try:

@@ -12,7 +12,7 @@ from bench.check.conformance.subject import Subject
 from bench.check.conformance.violation import ViolationError
 from bench.errors import BenchError
 from bench.optimizer import Optimizer, is_frozen
-from bench.sandbox.messages import spell
+from bench.sandbox.messages import describe_error
 
 
 def check_parameters(subject: Subject) -> str:
@@ -42,7 +42,7 @@ def check_parameters(subject: Subject) -> str:
             continue
         except Exception as error:
             raise ViolationError(
-                f"a wrong {name!r} raises {spell(error)} instead of a BenchError",
+                f"a wrong {name!r} raises {describe_error(error)} instead of a BenchError",
                 "call super().__post_init__() before anything else in __post_init__",
             ) from error
         if name == "agents" and isinstance(wrong, int):

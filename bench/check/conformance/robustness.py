@@ -12,7 +12,7 @@ from bench.check.conformance.recording import RecordedRun
 from bench.check.conformance.subject import Subject, ordinary_budget
 from bench.check.conformance.violation import ViolationError
 from bench.problem import FunctionProblem
-from bench.sandbox.messages import spell
+from bench.sandbox.messages import describe_error
 
 CLIP = (
     "clip to objective.lower and objective.upper, or call objective.repair(x), as the last step before objective(x): "
@@ -73,7 +73,7 @@ def _each(subject: Subject, problem: FunctionProblem, where: str) -> RecordedRun
     try:
         run = subject.run(problem, optimizer=optimizer)
     except (Exception, SystemExit) as error:
-        raise ViolationError(f"it raised {spell(error)}{where}", "") from error
+        raise ViolationError(f"it raised {describe_error(error)}{where}", "") from error
     if run.stop == "undeclared" and subject.run(problems.bowl()).stop != run.stop:  # else the budget's rule reports it
         expect_kept_budget(dataclasses.replace(run, asked_after=0), ordinary_budget(optimizer), where)
     return run

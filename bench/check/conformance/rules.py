@@ -14,7 +14,7 @@ from bench.check.conformance import budget, parameters, reproducibility, robustn
 from bench.check.conformance.subject import START_PATIENCE, Subject
 from bench.check.conformance.violation import ConstructionError, ViolationError
 from bench.check.verdict import Verdict
-from bench.sandbox.messages import spell
+from bench.sandbox.messages import describe_error
 
 PATIENCE = 30.0  # seconds without a sign of life that are allowed once everything is imported and compiled
 
@@ -83,7 +83,7 @@ def judge(rule: Rule, subject: Subject) -> Verdict | None:
     except ViolationError as violation:
         return failed(rule, violation.finding, violation.mend)
     except (Exception, SystemExit) as error:
-        return failed(rule, f"it raised {spell(error)}")
+        return failed(rule, f"it raised {describe_error(error)}")
 
 
 def failed(rule: Rule, finding: str, mend: str = "") -> Verdict:

@@ -18,7 +18,7 @@ import numpy as np
 from bench.check.conformance import problems
 from bench.check.conformance.subject import Subject
 from bench.check.conformance.violation import ViolationError
-from bench.sandbox.messages import spell
+from bench.sandbox.messages import describe_error
 
 
 def check_contract(subject: Subject) -> str:
@@ -46,7 +46,7 @@ def check_silence(subject: Subject) -> str:
             "print and log nothing; switch off the messages of the libraries that you call",
         )
     if warned:
-        return f"nothing printed; warned: {spell(warned[0].message)}"  # type: ignore[arg-type]
+        return f"nothing printed; warned: {describe_error(warned[0].message)}"  # type: ignore[arg-type]
     return "nothing printed"
 
 

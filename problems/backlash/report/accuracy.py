@@ -22,7 +22,7 @@ def expected_values(results: Results) -> tuple[pd.DataFrame, dict[str, str]]:
     """
     rows, unknown = [], {}
     for entry in results.study.problems:
-        known = results.known(entry.label)
+        known = results.facts(entry.label)
         rows += [(entry.label, figure, value, tolerance) for figure, (value, tolerance) in known.expected.items()]
         if known.reason:
             unknown[entry.label] = known.reason

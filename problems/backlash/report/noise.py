@@ -97,7 +97,7 @@ def best_fits(results: Results, cells: pd.DataFrame) -> pd.DataFrame:
     amplitude from it, 0 where it detects no disturbance) and estimate error.
     """
     rows = cells.drop_duplicates("problem")[["problem", "dataset", "noise level", "theoretical"]]
-    rows = rows[[not results.known(label).reason for label in rows["problem"]]]
+    rows = rows[[not results.facts(label).reason for label in rows["problem"]]]
     rows[["mean", "estimate"]] = [_amplitudes_of_best(results, label) for label in rows["problem"]]
     for amplitude, error in (("mean", "error"), ("estimate", "estimate error")):
         rows[error] = relative(rows[amplitude] - rows["theoretical"], rows["theoretical"])

@@ -37,7 +37,7 @@ def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
 
 def _signature(results: Results, label: str) -> SignatureFit | None:
     """Return the problem of that label, None where it is no signature or has changed since the study."""
-    problem = None if results.known(label).reason else results.problem(label)
+    problem = None if results.facts(label).reason else results.problem(label)
     return problem if isinstance(problem, SignatureFit) else None
 
 

@@ -104,7 +104,7 @@ def test_simulate_writes_a_recording_that_can_be_fitted(bench_here, tmp_path):
         (["solve", "signature-12", "gwp"], "unknown optimizer 'gwp'; did you mean 'gwo'?"),
         (["solve", "signature-99", "gwo"], "unknown problem 'signature-99'"),
         (["solve", "signature-12", "gwo", "--set", "agentss=3"], "no parameter 'agentss'; did you mean 'agents'?"),
-        (["solve", "signature-12", "gwo", "--set", "agents"], "'agents' is no KEY=VALUE"),
+        (["solve", "signature-12", "gwo", "--set", "agents"], "'agents' is not KEY=VALUE"),
         (["solve", "signature-12", "gwo", "--problem-option", "unit=Hz"], "unit must be 'rps' or 'rpm', not 'Hz'"),
         (["solve", "signature-12", "gwo", "--budget", "20"], "a budget of 20 evaluations is below one generation"),
         (["solve", "recording:none.csv", "gwo"], "recording none.csv: there is no such file"),

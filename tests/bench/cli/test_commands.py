@@ -94,7 +94,7 @@ def test_rm_makes_a_cell_new(bench_here, copied):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ([], "say what to remove"),
+        ([], "name what to remove"),
         (["--optimizer", "scater"], "no optimizer 'scater'; did you mean 'scatter'?"),
         (["--problem", "sphere-4"], "no problem 'sphere-4'; did you mean"),
     ],
@@ -113,10 +113,10 @@ def test_a_dry_run_prints_the_plan_and_the_time_and_writes_nothing(bench_here, m
         "2 problems x 2 optimizers x 1000 trials = 4000 runs of 30 evaluations, 9 of them already done" in done.stdout
     )
     assert "  faulty: 1997 to run" in done.stdout
-    assert "with 2 jobs, by the trials that are there" in done.stdout
+    assert "with 2 jobs, estimated from the stored trials" in done.stdout
     fresh = bench_here("run", made / "mixed.toml", "--output", made / "fresh", "--dry-run", "--shard", "2/5")
     assert "shard 2/5 of them: 3 runs" in fresh.stdout
-    assert "no trial is there to tell the time by" in fresh.stdout
+    assert "no duration can be estimated without a stored trial" in fresh.stdout
     assert not (made / "fresh").exists()
     assert sorted((path.name, path.stat().st_mtime_ns) for path in (made / "out").iterdir()) == before
 

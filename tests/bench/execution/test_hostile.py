@@ -15,7 +15,8 @@ import pytest
 from bench import BenchError, FunctionProblem, Results, Study, load_results, run
 from bench.execution.supervisor import Task
 from bench.objective import Objective
-from bench.storage.store import MEASURED, Store
+from bench.storage.schema import MEASURED
+from bench.storage.store import Store
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals, forks and limits of POSIX")
 
@@ -28,7 +29,7 @@ EXPECTED = {
     "raise-base": ("failed", "SeriousError: no"),
     "raise-exit": ("failed", "SystemExit: 0"),
     "raise-interrupt": ("failed", "KeyboardInterrupt: no message"),
-    "raise-unspeakable": ("failed", "UnspeakableError: its message cannot be told: SystemExit"),
+    "raise-unspeakable": ("failed", "UnspeakableError: its message cannot be read: SystemExit"),
     "recurse": ("failed", "RecursionError"),
     "return-nothing-done": ("failed", "returned without a single evaluation"),
     "generator": ("failed", "returned without a single evaluation"),
@@ -196,11 +197,11 @@ def test_a_process_that_has_grown_is_given_up_before_it_costs_another_trial(test
     made = []
     for share in (0.9, 0.0):
         monkeypatch.setattr(supervisor, "FULL", share)
-        keeper = supervisor._Keeper(Task(study.to_toml(), None, 2_000_000_000))
+        own = supervisor._Supervisor(Task(study.to_toml(), None, 2_000_000_000))
         for trial in study.plan():
-            assert keeper.make(trial)["status"] == "ok"
-        made.append(keeper._process is not None)
-        keeper.close()
+            assert own.make(trial)["status"] == "ok"
+        made.append(own._process is not None)
+        own.close()
     assert made == [True, False]
 
 

@@ -7,7 +7,7 @@ import pytest
 from bench import BenchError, Study, run
 from bench.execution.plan import Plan, Shard
 from bench.execution.runner import plan
-from bench.storage.store import Cell, Keys
+from bench.storage.store import CellCounts, Keys
 
 
 def study(trials=6, problems=3, optimizers=5):
@@ -77,9 +77,9 @@ def test_counts_are_those_of_the_trials(shard):
 
 def test_the_time_goes_by_the_cell_then_the_optimizer_then_all():
     cells = [
-        Cell("p0", "o0", {"ok": 2, "failed": 1}, 4.0),  # 2 s a trial
-        Cell("p1", "o0", {"ok": 2}, 12.0),  # 6 s; o0 on p2 counts as the mean of 16 / 4
-        Cell("p0", "o1", {"failed": 3}, 0.0),  # nothing to go by: the mean of all
+        CellCounts("p0", "o0", {"ok": 2, "failed": 1}, 4.0),  # 2 s a trial
+        CellCounts("p1", "o0", {"ok": 2}, 12.0),  # 6 s; o0 on p2 counts as the mean of 16 / 4
+        CellCounts("p0", "o1", {"failed": 3}, 0.0),  # nothing to go by: the mean of all
     ]
     finished = Keys()
     for problem in ("p0", "p1"):

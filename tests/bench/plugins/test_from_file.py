@@ -137,7 +137,7 @@ def test_a_run_takes_them_beside_the_study_s_own(bench, bench_here, mine):
         "run", "tiny.toml", "--optimizer", "mine.py:Mine", "--optimizer", "mine.py:Mine", cwd=mine.parent
     )
     assert again.returncode == 2
-    assert "'Mine' stands twice among the optimizers" in again.stderr
+    assert "'Mine' occurs twice among the optimizers" in again.stderr
     unknown = bench_here("run", "tiny.toml", "--optimizer", "hillclimber", cwd=mine.parent)
     assert unknown.returncode == 2
     assert "did you mean 'hill-climber'?" in unknown.stderr

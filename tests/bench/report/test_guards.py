@@ -41,7 +41,7 @@ def problem(**changes):
 )  # fmt: skip
 def test_a_problem_that_describes_itself_wrongly_is_only_unknown(folder, monkeypatch, changes):
     monkeypatch.setattr(StudyClass, "problem", lambda self, label: problem(**changes))
-    known = Results(folder).known("sphere-2")
+    known = Results(folder).facts("sphere-2")
     assert known.reason
     assert (known.optimum, known.expected, known.box) == (None, {}, {})
 

@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import psutil
 import pytest
 
-from bench.sandbox.messages import last_words, spell
+from bench.sandbox.messages import describe_error, end_of_output
 from bench.sandbox.process import DiedError, MemoryExceededError, Process, RemoteError, SilentError
 
 LONG = 60.0  # seconds; ends a test that hangs, and decides nothing else
@@ -103,7 +103,7 @@ def test_large_arguments_and_answers_pass(calls, shared):
         ("KeyboardInterrupt()", "KeyboardInterrupt: no message"),
         ("GeneratorExit()", "GeneratorExit: no message"),
         ("SystemExit(4)", "SystemExit: 4"),
-        ("RaisingError()", "RaisingError: its message cannot be told: ValueError"),
+        ("RaisingError()", "RaisingError: its message cannot be read: ValueError"),
         ("ColouredError()", "ColouredError: �[31mred� end"),
     ],
 )
@@ -115,7 +115,7 @@ def test_what_the_function_raises_is_one_line(calls, shared, error, said):
 
 
 def test_a_message_of_megabytes_is_cut():
-    said = spell(ValueError("much " * 1_000_000))
+    said = describe_error(ValueError("much " * 1_000_000))
     assert said.startswith("ValueError: much much")
     assert len(said) == 301
 
@@ -170,8 +170,8 @@ def test_prints_block_nobody_and_are_not_kept(calls, process):
     assert process.call(calls.print_much, 100, patience=LONG) == "done"
     with pytest.raises(DiedError) as caught:
         process.call(calls.leave, 3, b"x" * 1_000_000 + b"\nthe end\n", patience=LONG)
-    assert caught.value.last_words.endswith("the end")
-    assert len(caught.value.last_words) <= 1000
+    assert caught.value.end_of_output.endswith("the end")
+    assert len(caught.value.end_of_output) <= 1000
 
 
 # Its end
@@ -214,7 +214,7 @@ def test_a_crash_gives_its_place(calls, process):
         process.call(calls.crash, patience=LONG)
     assert caught.value.code == -signal.SIGSEGV
     assert str(caught.value) == "signal SIGSEGV"
-    lines = caught.value.last_words.splitlines()
+    lines = caught.value.end_of_output.splitlines()
     assert lines[0] == "Fatal Python error: Segmentation fault"
     assert "in string_at" in lines[1]
     assert "in crash" in lines[2]
@@ -225,19 +225,19 @@ def test_an_exit_gives_its_code_and_last_output(calls, process):
     with pytest.raises(DiedError) as caught:
         process.call(calls.leave, 3, b"\x1b[31mno licence\x00\xff\n", patience=None)
     assert (caught.value.code, str(caught.value)) == (3, "exit code 3")
-    assert caught.value.last_words == "�[31mno licence��"
+    assert caught.value.end_of_output == "�[31mno licence��"
     assert not process.alive
     with pytest.raises(DiedError):
         process.call(calls.echo, patience=LONG)
 
 
-def test_last_words_are_those_of_the_call(calls, process):
+def test_the_end_of_output_is_that_of_the_call(calls, process):
     assert process.call(calls.evaluate, "os.write(2, b'a warning')", patience=LONG) == 9
     assert wait_for(lambda: process.printed == 9)
     process.call(calls.echo, patience=LONG)
     with pytest.raises(DiedError) as caught:
         process.call(calls.leave, 3, b"", patience=LONG)
-    assert caught.value.last_words == ""
+    assert caught.value.end_of_output == ""
 
 
 def test_one_that_closes_its_pipes_is_ended(calls, process):
@@ -330,14 +330,14 @@ def test_it_ends_in_the_middle_of_a_call_when_its_owner_is_killed(tmp_path):
 def test_the_c_library_s_reason_of_a_crash_is_kept_too():
     said = b"warming up\nfree(): invalid pointer\nFatal Python error: Aborted\n\nStack (most recent call first):\n"
     said += b"".join(b'  File "mine.py", line %d in f\n' % line for line in range(9)) + b"\nExtension modules: numpy\n"
-    assert last_words(said).splitlines() == [
+    assert end_of_output(said).splitlines() == [
         "free(): invalid pointer",
         "Fatal Python error: Aborted",
         *(f'  File "mine.py", line {line} in f' for line in range(3)),
     ]
 
 
-def test_last_words_begin_with_a_whole_line():
-    said = last_words(b"first\n" + b"a line of thirty characters...\n" * 100)
+def test_the_end_of_output_begins_with_a_whole_line():
+    said = end_of_output(b"first\n" + b"a line of thirty characters...\n" * 100)
     assert set(said.splitlines()) == {"a line of thirty characters..."}
     assert 900 < len(said) <= 1000

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import pytest
 
 from bench import load_optimizer, load_problem
-from bench.storage import provenance
+from bench.storage import checkouts, provenance
 from bench.storage.provenance import differences, machine, modules, run
 from bench.study import Fingerprints
 
@@ -83,12 +83,12 @@ def git(tmp_path, monkeypatch):
     ask("commit", "-m", "first")
 
     def state():
-        provenance._git.cache_clear()
+        checkouts._state.cache_clear()
         plugin = load_optimizer(f"{repo / 'inner' / 'mine.py'}:mine")
         return machine(modules([plugin]))["checkouts"].get("repo")
 
     yield SimpleNamespace(ask=ask, repo=repo, state=state)
-    provenance._git.cache_clear()
+    checkouts._state.cache_clear()
 
 
 class TestCheckouts:

@@ -13,7 +13,8 @@ import pytest
 from bench import BenchError, load_results
 from bench.objective import Trace
 from bench.storage.folder import Folder
-from bench.storage.store import SCHEMA, Keys, Store, disagreement, stored
+from bench.storage.schema import SCHEMA, disagreement, stored
+from bench.storage.store import Keys, Store
 from bench.trial import Trial
 
 TRACE = Trace(np.array([1, 5, 40]), np.array([3.5, 0.1, -0.0]))
@@ -97,7 +98,7 @@ def test_cells_count_by_status_and_keys_distinguish_finished_from_lost(store):
     fill(store, 2, row=LOST)
     fill(store, 3, row=LOST | {"status": "timeout"})
     (cell,) = store.cells()
-    assert (cell.done, cell.lost, cell.status) == (2, 2, {"ok": 2, "failed": 1, "timeout": 1})
+    assert (cell.done, cell.failed, cell.status) == (2, 2, {"ok": 2, "failed": 1, "timeout": 1})
     assert cell.wall_s == 1.0
     stored_keys, finished_keys = store.keys(), store.keys(finished_only=True)
     assert ("sphere-2", "scatter", 2) in stored_keys
@@ -115,7 +116,7 @@ def test_a_lost_trial_is_replaced_and_a_finished_one_never(store):
 def test_what_is_put_at_once_is_committed_whole_or_not_at_all(store):
     fill(store, 0)
     with store.writer() as writer:
-        with pytest.raises(BenchError), writer.at_once():  # noqa: PT012 - all of it is what is undone
+        with pytest.raises(BenchError), writer.transaction():  # noqa: PT012 - all of it is what is undone
             writer.put(stored(trial(1), finished()))
             writer.put(stored(trial(0, problem="sphere-3"), finished()))
             raise BenchError("as merge does where trials differ")
@@ -152,7 +153,7 @@ def test_removed_rows_are_gone_with_their_traces_and_can_be_made_again(store):
             for optimizer in ("scatter", "early"):
                 writer.add(trial(number, optimizer=optimizer), finished())
         writer.add(trial(2), LOST)
-        assert writer.remove(["sphere-2"], ["scatter", "early"], lost_only=True) == 1
+        assert writer.remove(["sphere-2"], ["scatter", "early"], failed_only=True) == 1
         assert writer.remove(["sphere-2", "sphere-3"], ["scatter", "nobody"]) == 2
     assert {row["optimizer"] for row in store.rows()} == {"early"}
     assert {key[1] for key in store.traces()} == {"early"}

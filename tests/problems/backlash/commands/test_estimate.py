@@ -159,7 +159,7 @@ def test_nothing_that_can_be_estimated_is_an_error(refused, tmp_path, capsys):
         (["a.csv", "--calibration", "none.toml"], "calibration none.toml cannot be read"),
         (["a.csv", "--window", "3"], "'3' is not a window"),
         (["a.csv", "--optimizer", "gwoo"], "did you mean 'gwo'"),
-        (["a.csv", "--optimizer", "gwo", "--set", "agents"], "'agents' is no KEY=VALUE"),
+        (["a.csv", "--optimizer", "gwo", "--set", "agents"], "'agents' is not KEY=VALUE"),
         (["a.csv", "--set", "agents=3"], "give --optimizer too"),
         (["a.csv", "--plot", "a.jpg"], "a.jpg must end in .svg, .png, .pdf"),
         (["a.csv", "--plot", "none/a.svg"], "there is no folder none"),

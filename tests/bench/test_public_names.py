@@ -1,0 +1,38 @@
+"""The names that ``import bench`` promises, and what importing it costs."""
+
+import subprocess
+import sys
+
+import pytest
+
+import bench
+
+NAMES = [
+    "BenchError", "BudgetExhausted", "FunctionProblem", "Objective", "Optimizer", "Problem", "Result", "Results",
+    "Study", "Trace", "check_optimizer", "load_optimizer", "load_problem", "load_results", "parameter", "run", "solve",
+    "write_report",
+]  # fmt: skip
+
+
+def test_the_public_names_are_these():
+    assert bench.__all__ == NAMES
+
+
+def test_completion_offers_them_and_the_packages_for_notebooks():
+    assert dir(bench) == sorted([*NAMES, "analysis", "plots"])
+
+
+@pytest.mark.parametrize("name", [*NAMES, "analysis", "plots"])
+def test_each_can_be_imported_and_is_documented(name):
+    assert (getattr(bench, name).__doc__ or "").strip()
+
+
+def test_another_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="module 'bench' has no attribute 'nothing'"):
+        _ = bench.nothing
+
+
+def test_the_import_alone_loads_none_of_the_large_libraries():
+    code = "import bench, sys; print(*({'numpy', 'pandas', 'matplotlib', 'numba', 'scipy'} & {*sys.modules}))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
