@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import bootstrap, trim_mean
 
-from bench.analysis.cells import cells, labels, merge_near_ties, references, scores
+from bench.analysis.cells import cells, labels, merge_near_ties, reference_values, scores
 from bench.analysis.pairwise import RESAMPLES, a12, a12_replicates, percentile_interval
 from bench.problem import Floats
 
@@ -51,17 +51,17 @@ def probability_of_improvement(frame: pd.DataFrame, seed: int = 0) -> pd.DataFra
 def normalised_errors(frame: pd.DataFrame, optima: Mapping[str, float] | None = None) -> pd.DataFrame:
     """Return the error of each trial on a scale that all problems share: problem, optimizer, trial and error.
 
-    0 is the reference of the problem: its optimum, or the lowest score of all trials where that is unknown or beaten
-    (:func:`bench.analysis.references`). 1 is the median score of all trials of all optimizers on it; where that is 0
-    too, or infinite, the largest finite error. A failed trial has +inf; near-ties are ties. The scale depends on the
-    optimizers compared.
+    0 is the reference value of the problem: its optimum, or the lowest score of all trials where the optimum is unknown
+    or beaten (:func:`bench.analysis.reference_values`). 1 is the median error of all trials of all optimizers on the
+    problem, or the largest finite error where that median is 0 or infinite. A failed trial has +inf; near-ties are
+    ties. The scale depends on the optimizers compared.
 
     Args:
         frame: the tidy frame.
         optima: the best known objective value, by problem, where one is known.
     """
     by_problem = scores(frame).groupby(frame["problem"].astype(object))
-    zero = references({str(problem): least for problem, least in by_problem.min().items()}, optima)
+    zero = reference_values({str(problem): least for problem, least in by_problem.min().items()}, optima)
     errors = by_problem.transform(lambda own: _normalised(own.to_numpy(), zero[str(own.name)].value))
     return frame[["problem", "optimizer", "trial"]].assign(error=errors)
 

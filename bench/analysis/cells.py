@@ -22,8 +22,8 @@ NEAR = 1e-10  # relative: well above rounding, well below what anybody would cal
 STATISTICS = ("mean", "sd", "median", "median_low", "median_high", "q1", "q3", "best", "worst")
 
 
-class Reference(NamedTuple):
-    """The value from which a problem's errors are counted, and whether it is the problem's ``known`` optimum."""
+class ReferenceValue(NamedTuple):
+    """The value from which the errors on a problem are counted, and whether it is the problem's ``known`` optimum."""
 
     value: float
     known: bool
@@ -105,18 +105,20 @@ def cells(frame: pd.DataFrame, merge: bool = False) -> dict[tuple[str, str], Flo
     }
 
 
-def references(lowest: Mapping[str, float], optima: Mapping[str, float] | None = None) -> dict[str, Reference]:
-    """Return from which value the errors of each problem of ``lowest`` are counted.
+def reference_values(
+    lowest: Mapping[str, float], optima: Mapping[str, float] | None = None
+) -> dict[str, ReferenceValue]:
+    """Return the value from which the errors on each problem of ``lowest`` are counted.
 
-    That is the optimum where it is known and no trial found less, else the lowest value that any trial found: an
-    optimum that is beaten was none. One that is beaten by no more than rounding (a near-tie) still holds.
+    That is the known optimum, or the lowest value that any trial found where no optimum is known or a trial found
+    less: a value that is beaten is no optimum. An optimum beaten only by rounding (a near-tie) still counts.
 
     Args:
         lowest: the lowest value that any trial of any optimizer found, by problem; +inf where none is finite, which
             without an optimum is then the reference.
         optima: the best known objective value, by problem, where one is known.
     """
-    return {problem: _reference(found, (optima or {}).get(problem, np.inf)) for problem, found in lowest.items()}
+    return {problem: _reference_value(found, (optima or {}).get(problem, np.inf)) for problem, found in lowest.items()}
 
 
 def regret(table: pd.DataFrame, optima: Mapping[str, float], columns: Sequence[str]) -> pd.DataFrame:
@@ -167,10 +169,10 @@ def summarise(frame: pd.DataFrame) -> pd.DataFrame:
     return table.astype(dict.fromkeys(STATISTICS, float))
 
 
-def _reference(lowest: float, optimum: float) -> Reference:
+def _reference_value(lowest: float, optimum: float) -> ReferenceValue:
     least = merge_near_ties(np.array([lowest, optimum]))
     known = bool(np.isfinite(optimum) and least[1] <= least[0])
-    return Reference(float(optimum if known else lowest), known)
+    return ReferenceValue(float(optimum if known else lowest), known)
 
 
 def _describe(values: Floats) -> dict[str, Any]:

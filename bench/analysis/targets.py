@@ -17,7 +17,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
-from bench.analysis.cells import Traces, labels, references
+from bench.analysis.cells import Traces, labels, reference_values
 from bench.objective import Trace
 from bench.problem import Floats
 
@@ -39,7 +39,7 @@ def targets(traces: Traces, optima: Mapping[str, float] | None = None) -> pd.Dat
 
     A target is f_L + tau (f_0 - f_L). f_0 is the median, over all trials of the problem, of the first finite value
     in a trial's trace. f_L, the ``reference``, is the optimum where that is ``known``, else, or where a trial found
-    less (:func:`bench.analysis.references`), the lowest value that any trial found: targets then depend on which
+    less (:func:`bench.analysis.reference_values`), the lowest value that any trial found: targets then depend on which
     optimizers were compared, and the ladder is the short one.
 
     Where f_0 is no higher than f_L there is nothing to divide: the only target is f_L itself, with tau = 0. A
@@ -55,7 +55,7 @@ def targets(traces: Traces, optima: Mapping[str, float] | None = None) -> pd.Dat
             ends.setdefault(problem, []).append((float(trace.values[0]), float(trace.values[-1])))
     lowest = {problem: min(last for _, last in pairs) for problem, pairs in ends.items()}
     tables = []
-    for problem, (reference, known) in references(lowest, optima).items():
+    for problem, (reference, known) in reference_values(lowest, optima).items():
         distance = median(first for first, _ in ends[problem]) - reference
         tau = fractions(known) if distance > 0 else np.zeros(1)
         target = reference + tau * max(distance, 0.0)

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from bench.errors import BenchError, nearest
 from bench.export import coco, ioh, tabular
-from bench.export.runs import left_out
+from bench.export.trials import omission_notes
 from bench.storage.results import Results
 
 __all__ = ["FORMATS", "Export", "Format", "export"]
@@ -77,7 +77,7 @@ def export(results: Results, kind: str, folder: Path) -> Export:
         raise BenchError(f"{results.paths[0]} holds no trials yet; run the study first")
     chosen = FORMATS[kind]
     files = chosen.files(results)
-    notes = [] if chosen.holds_failures else left_out(results.frame)
+    notes = [] if chosen.holds_failures else omission_notes(results.frame)
     title = f"An export in the format {kind}. The next one into this folder replaces all that is in it."
     head = [title, "", f"Study: {results.study.title or results.study.name}", "", *chosen.about(results)]
     try:

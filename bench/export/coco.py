@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from bench import analysis
 from bench.errors import BenchError
-from bench.export.runs import Cell, Run, cells
+from bench.export.trials import ExportedCell, ExportedTrial, exported_cells
 from bench.problem import Floats
 from bench.storage.results import Results
 from bench.text import file_name, unique
@@ -37,8 +37,8 @@ COLUMNS = (
 
 
 @dataclass(frozen=True)
-class Reference:
-    """The value that a problem's objective values are compared with, and where it comes from."""
+class AssumedOptimum:
+    """The value that stands for COCO's f_opt of a problem, and where the value comes from."""
 
     value: float
     source: str
@@ -55,17 +55,17 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
             f"the coco format holds at most {FUNCTIONS} problems and this study has {len(results.study.problems)}; "
             "export fewer of them at a time, or choose ioh"
         )
-    folders, known = optimizer_folders(results), references(results)
+    folders, optima = optimizer_folders(results), assumed_optima(results)
     return (
         (f"{folders[cell.optimizer]}/{path}", text)
-        for cell in cells(results)
-        for path, text in _cell_files(cell, folders[cell.optimizer], known[cell.problem].value)
+        for cell in exported_cells(results)
+        for path, text in _cell_files(cell, folders[cell.optimizer], optima[cell.problem].value)
     )
 
 
 def about(results: Results) -> list[str]:
     """Return the lines of the export's README."""
-    known = references(results)
+    optima = assumed_optima(results)
     return [
         "One folder an optimizer, to be read by cocopp:",
         "    python -m cocopp FOLDER/OPTIMIZER [FOLDER/OPTIMIZER ...]",
@@ -79,7 +79,7 @@ def about(results: Results) -> list[str]:
         "",
         "Functions, by funcId, with their reference:",
         *(
-            f"    {number}  {entry.label}: {known[entry.label].value!r}, {known[entry.label].source}"
+            f"    {number}  {entry.label}: {optima[entry.label].value!r}, {optima[entry.label].source}"
             for number, entry in enumerate(results.study.problems, start=1)
         ),
         "",
@@ -99,62 +99,63 @@ def optimizer_folders(results: Results) -> dict[str, str]:
     return dict(zip(labels, unique(names), strict=True))
 
 
-def references(results: Results) -> dict[str, Reference]:
-    """Return each problem's reference: its optimum where one is known and no trial is below it, else the lowest value.
+def assumed_optima(results: Results) -> dict[str, AssumedOptimum]:
+    """Return the known optimum of each problem, or the lowest value of all trials where that is unknown or beaten.
 
-    The lowest value is that of all optimizers' trials, so that all are compared with the same one.
+    The lowest value is over the trials of all optimizers, so that all are compared with the same value.
     """
     lowest = {entry.label: np.inf for entry in results.study.problems}
     for (problem, _, _), trace in results.traces.items():
         lowest[problem] = min([lowest[problem], *trace.values[-1:].tolist()])
-    optima = {label: known for label in lowest if (known := results.known(label).optimum) is not None}
-    return {label: _reference(*found) for label, found in analysis.references(lowest, optima).items()}
+    known_optima = {label: known for label in lowest if (known := results.known(label).optimum) is not None}
+    found = analysis.reference_values(lowest, known_optima)
+    return {label: _assumed_optimum(*reference) for label, reference in found.items()}
 
 
-def _reference(value: float, known: bool) -> Reference:
+def _assumed_optimum(value: float, known: bool) -> AssumedOptimum:
     if known:
-        return Reference(value, "the problem's best known value")
+        return AssumedOptimum(value, "the problem's best known value")
     if np.isfinite(value):
-        return Reference(value, "the lowest value found by any trial")
-    return Reference(0.0, "no trial found a finite value")
+        return AssumedOptimum(value, "the lowest value found by any trial")
+    return AssumedOptimum(0.0, "no trial found a finite value")
 
 
-def _cell_files(cell: Cell, algorithm: str, reference: float) -> Iterator[tuple[str, str]]:
+def _cell_files(cell: ExportedCell, algorithm: str, optimum: float) -> Iterator[tuple[str, str]]:
     data = f"data_f{cell.function}/bbobexp_f{cell.function}_DIM{cell.dimension}"
-    yield f"bbobexp_f{cell.function}.info", _index(cell, algorithm, f"{data}.dat", reference)
-    yield f"{data}.dat", _log(((run, run.evaluations) for run in cell.runs), reference)
-    yield f"{data}.tdat", _log(((run, _grid(run.nfev)) for run in cell.runs), reference)
+    yield f"bbobexp_f{cell.function}.info", _index(cell, algorithm, f"{data}.dat", optimum)
+    yield f"{data}.dat", _log(((trial, trial.evaluations) for trial in cell.trials), optimum)
+    yield f"{data}.tdat", _log(((trial, _grid(trial.nfev)) for trial in cell.trials), optimum)
 
 
-def _index(cell: Cell, algorithm: str, data: str, reference: float) -> str:
-    """Return the three lines of a function; all runs are of instance 1, as every trial meets the same problem."""
+def _index(cell: ExportedCell, algorithm: str, data: str, optimum: float) -> str:
+    """Return the three lines of a function; every trial meets the same problem, so all are of instance 1."""
     head = (
         f"suite = '{SUITE}', funcId = {cell.function}, DIM = {cell.dimension}, Precision = {PRECISION:.3e}, "
         f"algId = '{algorithm}', coco_version = '2.8.2', logger = '{SUITE}', data_format = 'bbob-new2'"
     )
-    finals = (_difference(run.trace.at(run.nfev), reference) for run in cell.runs)
-    runs = [f"1:{run.nfev}|{final:.1e}" for run, final in zip(cell.runs, finals, strict=True)]
+    finals = (_difference(trial.trace.at(trial.nfev), optimum) for trial in cell.trials)
+    runs = [f"1:{trial.nfev}|{final:.1e}" for trial, final in zip(cell.trials, finals, strict=True)]
     return "\n".join([head, f"% {cell.problem}", ", ".join([data, *runs]), ""])
 
 
-def _log(runs: Iterable[tuple[Run, NDArray[np.int64]]], reference: float) -> str:
-    """Return each run's rows, at the evaluations given with it, under a header.
+def _log(trials: Iterable[tuple[ExportedTrial, NDArray[np.int64]]], optimum: float) -> str:
+    """Return the rows of each trial, at the evaluations given with it, under a header.
 
     Only improvements are recorded, so the measured value is the best-so-far one; points are not recorded at all.
     """
     lines = []
-    for run, evaluations in runs:
-        lines.append(f"% {COLUMNS.format(f'{reference:.9e}')}")
-        values = run.trace.at(evaluations)
+    for trial, evaluations in trials:
+        lines.append(f"% {COLUMNS.format(f'{optimum:.9e}')}")
+        values = trial.trace.at(evaluations)
         measured = np.minimum(values, INFINITE)
-        for row in zip(evaluations, _difference(values, reference), measured, measured, strict=True):
+        for row in zip(evaluations, _difference(values, optimum), measured, measured, strict=True):
             lines.append("{:d} 0 {:+.9e} {:+.9e} {:+.9e}".format(*row))
     return "\n".join([*lines, ""])
 
 
-def _difference(values: Floats, reference: float) -> Floats:
-    """Return the values less the reference, kept between what COCO can take the logarithm of and its infinity."""
-    return np.clip(values - reference, SMALLEST, INFINITE)
+def _difference(values: Floats, optimum: float) -> Floats:
+    """Return the values less the optimum, clipped between what COCO can take the logarithm of and its infinity."""
+    return np.clip(values - optimum, SMALLEST, INFINITE)
 
 
 def _grid(last: int) -> NDArray[np.int64]:

@@ -56,7 +56,7 @@ class Findings:
     def unbeaten(self) -> dict[str, float]:
         """The known optima that no trial beat by more than rounding: what regret is counted from."""
         lowest = self.summary.groupby("problem")["best"].min()
-        found = analysis.references({str(label): best for label, best in lowest.items()}, self.optima)
+        found = analysis.reference_values({str(label): best for label, best in lowest.items()}, self.optima)
         return {label: reference.value for label, reference in found.items() if reference.known}
 
     @cached_property

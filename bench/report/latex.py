@@ -8,7 +8,7 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 
 from bench.bibtex import ACCENTS, LETTERS
-from bench.report.parts import Cell, Table
+from bench.report.parts import Table, TableCell
 
 LINE = 84  # characters that a line of an article holds in a table's small type
 COLUMN = 42  # of a two-column paper: what may be wider is made to shrink
@@ -143,7 +143,7 @@ def _row(cells: Iterable[str]) -> str:
     return ("{}" if text[:1] in ("[", "*") else "") + text + r" \\"
 
 
-def _set(cell: Cell, number: bool, wrap: bool) -> str:
+def _set(cell: TableCell, number: bool, wrap: bool) -> str:
     text = _number(cell.text) if number else _words(cell.text, wrap)
     text = f"\\textit{{{text}}}" if cell.italic else text
     if cell.bold:

@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from bench.report.parts import Cell, Figure, Section, Table
+from bench.report.parts import Figure, Section, Table, TableCell
 
 MOST_ROWS = 400  # of a table; a reader of more wants the file
 PRINTED_ROWS = 40  # of the table behind a figure; a longer one stays off paper
@@ -73,7 +73,7 @@ class Grid:
     header: list[str]
     classes: str
     ems: int
-    rows: list[list[Cell]]
+    rows: list[list[TableCell]]
     total: int
 
 

@@ -14,7 +14,7 @@ from bench.report.wording import cell_text, usual_decimals
 
 
 @dataclass(frozen=True)
-class Cell:
+class TableCell:
     """A table's cell as shown: its plain text and how it is set."""
 
     text: str
@@ -66,19 +66,19 @@ class Table:
         return index + [(str(name), _is_number(values)) for name, values in self.frame.items()]
 
     @property
-    def rows(self) -> list[list[Cell]]:
+    def rows(self) -> list[list[TableCell]]:
         """The cells as shown, row by row, those of the index first."""
         keys = self.frame.index.to_frame().itertuples(index=False) if self.has_index else [()] * len(self.frame)
         columns = [
             [
-                Cell(cell_text(value, decimals), bool(bold), bool(italic), mark=mark or "", lost=bool(lost))
+                TableCell(cell_text(value, decimals), bool(bold), bool(italic), mark=mark or "", lost=bool(lost))
                 for value, bold, italic, mark, lost in zip(values, *styles, strict=True)
             ]
             for name, values in self.frame.items()
             for styles in [[self._styles(which, name) for which in (self.bold, self.italic, self.marks, self.lost)]]
             for decimals in [self._decimals(name, values)]
         ]
-        heads = [[Cell(cell_text(value), heads_row=True) for value in key] for key in keys]
+        heads = [[TableCell(cell_text(value), heads_row=True) for value in key] for key in keys]
         return [[*head, *(column[i] for column in columns)] for i, head in enumerate(heads)]
 
     def _decimals(self, column: Any, values: pd.Series[Any]) -> int | None:

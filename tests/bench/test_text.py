@@ -1,0 +1,35 @@
+"""File names from any label, and labels that collide."""
+
+import re
+
+import pytest
+
+from bench.text import file_name, unique
+
+HOSTILE = [
+    "../../etc/passwd",
+    "a/b:c",
+    "<script>alert(1)</script>",
+    "x & y_1 100% $z$ {q} ~ ^ \\",
+    "..",
+    "",
+    "con\nnew",
+    "日本",
+]
+
+
+class TestFileNames:
+    @pytest.mark.parametrize("name", HOSTILE)
+    def test_hostile_names_stay_in_their_folder(self, name):
+        assert re.fullmatch(r"[a-z0-9_][a-z0-9_-]*", file_name(name))
+
+    def test_names_that_differ_never_share_a_file(self):
+        names = [*HOSTILE, "a-b", "a/b", "a:b", "A-B"]
+        assert len({file_name(name) for name in names}) == len(names)
+
+    def test_a_plain_name_is_kept(self):
+        assert file_name("tests-signature-03") == "tests-signature-03"
+
+
+def test_names_that_collide_are_numbered():
+    assert unique(["a", "b", "a", "a-2", "a"]) == ["a", "b", "a-2", "a-2-2", "a-3"]
