@@ -9,12 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bench import BenchError
 from bench.bibtex import parse
 from bench.plugins import registry
 from bench.report.methods import SCALES, MethodsFacts, methods
-from bench.report.prose import LATEX, MARKDOWN, TEXT, Cite, say, series
-from bench.report.references import library, united
+from bench.report.references import library
 from bench.study import Entry, Study
 
 ENVIRONMENT = {
@@ -50,7 +48,7 @@ def cited(found):
     return {key for keys in re.findall(r"\\cite\{([^}]*)\}", found.latex) for key in keys.split(",")}
 
 
-class TestReferences:
+class TestMethods:
     def test_every_work_of_the_library_is_complete_and_cited_by_some_report(self):
         for key, work in library().items():
             assert re.fullmatch(r"[a-z]+\d{4}", key)
@@ -61,70 +59,6 @@ class TestReferences:
             assert work.kind != "article" or "pages = " in work.fields
         assert library().keys() <= cited(methods(full()))
 
-    @pytest.mark.parametrize(
-        ("bibtex", "name"),
-        [
-            ("@misc{a, author={Holm, Sture}, year={1979}}", "Holm, 1979"),
-            ("@misc{a, author = {Dem{\\v{s}}ar, J. and Mor{\\'e}, J.}, year = 2006}", "Demšar and Moré, 2006"),
-            ('@MISC{a, AUTHOR = "Jan van der Berg and B and C", YEAR = "1999"}', "van der Berg et al., 1999"),
-            ("@misc{a, author={Harris, C. and others}, year={2020}}", "Harris et al., 2020"),
-            ("@misc{a, author={Hodges, Jr., J. L.}, year={1958}}", "Hodges, 1958"),
-            ("@misc{a, author={St\\'efan {van der Walt} and {\\O}st, A}, year={1}}", "van der Walt and Øst, 1"),
-            ("@misc{a, author={{The A \\& B Team}}, year={1}}", "The A & B Team, 1"),
-            ("@misc{a, editor={Öst, A}, year={1}}", "Öst, 1"),
-            ("@misc{a, booktitle={year = {5}}}", "a, no year"),
-        ],
-    )
-    def test_names_and_years(self, bibtex, name):
-        (work,) = parse(bibtex)
-        assert work.author_year == name
-
-    def test_entries_are_read_between_comments_and_kept_as_written(self):
-        text = "See\n@comment{x}\n@misc{a,\n  title = {A {B} @ C},\n}\nand @article{b:2, year = 1}"
-        assert [(work.key, work.kind) for work in parse(text)] == [("a", "misc"), ("b:2", "article")]
-        assert parse(text)[0].bibtex == "@misc{a,\n  title = {A {B} @ C},\n}"
-        assert parse(parse(text)[0].bibtex) == parse(text)[:1]
-        assert parse(" \n") == []
-
-    @pytest.mark.parametrize(
-        ("bibtex", "why"),
-        [
-            ("@misc{a, x={}", "braces"),
-            ("@misc{}", "key"),
-            ("@misc{日, x=1}", "key"),
-            ("@misc{a}", "key"),
-            ("b", "no entry"),
-        ],
-    )
-    def test_what_is_no_entry_is_refused(self, bibtex, why):
-        with pytest.raises(BenchError, match=why):
-            parse(bibtex)
-
-    def test_works_under_one_key_are_told_apart(self):
-        ours = parse("@misc{a, year=1} @misc{b, year=2}")
-        works, named = united(ours, parse("@misc{a, year=1} @misc{A, year=3} @misc{c, year=4}"))
-        assert [work.key for work in named] == ["a", "A-2", "c"]
-        assert [work.key for work in works] == ["a", "b", "A-2", "c"]
-
-
-class TestProse:
-    def test_three_ways(self):
-        works = {work.key: work for work in parse("@misc{a, author={A}, year=1} @misc{b, author={B}, year=2}")}
-        paragraph = [
-            say("Of {x} we say [@a; @b].", x="x_1"),
-            say("So {list}.", list=series([["p", Cite(("a",))], ["q"], ["r"]])),
-        ]
-        assert TEXT.write(paragraph, works) == "Of x_1 we say (A, 1; B, 2). So p (A, 1), q and r."
-        assert MARKDOWN.write(paragraph, works) == r"Of x\_1 we say [@a; @b]. So p [@a], q and r."
-        assert LATEX.write(paragraph, works) == r"Of x\_1 we say~\cite{a,b}. So p~\cite{a}, q and r."
-
-    @given(st.text())
-    def test_data_is_never_read_as_a_template(self, label):
-        assert say("{x}", x=label) == ["", label, ""]
-        assert say("{x}", x=" [@a] {y}") == ["", " [@a] {y}", ""]
-
-
-class TestMethods:
     def test_every_citation_has_its_work_and_every_work_is_cited(self):
         found = methods(full())
         keys = [work.key for work in parse(found.bibtex)]
