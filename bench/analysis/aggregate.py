@@ -1,8 +1,8 @@
 """Effect sizes over all problems, with intervals from a stratified bootstrap (Agarwal et al. 2021).
 
-Trials are resampled within each problem and optimizer, 9,999 times: the intervals tell how far other trials on the
-same problems could move a figure, not what other problems would show. Only problems on which every optimizer has a
-trial enter. An interval is missing where a cell has one trial, which leaves nothing to resample.
+Trials are resampled within each problem and optimizer, 9,999 times: the intervals show how far other trials on the
+same problems could move a value, not what other problems would show. Only problems on which every optimizer has a
+trial count. An interval is missing where a cell has one trial, which leaves nothing to resample.
 Source: Agarwal, Schwarzer, Castro, Courville and Bellemare, Deep reinforcement learning at the edge of the
 statistical precipice, NeurIPS 2021.
 """
@@ -26,7 +26,7 @@ BATCH = 1_000  # resamples at a time, to bound memory
 
 
 def probability_of_improvement(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
-    """Return how often ``first`` ends below ``second``: first, second, problems, probability, low and high.
+    """Return the probability that ``first`` ends below ``second``: first, second, problems, probability, low and high.
 
     The probability is the mean over problems of A12, with its 95 % percentile bootstrap interval; missing where no
     problem has trials of every optimizer.
@@ -101,7 +101,7 @@ def _normalised(values: Floats, reference: float) -> Floats:
 
 
 def _interval(strata: list[Floats], seed: int) -> tuple[float, float]:
-    """Return the 95 % interval of the interquartile mean of samples that are resampled each on its own."""
+    """Return the 95 % interval of the interquartile mean of samples that are resampled separately."""
 
     def iqm(*samples: Floats, axis: int) -> Any:
         return trim_mean(np.concatenate(samples, axis=axis), TRIMMED, axis=axis)
