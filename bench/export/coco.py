@@ -1,10 +1,10 @@
 """The format of COCO, for cocopp: the study as functions of a COCO suite.
 
-cocopp reads only COCO's own suites. Each problem takes the place of a function of ``bbob-constrained``, the suite that
-has the most (54) and no reference data of its own; the name that cocopp prints for the function is to be ignored.
+cocopp reads only COCO's own suites. Each problem takes the place of a function of ``bbob-constrained``, the suite
+with the most functions (54) and no reference data of its own; ignore the function names that cocopp prints.
 
-Every improvement and the last evaluation of a run stand in the ``.dat`` file; the ``.tdat`` file has its best-so-far
-value at 20 evaluation counts a decade and at the last evaluation. No evaluation is one of constraints.
+The ``.dat`` file has every improvement and the last evaluation of a run; the ``.tdat`` file has the best-so-far value
+at 20 evaluation counts a decade and at the last evaluation. The number of constraint evaluations is 0.
 
 Source: N. Hansen, A. Auger, R. Ros, O. Mersmann, T. Tušar, D. Brockhoff, "COCO: a platform for comparing continuous
 optimizers in a black-box setting", Optimization Methods and Software 36(1), 2021.
@@ -28,9 +28,9 @@ from bench.text import file_name, unique
 
 SUITE = "bbob-constrained"
 FUNCTIONS = 54
-PRECISION = 1e-8  # cocopp looks at no smaller difference
+PRECISION = 1e-8  # cocopp distinguishes no smaller difference
 SMALLEST = 1e-12  # cocopp takes logarithms: a difference must be positive
-INFINITE = 3e21  # what COCO writes for infinity
+INFINITE = 3e21  # COCO writes this value for infinity
 COLUMNS = (
     "f evaluations | g evaluations | best noise-free fitness - Fopt ({}) | measured fitness | best measured fitness"
 )
@@ -71,11 +71,11 @@ def about(results: Results) -> list[str]:
         "    python -m cocopp FOLDER/OPTIMIZER [FOLDER/OPTIMIZER ...]",
         "",
         f"cocopp reads only COCO's own suites, so each problem takes the place of a function of {SUITE}. Ignore",
-        "the function names that cocopp prints; its numbers are those below. No evaluation is one of constraints.",
+        "the function names that cocopp prints; its numbers are those below. Constraint evaluations are always 0.",
         "",
-        "Values are written less the reference of their function. As cocopp takes logarithms, a difference below",
+        "The reference of a function is subtracted from its values. As cocopp takes logarithms, a difference below",
         f"{SMALLEST:g} is written as {SMALLEST:g}, and one above {INFINITE:g}, or infinite, as {INFINITE:g}.",
-        "cocopp's targets run from 1e2 to 1e-6. The measured values are the best ones so far; points are not recorded.",
+        "cocopp's targets run from 1e2 to 1e-6. The measured values are best-so-far values; points are not recorded.",
         "",
         "Functions, by funcId, with their reference:",
         *(
@@ -91,8 +91,8 @@ def about(results: Results) -> list[str]:
 def optimizer_folders(results: Results) -> dict[str, str]:
     """Return the folder of each optimizer, by label.
 
-    cocopp calls an algorithm by its folder, from which it strikes the words ``data`` and ``noiseless``. A hyphen
-    within them keeps them, so that two names that differ stay different.
+    cocopp names an algorithm after its folder, without the words ``data`` and ``noiseless``. A hyphen within these
+    words keeps them, so that different names stay different.
     """
     labels = [entry.label for entry in results.study.optimizers]
     names = (re.sub("(?<=dat)(?=a)|(?<=noiseles)(?=s)", "-", file_name(label)) for label in labels)
@@ -141,7 +141,7 @@ def _index(cell: ExportedCell, algorithm: str, data: str, optimum: float) -> str
 def _log(trials: Iterable[tuple[ExportedTrial, NDArray[np.int64]]], optimum: float) -> str:
     """Return the rows of each trial, at the evaluations given with it, under a header.
 
-    Only improvements are recorded, so the measured value is the best-so-far one; points are not recorded at all.
+    Only improvements are recorded, so the measured value is the best-so-far value; points are not recorded.
     """
     lines = []
     for trial, evaluations in trials:
@@ -159,6 +159,6 @@ def _difference(values: Floats, optimum: float) -> Floats:
 
 
 def _grid(last: int) -> NDArray[np.int64]:
-    """Return 20 evaluation counts a decade, rounded down, up to and with the last."""
+    """Return 20 evaluation counts a decade, rounded down, up to and including the last."""
     steps = np.arange(np.floor(20 * np.log10(last)) + 1)
     return np.union1d(np.floor(10 ** (steps / 20)), [1, last]).astype(np.int64)

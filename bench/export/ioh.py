@@ -1,6 +1,6 @@
 """The format of IOHprofiler, for IOHanalyzer and iohinspector.
 
-One folder an optimizer; in it, for each problem, a JSON file about its runs and a ``.dat`` file of their best-so-far
+Each optimizer has a folder with a JSON file about the runs on each problem and a ``.dat`` file of their best-so-far
 values. A run is logged at its first evaluation, at every improvement and at its last evaluation.
 
 Source: J. de Nobel, F. Ye, D. Vermetten, H. Wang, C. Doerr, T. Bäck, "IOHexperimenter: Benchmarking Platform for
@@ -20,7 +20,7 @@ from bench.storage.results import Results
 from bench.text import file_name, unique
 
 VERSION = "0.3.22"  # of the format
-LARGEST_FUNCTION = 2**16 - 1  # readers keep a function's number in 16 bits
+LARGEST_FUNCTION = 2**16 - 1  # readers store a function's number in 16 bits
 COLUMNS = ["evaluations", "raw_y"]
 
 

@@ -74,15 +74,17 @@ class TestMethods:
             "We compared 3 optimizers on 3 problems (p, q and r): gwo (Mirjalili et al., 2014), alo (Mirjalili, 2015) ",
             "and cma-es (Hansen and Ostermeier, 2001; Hansen et al., 2019).",
             "We ran gwo with agents = 7, handling = box; all other parameters have their default values.",
-            "made 28 to 30 independent trials of 30 planned on each problem; a trial could spend 10,000 evaluations",
+            "We ran 28 to 30 independent trials (of 30 planned) of each optimizer on each problem, each with a budget",
+            "on each problem, each with a budget of 10,000 evaluations of the objective function.",
             "2 trials failed or found no finite value;",
-            "for a bias to the centre of the search space (Kudela, 2022): gwo has it.",
-            "We probed gwo and alo for structural bias,", "Vermetten et al., 2022): gwo and alo have it.",
+            "We tested the optimizers for a bias towards the centre of the search space (Kudela, 2022) and found it",
+            "of the search space (Kudela, 2022) and found it in gwo.",
+            "We tested gwo and alo for structural bias,", "Vermetten et al., 2022), and found it in gwo and alo.",
             "Python 3.11.7, backlash-bench 0.1.0, numpy 2.4.6 (", "commit 0123456789)",
             "on A & B processor.",
             "every pair of optimizers", "In 1 of 9 tests, where more than 10% of the values are tied",
             "Across problems (2 of 3,",
-            "the known optimum on 1 problem and to the lowest value that any trial found on the others",
+            "the known optimum on 1 problem and the lowest value that any trial found on the others",
         ):  # fmt: skip
             assert words in text
         assert "pandas" not in text
@@ -93,7 +95,7 @@ class TestMethods:
         [
             ({"failed": 0}, "failed"), ({"permutation_tests": 0}, "permutation"), ({"targets": 0}, "running time"),
             ({"centre_bias": {}}, "Kudela"), ({"structural_bias": {}}, "pure noise"),
-            ({"early": {"gwo": 0}}, "of their own"), ({"environments": ()}, "used"), ({"bibtex": {}}, "Mirjalili"),
+            ({"early": {"gwo": 0}}, "stopping"), ({"environments": ()}, "used"), ({"bibtex": {}}, "Mirjalili"),
             ({"ranked_problems": 1}, "Friedman"), ({"ranked_problems": 3}, "of 3,"), ({"trials": (30, 30)}, "planned"),
             ({"tests": 0, "permutation_tests": 0}, "Kolmogorov"), ({"study": study()}, "handling"),
             ({"study": study(problems=["p"]), "ranked_problems": 1}, "Benjamini"),
@@ -119,7 +121,7 @@ class TestMethods:
         assert paragraph.startswith(
             "We ran wolf (the optimizer gwo) on 1 problem (p). All parameters have their default"
         )
-        assert "It made 1 independent trial; a trial" in paragraph
+        assert "We ran 1 independent trial, with a budget of 10,000 evaluations" in paragraph
         assert methods(facts).bibtex == ""
 
     def test_changed_code_and_several_machines_are_told(self):

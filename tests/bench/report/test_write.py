@@ -83,7 +83,7 @@ def test_no_single_winner_is_said(make, read, tmp_path):
     folder = make(tmp_path / "s", optimizers=("a", "b"), trials=3)
     page = read(write_report(folder))
     assert "No single winner: a is ranked first on 2 of 2" in page.text
-    assert "with 3 trials in the smallest cell the test can find no difference at all" in page.text
+    assert "with 3 trials in the smallest cell the test can detect no difference at all" in page.text
     assert page.text.count("1 of 1 pair cannot be significant whatever the values") == 2
 
 

@@ -57,7 +57,7 @@ def test_an_environment_that_made_no_trial_left_warns_of_nothing(told):
 
 def test_trials_that_tell_of_no_run_are_counted_as_such(told):
     section = told([RECORD, NEWER], [None] * 8 + [2] * 16)
-    assert [title for title, _ in section.tables["environment-trials"].header] == ["optimizer", "B", "not noted"]
+    assert [title for title, _ in section.tables["environment-trials"].header] == ["optimizer", "B", "not recorded"]
     assert shown(section.tables["environment-trials"]) == [["a", "4", "4"], ["b", "4", "4"], ["c", "8", "0"]]
 
 
@@ -70,7 +70,7 @@ def test_the_records_of_older_folders_are_read(told):
     assert "trials" not in section.tables["runs"].frame
     assert "environment-trials" not in section.tables
     assert told([{}]).tables["runs"].frame.shape[0] == 1
-    assert "no note" in told([]).warnings[0]
+    assert "no record" in told([]).warnings[0]
 
 
 def test_fifty_environments_can_still_be_read(told):

@@ -29,5 +29,8 @@ def test_the_biases_that_a_check_noted_are_warned_of(make, tmp_path):
     verdicts = findings.integrity.set_index("check")["verdict"]
     assert set(verdicts[["boundary clamping", "starts and seeds"]]) == {"pass"}
     paragraph = findings.methods.text[0]
-    assert "We probed a and b for a bias to the centre of the search space (Kudela, 2022): a has it." in paragraph
-    assert "We probed a and b for structural bias" in paragraph
+    assert (
+        "We tested a and b for a bias towards the centre of the search space (Kudela, 2022) and found it in a."
+        in paragraph
+    )
+    assert "We tested a and b for structural bias" in paragraph

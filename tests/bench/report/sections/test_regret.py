@@ -33,13 +33,15 @@ class TestRegret:
         medians = found.summary.set_index(["problem", "optimizer"])["median"]
         assert table.frame.loc["p"].tolist() == [medians["p", each] - 4.0 for each in "abc"]
         assert table.data["optimum"].tolist() == [4.0] * 3
-        assert "known on 1 problem; the median trial ends at it with no optimizer." in told.text[-1]
+        assert "The optimum of 1 problem is known. The median trial reached it with no optimizer." in told.text[-1]
         assert "regret-curves" in self.names(anytime.section(found))
 
     def test_whose_median_trial_ends_at_the_optimum_is_said(self, make, tmp_path):
         always = {"a": {"fun": 3.0}, "b": {"fun": 3.0 + 1e-13}}
         told = comparison.section(self.findings(make(tmp_path / "s", changes=always), p=3.0, q=2.0))
-        assert "known on 2 problems; the median trial ends at it with a on 1 and with b on 1." in told.text[-1]
+        assert (
+            "The optimum of 2 problems is known. The median trial reached it with a on 1 and b on 1." in told.text[-1]
+        )
 
     def test_failed_trials_are_marked_in_it(self, make, tmp_path):
         table = comparison.section(self.findings(make(tmp_path / "s", fail=[("p", "b")]), p=3.0, q=2.0)).items[1]
@@ -60,7 +62,7 @@ class TestRegret:
                 {"p": 1.0, "q": 1.0},
                 "f_L is the known optimum (Moré and Wild 2009). Targets fall from tau = 1 to 1e-08.",
             ),
-            ({"p": 1.0}, "Targets fall from tau = 1 to 1e-08 where the optimum is known, else to 0.001."),
+            ({"p": 1.0}, "Targets fall from tau = 1 to 1e-08 where f_L is the optimum, else to 0.001."),
         ],
     )
     def test_how_far_the_targets_fall_is_said(self, folder, optima, said):
