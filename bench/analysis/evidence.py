@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
@@ -69,6 +69,9 @@ class Evidence:
         """Return the trace of each trial, an empty one where there is none."""
         keys = zip(trials["problem"], trials["optimizer"], trials["trial"], strict=True)
         return [self.traces.get(key, EMPTY) for key in keys]
+
+
+Check = Callable[[Evidence], Finding]
 
 
 def judge(

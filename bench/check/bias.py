@@ -9,7 +9,7 @@ import numpy as np
 from scipy import stats
 
 from bench.analysis import holm
-from bench.analysis.integrity import CLAMPED
+from bench.analysis.finished_trials import CLAMPED
 from bench.check.functions import SHIFT
 from bench.check.verdict import Verdict
 from bench.check.watch import Run, Runs, on_bound, watch

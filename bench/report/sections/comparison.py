@@ -58,11 +58,9 @@ def _lost(findings: Findings, shown: pd.DataFrame) -> pd.DataFrame:
 
 def _at_optimum(medians: pd.DataFrame) -> str:
     """Return on how many problems the median trial of each optimizer reached the known optimum."""
-    reached = [f"{label} on {number}" for label, number in medians.eq(0).sum().items() if number]
-    return (
-        f"The optimum of {count(len(medians), 'problem')} is known. The median trial reached it with "
-        f"{listing(reached) if reached else 'no optimizer'}."
-    )
+    reached = [f"on {number} with {label}" for label, number in medians.eq(0).sum().items() if number]
+    outcome = listing(reached) if reached else "on none with any optimizer"
+    return f"The optimum is known on {count(len(medians), 'problem')}. The median trial reached it {outcome}."
 
 
 def _regret(findings: Findings, regrets: pd.DataFrame) -> Table:

@@ -32,8 +32,8 @@ def section(findings: Findings) -> Section:
         data=checks,
     )
     unseen = (
-        f"These results cannot show {listing([*TRAITS])}: 'bench check' makes separate runs to look for these. "
-        "'bench verify' repeats stored trials."
+        f"These results cannot show some traits of an optimizer ({listing([*TRAITS])}): 'bench check' makes separate "
+        "runs to look for these. 'bench verify' repeats stored trials."
     )
     return Section(
         TITLE,

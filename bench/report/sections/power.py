@@ -42,7 +42,7 @@ def detectable_differences(n: int, optimizers: int) -> str:
     """Return a clause on the differences that n trials a cell detect with a power of 80%, and often miss below."""
     details, shifts = [], []
     for level, alpha, distance, shift in power_table(n, comb(optimizers, 2)).to_numpy():
-        step = f"at {'alpha =' if level == 'alpha' else f'the {level} of'} {alpha:.2g} the test"
+        step = f"at {'alpha =' if level == 'alpha' else f'the {level} of'} {alpha:.2g} it"
         if pd.isna(shift):
             details.append(f"{step} can detect no difference at all")
         else:

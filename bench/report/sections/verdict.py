@@ -81,8 +81,8 @@ def _across(findings: Findings) -> str:
     tests, friedman, problems = findings.wilcoxon, findings.friedman, _problems(findings)
     if (tests["note"] == "untestable").all():
         return (
-            "No pair of optimizers can be distinguished across problems: too few problems show a difference for "
-            f"Wilcoxon’s test ({problems} in all)."
+            f"No pair of optimizers can be distinguished across problems: too few problems ({problems} in all) show a "
+            "difference for Wilcoxon’s test to be significant."
         )
     p = friedman["p_iman_davenport"]
     if not friedman["note"] and p > ALPHA:

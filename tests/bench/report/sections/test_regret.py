@@ -33,15 +33,13 @@ class TestRegret:
         medians = found.summary.set_index(["problem", "optimizer"])["median"]
         assert table.frame.loc["p"].tolist() == [medians["p", each] - 4.0 for each in "abc"]
         assert table.data["optimum"].tolist() == [4.0] * 3
-        assert "The optimum of 1 problem is known. The median trial reached it with no optimizer." in told.text[-1]
+        assert "optimum is known on 1 problem. The median trial reached it on none with any optimizer." in told.text[-1]
         assert "regret-curves" in self.names(anytime.section(found))
 
     def test_whose_median_trial_ends_at_the_optimum_is_said(self, make, tmp_path):
         always = {"a": {"fun": 3.0}, "b": {"fun": 3.0 + 1e-13}}
         told = comparison.section(self.findings(make(tmp_path / "s", changes=always), p=3.0, q=2.0))
-        assert (
-            "The optimum of 2 problems is known. The median trial reached it with a on 1 and b on 1." in told.text[-1]
-        )
+        assert "known on 2 problems. The median trial reached it on 1 with a and on 1 with b." in told.text[-1]
 
     def test_failed_trials_are_marked_in_it(self, make, tmp_path):
         table = comparison.section(self.findings(make(tmp_path / "s", fail=[("p", "b")]), p=3.0, q=2.0)).items[1]
