@@ -137,7 +137,7 @@ def inline(svg: str, name: str, caption: str) -> Markup:
     width = float(root.attrib["viewBox"].split()[2])
     targets = re.findall(r'(?:="|url\()#([^")]+)', svg)
     present = {element.get("id") for element in root.iter()}
-    ids = {  # no other anchor of the page has a dot and a number
+    ids = {  # the anchor of an item has no dot
         old: f"{name}.{number}" for number, old in enumerate(dict.fromkeys(targets)) if old in present
     }
     for element in root.iter():
@@ -163,9 +163,7 @@ def _attribute(tag: str, key: str, value: str, ids: dict[str, str]) -> str:
     """Return an attribute's value with its ids renamed and without needless characters."""
     if key == "id":
         return ids[value]
-    if (
-        key in COORDINATES and tag not in TEXTS
-    ):  # browsers place letters on whole pixels, where a small shift is visible
+    if key in COORDINATES and tag not in TEXTS:  # letters snap to whole pixels, so a small shift of them shows
         short = re.sub(
             r"-?\d*\.?\d+(?:e-?\d+)?", lambda number: f"{float(number[0]):.2f}".rstrip("0").rstrip("."), value
         )

@@ -107,9 +107,7 @@ class _Report:
 
     def write(self) -> Path:
         study = self.results.study
-        if not (
-            self.folder / MANIFEST
-        ).exists():  # marks the folder as a report's from here on, also after an interruption
+        if not (self.folder / MANIFEST).exists():  # marks the folder as a report's, also after an interruption
             (self.folder / MANIFEST).write_text("[]", encoding="utf-8")
         plugged = sorted(registry.entries("report_sections"))
         self._steps = len(OPENING) + len(plugged) + len(CLOSING) + len(study.problems) + 1

@@ -1,4 +1,4 @@
-"""The matrix of medians, problems by optimizers, and the medians' regret."""
+"""The matrix of medians, problems by optimizers, and their regret."""
 
 from __future__ import annotations
 

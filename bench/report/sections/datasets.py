@@ -120,6 +120,6 @@ def _a12_interval(pair: Any) -> str:
 
 
 def _note(pair: Any) -> str:
-    """Return how p was computed where not exactly without ties, and whether two optimizers differ without an order."""
+    """Return a remark on a p that is not that of values without ties, and on a difference without an order."""
     notes = {"exact": [], "permutation": ["ties"]}.get(pair.method, [str(pair.method)])
     return ", ".join([*notes, "differ in shape, not in order"] if pair.significant and not pair.lower else notes)

@@ -39,9 +39,7 @@ def section(findings: Findings) -> Section:
         hashes = pd.DataFrame({"SHA-256": known}).rename_axis("problem")
         items.append(Table("data", "The hash of each problem’s data when its trials ran.", hashes))
     if not results.environments:
-        return Section(
-            TITLE, tuple(text), tuple(items), ("The folder has no record of the machine that ran the study.",)
-        )
+        return Section(TITLE, tuple(text), tuple(items), ("The folder has no record of the machine that ran it.",))
     origins = _Origins(results.environments, results.frame, results.origins)
     items += [*origins.environments(), origins.runs()]
     if origins.known and len(origins.groups) > 1:
@@ -57,7 +55,9 @@ def _entries(study: Study) -> Table:
             for entry in group
         ]
     )
-    return Table("entries", "What was compared, and the options that differ from the defaults.", entries)
+    return Table(
+        "entries", "What was compared, with the options that the study sets; all others are the defaults.", entries
+    )
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ class _Origins:
             yield Table("environments", "How the environments differ.", apart)
 
     def _items(self, group: list[int]) -> dict[str, str]:
-        """Return the items of an environment; machines of one environment may differ in such as the number of cores."""
+        """Return the items of an environment; machines of one environment may differ, for example in cores."""
         values: dict[str, dict[str, None]] = {}
         for place in group:
             for item, value in _items(self.records[place]):
