@@ -59,8 +59,8 @@ def _lost(findings: Findings, shown: pd.DataFrame) -> pd.DataFrame:
 def _at_optimum(medians: pd.DataFrame) -> str:
     """Return on how many problems the median trial of each optimizer reached the known optimum."""
     reached = [f"on {number} with {label}" for label, number in medians.eq(0).sum().items() if number]
-    outcome = listing(reached) if reached else "on none with any optimizer"
-    return f"The optimum is known on {count(len(medians), 'problem')}. The median trial reached it {outcome}."
+    outcome = f"The median trial reached it {listing(reached)}" if reached else "No optimizer’s median trial reached it"
+    return f"The optimum is known on {count(len(medians), 'problem')}. {outcome}."
 
 
 def _regret(findings: Findings, regrets: pd.DataFrame) -> Table:

@@ -33,7 +33,7 @@ class TestRegret:
         medians = found.summary.set_index(["problem", "optimizer"])["median"]
         assert table.frame.loc["p"].tolist() == [medians["p", each] - 4.0 for each in "abc"]
         assert table.data["optimum"].tolist() == [4.0] * 3
-        assert "optimum is known on 1 problem. The median trial reached it on none with any optimizer." in told.text[-1]
+        assert "The optimum is known on 1 problem. No optimizer’s median trial reached it." in told.text[-1]
         assert "regret-curves" in self.names(anytime.section(found))
 
     def test_whose_median_trial_ends_at_the_optimum_is_said(self, make, tmp_path):
