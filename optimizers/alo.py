@@ -13,6 +13,7 @@ from bench.optimizer import parameter
 from bench.problem import Floats
 from optimizers.common.compiled import compiled
 from optimizers.common.population import Population
+from optimizers.common.references import works
 
 Words = NDArray[np.uint64]
 
@@ -46,17 +47,7 @@ class ALO(Population):
             (p = .004), and the same on the sphere (5e-10) and, within the precision of these runs, on Rosenbrock's.
     """
 
-    bibtex: ClassVar[str] = """
-        @article{mirjalili2015,
-          author = {Mirjalili, Seyedali},
-          title = {The Ant Lion Optimizer},
-          journal = {Advances in Engineering Software},
-          volume = {83},
-          pages = {80--98},
-          year = {2015},
-          doi = {10.1016/j.advengsoft.2015.01.010},
-        }
-    """
+    bibtex: ClassVar[str] = works("mirjalili2015")
     code: ClassVar[str] = "written here after the author's ALO.m"
 
     agents: int = parameter(30, minimum=2)

@@ -13,6 +13,7 @@ from bench.objective import Objective
 from bench.optimizer import parameter
 from optimizers.cma_es_fast import CMAESFast, Strategy
 from optimizers.common.cma import BoxedCMA, BoxMap
+from optimizers.common.references import works
 
 
 @dataclass(frozen=True)
@@ -37,16 +38,7 @@ class BIPOPCMAES(BoxedCMA):
     """
 
     code: ClassVar[str] = "written here after Hansen (2009), on this package's cma-es-fast"
-    bibtex: ClassVar[str] = """
-        @inproceedings{hansen2009bipop,
-          author = {Hansen, Nikolaus},
-          title = {Benchmarking a {BI}-population {CMA-ES} on the {BBOB}-2009 Function Testbed},
-          booktitle = {Workshop Proceedings of the GECCO Genetic and Evolutionary Computation Conference},
-          pages = {2389--2395},
-          year = {2009},
-          doi = {10.1145/1570256.1570333},
-        }
-    """
+    bibtex: ClassVar[str] = works("hansen2009bipop")
 
     fewest: ClassVar[int] = CMAESFast.fewest
 

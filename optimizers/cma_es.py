@@ -10,8 +10,8 @@ import numpy as np
 
 from bench.objective import Objective
 from bench.problem import Floats
-from optimizers.common.bibtex import HANSEN
 from optimizers.common.cma import BoxedCMA, BoxMap
+from optimizers.common.references import works
 
 if TYPE_CHECKING:
     import cma
@@ -43,18 +43,7 @@ class CMAES(BoxedCMA):
     """
 
     code: ClassVar[str] = "pycma (N. Hansen's cma), run by this package"
-    bibtex: ClassVar[str] = (
-        HANSEN
-        + """
-        @misc{hansen2019,
-          author = {Hansen, Nikolaus and Akimoto, Youhei and Baudis, Petr},
-          title = {{CMA-ES}/pycma on {Github}},
-          howpublished = {Zenodo},
-          year = {2019},
-          doi = {10.5281/zenodo.2559634},
-        }
-    """
-    )
+    bibtex: ClassVar[str] = works("hansen2001", "hansen2019")
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent or a tolerance of pycma is met."""

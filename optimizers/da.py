@@ -13,6 +13,7 @@ from bench.optimizer import parameter
 from bench.problem import Floats
 from optimizers.common.compiled import compiled
 from optimizers.common.population import Population
+from optimizers.common.references import works
 
 BETA = 1.5  # (below eq. 3.9)
 SIGMA = gamma(1 + BETA) * sin(pi * BETA / 2) / (gamma((1 + BETA) / 2) * BETA * 2 ** ((BETA - 1) / 2))  # (eq. 3.10)
@@ -38,19 +39,7 @@ class DA(Population):
             repaired afterwards.
     """
 
-    bibtex: ClassVar[str] = """
-        @article{mirjalili2016,
-          author = {Mirjalili, Seyedali},
-          title = {Dragonfly Algorithm: A New Meta-Heuristic Optimization Technique for Solving Single-Objective,
-            Discrete, and Multi-Objective Problems},
-          journal = {Neural Computing and Applications},
-          volume = {27},
-          number = {4},
-          pages = {1053--1073},
-          year = {2016},
-          doi = {10.1007/s00521-015-1920-1},
-        }
-    """
+    bibtex: ClassVar[str] = works("mirjalili2016")
     code: ClassVar[str] = "written here after the author's DA.m"
 
     agents: int = parameter(30, minimum=3)

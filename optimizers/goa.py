@@ -13,6 +13,7 @@ from bench.optimizer import parameter
 from bench.problem import Floats
 from optimizers.common.compiled import compiled
 from optimizers.common.population import Population
+from optimizers.common.references import works
 
 C_MAX, C_MIN = 1.0, 0.00004  # (GOA.m)
 EPS = 2.0**-52  # (GOA.m: eps)
@@ -41,17 +42,7 @@ class GOA(Population):
             against 3.0e3 on a rotated ellipsoid (exact KS, p < 1e-4), and 22 against 20 on Rastrigin's (p = .02).
     """
 
-    bibtex: ClassVar[str] = """
-        @article{saremi2017,
-          author = {Saremi, Shahrzad and Mirjalili, Seyedali and Lewis, Andrew},
-          title = {Grasshopper Optimisation Algorithm: Theory and Application},
-          journal = {Advances in Engineering Software},
-          volume = {105},
-          pages = {30--47},
-          year = {2017},
-          doi = {10.1016/j.advengsoft.2017.01.004},
-        }
-    """
+    bibtex: ClassVar[str] = works("saremi2017")
     code: ClassVar[str] = "written here after the authors' GOA.m"
 
     agents: int = parameter(30, minimum=2)

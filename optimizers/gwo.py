@@ -12,6 +12,7 @@ from bench.optimizer import parameter
 from bench.problem import Floats
 from optimizers.common.compiled import compiled
 from optimizers.common.population import Population
+from optimizers.common.references import works
 
 
 @dataclass(frozen=True)
@@ -36,17 +37,7 @@ class GWO(Population):
             two samples differ most (exact KS, p = .02; the other four p > .1).
     """
 
-    bibtex: ClassVar[str] = """
-        @article{mirjalili2014,
-          author = {Mirjalili, Seyedali and Mirjalili, Seyed Mohammad and Lewis, Andrew},
-          title = {Grey Wolf Optimizer},
-          journal = {Advances in Engineering Software},
-          volume = {69},
-          pages = {46--61},
-          year = {2014},
-          doi = {10.1016/j.advengsoft.2013.12.007},
-        }
-    """
+    bibtex: ClassVar[str] = works("mirjalili2014")
     code: ClassVar[str] = "written here after the author's GWO.m"
 
     agents: int = parameter(30, minimum=3)

@@ -1,13 +1,23 @@
-"""Base class of the population methods: their common parameters, count of generations and handling of bounds."""
+"""Base class of the population methods, and the handling of points outside the feasible region."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
 
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
-from optimizers.common.bounds import Handling, confine
+
+Handling = Literal["repair", "box"]
+
+
+def confine(objective: Objective, x: Floats, handling: Handling) -> Floats:
+    """Return the (n, d) points ``x`` clipped to the box and, unless ``handling`` is ``"box"``, repaired."""
+    x = np.minimum(np.maximum(x, objective.lower), objective.upper)
+    return np.ascontiguousarray(objective.repair(x)) if handling == "repair" else x
 
 
 @dataclass(frozen=True)
