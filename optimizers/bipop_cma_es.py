@@ -10,14 +10,13 @@ from typing import ClassVar
 import numpy as np
 
 from bench.objective import Objective
-from bench.optimizer import parameter
+from optimizers.cma_es import BoxMap
 from optimizers.cma_es_fast import CMAESFast, Strategy
-from optimizers.common.cma import BoxedCMA, BoxMap
 from optimizers.common.references import works
 
 
 @dataclass(frozen=True)
-class BIPOPCMAES(BoxedCMA):
+class BIPOPCMAES(CMAESFast):
     """CMA-ES restarted until the budget is spent, in the regime that has spent less of it so far.
 
     Example:
@@ -31,7 +30,7 @@ class BIPOPCMAES(BoxedCMA):
 
     Attributes:
         agents: the population size of the first run, at least 6; None is 4 + floor(3 ln d).
-        handling: see :class:`~optimizers.common.cma.BoxedCMA`.
+        handling: see :class:`~optimizers.cma_es.BoxedCMA`.
         start: the initial mean of the first run; every restart begins at a point of ``objective.initial``.
         sigma: the initial standard deviation of the first run and of the large populations, in units of the box's
             width; the paper's 2 in a box of width 10 is 0.2.
@@ -39,10 +38,6 @@ class BIPOPCMAES(BoxedCMA):
 
     code: ClassVar[str] = "written here after Hansen (2009), on this package's cma-es-fast"
     bibtex: ClassVar[str] = works("hansen2009bipop")
-
-    fewest: ClassVar[int] = CMAESFast.fewest
-
-    agents: int | None = parameter(None, minimum=fewest)
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent."""

@@ -12,7 +12,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.cma import BoxedCMA, BoxMap
+from optimizers.cma_es import BoxedCMA, BoxMap
 from optimizers.common.compiled import compiled
 from optimizers.common.references import works
 
@@ -38,8 +38,8 @@ class CMAESFast(BoxedCMA):
     rule from 300 variables on are left out. Eigenvectors come from numpy's LAPACK: another LAPACK moves last digits.
 
     Attributes:
-        agents: as in :class:`~optimizers.common.cma.BoxedCMA`, at least 6.
-        handling, start, sigma: see :class:`~optimizers.common.cma.BoxedCMA`.
+        agents: as in :class:`~optimizers.cma_es.BoxedCMA`, at least 6.
+        handling, start, sigma: see :class:`~optimizers.cma_es.BoxedCMA`.
     """
 
     code: ClassVar[str] = "written here after the thesis's eqs. 6.1-6.6 and Hansen's tutorial"
