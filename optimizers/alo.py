@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.compiled import compiled
-from optimizers.common.population import Population
-from optimizers.common.references import works
+from optimizers.common.base import Population, compiled, works
 
 Words = NDArray[np.uint64]
 
@@ -39,7 +37,7 @@ class ALO(Population):
 
     Attributes:
         agents: N, the number of ants and of antlions.
-        handling: see :class:`~optimizers.common.population.Population`.
+        handling: see :class:`~optimizers.common.base.Population`.
         variant: ``"code"`` follows ALO.m; ``"paper"`` refreshes the antlions' fitness every generation (eq. 2.12) and
             is in all else the same. On five functions (d = 7, 30 agents, 200 generations, 200 seeds; ``python
             performance/variants.py``) the median of the final bests is then 1.8e-4 against 4.2e-4 on Ackley's function

@@ -12,7 +12,7 @@ import numpy as np
 from bench.objective import Objective
 from optimizers.cma_es import BoxMap
 from optimizers.cma_es_fast import CMAESFast, Strategy
-from optimizers.common.references import works
+from optimizers.common.base import works
 
 
 @dataclass(frozen=True)

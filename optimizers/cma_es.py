@@ -11,8 +11,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
-from optimizers.common.compiled import compiled
-from optimizers.common.references import works
+from optimizers.common.base import compiled, works
 
 if TYPE_CHECKING:
     import cma

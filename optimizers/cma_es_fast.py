@@ -13,8 +13,7 @@ from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
 from optimizers.cma_es import BoxedCMA, BoxMap
-from optimizers.common.compiled import compiled
-from optimizers.common.references import works
+from optimizers.common.base import compiled, works
 
 TOLFUN, TOLFUNHIST, TOLX, TOLFACUPX, TOLUPSIGMA, TOLCONDITIONCOV = 1e-11, 1e-12, 1e-11, 1e3, 1e20, 1e14
 TOLXSTAGNATION = (1e-9, 20, 0.1)  # distance, generations, share of the generations so far

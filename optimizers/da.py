@@ -11,9 +11,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.compiled import compiled
-from optimizers.common.population import Population
-from optimizers.common.references import works
+from optimizers.common.base import Population, compiled, works
 
 BETA = 1.5  # (below eq. 3.9)
 SIGMA = gamma(1 + BETA) * sin(pi * BETA / 2) / (gamma((1 + BETA) / 2) * BETA * 2 ** ((BETA - 1) / 2))  # (eq. 3.10)
@@ -35,7 +33,7 @@ class DA(Population):
 
     Attributes:
         agents: N, the number of dragonflies; at least 3, so that one can have the two neighbours of a swarm.
-        handling: see :class:`~optimizers.common.population.Population`. Each dragonfly is clipped as it moves; all are
+        handling: see :class:`~optimizers.common.base.Population`. Each dragonfly is clipped as it moves; all are
             repaired afterwards.
     """
 

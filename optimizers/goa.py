@@ -11,9 +11,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.compiled import compiled
-from optimizers.common.population import Population
-from optimizers.common.references import works
+from optimizers.common.base import Population, compiled, works
 
 C_MAX, C_MIN = 1.0, 0.00004  # (GOA.m)
 EPS = 2.0**-52  # (GOA.m: eps)
@@ -34,7 +32,7 @@ class GOA(Population):
 
     Attributes:
         agents: N, the number of grasshoppers; at least 2, as a single one feels no force.
-        handling: see :class:`~optimizers.common.population.Population`.
+        handling: see :class:`~optimizers.common.base.Population`.
         variant: ``"code"`` follows GOA.m; ``"full-distance"`` takes the distance over all coordinates at once and needs
             no dummy, as most re-implementations do: a very different algorithm. On five functions (d = 7, 30 agents,
             200 generations, 200 seeds; ``python performance/variants.py``) the median of the final bests is then 8.5e-9

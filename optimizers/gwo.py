@@ -10,9 +10,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.compiled import compiled
-from optimizers.common.population import Population
-from optimizers.common.references import works
+from optimizers.common.base import Population, compiled, works
 
 
 @dataclass(frozen=True)
@@ -29,7 +27,7 @@ class GWO(Population):
 
     Attributes:
         agents: N, the number of wolves; at least 3, one for each leader.
-        handling: see :class:`~optimizers.common.population.Population`.
+        handling: see :class:`~optimizers.common.base.Population`.
         variant: ``"code"`` follows GWO.m; ``"cascade"`` demotes a beaten alpha to beta and a beaten beta to delta, as
             EvoloPy does, so that the leaders are nearly the three best points so far. On five functions (d = 7, 30
             agents, 200 generations, 200 seeds; ``python performance/variants.py``) that changes little: the median of

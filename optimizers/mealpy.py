@@ -18,8 +18,8 @@ from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.plugins.derived import derive
 from bench.problem import Floats
+from optimizers.common.base import works
 from optimizers.common.family import AGENTS, Constructed, Family, global_random_state, table
-from optimizers.common.references import works
 
 LEAST_EPOCHS = 2
 """The shortest schedule: some formulas divide by the number of epochs less 1."""
@@ -207,6 +207,6 @@ def describe(solver: type) -> str:
     """Return the docstring of a member: the title and the sources in the docstring of mealpy's class."""
     text = inspect.getdoc(solver) or solver.__name__
     title = " ".join(text.splitlines()[0].split()).rstrip(".")
-    works = re.split(r"\[\d+\]", text.partition("References\n")[2])[1:]
-    cited = [" ".join(work.split()).rstrip(".") for work in works]
+    sources = re.split(r"\[\d+\]", text.partition("References\n")[2])[1:]
+    cited = [" ".join(work.split()).rstrip(".") for work in sources]
     return f"{title}." + (f"\n\nmealpy names as its source: {'; '.join(cited)}." if cited else "")

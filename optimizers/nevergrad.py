@@ -20,8 +20,8 @@ from bench.errors import BenchError
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.plugins.derived import derive
+from optimizers.common.base import works
 from optimizers.common.family import AGENTS, Adapter, Family, global_random_state, table
-from optimizers.common.references import works
 
 TABLE = table("nevergrad")
 SCALARS = (bool, int, float, str, types.NoneType)
@@ -93,10 +93,10 @@ class NevergradOptimizer(Adapter):
 
     def _changed(self) -> dict[str, Any]:
         """Return the settings that differ from the registry's, under nevergrad's names."""
-        settings = configuration(self.member)
         given = {key: getattr(self, AGENTS.get(key, key)) for key in self.own}
         if given.get("popsize", 0) is None:  # agents=None sets nothing
             del given["popsize"]
+        settings = registered(self.member).config() if given else {}
         return {key: value for key, value in given.items() if value != settings[key]}
 
     def _make(self, space: Any, budget: int) -> Any:
@@ -112,12 +112,6 @@ def registered(member: str) -> Any:
     import nevergrad
 
     return nevergrad.optimizers.registry[member]
-
-
-def configuration(member: str) -> dict[str, Any]:
-    """Return the settings of a configurable optimizer of the registry, or {} for one that is a class."""
-    found = registered(member)
-    return {} if isinstance(found, type) else dict(found.config())
 
 
 def scalar(hint: Any) -> Any:
@@ -178,7 +172,7 @@ class Nevergrad(Family):
     def derive(self, member: str) -> type[Optimizer]:
         """Return the optimizer class of a member; its parameters are the settings that are scalars."""
         found: Any = self.require().optimizers.registry[member]
-        settings = configuration(member)
+        settings = {} if isinstance(found, type) else found.config()
         signature = inspect.signature(type(found).__init__).parameters if settings else {}
         hints = {key: scalar(signature[key].annotation) for key in settings}
         own: dict[str, tuple[Any, Any]] = {

@@ -17,8 +17,8 @@ from bench.optimizer import Optimizer, parameter
 from bench.plugins.derived import derive
 from bench.problem import Floats
 from optimizers.cma_es import SILENT, UNLIMITED
+from optimizers.common.base import works
 from optimizers.common.family import AGENTS, Constructed, Family, global_random_state, table
-from optimizers.common.references import works
 
 FOLDER = "pymoo.algorithms.soo.nonconvex"
 

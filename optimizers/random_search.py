@@ -8,8 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.objective import Objective
-from optimizers.common.population import Population
-from optimizers.common.references import works
+from optimizers.common.base import Population, works
 
 
 @dataclass(frozen=True)
@@ -25,7 +24,7 @@ class RandomSearch(Population):
 
     Attributes:
         agents: the number of points evaluated at once, which changes the speed and not the law.
-        handling: see :class:`~optimizers.common.population.Population`.
+        handling: see :class:`~optimizers.common.base.Population`.
     """
 
     bibtex: ClassVar[str] = works("brooks1958")

@@ -18,8 +18,8 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter, settings
 from bench.problem import Floats
+from optimizers.common.base import works
 from optimizers.common.family import CEILING, Adapter, Family
-from optimizers.common.references import works
 
 CEILED = f"values above {CEILING:g}, such as +inf, are {CEILING:g} to it: a difference of infinities is no slope"
 DETERMINISTIC = "deterministic: neither the seed nor the harness's start points change anything"
@@ -250,13 +250,13 @@ class BasinHopping(ScipyOptimizer):
         }
 
 
+@dataclass
 class Hop:
     """A uniform displacement within the box; scipy adapts ``stepsize``, which is in units of the box's width."""
 
-    def __init__(self, stepsize: float, objective: Objective, rng: np.random.Generator) -> None:
-        self.stepsize = stepsize
-        self.objective = objective
-        self.rng = rng
+    stepsize: float
+    objective: Objective
+    rng: np.random.Generator
 
     def __call__(self, x: Floats) -> Floats:
         """Return the (d,) end point of a hop from ``x``."""

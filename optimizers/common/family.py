@@ -19,7 +19,7 @@ from bench.errors import BenchError, nearest, require
 from bench.objective import Objective
 from bench.optimizer import Optimizer, build
 from bench.problem import Floats
-from optimizers.common.population import Handling, confine
+from optimizers.common.base import Handling, confine
 
 CEILING = 1e100
 """The greatest value given to a library, also for +inf, so that its sums and weights stay finite."""
@@ -41,8 +41,7 @@ class Adapter(Optimizer):
 
     def values(self, objective: Objective, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points ``x``, which are confined first as ``handling`` says."""
-        values: Floats = objective(confine(objective, x, self.handling))
-        return values
+        return np.asarray(objective(confine(objective, x, self.handling)))
 
     def finite_values(self, objective: Objective, x: Floats) -> Floats:
         """Return :meth:`values` with CEILING in place of greater ones."""
