@@ -1,4 +1,4 @@
-"""Loops are compiled at their first call, may call each other, and are read from the disk by the next process."""
+"""Loops are compiled at their first call and read from the disk by the next process; every work is cited."""
 
 import subprocess
 import sys
