@@ -108,7 +108,7 @@ class DifferentialEvolution(ScipyOptimizer):
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
         agents = self.agents if self.agents is not None else max(5, 15 * objective.dimension)
-        return self.own("agents", "mutation", "mutation_to") | {
+        return self.own("agents", "mutation_to") | {
             "bounds": box(objective),
             "maxiter": objective.budget,
             "mutation": self.mutation if self.mutation_to is None else (self.mutation, self.mutation_to),
@@ -176,7 +176,7 @@ class Shgo(ScipyOptimizer):
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
         iters = objective.budget if self.iters is None else self.iters
-        return self.own("iters") | {"bounds": box(objective), "iters": iters}
+        return self.own() | {"bounds": box(objective), "iters": iters}
 
 
 @dataclass(frozen=True)
