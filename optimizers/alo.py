@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.compiled import compiled
-from optimizers.common.population import Population
+from optimizers.common.base import Population, compiled, works
 
 Words = NDArray[np.uint64]
 
@@ -38,7 +37,7 @@ class ALO(Population):
 
     Attributes:
         agents: N, the number of ants and of antlions.
-        handling: see :class:`~optimizers.common.population.Population`.
+        handling: see :class:`~optimizers.common.base.Population`.
         variant: ``"code"`` follows ALO.m; ``"paper"`` refreshes the antlions' fitness every generation (eq. 2.12) and
             is in all else the same. On five functions (d = 7, 30 agents, 200 generations, 200 seeds; ``python
             performance/variants.py``) the median of the final bests is then 1.8e-4 against 4.2e-4 on Ackley's function
@@ -46,17 +45,7 @@ class ALO(Population):
             (p = .004), and the same on the sphere (5e-10) and, within the precision of these runs, on Rosenbrock's.
     """
 
-    bibtex: ClassVar[str] = """
-        @article{mirjalili2015,
-          author = {Mirjalili, Seyedali},
-          title = {The Ant Lion Optimizer},
-          journal = {Advances in Engineering Software},
-          volume = {83},
-          pages = {80--98},
-          year = {2015},
-          doi = {10.1016/j.advengsoft.2015.01.010},
-        }
-    """
+    bibtex: ClassVar[str] = works("mirjalili2015")
     code: ClassVar[str] = "written here after the author's ALO.m"
 
     agents: int = parameter(30, minimum=2)

@@ -10,13 +10,13 @@ from typing import ClassVar
 import numpy as np
 
 from bench.objective import Objective
-from bench.optimizer import parameter
+from optimizers.cma_es import BoxMap
 from optimizers.cma_es_fast import CMAESFast, Strategy
-from optimizers.common.cma import BoxedCMA, BoxMap
+from optimizers.common.base import works
 
 
 @dataclass(frozen=True)
-class BIPOPCMAES(BoxedCMA):
+class BIPOPCMAES(CMAESFast):
     """CMA-ES restarted until the budget is spent, in the regime that has spent less of it so far.
 
     Example:
@@ -30,27 +30,14 @@ class BIPOPCMAES(BoxedCMA):
 
     Attributes:
         agents: the population size of the first run, at least 6; None is 4 + floor(3 ln d).
-        handling: see :class:`~optimizers.common.cma.BoxedCMA`.
+        handling: see :class:`~optimizers.cma_es.BoxedCMA`.
         start: the initial mean of the first run; every restart begins at a point of ``objective.initial``.
         sigma: the initial standard deviation of the first run and of the large populations, in units of the box's
             width; the paper's 2 in a box of width 10 is 0.2.
     """
 
     code: ClassVar[str] = "written here after Hansen (2009), on this package's cma-es-fast"
-    bibtex: ClassVar[str] = """
-        @inproceedings{hansen2009bipop,
-          author = {Hansen, Nikolaus},
-          title = {Benchmarking a {BI}-population {CMA-ES} on the {BBOB}-2009 Function Testbed},
-          booktitle = {Workshop Proceedings of the GECCO Genetic and Evolutionary Computation Conference},
-          pages = {2389--2395},
-          year = {2009},
-          doi = {10.1145/1570256.1570333},
-        }
-    """
-
-    fewest: ClassVar[int] = CMAESFast.fewest
-
-    agents: int | None = parameter(None, minimum=fewest)
+    bibtex: ClassVar[str] = works("hansen2009bipop")
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent."""

@@ -12,9 +12,8 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.bibtex import HANSEN
-from optimizers.common.cma import BoxedCMA, BoxMap
-from optimizers.common.compiled import compiled
+from optimizers.cma_es import BoxedCMA, BoxMap
+from optimizers.common.base import compiled, works
 
 TOLFUN, TOLFUNHIST, TOLX, TOLFACUPX, TOLUPSIGMA, TOLCONDITIONCOV = 1e-11, 1e-12, 1e-11, 1e3, 1e20, 1e14
 TOLXSTAGNATION = (1e-9, 20, 0.1)  # distance, generations, share of the generations so far
@@ -38,23 +37,12 @@ class CMAESFast(BoxedCMA):
     rule from 300 variables on are left out. Eigenvectors come from numpy's LAPACK: another LAPACK moves last digits.
 
     Attributes:
-        agents: as in :class:`~optimizers.common.cma.BoxedCMA`, at least 6.
-        handling, start, sigma: see :class:`~optimizers.common.cma.BoxedCMA`.
+        agents: as in :class:`~optimizers.cma_es.BoxedCMA`, at least 6.
+        handling, start, sigma: see :class:`~optimizers.cma_es.BoxedCMA`.
     """
 
     code: ClassVar[str] = "written here after the thesis's eqs. 6.1-6.6 and Hansen's tutorial"
-    bibtex: ClassVar[str] = (
-        HANSEN
-        + """
-        @misc{hansen2016,
-          author = {Hansen, Nikolaus},
-          title = {The {CMA} Evolution Strategy: A Tutorial},
-          howpublished = {arXiv:1604.00772},
-          year = {2016},
-          doi = {10.48550/arXiv.1604.00772},
-        }
-    """
-    )
+    bibtex: ClassVar[str] = works("hansen2001", "hansen2016")
 
     fewest: ClassVar[int] = 6
 

@@ -11,8 +11,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.compiled import compiled
-from optimizers.common.population import Population
+from optimizers.common.base import Population, compiled, works
 
 BETA = 1.5  # (below eq. 3.9)
 SIGMA = gamma(1 + BETA) * sin(pi * BETA / 2) / (gamma((1 + BETA) / 2) * BETA * 2 ** ((BETA - 1) / 2))  # (eq. 3.10)
@@ -34,23 +33,11 @@ class DA(Population):
 
     Attributes:
         agents: N, the number of dragonflies; at least 3, so that one can have the two neighbours of a swarm.
-        handling: see :class:`~optimizers.common.population.Population`. Each dragonfly is clipped as it moves; all are
+        handling: see :class:`~optimizers.common.base.Population`. Each dragonfly is clipped as it moves; all are
             repaired afterwards.
     """
 
-    bibtex: ClassVar[str] = """
-        @article{mirjalili2016,
-          author = {Mirjalili, Seyedali},
-          title = {Dragonfly Algorithm: A New Meta-Heuristic Optimization Technique for Solving Single-Objective,
-            Discrete, and Multi-Objective Problems},
-          journal = {Neural Computing and Applications},
-          volume = {27},
-          number = {4},
-          pages = {1053--1073},
-          year = {2016},
-          doi = {10.1007/s00521-015-1920-1},
-        }
-    """
+    bibtex: ClassVar[str] = works("mirjalili2016")
     code: ClassVar[str] = "written here after the author's DA.m"
 
     agents: int = parameter(30, minimum=3)

@@ -11,8 +11,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.compiled import compiled
-from optimizers.common.population import Population
+from optimizers.common.base import Population, compiled, works
 
 C_MAX, C_MIN = 1.0, 0.00004  # (GOA.m)
 EPS = 2.0**-52  # (GOA.m: eps)
@@ -33,7 +32,7 @@ class GOA(Population):
 
     Attributes:
         agents: N, the number of grasshoppers; at least 2, as a single one feels no force.
-        handling: see :class:`~optimizers.common.population.Population`.
+        handling: see :class:`~optimizers.common.base.Population`.
         variant: ``"code"`` follows GOA.m; ``"full-distance"`` takes the distance over all coordinates at once and needs
             no dummy, as most re-implementations do: a very different algorithm. On five functions (d = 7, 30 agents,
             200 generations, 200 seeds; ``python performance/variants.py``) the median of the final bests is then 8.5e-9
@@ -41,17 +40,7 @@ class GOA(Population):
             against 3.0e3 on a rotated ellipsoid (exact KS, p < 1e-4), and 22 against 20 on Rastrigin's (p = .02).
     """
 
-    bibtex: ClassVar[str] = """
-        @article{saremi2017,
-          author = {Saremi, Shahrzad and Mirjalili, Seyedali and Lewis, Andrew},
-          title = {Grasshopper Optimisation Algorithm: Theory and Application},
-          journal = {Advances in Engineering Software},
-          volume = {105},
-          pages = {30--47},
-          year = {2017},
-          doi = {10.1016/j.advengsoft.2017.01.004},
-        }
-    """
+    bibtex: ClassVar[str] = works("saremi2017")
     code: ClassVar[str] = "written here after the authors' GOA.m"
 
     agents: int = parameter(30, minimum=2)

@@ -10,8 +10,7 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.common.compiled import compiled
-from optimizers.common.population import Population
+from optimizers.common.base import Population, compiled, works
 
 
 @dataclass(frozen=True)
@@ -28,7 +27,7 @@ class GWO(Population):
 
     Attributes:
         agents: N, the number of wolves; at least 3, one for each leader.
-        handling: see :class:`~optimizers.common.population.Population`.
+        handling: see :class:`~optimizers.common.base.Population`.
         variant: ``"code"`` follows GWO.m; ``"cascade"`` demotes a beaten alpha to beta and a beaten beta to delta, as
             EvoloPy does, so that the leaders are nearly the three best points so far. On five functions (d = 7, 30
             agents, 200 generations, 200 seeds; ``python performance/variants.py``) that changes little: the median of
@@ -36,17 +35,7 @@ class GWO(Population):
             two samples differ most (exact KS, p = .02; the other four p > .1).
     """
 
-    bibtex: ClassVar[str] = """
-        @article{mirjalili2014,
-          author = {Mirjalili, Seyedali and Mirjalili, Seyed Mohammad and Lewis, Andrew},
-          title = {Grey Wolf Optimizer},
-          journal = {Advances in Engineering Software},
-          volume = {69},
-          pages = {46--61},
-          year = {2014},
-          doi = {10.1016/j.advengsoft.2013.12.007},
-        }
-    """
+    bibtex: ClassVar[str] = works("mirjalili2014")
     code: ClassVar[str] = "written here after the author's GWO.m"
 
     agents: int = parameter(30, minimum=3)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import count
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -18,11 +18,8 @@ from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.plugins.derived import derive
 from bench.problem import Floats
-from optimizers.alo import ALO
-from optimizers.common.family import Adapter, Family, global_random_state
-from optimizers.da import DA
-from optimizers.goa import GOA
-from optimizers.gwo import GWO
+from optimizers.common.base import works
+from optimizers.common.family import AGENTS, Constructed, Family, global_random_state, table
 
 LEAST_EPOCHS = 2
 """The shortest schedule: some formulas divide by the number of epochs less 1."""
@@ -30,22 +27,10 @@ LEAST_EPOCHS = 2
 IDLE_EPOCHS = 1000
 """A search ends after this number of epochs without an evaluation."""
 
-LEFT_OUT = {
-    "no seed repeats its runs: it draws from a generator that the operating system seeds": "OriginalPSS",
-    "it takes the upper bounds for standard deviations, and fails where one is negative": "DevFOA DevHS OriginalFOA",
-}
-"""Names of mealpy's classes that are no members, by the reason."""
+TABLE = table("mealpy")
 
-SEVERAL_VARIABLES = {
-    "CleverBookBeesA", "EliteMultiGA", "EliteSingleGA", "ImprovedNMRA", "OCRO", "OriginalCRO", "SingleGA",
-}  # fmt: skip
-"""Classes that fail in one dimension."""
-
-FEW_AGENTS = {"DevGSKA", "OriginalGSKA", "OriginalICA", "OriginalSHO", "OriginalWCA"}
-"""Classes for which mealpy accepts fewer agents than they need: 10, or 30 for OriginalICA."""
-
-NO_SWARM = {"ABFO", "GaussianSA", "OriginalEFO", "OriginalSA", "OriginalSSpiderA"}
-"""Classes that evaluate single points in mode "swarm" too, and OriginalSSpiderA, which fails in this mode."""
+TWO_VARIABLES = "It needs at least two variables."
+"""The table's remark on classes that fail in one dimension."""
 
 PLANNED_AT_START: dict[str, Callable[[Any], float]] = {
     "DevBRO": lambda model: 1.8 * model.pop_size,
@@ -56,35 +41,9 @@ PLANNED_AT_START: dict[str, Callable[[Any], float]] = {
 }
 """Evaluations of an epoch, for classes that fix their schedule before the first; numbers with a point are measured."""
 
-REMARKS: tuple[tuple[set[str], str], ...] = (
-    (SEVERAL_VARIABLES, "It needs at least two variables."),
-    (FEW_AGENTS, "It can fail in the middle of a run with few agents (10, or 30 for OriginalICA)."),
-    ({"DevVCS"}, "Some of its points are no numbers (NaN); they count, and are worth +inf."),
-    (
-        {"OriginalSSpiderO"},
-        "Its schedule is planned for one evaluation an agent and epoch; it spends more, and is cut.",
-    ),
-)
-"""What differs from mealpy, or from other optimizers, and for which classes."""
-
-LIBRARY = """
-    @article{vanthieu2023,
-      author = {Van Thieu, Nguyen and Mirjalili, Seyedali},
-      title = {{MEALPY}: An open-source library for latest meta-heuristic algorithms in {Python}},
-      journal = {Journal of Systems Architecture},
-      volume = {139},
-      pages = {102871},
-      year = {2023},
-      doi = {10.1016/j.sysarc.2023.102871},
-    }
-"""
-
-WORKS = {"OriginalALO": ALO.bibtex, "OriginalDO": DA.bibtex, "OriginalGOA": GOA.bibtex, "OriginalGWO": GWO.bibtex}
-"""BibTeX of the algorithms that this package has from their authors' codes; all members cite mealpy's too."""
-
 
 @dataclass(frozen=True)
-class MealpyOptimizer(Adapter):
+class MealpyOptimizer(Constructed):
     """An algorithm of mealpy.
 
     mealpy plans in epochs. Most algorithms evaluate ``agents`` points at the start and as many in an epoch, and a
@@ -97,29 +56,13 @@ class MealpyOptimizer(Adapter):
 
     agents: int = parameter(100, minimum=2)
 
-    solver: ClassVar[Any]  # mealpy's class
-    own: ClassVar[tuple[str, ...]]  # the parameters of its constructor
-
-    def __post_init__(self) -> None:
-        """Check every parameter, by mealpy's own rules too; raises BenchError for one that does not fit."""
-        super().__post_init__()
-        self._model()
-
-    def _model(self) -> Any:
-        """Return mealpy's object; raises BenchError for parameters that mealpy refuses."""
-        options = {name: getattr(self, name) for name in self.own}
-        try:
-            return self.solver(pop_size=self.agents, **options)
-        except ValueError as error:
-            raise BenchError(f"mealpy refuses these parameters of {type(self).__name__}: {error}") from error
-
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent or mealpy evaluates no more.
 
         Raises:
             BenchError: on a problem of one variable, for the algorithms that need two.
         """
-        if objective.dimension == 1 and type(self).__name__ in SEVERAL_VARIABLES:
+        if objective.dimension == 1 and TWO_VARIABLES in self.unmapped:
             raise BenchError(f"mealpy:{type(self).__name__} needs at least two variables, and the problem has one")
         with global_random_state(rng), warnings.catch_warnings():
             warnings.simplefilter("ignore")  # overflows and divisions by zero in mealpy's formulas
@@ -127,7 +70,7 @@ class MealpyOptimizer(Adapter):
 
     def _search(self, objective: Objective, seed: int) -> None:
         """Run mealpy's ``solve`` step by step, without its progress history and its stopping criteria."""
-        model = self._model()
+        model = self.construct()
         planned = PLANNED_AT_START.get(type(self).__name__)
         cost = planned(model) if planned else model.pop_size
         model.epoch = max(LEAST_EPOCHS, -int(-(objective.budget - model.pop_size) // cost))
@@ -185,23 +128,24 @@ class Mealpy(Family):
     name = "mealpy"
     module = "mealpy"
     extra = "mealpy"
-    left_out = LEFT_OUT
+    left_out = TABLE["left_out"]
 
     def members(self) -> list[str]:
-        """Return the names of mealpy's classes but those in LEFT_OUT."""
+        """Return the names of mealpy's classes but those left out."""
         return [name for name in self.require().get_all_optimizers(verbose=False) if not self.why_left_out(name)]
 
     def derive(self, member: str) -> type[Optimizer]:
         """Return the optimizer class of a mealpy class, with the parameters of its constructor."""
         solver = self.require().get_all_optimizers(verbose=False)[member]
-        parameters = constructor_parameters(solver)
-        own = tuple(name for name in parameters if name != "agents")
-        if solver().is_parallelizable and member not in NO_SWARM:
+        own = constructor_parameters(solver)
+        parameters = {AGENTS.get(name, name): each for name, each in own.items()}
+        if solver().is_parallelizable and member not in TABLE["no_swarm"]:
             parameters["mode"] = (Literal["single", "swarm"], "single")
-        unmapped = tuple(sentence for names, sentence in REMARKS if member in names)
+        unmapped = tuple(sentence for sentence, members in TABLE["remarks"].items() if member in members)
         return derive(
             MealpyOptimizer, f"mealpy:{member}", parameters, self.load, __doc__=describe(solver), unmapped=unmapped,
-            code=f"mealpy {version('mealpy')}", bibtex=WORKS.get(member, "") + LIBRARY, solver=solver, own=own,
+            code=f"mealpy {version('mealpy')}", bibtex=works(*TABLE["works"].get(member, ()), "vanthieu2023"),
+            solver=solver, own=tuple(own),
         )  # fmt: skip
 
 
@@ -228,7 +172,7 @@ def constructor_checks(solver: type, agents: int) -> dict[str, tuple[str, Any]]:
 
 
 def constructor_parameters(solver: type) -> dict[str, tuple[Any, Any]]:
-    """Return type and default of each parameter of a mealpy class; ``pop_size`` is called agents.
+    """Return type and default of each parameter of a mealpy class.
 
     The ends of mealpy's open intervals pass here, as do ranges that depend on the number of agents; mealpy checks both.
     """
@@ -244,7 +188,7 @@ def constructor_parameters(solver: type) -> dict[str, tuple[Any, Any]]:
         check, bounds = checks.get(name, ("", None))
         if checks.get(name) != others.get(name):
             bounds = None
-        made["agents" if name == "pop_size" else name] = declared(default, check, bounds)
+        made[name] = declared(default, check, bounds)
     return made
 
 
@@ -263,6 +207,6 @@ def describe(solver: type) -> str:
     """Return the docstring of a member: the title and the sources in the docstring of mealpy's class."""
     text = inspect.getdoc(solver) or solver.__name__
     title = " ".join(text.splitlines()[0].split()).rstrip(".")
-    works = re.split(r"\[\d+\]", text.partition("References\n")[2])[1:]
-    cited = [" ".join(work.split()).rstrip(".") for work in works]
+    sources = re.split(r"\[\d+\]", text.partition("References\n")[2])[1:]
+    cited = [" ".join(work.split()).rstrip(".") for work in sources]
     return f"{title}." + (f"\n\nmealpy names as its source: {'; '.join(cited)}." if cited else "")

@@ -20,53 +20,11 @@ from bench.errors import BenchError
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.plugins.derived import derive
-from optimizers.cma_es import CMAES
-from optimizers.common.bibtex import STORN
-from optimizers.common.family import Adapter, Family, global_random_state
+from optimizers.common.base import works
+from optimizers.common.family import AGENTS, Adapter, Family, global_random_state, table
 
-LIBRARY = """
-    @misc{rapin2018,
-      author = {Rapin, Jeremy and Teytaud, Olivier},
-      title = {{Nevergrad}: A gradient-free optimization platform},
-      howpublished = {https://GitHub.com/FacebookResearch/Nevergrad},
-      year = {2018},
-    }
-    @article{bennet2021,
-      author = {Bennet, Pauline and Doerr, Carola and Moreau, Antoine and Rapin, Jeremy and Teytaud, Fabien and
-                Teytaud, Olivier},
-      title = {{Nevergrad}: black-box optimization platform},
-      journal = {ACM SIGEVOlution},
-      volume = {14},
-      number = {1},
-      pages = {8--15},
-      year = {2021},
-      doi = {10.1145/3460310.3460312},
-    }
-"""
-LINEAGE = {"DifferentialEvolution": STORN, "ParametrizedCMA": CMAES.bibtex}
-"""BibTeX of the works that nevergrad's configurable classes come from, where known."""
-
-LEFT_OUT = {
-    "it needs a package that nevergrad does not install":
-        "AX AXP BOBYQA BayesOptimBO FCMA* NLOPT_* PCABO* Pymoo* SMAC3 pysot",
-    "it searches a surrogate until the clock ends the search, and fails with numpy 2.4":
-        "*MetaModel* BAR4 CMAILL CMandAS2 Carola[1-79] Carola15 DS[24569] [Pp]Carola6",
-    "it takes a seed from the clock": "Carola8 Carola1[03] CmaFmin2",
-    "its threads draw from one random state, in an order that no seed repeats": "DS14 MultiDS",
-    "it takes more than 20 s for 500 evaluations in three dimensions": "BO BOSplit",
-    "in some dimensions or for some budgets it uses an optimizer that is left out":
-        "*CSEC* FCarola6 MetaNGOpt10 NGDSRW NGOpt NGOpt[1-9]* NGOptF* NGOptRW NGOptSingle* Ng* Wiz",
-}  # fmt: skip
-"""Names of the registry that are no members, by the reason: the members run with nevergrad's code as it is, in two and
-in seven dimensions, and repeat their runs bit by bit with the same seed."""
-
+TABLE = table("nevergrad")
 SCALARS = (bool, int, float, str, types.NoneType)
-
-UNMAPPED = (
-    "one point of the harness is the centre of its search space; its start population, if any, is nevergrad's own",
-    "values above 5e20, such as +inf, are 5e20 to it",
-    "in one dimension its CMA-ES needs a package that nevergrad does not install (fcmaes)",
-)
 
 
 @dataclass(frozen=True)
@@ -86,7 +44,7 @@ class NevergradOptimizer(Adapter):
     start: Literal["random", "midpoint"] = "random"
 
     member: ClassVar[str]  # its name in the registry
-    mapped: ClassVar[dict[str, str]] = {}  # a parameter's name here, and nevergrad's
+    own: ClassVar[tuple[str, ...]]  # its parameters, by nevergrad's names
 
     def __post_init__(self) -> None:
         """Check the parameters, by nevergrad's own rules too; raises BenchError for one that does not fit."""
@@ -95,7 +53,7 @@ class NevergradOptimizer(Adapter):
             return
         import nevergrad
 
-        if self.workers > 1 and nevergrad.optimizers.registry[self.member].no_parallelization:
+        if self.workers > 1 and registered(self.member).no_parallelization:
             raise BenchError(f"nevergrad's {self.member} takes one point after the other: its workers must be 1")
         try:
             with global_random_state(np.random.default_rng(0)), warnings.catch_warnings():
@@ -135,31 +93,25 @@ class NevergradOptimizer(Adapter):
 
     def _changed(self) -> dict[str, Any]:
         """Return the settings that differ from the registry's, under nevergrad's names."""
-        registered = configuration(self.member)
-        given = {theirs: getattr(self, ours) for ours, theirs in self.mapped.items()}
-        return {key: value for key, value in given.items() if value != registered[key] and (key, value) != NO_AGENTS}
+        given = {key: getattr(self, AGENTS.get(key, key)) for key in self.own}
+        if given.get("popsize", 0) is None:  # agents=None sets nothing
+            del given["popsize"]
+        settings = registered(self.member).config() if given else {}
+        return {key: value for key, value in given.items() if value != settings[key]}
 
     def _make(self, space: Any, budget: int) -> Any:
         """Return nevergrad's optimizer of the space, with the parameters of this instance."""
-        import nevergrad
-
-        found: Any = nevergrad.optimizers.registry[self.member]
-        changed = self._changed()
-        if changed:
+        found = registered(self.member)
+        if changed := self._changed():
             found = type(found)(**found.config() | changed)
         return found(space, budget, self.workers)
 
 
-NO_AGENTS = ("popsize", None)
-"""``agents=None`` sets nothing."""
-
-
-def configuration(member: str) -> dict[str, Any]:
-    """Return the settings of a configurable optimizer of the registry, or {} for one that is a class."""
+def registered(member: str) -> Any:
+    """Return an optimizer of the registry: a class, or an object that makes an optimizer from its settings."""
     import nevergrad
 
-    found: Any = nevergrad.optimizers.registry[member]
-    return {} if isinstance(found, type) else dict(found.config())
+    return nevergrad.optimizers.registry[member]
 
 
 def scalar(hint: Any) -> Any:
@@ -204,7 +156,7 @@ class Nevergrad(Family):
     name = "nevergrad"
     module = "nevergrad"
     extra = "nevergrad"
-    left_out = LEFT_OUT
+    left_out = TABLE["left_out"]
 
     def require(self) -> Any:
         """Return nevergrad; its import draws random numbers, here from a fixed seed and without a trace."""
@@ -213,36 +165,35 @@ class Nevergrad(Family):
             return super().require()
 
     def members(self) -> list[str]:
-        """Return the names of the registry but those in LEFT_OUT."""
+        """Return the names of the registry but those left out."""
         names = self.require().optimizers.registry
         return [name for name in names if name.isidentifier() and not self.why_left_out(name)]
 
     def derive(self, member: str) -> type[Optimizer]:
         """Return the optimizer class of a member; its parameters are the settings that are scalars."""
         found: Any = self.require().optimizers.registry[member]
-        settings = configuration(member)
+        settings = {} if isinstance(found, type) else found.config()
         signature = inspect.signature(type(found).__init__).parameters if settings else {}
         hints = {key: scalar(signature[key].annotation) for key in settings}
-        parameters: dict[str, tuple[Any, Any]] = {
+        own: dict[str, tuple[Any, Any]] = {
             key: (hint, settings[key]) for key, hint in hints.items() if hint and isinstance(settings[key], SCALARS)
         }
-        if "popsize" in parameters:
-            size = parameters.pop("popsize")[1]
-            parameters["agents"] = (int | None, parameter(size if isinstance(size, int) else None, minimum=4))
+        if "popsize" in own:
+            size = own.pop("popsize")[1]
+            own["popsize"] = (int | None, parameter(size if isinstance(size, int) else None, minimum=4))
+        kept = [key for key in settings if key not in own and key != "popsize"]
         return derive(
             NevergradOptimizer,
-            f"{self.name}:{member}",
-            parameters,
+            f"nevergrad:{member}",
+            {AGENTS.get(key, key): each for key, each in own.items()},
             self.load,
             member=member,
-            mapped={key: "popsize" if key == "agents" else key for key in parameters},
+            own=tuple(own),
             code=f"nevergrad {version('nevergrad')}",
-            bibtex=LINEAGE.get(type(found).__name__, "") + LIBRARY,
-            unmapped=UNMAPPED
-            + tuple(
-                f"the parameter {key!r} is no scalar and keeps nevergrad's value"
-                for key in settings
-                if key not in parameters and key != "popsize"
+            bibtex=works(*TABLE["works"].get(type(found).__name__, ()), "rapin2018", "bennet2021"),
+            unmapped=(
+                *TABLE["unmapped"],
+                *(f"the parameter {key!r} is no scalar and keeps nevergrad's value" for key in kept),
             ),
             __doc__=about(member, found),
         )

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bench.objective import Objective
-from optimizers.common.population import Population
+from optimizers.common.base import Population, works
 
 
 @dataclass(frozen=True)
@@ -24,21 +24,10 @@ class RandomSearch(Population):
 
     Attributes:
         agents: the number of points evaluated at once, which changes the speed and not the law.
-        handling: see :class:`~optimizers.common.population.Population`.
+        handling: see :class:`~optimizers.common.base.Population`.
     """
 
-    bibtex: ClassVar[str] = """
-        @article{brooks1958,
-          author = {Brooks, Samuel H.},
-          title = {A Discussion of Random Methods for Seeking Maxima},
-          journal = {Operations Research},
-          volume = {6},
-          number = {2},
-          pages = {244--251},
-          year = {1958},
-          doi = {10.1287/opre.6.2.244},
-        }
-    """
+    bibtex: ClassVar[str] = works("brooks1958")
     code: ClassVar[str] = "written here"
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:

@@ -16,22 +16,10 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from bench.objective import Objective
-from bench.optimizer import Optimizer, parameter
+from bench.optimizer import Optimizer, parameter, settings
 from bench.problem import Floats
-from optimizers.common.bibtex import JONES, STORN
+from optimizers.common.base import works
 from optimizers.common.family import CEILING, Adapter, Family
-
-LIBRARY = """
-    @article{virtanen2020,
-      author = {Virtanen, Pauli and others},
-      title = {{SciPy} 1.0: fundamental algorithms for scientific computing in {Python}},
-      journal = {Nature Methods},
-      volume = {17},
-      pages = {261--272},
-      year = {2020},
-      doi = {10.1038/s41592-019-0686-2},
-    }
-"""
 
 CEILED = f"values above {CEILING:g}, such as +inf, are {CEILING:g} to it: a difference of infinities is no slope"
 DETERMINISTIC = "deterministic: neither the seed nor the harness's start points change anything"
@@ -44,21 +32,33 @@ class ScipyOptimizer(Adapter):
     code: ClassVar[str] = f"scipy {version('scipy')}"
     ceiling: ClassVar[float] = np.inf  # the greatest value that scipy sees
 
+    solver: ClassVar[str]  # the name of scipy's function
+    criterion: ClassVar[str]  # the one by which scipy can end before the budget does
+
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent or scipy ends by a criterion of its own, which is declared."""
         try:
             with silence():
-                objective.stop(self.run(objective, rng))
+                result = function(self.solver, rng)(self.target(objective), **self.arguments(objective, rng))
+                objective.stop(self.reason(result))
         except (RuntimeError, SystemError) as error:  # by scipy, from an error of the problem or the end of the budget
             raise error.__cause__ or error from None
 
-    @abstractmethod
-    def run(self, objective: Objective, rng: np.random.Generator) -> str:
-        """Run scipy without a limit on length; return the criterion by which it ended before the budget did."""
-
-    def value(self, objective: Objective) -> Callable[[Floats], float]:
+    def target(self, objective: Objective) -> Callable[[Floats], Any]:
         """Return the function of one (d,) point that scipy minimises."""
         return lambda x: min(float(self.values(objective, np.atleast_2d(x))[0]), self.ceiling)
+
+    @abstractmethod
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:
+        """Return the other arguments of scipy's function, which leave its length to the budget."""
+
+    def own(self, *others: str) -> dict[str, Any]:
+        """Return the parameters that scipy has too, by name: all but ``handling`` and ``others``."""
+        return {name: value for name, value in settings(self).items() if name not in ("handling", *others)}
+
+    def reason(self, result: Any) -> str:  # noqa: ARG002 - for subclasses
+        """Return the criterion by which scipy ended with ``result``."""
+        return self.criterion
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,9 @@ class DifferentialEvolution(ScipyOptimizer):
         atol: see ``tol``.
     """
 
-    bibtex: ClassVar[str] = STORN + LIBRARY
+    solver: ClassVar[str] = "differential_evolution"
+    criterion: ClassVar[str] = "tol"
+    bibtex: ClassVar[str] = works("storn1997", "virtanen2020")
     unmapped: ClassVar[tuple[str, ...]] = (
         "its start population is the harness's uniform one, not a Latin hypercube (init)",
         "it is polished when it has converged, not when the budget ends",
@@ -97,25 +99,22 @@ class DifferentialEvolution(ScipyOptimizer):
     tol: float = parameter(0.01, minimum=0)
     atol: float = parameter(0.0, minimum=0)
 
-    def run(self, objective: Objective, rng: np.random.Generator) -> str:
-        """Run ``scipy.optimize.differential_evolution``; see :meth:`ScipyOptimizer.run`."""
-        batched = self.updating == "deferred"
+    def target(self, objective: Objective) -> Callable[[Floats], Any]:
+        """Return the function of one (d,) point or, for deferred updating, of (d, n) points that scipy minimises."""
+        if self.updating == "immediate":
+            return super().target(objective)
+        return lambda x: self.values(objective, x.T)
+
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
+        """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
         agents = self.agents if self.agents is not None else max(5, 15 * objective.dimension)
-        function("differential_evolution", rng)(
-            (lambda x: self.values(objective, x.T)) if batched else self.value(objective),
-            box(objective),
-            strategy=self.strategy,
-            maxiter=objective.budget,
-            tol=self.tol,
-            atol=self.atol,
-            mutation=self.mutation if self.mutation_to is None else (self.mutation, self.mutation_to),
-            recombination=self.recombination,
-            polish=self.polish,
-            init=objective.initial(agents),
-            updating=self.updating,
-            vectorized=batched,
-        )
-        return "tol"
+        return self.own("agents", "mutation_to") | {
+            "bounds": box(objective),
+            "maxiter": objective.budget,
+            "mutation": self.mutation if self.mutation_to is None else (self.mutation, self.mutation_to),
+            "init": objective.initial(agents),
+            "vectorized": self.updating == "deferred",
+        }
 
 
 @dataclass(frozen=True)
@@ -130,17 +129,9 @@ class DualAnnealing(ScipyOptimizer):
         no_local_search: leave the local search out.
     """
 
-    bibtex: ClassVar[str] = """
-        @article{xiang1997,
-          author = {Xiang, Y. and Sun, D. Y. and Fan, W. and Gong, X. G.},
-          title = {Generalized simulated annealing algorithm and its application to the {Thomson} model},
-          journal = {Physics Letters A},
-          volume = {233},
-          pages = {216--220},
-          year = {1997},
-          doi = {10.1016/S0375-9601(97)00474-X},
-        }
-    """ + LIBRARY  # fmt: skip
+    solver: ClassVar[str] = "dual_annealing"
+    criterion: ClassVar[str] = "maxiter"
+    bibtex: ClassVar[str] = works("xiang1997", "virtanen2020")
     ceiling: ClassVar[float] = CEILING
     unmapped: ClassVar[tuple[str, ...]] = (CEILED,)
 
@@ -150,21 +141,10 @@ class DualAnnealing(ScipyOptimizer):
     accept: float = parameter(-5.0, minimum=-1e4, maximum=-5)
     no_local_search: bool = False
 
-    def run(self, objective: Objective, rng: np.random.Generator) -> str:
-        """Run ``scipy.optimize.dual_annealing``; see :meth:`ScipyOptimizer.run`."""
-        function("dual_annealing", rng)(
-            self.value(objective),
-            box(objective),
-            maxiter=objective.budget,
-            maxfun=np.inf,
-            initial_temp=self.initial_temp,
-            restart_temp_ratio=self.restart_temp_ratio,
-            visit=self.visit,
-            accept=self.accept,
-            no_local_search=self.no_local_search,
-            x0=objective.initial(1)[0],
-        )
-        return "maxiter"
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
+        """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
+        x0 = objective.initial(1)[0]
+        return self.own() | {"bounds": box(objective), "maxiter": objective.budget, "maxfun": np.inf, "x0": x0}
 
 
 @dataclass(frozen=True)
@@ -179,17 +159,9 @@ class Shgo(ScipyOptimizer):
             takes long in more than five dimensions.
     """
 
-    bibtex: ClassVar[str] = """
-        @article{endres2018,
-          author = {Endres, Stefan C. and Sandrock, Carl and Focke, Walter W.},
-          title = {A simplicial homology algorithm for {Lipschitz} optimisation},
-          journal = {Journal of Global Optimization},
-          volume = {72},
-          pages = {181--217},
-          year = {2018},
-          doi = {10.1007/s10898-018-0645-y},
-        }
-    """ + LIBRARY  # fmt: skip
+    solver: ClassVar[str] = "shgo"
+    criterion: ClassVar[str] = "iters"
+    bibtex: ClassVar[str] = works("endres2018", "virtanen2020")
     ceiling: ClassVar[float] = CEILING
     unmapped: ClassVar[tuple[str, ...]] = (
         CEILED,
@@ -201,16 +173,10 @@ class Shgo(ScipyOptimizer):
     iters: int | None = parameter(1, minimum=1)
     sampling_method: Literal["simplicial", "halton", "sobol"] = "simplicial"
 
-    def run(self, objective: Objective, rng: np.random.Generator) -> str:  # noqa: ARG002 - draws nothing
-        """Run ``scipy.optimize.shgo``; see :meth:`ScipyOptimizer.run`."""
-        function("shgo")(
-            self.value(objective),
-            box(objective),
-            n=self.n,
-            iters=objective.budget if self.iters is None else self.iters,
-            sampling_method=self.sampling_method,
-        )
-        return "iters"
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
+        """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
+        iters = objective.budget if self.iters is None else self.iters
+        return self.own() | {"bounds": box(objective), "iters": iters}
 
 
 @dataclass(frozen=True)
@@ -226,17 +192,8 @@ class Direct(ScipyOptimizer):
             less than this part of the box's.
     """
 
-    bibtex: ClassVar[str] = JONES + """
-        @article{gablonsky2001,
-          author = {Gablonsky, J. M. and Kelley, C. T.},
-          title = {A Locally-Biased Form of the {DIRECT} Algorithm},
-          journal = {Journal of Global Optimization},
-          volume = {21},
-          pages = {27--37},
-          year = {2001},
-          doi = {10.1023/A:1017930332101},
-        }
-    """ + LIBRARY  # fmt: skip
+    solver: ClassVar[str] = "direct"
+    bibtex: ClassVar[str] = works("jones1993", "gablonsky2001", "virtanen2020")
     unmapped: ClassVar[tuple[str, ...]] = (DETERMINISTIC,)
 
     eps: float = parameter(1e-4, minimum=0)
@@ -244,18 +201,12 @@ class Direct(ScipyOptimizer):
     vol_tol: float = parameter(1e-16, minimum=0, maximum=1)
     len_tol: float = parameter(1e-6, minimum=0, maximum=1)
 
-    def run(self, objective: Objective, rng: np.random.Generator) -> str:  # noqa: ARG002 - draws nothing
-        """Run ``scipy.optimize.direct``; see :meth:`ScipyOptimizer.run`."""
-        result = function("direct")(
-            self.value(objective),
-            box(objective),
-            eps=self.eps,
-            maxfun=objective.budget + 1,
-            maxiter=objective.budget,
-            locally_biased=self.locally_biased,
-            vol_tol=self.vol_tol,
-            len_tol=self.len_tol,
-        )
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
+        """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
+        return self.own() | {"bounds": box(objective), "maxfun": objective.budget + 1, "maxiter": objective.budget}
+
+    def reason(self, result: Any) -> str:
+        """Return the criterion by which scipy ended with ``result``."""
         return {4: "vol_tol", 5: "len_tol"}.get(result.status) or str(result.message)
 
 
@@ -272,19 +223,9 @@ class BasinHopping(ScipyOptimizer):
         niter_success: the number of hops without a better minimum after which the search ends; None for no limit.
     """
 
-    bibtex: ClassVar[str] = """
-        @article{wales1997,
-          author = {Wales, David J. and Doye, Jonathan P. K.},
-          title = {Global Optimization by Basin-Hopping and the Lowest Energy Structures of {Lennard-Jones}
-                   Clusters Containing up to 110 Atoms},
-          journal = {The Journal of Physical Chemistry A},
-          volume = {101},
-          number = {28},
-          pages = {5111--5116},
-          year = {1997},
-          doi = {10.1021/jp970984n},
-        }
-    """ + LIBRARY  # fmt: skip
+    solver: ClassVar[str] = "basinhopping"
+    criterion: ClassVar[str] = "niter_success"
+    bibtex: ClassVar[str] = works("wales1997", "virtanen2020")
     ceiling: ClassVar[float] = CEILING
     unmapped: ClassVar[tuple[str, ...]] = (
         CEILED,
@@ -299,30 +240,23 @@ class BasinHopping(ScipyOptimizer):
     stepwise_factor: float = parameter(0.9, minimum=0.001, maximum=0.999)
     niter_success: int | None = parameter(None, minimum=1)
 
-    def run(self, objective: Objective, rng: np.random.Generator) -> str:
-        """Run ``scipy.optimize.basinhopping``; see :meth:`ScipyOptimizer.run`."""
-        function("basinhopping", rng)(
-            self.value(objective),
-            objective.initial(1)[0],
-            niter=objective.budget,
-            T=self.T,
-            minimizer_kwargs={"method": "L-BFGS-B", "bounds": box(objective)},
-            take_step=Hop(self.stepsize, objective, rng),
-            interval=self.interval,
-            niter_success=self.niter_success,
-            target_accept_rate=self.target_accept_rate,
-            stepwise_factor=self.stepwise_factor,
-        )
-        return "niter_success"
+    def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:
+        """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
+        return self.own("stepsize") | {
+            "x0": objective.initial(1)[0],
+            "niter": objective.budget,
+            "minimizer_kwargs": {"method": "L-BFGS-B", "bounds": box(objective)},
+            "take_step": Hop(self.stepsize, objective, rng),
+        }
 
 
+@dataclass
 class Hop:
     """A uniform displacement within the box; scipy adapts ``stepsize``, which is in units of the box's width."""
 
-    def __init__(self, stepsize: float, objective: Objective, rng: np.random.Generator) -> None:
-        self.stepsize = stepsize
-        self.objective = objective
-        self.rng = rng
+    stepsize: float
+    objective: Objective
+    rng: np.random.Generator
 
     def __call__(self, x: Floats) -> Floats:
         """Return the (d,) end point of a hop from ``x``."""
@@ -336,16 +270,14 @@ def box(objective: Objective) -> list[tuple[float, float]]:
     return list(zip(objective.lower.tolist(), objective.upper.tolist(), strict=True))
 
 
-def function(name: str, rng: np.random.Generator | None = None) -> Any:
-    """Return the function of ``scipy.optimize``, which draws from ``rng`` if it is given."""
+def function(name: str, rng: np.random.Generator) -> Any:
+    """Return the function of ``scipy.optimize``, which draws from ``rng`` if it draws at all."""
     from scipy import optimize
 
     found = getattr(optimize, name)
-    if rng is None:
-        return found
-    return partial(
-        found, **{"rng" if "rng" in inspect.signature(found).parameters else "seed": rng}
-    )  # until 1.14: seed
+    accepted = inspect.signature(found).parameters
+    drawing = next((key for key in ("rng", "seed") if key in accepted), None)  # until scipy 1.14: seed
+    return partial(found, **{drawing: rng}) if drawing else found
 
 
 @contextmanager
@@ -363,13 +295,7 @@ def silence() -> Iterator[None]:
         root.removeHandler(handler)
 
 
-MEMBERS: dict[str, type[ScipyOptimizer]] = {
-    "basinhopping": BasinHopping,
-    "differential_evolution": DifferentialEvolution,
-    "direct": Direct,
-    "dual_annealing": DualAnnealing,
-    "shgo": Shgo,
-}
+MEMBERS = {cls.solver: cls for cls in (BasinHopping, DifferentialEvolution, Direct, DualAnnealing, Shgo)}
 
 
 class Scipy(Family):

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import random
+import tomllib
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,10 +19,13 @@ from bench.errors import BenchError, nearest, require
 from bench.objective import Objective
 from bench.optimizer import Optimizer, build
 from bench.problem import Floats
-from optimizers.common.bounds import Handling, confine
+from optimizers.common.base import Handling, confine
 
 CEILING = 1e100
 """The greatest value given to a library, also for +inf, so that its sums and weights stay finite."""
+
+AGENTS = {"pop_size": "agents", "popsize": "agents"}
+"""Parameters of the libraries that have another name here."""
 
 
 @dataclass(frozen=True)
@@ -36,12 +41,38 @@ class Adapter(Optimizer):
 
     def values(self, objective: Objective, x: Floats) -> Floats:
         """Return the (n,) values of the (n, d) points ``x``, which are confined first as ``handling`` says."""
-        values: Floats = objective(confine(objective, x, self.handling))
-        return values
+        return np.asarray(objective(confine(objective, x, self.handling)))
 
     def finite_values(self, objective: Objective, x: Floats) -> Floats:
         """Return :meth:`values` with CEILING in place of greater ones."""
         return np.minimum(self.values(objective, x), CEILING)
+
+
+@dataclass(frozen=True)
+class Constructed(Adapter):
+    """An algorithm of another library that is a class whose constructor takes its parameters."""
+
+    solver: ClassVar[Any]  # the library's class
+    own: ClassVar[tuple[str, ...]]  # the parameters of its constructor, by the library's names
+
+    def __post_init__(self) -> None:
+        """Check every parameter, by the library's own rules too; raises BenchError for one that does not fit."""
+        super().__post_init__()
+        self.construct()
+
+    def construct(self) -> Any:
+        """Return the library's object; raises BenchError for parameters that the library refuses."""
+        options = {name: getattr(self, AGENTS.get(name, name)) for name in self.own}
+        try:
+            return self.solver(**options)
+        except Exception as error:  # the libraries raise AssertionError, ValueError and plain Exception alike
+            library, name = self.solver.__module__.partition(".")[0], type(self).__name__
+            raise BenchError(f"{library} refuses these parameters of {name}: {error}") from error
+
+
+def table(family: str) -> dict[str, Any]:
+    """Return the facts about a family's library that ``optimizers/<family>.toml`` holds."""
+    return tomllib.loads((Path(__file__).parents[1] / f"{family}.toml").read_text(encoding="utf-8"))
 
 
 class Family(ABC):
@@ -57,7 +88,7 @@ class Family(ABC):
     name: ClassVar[str]
     module: ClassVar[str]
     extra: ClassVar[str] = ""
-    left_out: ClassVar[Mapping[str, str]] = {}
+    left_out: ClassVar[Mapping[str, list[str]]] = {}
 
     def __reduce__(self) -> str:
         """Pickle by reference, as ``mealpy`` of optimizers.mealpy: a process then makes each member's class once."""
@@ -91,7 +122,7 @@ class Family(ABC):
 
     def why_left_out(self, member: str) -> str:
         """Return the reason for which an optimizer of the library is no member, "" for a member or an unknown name."""
-        reasons = (why for why, names in self.left_out.items() if any(fnmatchcase(member, n) for n in names.split()))
+        reasons = (why for why, names in self.left_out.items() if any(fnmatchcase(member, n) for n in names))
         return next(reasons, "")
 
     def require(self) -> Any:

@@ -8,8 +8,7 @@ import pytest
 
 from bench import BudgetExhausted, FunctionProblem, Objective, load_problem, solve
 from bench.seeds import streams
-from optimizers.cma_es import CMAES
-from optimizers.common.cma import BoxMap
+from optimizers.cma_es import CMAES, BoxMap
 
 
 def boxes(seed):

@@ -10,9 +10,8 @@ from scipy.stats import ks_2samp
 
 from bench import BenchError, FunctionProblem, solve
 from optimizers import cma_es_fast
-from optimizers.cma_es import CMAES
+from optimizers.cma_es import CMAES, BoxMap
 from optimizers.cma_es_fast import CMAESFast, Strategy, rates
-from optimizers.common.cma import BoxMap
 from tests.optimizers import sample_cma
 from tests.optimizers.sample_cma import CELLS, DEFAULT, SEEDS, mirror
 

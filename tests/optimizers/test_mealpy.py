@@ -12,10 +12,12 @@ from bench import BenchError, FunctionProblem, Objective, solve
 from bench.bibtex import parse
 from bench.seeds import streams
 from optimizers.common.family import global_random_state
-from optimizers.mealpy import LEFT_OUT, SEVERAL_VARIABLES, MealpyOptimizer, mealpy
+from optimizers.mealpy import TABLE, TWO_VARIABLES, MealpyOptimizer, mealpy
 from tests.optimizers.observed import OPTIMUM, Ordered, Watched, trace
 
 library = pytest.importorskip("mealpy", reason="the extra 'mealpy' is not installed")
+
+SEVERAL_VARIABLES = TABLE["remarks"][TWO_VARIABLES]
 
 
 def run(name, problem=None, *, budget=400, seed=1, **options):
@@ -23,9 +25,9 @@ def run(name, problem=None, *, budget=400, seed=1, **options):
 
 
 def test_the_members_are_mealpy_s_classes_but_those_left_out():
-    listed, left_out = set(library.get_all_optimizers(verbose=False)), set(" ".join(LEFT_OUT.values()).split())
+    listed, left_out = set(library.get_all_optimizers(verbose=False)), set().union(*mealpy.left_out.values())
     assert {name.partition(":")[2] for name in mealpy.names()} == listed - left_out
-    assert listed >= left_out | SEVERAL_VARIABLES
+    assert listed >= left_out.union(TABLE["no_swarm"], TABLE["works"], *TABLE["remarks"].values())
 
 
 def test_every_member_loads_runs_and_is_silent(capfd):
@@ -195,7 +197,7 @@ def test_a_search_that_evaluates_nothing_more_is_declared():
     @dataclass(frozen=True)
     class IdleOptimizer(MealpyOptimizer):
         solver = Idle
-        own = ()
+        own = ("pop_size",)
 
     result = solve(Watched(), IdleOptimizer(), budget=400, seed=1)
     assert (result.nfev, result.stop) == (100, "no evaluation in 1000 epochs")

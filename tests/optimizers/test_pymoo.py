@@ -13,11 +13,12 @@ from bench import BenchError, FunctionProblem, Objective, solve
 from bench.bibtex import parse
 from bench.seeds import streams
 from optimizers.common.family import global_random_state
-from optimizers.pymoo import CHOICES, FOLDER, KEYWORDS, LEFT_OUT, MEMBERS, UNMAPPED, WORKS, prepare, pymoo
+from optimizers.pymoo import FOLDER, TABLE, prepare, pymoo
 from tests.optimizers.observed import OPTIMUM, Ordered, Watched, trace
 
 library = pytest.importorskip("pymoo", reason="the extra 'pymoo' is not installed")
 
+MEMBERS, PARAMETERS = TABLE["members"], TABLE["parameters"]
 TOLERANCES = {"BIPOPCMAES", "CMAES", "NelderMead", "SimpleCMAES"}
 
 
@@ -37,8 +38,10 @@ def test_every_algorithm_of_pymoo_is_a_member_or_left_out():
                 for each in classes
                 if isinstance(each, type) and issubclass(each, Algorithm) and each.__module__.endswith(module.name)
             }
-    assert found == MEMBERS.keys() | set(" ".join(LEFT_OUT.values()).split())
-    assert set(MEMBERS) >= set(WORKS) | set(UNMAPPED)
+    assert found == MEMBERS.keys() | set().union(*pymoo.left_out.values())
+    known = {"module", "parameters", "about", "works", "unmapped"}
+    assert all(entry.keys() <= known for entry in MEMBERS.values())
+    assert {name for entry in MEMBERS.values() for name in entry["parameters"]} >= PARAMETERS.keys()
     assert pymoo.names() == sorted(f"pymoo:{name}" for name in MEMBERS)
 
 
@@ -46,7 +49,8 @@ def test_what_de_takes_by_keywords_has_pymoo_s_defaults():
     from pymoo.algorithms.soo.nonconvex.de import Variant
 
     known = inspect.signature(Variant.__init__).parameters
-    assert {name: known[name].default for name in KEYWORDS} == KEYWORDS
+    given = {name: entry["default"] for name, entry in PARAMETERS.items() if "default" in entry}
+    assert {name: known[name].default for name in given} == given
 
 
 @pytest.mark.parametrize("name", MEMBERS)
@@ -68,10 +72,10 @@ def test_a_member_is_silent_and_spends_the_budget_or_declares_its_tolerance(name
 
 def variants():
     """Every member, and with each choice of each parameter that has choices."""
-    for name, (_, parameters, _) in MEMBERS.items():
+    for name, entry in MEMBERS.items():
         yield name, {}
-        for each in sorted(CHOICES.keys() & set(parameters.split())):
-            for choice in CHOICES[each]:
+        for each in sorted(PARAMETERS.keys() & set(entry["parameters"])):
+            for choice in PARAMETERS[each].get("choices", ()):
                 yield name, {each: choice}
     yield "DE", {"jitter": True}
     yield "CMAES", {"bipop": True, "restarts": 2}
@@ -135,7 +139,7 @@ def test_a_run_is_pymoo_s_own(name, options, generations):
     start, search = streams(seed)
     with global_random_state(search):
         theirs = int(search.integers(1, 2**31))
-    solver = getattr(import_module(f"{FOLDER}.{MEMBERS[name][0]}"), name)
+    solver = getattr(import_module(f"{FOLDER}.{MEMBERS[name]['module']}"), name)
     algorithm = solver(pop_size=agents, sampling=Objective(problem, 1, start).initial(agents), **options)
     box = Sphere(n_var=3, n_obj=1, xl=np.array(Watched().lower.tolist()), xu=np.array(Watched().upper.tolist()))
     found = minimize(box, algorithm, ("n_gen", generations), seed=theirs)
@@ -158,7 +162,7 @@ def test_a_mating_that_finds_nothing_new_is_declared(monkeypatch):
 
 @pytest.mark.parametrize(("name", "options"), [("CMAES", "options"), ("SimpleCMAES", "opts")])
 def test_cma_s_own_limits_end_no_run(name, options):
-    algorithm = pymoo.load(f"pymoo:{name}")._algorithm()
+    algorithm = pymoo.load(f"pymoo:{name}").construct()
     prepare(algorithm, Objective(Watched(), 400, np.random.default_rng(0)))
     assert {getattr(algorithm, options)[limit] for limit in ("maxiter", "maxfevals")} == {np.inf}
 

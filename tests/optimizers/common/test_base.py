@@ -1,12 +1,16 @@
-"""Loops are compiled at their first call, may call each other, and are read from the disk by the next process."""
+"""Loops are compiled at their first call and read from the disk by the next process; every work is cited."""
 
 import subprocess
 import sys
+from pathlib import Path
+
+import optimizers
+from bench.bibtex import parse
 
 LOOPS = """
 import math
 
-from optimizers.common.compiled import compiled
+from optimizers.common.base import compiled
 
 
 @compiled
@@ -41,3 +45,11 @@ def test_a_function_is_compiled_at_its_first_call_and_read_from_the_disk_by_the_
     run = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n{PROGRAM}"]
     hits = [subprocess.run(run, check=True, capture_output=True, text=True).stdout.split() for _ in range(2)]
     assert hits == [["0", "0"], ["1", "1"]]
+
+
+def test_every_work_is_there_once_and_cited():
+    home = Path(optimizers.__file__).parent
+    keys = [work.key for work in parse((home / "references.bib").read_text(encoding="utf-8"))]
+    assert len(keys) == len(set(keys))
+    sources = "".join(path.read_text(encoding="utf-8") for path in home.iterdir() if path.suffix in (".py", ".toml"))
+    assert [key for key in keys if f'"{key}"' not in sources] == []
