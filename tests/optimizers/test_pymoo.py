@@ -88,7 +88,7 @@ def test_a_seed_repeats_a_run_and_another_does_not(name, options):
     random.seed(99)
     np.random.seed(99)  # noqa: NPY002 - the global state must not matter
     assert trace(run(name, budget=230, **options)) == first
-    assert (trace(run(name, budget=230, seed=2, **options)) == first) == (name == "DIRECT")
+    assert trace(run(name, budget=230, seed=2, **options)) != first
 
 
 @pytest.mark.parametrize("name", ["CMAES", "DE"])
