@@ -2,28 +2,43 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import re
+from typing import TYPE_CHECKING
 
-from problems.backlash.published.names import CLEAN
-from problems.backlash.signature.families import check_options
+from bench.errors import BenchError
+from problems.backlash import LEVELS
+from problems.backlash.signature.families import Family
 
 if TYPE_CHECKING:
-    from problems.backlash.signature.problem import SignatureFit
+    from problems.backlash.recordings import Recording
+
+CLEAN = range(3, 14)
+"""The datasets of which the authors published the recordings without noise."""
+
+ZIPS = {"low": range(1, 6), "high": range(11, 21)}
+"""The numbers of the zips of noisy recordings, twenty datasets each. Low 3 and high 16 and 17 hold the same noise."""
 
 
-class _Published:
-    """The family of the authors' recordings: listed without noise, and the noisy ones as ``published:low-1-12``."""
+def _published(name: str) -> Recording:
+    """Return the recording ``"published-12"``, or a noisy one: ``"published:low-1-12"`` is dataset 12 in zip 1."""
+    file, member, level = _place(name)
+    from problems.backlash.published.recordings import read
 
-    def names(self) -> list[str]:
-        return [f"published-{level:02d}" for level in CLEAN]
-
-    def load(self, name: str, /, **options: Any) -> SignatureFit:
-        check_options(name, options)
-        from problems.backlash.published.recordings import published
-        from problems.backlash.signature.problem import SignatureFit
-
-        made = published(name)
-        return SignatureFit(name, made.recording, peak=made.peak, half_gap=made.half_gap, **options)
+    return read(file, member, level)
 
 
-published = _Published()
+def _place(name: str) -> tuple[str, str, int]:
+    """Return the file of a problem's name, the member of the file where it is a zip (else ""), and the dataset."""
+    if (match := re.fullmatch(r"published-(\d\d)", name)) and int(match[1]) in CLEAN:
+        return f"Speeddata{int(match[1])}.xlsx", "", int(match[1])
+    if match := re.fullmatch(r"published:(low|high)-(\d{1,2})-(\d{1,2})", name):
+        noise, number, level = match[1], int(match[2]), int(match[3])
+        if number in ZIPS[noise] and level in LEVELS:
+            return f"Data_with_Noise_{number}.zip", f"SpeeddataNoise{level}.xlsx", level
+    raise BenchError(
+        f"there is no published recording {name!r}; there are published-03 to published-13, and with noise "
+        "published:low-Z-K of zip Z = 1 … 5 and published:high-Z-K of zip Z = 11 … 20, dataset K = 1 … 20"
+    )
+
+
+published = Family(tuple(f"published-{level:02d}" for level in CLEAN), _published)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bench.errors import BenchError
 from bench.problem import Floats
 from problems.backlash.recordings.recording import Recording, spell
-from problems.backlash.recordings.units import POSITION, SPEED
+from problems.backlash.recordings.tables import UNITS
 
 FASTEST = 1000.0
 """rps; no joint's motor turns at 60,000 rpm."""
@@ -113,7 +113,7 @@ def screen_values(recording: Recording) -> None:
 
 def _screen_unit(recording: Recording, nominal_rps: float | None) -> None:
     speed = float(np.median(np.abs(recording.speed)))
-    units = next(units for units in (SPEED, POSITION) if recording.unit in units)
+    units = next(units for units in (UNITS["speed"], UNITS["position"]) if recording.unit in units)
     if nominal_rps is None:
         if speed > FASTEST:
             raise BenchError(

@@ -25,9 +25,9 @@ import tomli_w
 from bench.atomic import replacing
 from bench.errors import BenchError, nearest
 from bench.problem import Floats
+from problems.backlash import LEVELS
 from problems.backlash.joint import Joint, half_gap
-from problems.backlash.joint.parameter_files import described
-from problems.backlash.levels import LEVELS
+from problems.backlash.joint.parameters import described
 from problems.backlash.signature.datasets import DEFAULT, simulated
 from problems.backlash.signature.interpolation import Pchip
 
@@ -243,7 +243,7 @@ def calibrate(joint: Joint, half_gaps: Sequence[float], *, method: str = "monoto
     if not 2 <= len(half_gaps) <= MOST_GAPS:
         raise BenchError(f"a calibration takes from 2 to {MOST_GAPS} simulated half-gaps, not {len(half_gaps)}")
     gaps = np.array(half_gaps, dtype=np.float64)
-    amplitude = np.array([60 * simulated(gap, joint).peak for gap in gaps.tolist()])
+    amplitude = 60 * np.array([simulated(gap, joint).peak for gap in gaps.tolist()], dtype=np.float64)
     if amplitude.max() < FAINTEST:
         raise BenchError(
             f"no calibration: the disturbance of the {described(joint)} stays below {FAINTEST} rpm whatever the "

@@ -1,15 +1,15 @@
-"""Simulate recordings, such as the twenty of section 7.2.1, on first use and keep them in the user's cache.
+"""Simulate recordings, such as the twenty of section 7.2.1 and, with noise, those of section 7.3.
 
-The cache is content-addressed: a file's name is a hash of everything that determines its content, the simulator's
-source included, so a changed simulator never reads old signals. A damaged file is detected by its checksum and
-replaced.
+A signal is simulated on first use and kept in the user's cache, which is content-addressed: a file's name is a hash of
+everything that determines its content, the simulator's source included, so a changed simulator never reads old signals.
+A damaged file is detected by its checksum and replaced.
 """
 
 import hashlib
 import json
 import os
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
 
@@ -18,29 +18,22 @@ from platformdirs import user_cache_dir
 
 from bench.atomic import replacing
 from bench.errors import BenchError
+from bench.numbers import require_whole
 from bench.problem import Floats
-from problems.backlash.joint import Joint, half_gap, simulate
-from problems.backlash.joint import parameters as joint_parameters
-from problems.backlash.joint import simulator as joint_simulator
+from problems.backlash import LEVELS
+from problems.backlash.joint import Joint, half_gap, parameters, simulate, simulator
+from problems.backlash.recordings import Recording
 
 DEFAULT = Joint()
 
+RATE = 500.0
+"""Hz."""
 
-@dataclass(frozen=True, eq=False)
-class Dataset:
-    """A simulated recording and the truth behind it.
+NOISES = ("low", "high")
+"""The levels of noise of section 7.3."""
 
-    Attributes:
-        time: (n,) s, from 0; 2401 samples at 500 Hz, or two load turns if these take longer.
-        speed: (n,) motor speed in rps.
-        peak: expected amplitude in rps: the positive peak of the undecimated disturbance.
-        half_gap: delta in rad.
-    """
-
-    time: Floats
-    speed: Floats
-    peak: float
-    half_gap: float
+FIRST_SAMPLES = 100
+"""The number of first samples at which a noisy recording may start (section 7.3)."""
 
 
 def cache_folder() -> Path:
@@ -49,13 +42,51 @@ def cache_folder() -> Path:
 
 
 @cache
-def dataset(level: int) -> Dataset:
+def dataset(level: int) -> Recording:
     """Return the recording of a level 1 … 20; raises BenchError outside."""
     return simulated(half_gap(level))
 
 
-def simulated(gap: float, joint: Joint = DEFAULT) -> Dataset:
+def peak_to_peak(level: int, noise: str = "low") -> float:
+    """Return the peak-to-peak value in rps of the noise on a dataset 1 … 20; 0 has the noise of dataset 1.
+
+    Eq. 7.2 with the range of the authors' published recordings: 0.2 to 0.5 rps, and 1.5 times that at the high level.
+    Table 7.3 lists half of the peak-to-peak value.
+    """
+    return (0.2 + 0.3 * (max(level, 1) - 1) / 19) * (1.5 if noise == "high" else 1.0)
+
+
+def noisy(level: int, noise: str = "low", draw: int = 0) -> Recording:
+    """Return a dataset with uniform white noise (eqs. 7.1 and 7.2), cut at a random one of its first 100 samples.
+
+    It begins at 0 s. Without backlash its peak is 0 and its half-gap None.
+
+    Args:
+        level: the dataset, 1 … 20; 0 is the reference speed and noise alone, without backlash or gravity.
+        noise: "low" or "high".
+        draw: the number of the realisation; with the other two arguments it determines the noise and the start.
+
+    Raises:
+        BenchError: for an unknown level or noise, and a draw that is not a whole number of at least 0.
+    """
+    if level not in (0, *LEVELS):
+        raise BenchError(f"a noisy dataset has a level from 0 (no backlash) to {LEVELS[-1]}, not {level!r}")
+    if noise not in NOISES:
+        raise BenchError(f"noise must be one of {', '.join(map(repr, NOISES))}, not {noise!r}")
+    require_whole("draw", draw, 0)
+    rng = np.random.default_rng([level, NOISES.index(noise), draw])
+    clean = dataset(level or LEVELS[0])
+    if not level:  # of this dataset only the length is used
+        clean = Recording(0.0, clean.dt, np.full_like(clean.speed, DEFAULT.nominal_speed), peak=0.0)
+    cut = int(rng.integers(FIRST_SAMPLES))
+    added = peak_to_peak(level, noise) * (rng.random(len(clean.speed)) - 0.5)
+    return replace(clean, speed=(clean.speed + added)[cut:])
+
+
+def simulated(gap: float, joint: Joint = DEFAULT) -> Recording:
     """Return a joint's recording at a half-gap in rad, from the cache if it is there and undamaged.
+
+    It has 2401 samples at 500 Hz, or two load turns if these take longer.
 
     Raises:
         BenchError: as :func:`problems.backlash.joint.simulate`.
@@ -63,16 +94,16 @@ def simulated(gap: float, joint: Joint = DEFAULT) -> Dataset:
     path = cache_folder() / f"joint-{_address(gap, joint)}.npz"
     stored = _read(path)
     if stored is None:
-        simulation = simulate(joint, half_gap=gap, duration=max(4.8, 2 * joint.turn))
-        stored = {"time": simulation.time, "speed": simulation.speed, "peak": np.array([simulation.peak])}
+        made = simulate(joint, half_gap=gap, duration=max(4.8, 2 * joint.turn), rate=RATE)
+        stored = {"speed": made.speed, "peak": np.array([made.peak])}
         _write(path, stored)
-    return Dataset(stored["time"], stored["speed"], float(stored["peak"][0]), gap)
+    return Recording(0.0, 1 / RATE, stored["speed"], peak=float(stored["peak"][0]), half_gap=gap)
 
 
 @cache
 def _sources() -> str:
     """Return a hash of the modules that determine a signal; this module is one, for the arguments of `simulate`."""
-    files = (Path(__file__), *(Path(str(module.__file__)) for module in (joint_parameters, joint_simulator)))
+    files = (Path(__file__), *(Path(str(module.__file__)) for module in (parameters, simulator)))
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 
@@ -90,7 +121,7 @@ def _read(path: Path) -> dict[str, Floats] | None:
     """Return the arrays of a cache file, or None where it is missing or damaged."""
     try:
         with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in ("time", "speed", "peak")}
+            arrays = {name: file[name] for name in ("speed", "peak")}
             return arrays if str(file["digest"]) == _digest(arrays) else None
     except Exception:  # a damaged archive may raise nearly anything; the signal is made again
         return None

@@ -14,8 +14,8 @@ from matplotlib.ticker import MultipleLocator
 
 from bench.atomic import replacing
 from bench.plots import style
+from problems.backlash import LEVELS
 from problems.backlash.joint import Joint, half_gap, simulate
-from problems.backlash.levels import LEVELS
 from problems.backlash.signature.calibration import EQUATION_4_7, Calibration
 from problems.backlash.signature.datasets import DEFAULT, simulated
 
@@ -91,7 +91,7 @@ def levels(joint: Joint) -> Figure:
     """Return Fig. 7.3: the half-gap of the levels 1 to 20, and the amplitude that each causes in this joint."""
     figure = Figure(figsize=(style.COLUMN, 3.2), layout="constrained")
     gaps = [half_gap(level) for level in LEVELS]
-    amplitudes = [60 * simulated(gap, joint).peak for gap in gaps]
+    amplitudes = 60 * np.array([simulated(gap, joint).peak for gap in gaps], dtype=np.float64)
     panels = ((1e6 * np.array(gaps), DELTA, style.PALETTE[0]), (amplitudes, AMPLITUDE, style.PALETTE[4]))
     axes = figure.subplots(2, sharex=True)
     for ax, (values, label, color) in zip(axes, panels, strict=True):

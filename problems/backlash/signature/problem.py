@@ -46,15 +46,13 @@ class SignatureFit(Problem):
 
     Args:
         name: the name to store results under.
-        recording: the signal, in rps.
+        recording: the signal, in rps, and the truth where it is known.
         period: T_f, the time of one load turn, in s.
         turns: n, the load turns that the signature spans.
         single: fit one oscillation instead of a train of them, for less than one load turn of a robot's wrist (section
             8.3); ``turns`` then has no meaning, and ``period`` limits T1 and T2 alone.
         unit: "rps", as the authors' notebook, or "rpm", as Table 7.2.
         amplitude_factor: A's bound in units of the half range; 1.0 in Table 7.1, 1.3 in the notebook.
-        peak: the expected amplitude in rps, where the truth is known.
-        half_gap: the true delta in rad, where it is known.
 
     Attributes:
         expected: the expected ``amplitude_rpm`` and ``backlash_rad``, where they are known, each with half the width of
@@ -76,8 +74,6 @@ class SignatureFit(Problem):
         single: bool = False,
         unit: Unit = "rps",
         amplitude_factor: float = 1.3,
-        peak: float | None = None,
-        half_gap: float | None = None,
     ) -> None:
         _check_options(name, period, turns, single, unit, amplitude_factor)
         _check_recording(name, recording, period, single=single)
@@ -88,7 +84,7 @@ class SignatureFit(Problem):
         self.time = recording.time
         self.mean_rps = float(recording.speed.mean())
         self.signal: Floats = (recording.speed - self.mean_rps) * FACTOR[unit]  # r(t), (eq. 5.1)
-        self.expected = _expected(peak, half_gap)
+        self.expected = _expected(recording)
         factor = float(amplitude_factor)
         self.lower, self.upper = box(self.time, self.signal, period=self.period, amplitude_factor=factor)
         self.replicas = 1 if single else 2 * int(turns)  # oscillations of the train, two a load turn
@@ -159,13 +155,13 @@ class SignatureFit(Problem):
         return hashlib.sha256(self.time.tobytes() + self.signal.tobytes()).hexdigest()
 
 
-def _expected(peak: float | None, half_gap: float | None) -> dict[str, tuple[float, float]]:
-    """Return the known true values (given in rps and rad), in the units and by the names of the domain metrics."""
+def _expected(recording: Recording) -> dict[str, tuple[float, float]]:
+    """Return the known true values of a recording by the names of the domain metrics."""
     expected = {}
-    if peak is not None:
-        expected["amplitude_rpm"] = (60.0 * peak, TOLERANCE_RPM)
-    if half_gap is not None:
-        expected["backlash_rad"] = (half_gap, TOLERANCE_RAD)
+    if recording.peak is not None:
+        expected["amplitude_rpm"] = (60.0 * recording.peak, TOLERANCE_RPM)
+    if recording.half_gap is not None:
+        expected["backlash_rad"] = (recording.half_gap, TOLERANCE_RAD)
     return expected
 
 
