@@ -13,14 +13,11 @@ from bench.errors import BenchError, nearest
 from bench.numbers import is_finite, require_positive
 from problems.backlash import LEVELS
 
-GRAVITY = 9.80665
-"""Standard gravity, m/s²."""
+GRAVITY = 9.80665  # standard gravity, m/s²
+LARGEST = 1e100  # larger numbers are no property of a joint, and a float cannot hold their cube
 
+# kg and m; the point mass that makes the default joint's gravity torque and load inertia to within 3e-4 of each
 PAYLOAD, LEVER = 5.0, 0.2943
-"""kg and m; the point mass that makes the default joint's gravity torque and load inertia to within 3e-4 of each."""
-
-LARGEST = 1e100
-"""Larger numbers are no property of a joint, and a float cannot hold their cube."""
 
 
 def _quantity(default: float, meaning: str, *, may_be_zero: bool = False) -> Any:
@@ -91,13 +88,13 @@ def half_gap(level: int) -> float:
 
 FIELDS = {field.name: field for field in fields(Joint)}
 
+# Keys that a file may give instead of the joint's own parameters, and the parameters that each key sets.
 INSTEAD = {
     "payload_kg": ("gravity_torque", "load_inertia"),
     "lever_m": ("gravity_torque", "load_inertia"),
     "speed_rps": ("omega_ref",),
     "gravity_angle_deg": (),
 }
-"""Keys that a file may give instead of the joint's own parameters, and the parameters that each key sets."""
 
 
 def load_joint(path: str | Path | None = None, **options: float | None) -> Joint:
@@ -125,36 +122,32 @@ def load_joint(path: str | Path | None = None, **options: float | None) -> Joint
             that contradict each other.
     """
     given = {key: value for key, value in options.items() if value is not None}
-    settings = _read(Path(path)) if path is not None else {}
+    where = "the joint" if path is None else f"joint {path}"
+    settings = read_toml(path, where) if path is not None else {}
     for key in given:
         for other in INSTEAD.get(key, ()):
             settings.pop(other, None)
-    return _joint(settings | given, "the joint" if path is None else f"joint {path}")
+    return _joint(settings | given, where)
 
 
 def joint_text(joint: Joint) -> str:
     """Return the text of a TOML file with all of the joint's parameters, their meanings and units, for editing."""
-    lines = [f"{name} = {float(getattr(joint, name))!r}" for name in FIELDS]
-    width = max(map(len, lines))
-    rows = [
-        f"{line:{width}}  # {field.metadata['meaning']}" for line, field in zip(lines, FIELDS.values(), strict=True)
-    ]
-    return "\n".join(
-        [
-            "# A robot joint for 'bench simulate --joint' and 'bench calibrate --joint', in SI units.",
-            "# A line that is left out has the value of the thesis's test bench.",
-            *rows,
-            "",
-            "# Instead of gravity_torque and load_inertia, a point mass on a lever:",
-            f"# payload_kg = {PAYLOAD}",
-            f"# lever_m = {LEVER}",
-            "# Instead of omega_ref, in motor turns per second:",
-            f"# speed_rps = {joint.nominal_speed:.10g}",
-            "# The angle between the axis and the vertical; the gravity torque is multiplied by its sine:",
-            "# gravity_angle_deg = 90.0",
-            "",
-        ]
-    )
+    lines = {name: f"{name} = {float(getattr(joint, name))!r}" for name in FIELDS}
+    width = max(map(len, lines.values()))
+    rows = "\n".join(f"{line:{width}}  # {FIELDS[name].metadata['meaning']}" for name, line in lines.items())
+    return f"""\
+# A robot joint for 'bench simulate --joint' and 'bench calibrate --joint', in SI units.
+# A line that is left out has the value of the thesis's test bench.
+{rows}
+
+# Instead of gravity_torque and load_inertia, a point mass on a lever:
+# payload_kg = {PAYLOAD}
+# lever_m = {LEVER}
+# Instead of omega_ref, in motor turns per second:
+# speed_rps = {joint.nominal_speed:.10g}
+# The angle between the axis and the vertical; the gravity torque is multiplied by its sine:
+# gravity_angle_deg = 90.0
+"""
 
 
 def described(joint: Joint) -> str:
@@ -166,13 +159,14 @@ def described(joint: Joint) -> str:
     return "joint with " + ", ".join(f"{name} = {value:.6g}" for name, value in other.items())
 
 
-def _read(path: Path) -> dict[str, Any]:
+def read_toml(path: str | Path, where: str) -> dict[str, Any]:
+    """Return the content of a TOML file; raises BenchError, which begins with ``where``, if it cannot be read."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
-        raise BenchError(f"joint {path} cannot be read: {error.strerror}") from error
+        raise BenchError(f"{where} cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
-        raise BenchError(f"joint {path} is not valid TOML: {error}") from error
+        raise BenchError(f"{where} is not valid TOML: {error}") from error
 
 
 def _joint(settings: Mapping[str, Any], where: str) -> Joint:

@@ -20,8 +20,6 @@ from bench.numbers import is_finite, require_positive, require_whole
 from bench.problem import Floats
 from problems.backlash.joint.parameters import Joint
 
-Value = Any  # a number or an array
-
 STEP = 5e-5  # s; the largest step where the caller gives none
 LARGEST_STEP = 1e-3  # s; beyond it RK4 is unstable on the default joint's fast poles
 MOST_STEPS = 4_000_000  # 200 s at STEP, which need some 600 MB
@@ -30,49 +28,47 @@ DEFAULT = Joint()
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """The recorded motion at every integration step; arrays of shape (m,), m = duration / step + 1."""
+    """The recorded motion at every integration step; arrays of shape (m,), m = duration / step + 1.
+
+    Attributes:
+        time: s, from 0.
+        speed: true motor speed, rps.
+        load_angle: theta_l, rad, without reduction to one turn; 0 hangs down.
+        dtheta: angle across the transmission, seen from the load, rad (eq. 4.1). The gap is open where it is smaller
+            than the half-gap.
+        domega: speed across the transmission, seen from the load, rad/s (eq. 4.2).
+        load_torque: tau_l, the torque that the transmission applies to the load, N m (eq. 4.6).
+    """
 
     time: Floats
-    """s, from 0."""
-
     speed: Floats
-    """True motor speed, rps."""
-
     load_angle: Floats
-    """theta_l, rad, without reduction to one turn; 0 hangs down."""
-
     dtheta: Floats
-    """Angle across the transmission, seen from the load, rad (eq. 4.1). The gap is open where |dtheta| < half_gap."""
-
     domega: Floats
-    """Speed across the transmission, seen from the load, rad/s (eq. 4.2)."""
-
     load_torque: Floats
-    """tau_l, the torque that the transmission applies to the load, N m (eq. 4.6)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """The result of `simulate`: the sampled speed, the peak of the disturbance and the motion before sampling."""
+    """The result of `simulate`: the sampled speed, the peak of the disturbance and the motion before sampling.
 
-    time: Floats
-    """(n,) sampling instants, s, from 0."""
-
-    speed: Floats
-    """(n,) motor speed, rps: the exact speed, or the encoder's."""
-
-    peak: float
-    """Positive peak of the true speed's deviation from the reference, rps: the "expected A" of thesis Table 7.3.
-
-    It is taken in the last load turn, where the start has died away, and before sampling, which loses up to 3.4 %.
+    Attributes:
+        time: (n,) sampling instants, s, from 0.
+        speed: (n,) motor speed, rps: the exact speed, or the encoder's.
+        peak: positive peak of the true speed's deviation from the reference, rps: the "expected A" of thesis Table 7.3.
+            It is taken in the last load turn, where the start has died away, and before sampling, which loses up to
+            3.4 %.
+        fine: the motion before sampling.
     """
 
+    time: Floats
+    speed: Floats
+    peak: float
     fine: Trajectory
-    """The motion before sampling."""
 
 
 @njit(cache=True, error_model="numpy")
-def gap_torque(dtheta: Value, domega: Value, delta: float, Ks: float, Ds: float, alpha: float) -> Value:
+def gap_torque(dtheta: Any, domega: Any, delta: float, Ks: float, Ds: float, alpha: float) -> Any:
     """Return tau_l in N m of the modified dead zone; dtheta (rad) and domega (rad/s) are scalars or arrays."""
     K = Ks / np.pi * (np.pi + np.arctan(alpha * (dtheta - delta)) - np.arctan(alpha * (dtheta + delta)))  # (4.5)
     return (dtheta - delta * np.sign(dtheta) + Ds / Ks * domega) * K  # (4.6)
