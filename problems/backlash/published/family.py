@@ -12,11 +12,9 @@ from problems.backlash.signature.families import Family
 if TYPE_CHECKING:
     from problems.backlash.recordings import Recording
 
-CLEAN = range(3, 14)
-"""The datasets of which the authors published the recordings without noise."""
-
+CLEAN = range(3, 14)  # the datasets of which the authors published the recordings without noise
+# The numbers of the zips of noisy recordings, twenty datasets each. Low 3 and high 16 and 17 hold the same noise.
 ZIPS = {"low": range(1, 6), "high": range(11, 21)}
-"""The numbers of the zips of noisy recordings, twenty datasets each. Low 3 and high 16 and 17 hold the same noise."""
 
 
 def _published(name: str) -> Recording:

@@ -22,29 +22,14 @@ from bench.problem import Floats
 from problems.backlash.recordings.recording import Recording
 from problems.backlash.recordings.screen import SAMPLES_A_TURN
 
-RATE = 250.0
-"""Hz; the signal is averaged down to this sampling rate or a little more, enough for the harmonics up to BAND."""
-
-BAND = 50.0
-"""Hz; the disturbance rings at up to 40 Hz (Table 7.1)."""
-
-LONGEST = 8_192
-"""The most averaged samples that are used, from the start of the recording on: 33 s at least."""
-
-LONGEST_PERIOD = 20.0
-"""s; the longest load turn that the search covers."""
-
-FEWEST_TURNS = 2.0
-"""The load turns that a recording must hold for the search to find its period."""
-
-STRONGEST = 24
-"""The number of harmonics that make a period exact, the strongest ones."""
-
-CLAIM = 12.0
-"""The gain in log-likelihood, after Schwarz's allowance, from which on a period is reported."""
-
-FLOOR = 0.02
-"""The smallest part of the signal's energy that counts as noise: the steps of the search miss so much of a period."""
+RATE = 250.0  # Hz; the signal is averaged down to this sampling rate or a little more, for the harmonics up to BAND
+BAND = 50.0  # Hz; the disturbance rings at up to 40 Hz (Table 7.1)
+LONGEST = 8_192  # the most averaged samples that are used, from the start of the recording on: 33 s at least
+LONGEST_PERIOD = 20.0  # s; the longest load turn that the search covers
+FEWEST_TURNS = 2.0  # the load turns that a recording must hold for the search to find its period
+STRONGEST = 24  # the number of harmonics that make a period exact, the strongest ones
+CLAIM = 12.0  # the gain in log-likelihood, after Schwarz's allowance, from which on a period is reported
+FLOOR = 0.02  # the smallest part of the signal's energy that counts as noise: a search misses so much of a period
 
 
 @dataclass(frozen=True)

@@ -15,24 +15,14 @@ from bench.problem import Floats
 from problems.backlash.recordings.recording import Recording, spell
 from problems.backlash.recordings.tables import UNITS
 
-FASTEST = 1000.0
-"""rps; no joint's motor turns at 60,000 rpm."""
-
-STEADY = 0.2
-"""The largest deviation of a steady speed, as a part of the mean speed; the disturbance is a few percent of it."""
-
-FAR = 1.25
-"""The factor by which the mean speed may differ from the nominal one."""
-
-SAMPLES_A_TURN = 20
-"""The fewest samples in one load turn: the disturbance rings several times a turn."""
-
-RUN = 3
-"""The fewest successive samples at the extreme that may be a clipped peak."""
-
+FASTEST = 1000.0  # rps; no joint's motor turns at 60,000 rpm
+STEADY = 0.2  # the largest deviation of a steady speed, as a part of the mean; the disturbance is a few percent of it
+FAR = 1.25  # the factor by which the mean speed may differ from the nominal one
+SAMPLES_A_TURN = 20  # the fewest samples in one load turn: the disturbance rings several times a turn
+RUN = 3  # the fewest successive samples at the extreme that may be a clipped peak
+# Steps of resolution by which a clipped peak's neighbours lie below it. A round peak, of which n >= 3 samples are
+# rounded to one value, falls by at most ((n + 1) / (n - 1))**2 + 1 <= 5 steps beside them.
 DROP = 6.0
-"""Steps of resolution by which a clipped peak's neighbours lie below it. A round peak, of which n >= 3 samples are
-rounded to one value, falls by at most ((n + 1) / (n - 1))**2 + 1 <= 5 steps beside them."""
 
 
 def screen(recording: Recording, *, nominal_rps: float | None = None, period: float | None = None) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from io import BytesIO, StringIO
@@ -28,33 +29,8 @@ UNITS = {
 }
 """By the role of a column, the number of each unit in one second, one turn per second, and one turn."""
 
-SPELLINGS = {
-    "s": ("sec", "second", "seconds", "sek"),
-    "ms": ("msec", "millis", "milliseconds"),
-    "us": ("usec", "micros", "microseconds"),
-    "rps": ("1/s", "rev/s", "u/s", "hz", "s-1", "s^-1"),
-    "rpm": ("1/min", "rev/min", "u/min", "min-1", "min^-1"),
-    "rad/s": ("rad_s", "rad/sec", "radps", "rad s-1", "rad s^-1"),
-    "deg/s": ("deg_s", "deg/sec", "degps"),
-    "rev": ("turn", "turns", "revs", "revolutions"),
-    "rad": ("radian", "radians"),
-    "deg": ("degree", "degrees"),
-}
-"""Other spellings of the units, without regard to case; ° is read as deg and a micro sign as u."""
-
-WORDS = {
-    "time": {"time", "t", "zeit", "tempo", "temps", "tiempo", "timestamp"},
-    "speed": {"speed", "velocity", "vel", "omega", "v", "w", "drehzahl", "geschwindigkeit", "velocità", "vitesse"},
-    "position": {"position", "pos", "angle", "theta", "phi", "winkel", "lage", "posizione", "angolo", "encoder"},
-}
-"""The words in a heading that identify the role of a column."""
-
-OTHER = {"load", "link", "l", "ref", "reference", "command", "cmd", "set", "setpoint", "target", "nominal", "soll"}
-"""Words in the heading of a column that is not a measurement of the motor."""
-
-MOTOR = {"motor", "m", "motore", "moteur"}
-
-_UNITS = {spelling: unit for unit, others in SPELLINGS.items() for spelling in (unit, *others)}
+WORDS = tomllib.loads(Path(__file__).with_name("headings.toml").read_text(encoding="utf-8"))
+_UNITS = {spelling: unit for unit, others in WORDS["units"].items() for spelling in (unit, *others)}
 _SUFFIX = re.compile(r"(?:^|[\s_/,])(" + "|".join(map(re.escape, sorted(_UNITS, key=len, reverse=True))) + r")\)?$")
 _BRACKET = re.compile(r"([\[(])([^\[\]()]*)[\])]$")
 
@@ -93,10 +69,11 @@ def parse_heading(name: str) -> Heading:
     elif suffix := _SUFFIX.search(text):
         text, unit = text[: suffix.start()], _UNITS[suffix[1]]
     words = re.findall(r"[^\W\d_]+", text)
-    role = next((role for role, known in WORDS.items() if known & set(words)), "")
+    role = next((role for role, known in WORDS["roles"].items() if {*known} & {*words}), "")
     if not words and unit is not None:  # a column called "rpm"
         role = next(role for role, units in UNITS.items() if unit in units)
-    rank = (bool(OTHER & set(words)), not MOTOR & set(words), len(words))
+    motor, other = (bool({*WORDS["origins"][origin]} & {*words}) for origin in ("motor", "other"))
+    rank = (other, not motor, len(words))
     return Heading(role, rank, text.strip(" _/,"), unit, unknown)
 
 
@@ -104,8 +81,7 @@ def _spelled(text: str) -> str:
     return text.strip().lower().replace("µ", "u").replace("μ", "u").replace("°", "deg")
 
 
-HEAD = 20
-"""The rows of a spreadsheet among which its headings are looked for."""
+HEAD = 20  # the rows of a spreadsheet among which its headings are looked for
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,14 +26,9 @@ from problems.backlash.recordings import Recording
 
 DEFAULT = Joint()
 
-RATE = 500.0
-"""Hz."""
-
-NOISES = ("low", "high")
-"""The levels of noise of section 7.3."""
-
-FIRST_SAMPLES = 100
-"""The number of first samples at which a noisy recording may start (section 7.3)."""
+RATE = 500.0  # Hz
+NOISES = ("low", "high")  # the levels of noise of section 7.3
+FIRST_SAMPLES = 100  # the number of first samples at which a noisy recording may start (section 7.3)
 
 
 def cache_folder() -> Path:

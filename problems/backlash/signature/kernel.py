@@ -25,8 +25,7 @@ from numba import njit
 from bench.problem import Floats
 from problems.backlash.signature.model import EDGE
 
-LANES = 16
-"""Samples per step of the recurrence: sixteen powers of the factor side by side vectorise, one chain does not."""
+LANES = 16  # samples per step of the recurrence: powers of the factor side by side vectorise, one chain does not
 
 
 class Folded(NamedTuple):

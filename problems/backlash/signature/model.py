@@ -11,11 +11,8 @@ from bench.problem import Floats
 VARIABLES = ("A", "t0", "tau", "omega", "v_t", "T1", "T2")
 A, T0, TAU, OMEGA, V_T, T1, T2 = range(7)
 
-USUAL_TAU = 15.0
-"""1/s; the signature's damping on the thesis's test bench."""
-
-EDGE = 1e-9
-"""s; a sample this near to an end of a window counts as on it, hence outside: the window is open on both sides."""
+USUAL_TAU = 15.0  # 1/s; the signature's damping on the thesis's test bench
+EDGE = 1e-9  # s; a sample this near to an end of a window counts as on it, hence outside: the window is open
 
 
 def step(u: Floats) -> Floats:

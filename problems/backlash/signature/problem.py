@@ -20,15 +20,11 @@ Unit = Literal["rps", "rpm"]
 
 FACTOR = {"rps": 1.0, "rpm": 60.0}
 
-TOLERANCE_RAD = 0.0002 / 2
-"""rad; half of Delta delta, the accuracy asked of a backlash estimate (section 7.2.1)."""
-
-TOLERANCE_RPM = 3.8672 / 2
-"""rpm; half of Delta A, the accuracy on delta as an accuracy on A (section 7.2.3)."""
-
+TOLERANCE_RAD = 0.0002 / 2  # rad; half of Delta delta, the accuracy asked of a backlash estimate (section 7.2.1)
+TOLERANCE_RPM = 3.8672 / 2  # rpm; half of Delta A, the accuracy on delta as an accuracy on A (section 7.2.3)
+# A fit counts as having found the best fit if its RMSE exceeds the best by at most this share: on noisy recordings its
+# |A| is then off by a few percent at most, and the next basins are much further away.
 FOUND = 0.01
-"""A fit counts as having found the best fit if its RMSE exceeds the best by at most this share: on noisy recordings its
-|A| is then off by a few percent at most, and the next basins are much further away."""
 
 
 class Fit(NamedTuple):

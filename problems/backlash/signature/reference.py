@@ -45,36 +45,19 @@ from problems.backlash.signature.projection import (
     solve_cell,
 )
 
-TAUS, OMEGAS = 6, 79
-"""Lines of the scan's grid."""
-
-MARGIN, SETTLED = 0.03, 12
-"""Pairs within this share of the best energy are polished, and this number of the best pairs is settled."""
-
-MARGIN_BETWEEN, SETTLED_BETWEEN = 0.1, 40
-"""The same if T_d lies between samples, where the scan is not exact."""
-
-POLISHED = 400
-"""The largest number of pairs that are polished."""
-
-ROUGH, FINEST = 1e-3, 1e-7
-"""The step at which a compass search ends, in units of its first steps: for all pairs, and for the best."""
-
-ROUNDS = 60
-"""The largest number of rounds, of eight points each, of the last search, on the signal itself."""
-
-SWEPT, SWEEPS, PLACES = 16, 6, 24
-"""The search on the signal itself: the number of windows, the most sweeps over the ends of each window (a refinement
-follows each sweep), and the most places a sample in a sweep."""
-
-SHORT = 10_000
-"""Samples of a recording up to which these numbers of windows hold; longer recordings have proportionally fewer."""
-
-ROUNDING = 1e-13
-"""A relative gain up to this is rounding."""
-
-NEAR, NEAR_ENOUGH = 2, 1e-3
-"""A fit near another one searches this many samples to both sides, and ends its compass search at this step."""
+TAUS, OMEGAS = 6, 79  # lines of the scan's grid
+MARGIN, SETTLED = 0.03, 12  # pairs within this share of the best energy are polished, and this number is settled
+MARGIN_BETWEEN, SETTLED_BETWEEN = 0.1, 40  # the same if T_d lies between samples, where the scan is not exact
+POLISHED = 400  # the largest number of pairs that are polished
+ROUGH, FINEST = 1e-3, 1e-7  # the step that ends a compass search, in units of its first: for all pairs, for the best
+ROUNDS = 60  # the largest number of rounds, of eight points each, of the last search, on the signal itself
+SWEPT, SWEEPS = 16, 6  # that search's windows, and the most sweeps over the ends of each; a refinement follows a sweep
+PLACES = 24  # the most places a sample in a sweep
+SHORT = (
+    10_000  # samples of a recording up to which these numbers of windows hold; longer ones have proportionally fewer
+)
+ROUNDING = 1e-13  # a relative gain up to this is rounding
+NEAR, NEAR_ENOUGH = 2, 1e-3  # a fit near another one: the samples searched to both sides, the step that ends its search
 
 
 def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool) -> Floats:
