@@ -15,11 +15,6 @@ USUAL_TAU = 15.0  # 1/s; the signature's damping on the thesis's test bench
 EDGE = 1e-9  # s; a sample this near to an end of a window counts as on it, hence outside: the window is open
 
 
-def step(u: Floats) -> Floats:
-    """Return the unit step, 1 after zero and 0 at and before it."""
-    return np.where(u > EDGE, 1.0, 0.0)
-
-
 def oscillation(u: Floats, x: Floats) -> Floats:
     """Return one damped oscillation at times ``u`` after its start t0 (eq. 3.5).
 
@@ -27,8 +22,8 @@ def oscillation(u: Floats, x: Floats) -> Floats:
     with the two names exchanged). A is the amplitude at the start of the window.
     """
     decay = np.exp(-x[TAU] * np.maximum(u - x[T1], 0.0))  # capped: long before the window it would overflow
-    wave: Floats = x[A] * decay * np.sin(x[OMEGA] * u) * step(u - x[T1]) * step(x[T2] - u)
-    return wave
+    inside = (u - x[T1] > EDGE) & (x[T2] - u > EDGE)
+    return np.where(inside, x[A] * decay * np.sin(x[OMEGA] * u), 0.0)
 
 
 def signature(t: Floats, x: Floats, *, period: float, replicas: int) -> Floats:

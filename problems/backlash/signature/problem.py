@@ -168,10 +168,10 @@ def _check_recording(name: str, recording: Recording, period: float, *, single: 
         screen_sampling(recording, period)
         if not single:
             screen_length(recording, period)
+        if np.abs(recording.speed).max() > 1e6:
+            raise BenchError("no motor has a speed of more than 1e6 rps; give the speed in rps")
     except BenchError as error:
         raise BenchError(f"problem {name!r}: {error}") from error
-    if np.abs(recording.speed).max() > 1e6:
-        raise BenchError(f"problem {name!r}: no motor has a speed of more than 1e6 rps; give the speed in rps")
 
 
 def _check_options(name: str, period: float, turns: int, single: bool, unit: str, amplitude_factor: float) -> None:
