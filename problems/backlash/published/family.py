@@ -19,24 +19,20 @@ ZIPS = {"low": range(1, 6), "high": range(11, 21)}
 
 def _published(name: str) -> Recording:
     """Return the recording ``"published-12"``, or a noisy one: ``"published:low-1-12"`` is dataset 12 in zip 1."""
-    file, member, level = _place(name)
+    clean = re.fullmatch(r"published-(\d\d)", name)
+    noisy = re.fullmatch(r"published:(low|high)-(\d{1,2})-(\d{1,2})", name)
+    if clean and (level := int(clean[1])) in CLEAN:
+        file, member = f"Speeddata{level}.xlsx", ""
+    elif noisy and (number := int(noisy[2])) in ZIPS[noisy[1]] and (level := int(noisy[3])) in LEVELS:
+        file, member = f"Data_with_Noise_{number}.zip", f"SpeeddataNoise{level}.xlsx"
+    else:
+        raise BenchError(
+            f"there is no published recording {name!r}; there are published-03 to published-13, and with noise "
+            "published:low-Z-K of zip Z = 1 … 5 and published:high-Z-K of zip Z = 11 … 20, dataset K = 1 … 20"
+        )
     from problems.backlash.published.recordings import read
 
     return read(file, member, level)
-
-
-def _place(name: str) -> tuple[str, str, int]:
-    """Return the file of a problem's name, the member of the file where it is a zip (else ""), and the dataset."""
-    if (match := re.fullmatch(r"published-(\d\d)", name)) and int(match[1]) in CLEAN:
-        return f"Speeddata{int(match[1])}.xlsx", "", int(match[1])
-    if match := re.fullmatch(r"published:(low|high)-(\d{1,2})-(\d{1,2})", name):
-        noise, number, level = match[1], int(match[2]), int(match[3])
-        if number in ZIPS[noise] and level in LEVELS:
-            return f"Data_with_Noise_{number}.zip", f"SpeeddataNoise{level}.xlsx", level
-    raise BenchError(
-        f"there is no published recording {name!r}; there are published-03 to published-13, and with noise "
-        "published:low-Z-K of zip Z = 1 … 5 and published:high-Z-K of zip Z = 11 … 20, dataset K = 1 … 20"
-    )
 
 
 published = Family(tuple(f"published-{level:02d}" for level in CLEAN), _published)
