@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from math import pi, radians, sin
 from pathlib import Path
@@ -127,7 +126,32 @@ def load_joint(path: str | Path | None = None, **options: float | None) -> Joint
     for key in given:
         for other in INSTEAD.get(key, ()):
             settings.pop(other, None)
-    return _joint(settings | given, where)
+    settings |= given
+    known = {*FIELDS, *INSTEAD}
+    for key, value in settings.items():
+        if key not in known:
+            raise BenchError(f"{where} has no parameter {key!r}{nearest(key, known)}")
+        if not is_finite(value) or abs(value) >= LARGEST:
+            raise BenchError(f"{where}: {key} must be a finite number, not {value!r}")
+        for other in INSTEAD.get(key, ()):
+            if other in settings:
+                raise BenchError(f"{where} gives both {other} and {key}, which sets it; keep one of them")
+    for key in ("payload_kg", "lever_m", "speed_rps"):
+        require_positive(f"{where}: {key}", settings.get(key, 1.0))
+    angle = settings.get("gravity_angle_deg", 90.0)
+    if not 0 <= angle <= 90:
+        raise BenchError(f"{where}: gravity_angle_deg must be from 0 (parallel to gravity) to 90, but it is {angle!r}")
+    values = {key: float(value) for key, value in settings.items() if key in FIELDS}
+    if {"payload_kg", "lever_m"} & settings.keys():
+        mass, lever = settings.get("payload_kg", PAYLOAD), settings.get("lever_m", LEVER)
+        values |= {"gravity_torque": mass * GRAVITY * lever, "load_inertia": mass * lever**2}
+    if "speed_rps" in settings:
+        values["omega_ref"] = 2 * pi * settings["speed_rps"]
+    values["gravity_torque"] = values.get("gravity_torque", Joint().gravity_torque) * sin(radians(angle))
+    try:
+        return Joint(**values)
+    except BenchError as error:
+        raise BenchError(f"{where}: {str(error).removeprefix('Joint: ')}") from error
 
 
 def joint_text(joint: Joint) -> str:
@@ -167,31 +191,3 @@ def read_toml(path: str | Path, where: str) -> dict[str, Any]:
         raise BenchError(f"{where} cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
         raise BenchError(f"{where} is not valid TOML: {error}") from error
-
-
-def _joint(settings: Mapping[str, Any], where: str) -> Joint:
-    known = {*FIELDS, *INSTEAD}
-    for key, value in settings.items():
-        if key not in known:
-            raise BenchError(f"{where} has no parameter {key!r}{nearest(key, known)}")
-        if not is_finite(value) or abs(value) >= LARGEST:
-            raise BenchError(f"{where}: {key} must be a finite number, not {value!r}")
-        for other in INSTEAD.get(key, ()):
-            if other in settings:
-                raise BenchError(f"{where} gives both {other} and {key}, which sets it; keep one of them")
-    for key in ("payload_kg", "lever_m", "speed_rps"):
-        require_positive(f"{where}: {key}", settings.get(key, 1.0))
-    angle = settings.get("gravity_angle_deg", 90.0)
-    if not 0 <= angle <= 90:
-        raise BenchError(f"{where}: gravity_angle_deg must be from 0 (parallel to gravity) to 90, but it is {angle!r}")
-    values = {key: float(value) for key, value in settings.items() if key in FIELDS}
-    if {"payload_kg", "lever_m"} & settings.keys():
-        mass, lever = settings.get("payload_kg", PAYLOAD), settings.get("lever_m", LEVER)
-        values |= {"gravity_torque": mass * GRAVITY * lever, "load_inertia": mass * lever**2}
-    if "speed_rps" in settings:
-        values["omega_ref"] = 2 * pi * settings["speed_rps"]
-    values["gravity_torque"] = values.get("gravity_torque", Joint().gravity_torque) * sin(radians(angle))
-    try:
-        return Joint(**values)
-    except BenchError as error:
-        raise BenchError(f"{where}: {str(error).removeprefix('Joint: ')}") from error

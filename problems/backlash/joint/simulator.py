@@ -168,14 +168,15 @@ def simulate(
         raise BenchError(f"simulate: half_gap must be finite and not negative, but it is {half_gap!r} rad.")
     if not is_finite(start_angle):
         raise BenchError(f"simulate: start_angle must be finite, but it is {start_angle!r} rad.")
+    lead = 0
     if encoder_bits is not None:
         require_whole("simulate: encoder_bits", encoder_bits, 1, 32)
-        if skip < stride:
+        lead = stride  # the encoder's first difference reaches one sample back
+        if skip < lead:
             raise BenchError(
                 f"simulate: with an encoder, settle must be at least one sampling period, but it is {settle!r} s."
             )
 
-    lead = 0 if encoder_bits is None else stride  # the encoder's first difference reaches one sample back
     omega_l = joint.omega_ref / joint.gear_ratio
     theta0 = start_angle - omega_l * (skip * step)
     keep = lead + (samples - 1) * stride + 1
@@ -237,13 +238,7 @@ def _trajectory(joint: Joint, delta: float, start_angle: float, step: float, sta
     q, dq, p, dp, _ = states.T
     N = joint.gear_ratio
     time = step * np.arange(len(states), dtype=np.float64)
-    dtheta = q / N - p  # (4.1)
-    domega = dq / N - dp  # (4.2)
-    return Trajectory(
-        time=time,
-        speed=joint.nominal_speed + dq / (2 * pi),
-        load_angle=start_angle + joint.omega_ref / N * time + p,
-        dtheta=dtheta,
-        domega=domega,
-        load_torque=gap_torque(dtheta, domega, delta, joint.stiffness, joint.damping, joint.sharpness),
-    )
+    speed, load_angle = joint.nominal_speed + dq / (2 * pi), start_angle + joint.omega_ref / N * time + p
+    dtheta, domega = q / N - p, dq / N - dp  # (4.1), (4.2)
+    torque = gap_torque(dtheta, domega, delta, joint.stiffness, joint.damping, joint.sharpness)
+    return Trajectory(time, speed, load_angle, dtheta, domega, torque)

@@ -7,7 +7,6 @@ import os
 import shutil
 from collections.abc import Callable
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import quote, urlsplit
@@ -41,7 +40,7 @@ class File(NamedTuple):
 @cache
 def registry() -> dict[str, File]:
     """Return the published files by name, the eleven small ones without noise first."""
-    lines = files("problems.backlash.published").joinpath("registry.txt").read_text(encoding="utf-8").splitlines()
+    lines = Path(__file__).with_name("registry.txt").read_text(encoding="utf-8").splitlines()
     known = [File(path, sha256) for sha256, _, path in (line.partition("  ") for line in lines if line[0] != "#")]
     return {file.name: file for file in sorted(known, key=lambda file: "/" in file.path)}
 

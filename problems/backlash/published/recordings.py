@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import csv
 from functools import cache
-from importlib.resources import files
 from io import BytesIO
+from pathlib import Path
 from typing import NamedTuple
 from zipfile import ZipFile
 
@@ -41,8 +41,7 @@ def table_7_3() -> dict[int, Row]:
 
     Dataset 0 is noise without backlash. The table names no datasets; its theoretical values are those of 2 to 11.
     """
-    text = files("problems.backlash.published").joinpath("table_7_3.csv").read_text(encoding="utf-8")
-    _, *rows = csv.reader(text.splitlines())
+    _, *rows = csv.reader(Path(__file__).with_name("table_7_3.csv").read_text(encoding="utf-8").splitlines())
     return {int(row[0]): Row._make(float(number) if number else None for number in row[1:]) for row in rows}
 
 

@@ -72,19 +72,9 @@ def fold(signal: Floats, *, start: float, dt: float, period: float, replicas: in
         f[:length] += (-1.0) ** k * signal[k * shift :]
         g[:length] += (-1.0) ** k
         terms[:length] += 1.0
-    return Folded(
-        signal,
-        2 * f,
-        2 * g,
-        terms,
-        float(signal.sum()),
-        float((signal**2).sum()),
-        float(start),  # a whole number would make numba compile every kernel again
-        float(dt),
-        period / 2,
-        replicas,
-        shift,
-    )
+    start, dt = float(start), float(dt)  # a whole number would make numba compile every kernel again
+    s1, s2 = float(signal.sum()), float((signal**2).sum())
+    return Folded(signal, 2 * f, 2 * g, terms, s1, s2, start, dt, period / 2, replicas, shift)
 
 
 @njit(cache=True, error_model="numpy")
