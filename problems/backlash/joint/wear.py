@@ -86,8 +86,7 @@ def monthly_recordings(
 
     Args:
         joint: the joint and its controller.
-        new: half-gap in the first month, rad.
-        worn: half-gap in the last month, rad.
+        new, worn: half-gap in the first and in the last month, rad.
         months: how many.
         noise: peak-to-peak value of the uniform white noise, rps (eqs. 7.1 and 7.2).
         seed: the seed of the noise and the start angles.

@@ -235,14 +235,13 @@ def parse_window(text: str) -> tuple[float | None, float | None]:
     Raises:
         BenchError: for any other text, and for an end that is not after the beginning.
     """
-    first, colon, last = text.partition(":")
     try:
-        begin, end = (float(part) if part.strip() else None for part in (first, last))
-        known = bool(colon) and all(isfinite(value) for value in (begin, end) if value is not None)
+        begin, end = (float(part) if part.strip() else None for part in text.split(":"))
+        if not all(isfinite(value) for value in (begin, end) if value is not None):
+            raise ValueError(text)
     except ValueError:
-        known = False
-    if not known:
-        raise BenchError(f"{text!r} is not a window; give it in s as begin:end, such as 18.99:20.11, 2: or :10")
+        message = f"{text!r} is not a window; give it in s as begin:end, such as 18.99:20.11, 2: or :10"
+        raise BenchError(message) from None
     if begin is not None and end is not None and end <= begin:
         raise BenchError(f"the window {text!r} must end after it begins; give it in s as begin:end")
     return begin, end

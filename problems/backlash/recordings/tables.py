@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 # pandas is imported only for csv and parquet: its import takes longer than reading a spreadsheet without it.
 
+HEAD = 20  # the rows of a spreadsheet among which its headings are looked for
+
 UNITS = {
     "time": {"s": 1.0, "ms": 1e3, "us": 1e6},
     "speed": {"rps": 1.0, "rpm": 60.0, "rad/s": 2 * pi, "deg/s": 360.0},
@@ -79,9 +81,6 @@ def parse_heading(name: str) -> Heading:
 
 def _spelled(text: str) -> str:
     return text.strip().lower().replace("µ", "u").replace("μ", "u").replace("°", "deg")
-
-
-HEAD = 20  # the rows of a spreadsheet among which its headings are looked for
 
 
 @dataclass(frozen=True, eq=False)

@@ -250,12 +250,7 @@ def polynomial(coefficients: Sequence[float] | Floats) -> str:
 
 
 def calibrate(joint: Joint, half_gaps: Sequence[float], *, method: str = "monotone") -> Calibration:
-    """Return the calibration of a joint by one simulation for each half-gap in rad.
-
-    Args:
-        joint: the joint and its controller.
-        half_gaps: 2 to 100 half-gaps in rad, increasing.
-        method: "monotone" or "cubic", see :class:`Calibration`.
+    """Return the "monotone" or "cubic" calibration of a joint by a simulation of each of 2 to 100 half-gaps in rad.
 
     Raises:
         BenchError: for too few or too many half-gaps, half-gaps that do not increase, and a joint whose disturbance is

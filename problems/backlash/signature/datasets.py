@@ -1,6 +1,6 @@
 """Simulate recordings, such as the twenty of section 7.2.1 and, with noise, those of section 7.3.
 
-A signal is simulated on first use and kept in the user's cache, which is content-addressed: a file's name is a hash of
+A signal is simulated on first use and kept in ``$BENCH_CACHE`` or the user's cache folder. A file's name is a hash of
 everything that determines its content, the simulator's source included, so a changed simulator never reads old signals.
 A damaged file is detected by the checksums of its zip format and replaced.
 """
@@ -28,11 +28,6 @@ DEFAULT = Joint()
 RATE = 500.0  # Hz
 NOISES = ("low", "high")  # the levels of noise of section 7.3
 FIRST_SAMPLES = 100  # the number of first samples at which a noisy recording may start (section 7.3)
-
-
-def cache_folder() -> Path:
-    """Return the folder of cached signals: ``$BENCH_CACHE``, or the user's cache directory."""
-    return Path(os.environ.get("BENCH_CACHE") or user_cache_dir("backlash-bench"))
 
 
 @cache
@@ -85,13 +80,14 @@ def simulated(gap: float, joint: Joint = DEFAULT) -> Recording:
     Raises:
         BenchError: as :func:`problems.backlash.joint.simulate`.
     """
-    path = cache_folder() / f"joint-{_address(gap, joint)}.npz"
+    folder = Path(os.environ.get("BENCH_CACHE") or user_cache_dir("backlash-bench"))
+    path = folder / f"joint-{_address(gap, joint)}.npz"
     with suppress(Exception), np.load(path, allow_pickle=False) as stored:  # a damaged file may raise nearly anything
         if stored.zip.testzip() is None:
             return Recording(0.0, 1 / RATE, stored["speed"], peak=float(stored["peak"]), half_gap=gap)
     made = simulate(joint, half_gap=gap, duration=max(4.8, 2 * joint.turn), rate=RATE)
     with suppress(OSError, BenchError):  # a read-only cache is not an error
-        path.parent.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
         with replacing(path) as temporary:  # no worker reads half a file
             np.savez(temporary, speed=made.speed, peak=made.peak)
     return Recording(0.0, 1 / RATE, made.speed, peak=made.peak, half_gap=gap)

@@ -80,7 +80,12 @@ class SignatureFit(Problem):
         self.time = recording.time
         self.mean_rps = float(recording.speed.mean())
         self.signal: Floats = (recording.speed - self.mean_rps) * FACTOR[unit]  # r(t), (eq. 5.1)
-        self.expected = _expected(recording)
+        expected = {}
+        if recording.peak is not None:
+            expected["amplitude_rpm"] = (60.0 * recording.peak, TOLERANCE_RPM)
+        if recording.half_gap is not None:
+            expected["backlash_rad"] = (recording.half_gap, TOLERANCE_RAD)
+        self.expected = expected
         factor = float(amplitude_factor)
         self.lower, self.upper = box(self.time, self.signal, period=self.period, amplitude_factor=factor)
         self.replicas = 1 if single else 2 * int(turns)  # oscillations of the train, two a load turn
@@ -149,16 +154,6 @@ class SignatureFit(Problem):
     def fingerprint(self) -> str:
         """Return the SHA-256 of the samples, times and speeds."""
         return hashlib.sha256(self.time.tobytes() + self.signal.tobytes()).hexdigest()
-
-
-def _expected(recording: Recording) -> dict[str, tuple[float, float]]:
-    """Return the known true values of a recording by the names of the domain metrics."""
-    expected = {}
-    if recording.peak is not None:
-        expected["amplitude_rpm"] = (60.0 * recording.peak, TOLERANCE_RPM)
-    if recording.half_gap is not None:
-        expected["backlash_rad"] = (recording.half_gap, TOLERANCE_RAD)
-    return expected
 
 
 def _check_recording(name: str, recording: Recording, period: float, *, single: bool) -> None:

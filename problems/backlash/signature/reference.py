@@ -61,17 +61,8 @@ NEAR, NEAR_ENOUGH = 2, 1e-3  # a fit near another one: the samples searched to b
 
 
 def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool) -> Floats:
-    """Return the (7,) point of the lowest RMSE of a recording.
-
-    Args:
-        recording: the signal about its mean and its folded sums.
-        lower: (7,) lower bounds.
-        upper: (7,) upper bounds.
-        constrained: under the constraints of section 7.2.2 as well.
-    """
-    limit = limits(recording, lower, upper, constrained=constrained)
-    length = _longest(recording, limit)
-    sums = fold_sums(recording, length)
+    """Return the (7,) point of the lowest RMSE within the (7,) bounds and, if asked for, the constraints of 7.2.2."""
+    limit, length, sums = _prepared(recording, lower, upper, constrained=constrained)
     taus, omegas = np.geomspace(*limit.tau, TAUS), np.linspace(*limit.omega, OMEGAS)
     ceiling = _ceiling(recording.signal, sums, length)
     grid, most_yet = np.zeros((sums.n, OMEGAS, 2)), 0.0
@@ -107,9 +98,7 @@ def fit_near(recording: Folded, lower: Floats, upper: Floats, near: Floats, *, c
 
     The window may begin two samples earlier or later, and the search of tau and omega starts at those of ``near``.
     """
-    limit = limits(recording, lower, upper, constrained=constrained)
-    length = _longest(recording, limit)
-    sums = fold_sums(recording, length)
+    limit, length, sums = _prepared(recording, lower, upper, constrained=constrained)
     first = math.floor((near[T0] - recording.start + near[T1] + EDGE) / recording.dt) + 1
     starts = range(max(first - NEAR, 1), min(first + NEAR, limit.last) + 1)
     at, steps = near[[TAU, OMEGA]], np.array([1.0, 2.0])
@@ -118,9 +107,11 @@ def fit_near(recording: Folded, lower: Floats, upper: Floats, near: Floats, *, c
     return np.clip(_settle(best, recording, sums, limit, sweeps=None)[1], lower, upper)
 
 
-def _longest(recording: Folded, limit: Limits) -> int:
-    """Return the samples of the longest window."""
-    return min(math.ceil(limit.t2 / recording.dt), len(recording.signal))
+def _prepared(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool) -> tuple[Limits, int, Sums]:
+    """Return the limits of a fit, the samples of its longest window, and the sums folded for it."""
+    limit = limits(recording, lower, upper, constrained=constrained)
+    length = min(math.ceil(limit.t2 / recording.dt), len(recording.signal))
+    return limit, length, fold_sums(recording, length)
 
 
 class Window(NamedTuple):
