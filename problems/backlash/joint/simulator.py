@@ -200,11 +200,7 @@ def simulate(
 
 
 def with_noise(speed: Floats, noise: float, rng: np.random.Generator) -> Floats:
-    """Return the (n,) speed in rps with uniform white noise of a peak-to-peak value in rps (eqs. 7.1 and 7.2).
-
-    Raises:
-        BenchError: for a noise that is negative or not finite.
-    """
+    """Return the (n,) speed in rps with uniform white noise of a finite peak-to-peak value in rps (eqs. 7.1, 7.2)."""
     if not (is_finite(noise) and noise >= 0):
         raise BenchError(f"simulate: the noise must be finite and not negative, but it is {noise!r} rps.")
     return speed + noise * rng.uniform(-0.5, 0.5, len(speed))

@@ -32,11 +32,7 @@ def check_output(path: Path, kinds: tuple[str, ...], *, force: bool) -> None:
 
 
 def write_recording(path: Path, time: Floats, speed: Floats) -> None:
-    """Write (n,) instants in s and (n,) motor speeds in rps as csv, xlsx or parquet, by the suffix of the path.
-
-    Raises:
-        BenchError: where the file cannot be written.
-    """
+    """Write (n,) instants in s and (n,) motor speeds in rps as csv, xlsx or parquet, by the suffix of the path."""
     with replacing(path) as temporary:
         if path.suffix.lower() == ".csv":
             rows = np.column_stack([time, speed])

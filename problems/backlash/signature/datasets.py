@@ -20,7 +20,7 @@ from bench.atomic import replacing
 from bench.errors import BenchError
 from bench.numbers import require_whole
 from problems.backlash import LEVELS
-from problems.backlash.joint import Joint, half_gap, parameters, simulate, simulator
+from problems.backlash.joint import Joint, half_gap, parameters, simulate, simulator, with_noise
 from problems.backlash.recordings import Recording
 
 DEFAULT = Joint()
@@ -68,8 +68,7 @@ def noisy(level: int, noise: str = "low", draw: int = 0) -> Recording:
     if not level:  # of this dataset only the length is used
         clean = Recording(0.0, clean.dt, np.full_like(clean.speed, DEFAULT.nominal_speed), peak=0.0)
     cut = int(rng.integers(FIRST_SAMPLES))
-    added = peak_to_peak(level, noise) * (rng.random(len(clean.speed)) - 0.5)
-    return replace(clean, speed=(clean.speed + added)[cut:])
+    return replace(clean, speed=with_noise(clean.speed, peak_to_peak(level, noise), rng)[cut:])
 
 
 def simulated(gap: float, joint: Joint = DEFAULT) -> Recording:
