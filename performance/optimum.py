@@ -14,7 +14,7 @@ from time import perf_counter
 import numpy as np
 
 import bench
-from problems.backlash.levels import LEVELS
+from problems.backlash import LEVELS
 from problems.backlash.signature.problem import FOUND
 
 OPTIMIZERS = [

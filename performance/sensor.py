@@ -17,7 +17,7 @@ import pandas as pd
 from problems.backlash.joint import simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.estimate import EARLY_RAD, Settings, estimate
-from problems.backlash.signature.noise import noisy, peak_to_peak
+from problems.backlash.signature.datasets import noisy, peak_to_peak
 
 
 def main() -> None:

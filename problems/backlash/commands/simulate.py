@@ -81,7 +81,7 @@ def simulate(
     """
     from problems.backlash.joint import half_gap as half_gap_of
     from problems.backlash.joint import load_joint
-    from problems.backlash.joint.parameter_files import joint_text
+    from problems.backlash.joint.parameters import joint_text
     from problems.backlash.joint.writing import KINDS, check_output
 
     if level is not None and half_gap is not None:

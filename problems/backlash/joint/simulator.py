@@ -20,8 +20,6 @@ from bench.numbers import is_finite, require_positive, require_whole
 from bench.problem import Floats
 from problems.backlash.joint.parameters import Joint
 
-Value = Any  # a number or an array
-
 STEP = 5e-5  # s; the largest step where the caller gives none
 LARGEST_STEP = 1e-3  # s; beyond it RK4 is unstable on the default joint's fast poles
 MOST_STEPS = 4_000_000  # 200 s at STEP, which need some 600 MB
@@ -30,49 +28,47 @@ DEFAULT = Joint()
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """The recorded motion at every integration step; arrays of shape (m,), m = duration / step + 1."""
+    """The recorded motion at every integration step; arrays of shape (m,), m = duration / step + 1.
+
+    Attributes:
+        time: s, from 0.
+        speed: true motor speed, rps.
+        load_angle: theta_l, rad, without reduction to one turn; 0 hangs down.
+        dtheta: angle across the transmission, seen from the load, rad (eq. 4.1). The gap is open where it is smaller
+            than the half-gap.
+        domega: speed across the transmission, seen from the load, rad/s (eq. 4.2).
+        load_torque: tau_l, the torque that the transmission applies to the load, N m (eq. 4.6).
+    """
 
     time: Floats
-    """s, from 0."""
-
     speed: Floats
-    """True motor speed, rps."""
-
     load_angle: Floats
-    """theta_l, rad, without reduction to one turn; 0 hangs down."""
-
     dtheta: Floats
-    """Angle across the transmission, seen from the load, rad (eq. 4.1). The gap is open where |dtheta| < half_gap."""
-
     domega: Floats
-    """Speed across the transmission, seen from the load, rad/s (eq. 4.2)."""
-
     load_torque: Floats
-    """tau_l, the torque that the transmission applies to the load, N m (eq. 4.6)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """The result of `simulate`: the sampled speed, the peak of the disturbance and the motion before sampling."""
+    """The result of `simulate`: the sampled speed, the peak of the disturbance and the motion before sampling.
 
-    time: Floats
-    """(n,) sampling instants, s, from 0."""
-
-    speed: Floats
-    """(n,) motor speed, rps: the exact speed, or the encoder's."""
-
-    peak: float
-    """Positive peak of the true speed's deviation from the reference, rps: the "expected A" of thesis Table 7.3.
-
-    It is taken in the last load turn, where the start has died away, and before sampling, which loses up to 3.4 %.
+    Attributes:
+        time: (n,) sampling instants, s, from 0.
+        speed: (n,) motor speed, rps: the exact speed, or the encoder's.
+        peak: positive peak of the true speed's deviation from the reference, rps: the "expected A" of thesis Table 7.3.
+            It is taken in the last load turn, where the start has died away, and before sampling, which loses up to
+            3.4 %.
+        fine: the motion before sampling.
     """
 
+    time: Floats
+    speed: Floats
+    peak: float
     fine: Trajectory
-    """The motion before sampling."""
 
 
 @njit(cache=True, error_model="numpy")
-def gap_torque(dtheta: Value, domega: Value, delta: float, Ks: float, Ds: float, alpha: float) -> Value:
+def gap_torque(dtheta: Any, domega: Any, delta: float, Ks: float, Ds: float, alpha: float) -> Any:
     """Return tau_l in N m of the modified dead zone; dtheta (rad) and domega (rad/s) are scalars or arrays."""
     K = Ks / np.pi * (np.pi + np.arctan(alpha * (dtheta - delta)) - np.arctan(alpha * (dtheta + delta)))  # (4.5)
     return (dtheta - delta * np.sign(dtheta) + Ds / Ks * domega) * K  # (4.6)
@@ -172,14 +168,15 @@ def simulate(
         raise BenchError(f"simulate: half_gap must be finite and not negative, but it is {half_gap!r} rad.")
     if not is_finite(start_angle):
         raise BenchError(f"simulate: start_angle must be finite, but it is {start_angle!r} rad.")
+    lead = 0
     if encoder_bits is not None:
         require_whole("simulate: encoder_bits", encoder_bits, 1, 32)
-        if skip < stride:
+        lead = stride  # the encoder's first difference reaches one sample back
+        if skip < lead:
             raise BenchError(
                 f"simulate: with an encoder, settle must be at least one sampling period, but it is {settle!r} s."
             )
 
-    lead = 0 if encoder_bits is None else stride  # the encoder's first difference reaches one sample back
     omega_l = joint.omega_ref / joint.gear_ratio
     theta0 = start_angle - omega_l * (skip * step)
     keep = lead + (samples - 1) * stride + 1
@@ -203,11 +200,7 @@ def simulate(
 
 
 def with_noise(speed: Floats, noise: float, rng: np.random.Generator) -> Floats:
-    """Return the (n,) speed in rps with uniform white noise of a peak-to-peak value in rps (eqs. 7.1 and 7.2).
-
-    Raises:
-        BenchError: for a noise that is negative or not finite.
-    """
+    """Return the (n,) speed in rps with uniform white noise of a finite peak-to-peak value in rps (eqs. 7.1, 7.2)."""
     if not (is_finite(noise) and noise >= 0):
         raise BenchError(f"simulate: the noise must be finite and not negative, but it is {noise!r} rps.")
     return speed + noise * rng.uniform(-0.5, 0.5, len(speed))
@@ -241,13 +234,7 @@ def _trajectory(joint: Joint, delta: float, start_angle: float, step: float, sta
     q, dq, p, dp, _ = states.T
     N = joint.gear_ratio
     time = step * np.arange(len(states), dtype=np.float64)
-    dtheta = q / N - p  # (4.1)
-    domega = dq / N - dp  # (4.2)
-    return Trajectory(
-        time=time,
-        speed=joint.nominal_speed + dq / (2 * pi),
-        load_angle=start_angle + joint.omega_ref / N * time + p,
-        dtheta=dtheta,
-        domega=domega,
-        load_torque=gap_torque(dtheta, domega, delta, joint.stiffness, joint.damping, joint.sharpness),
-    )
+    speed, load_angle = joint.nominal_speed + dq / (2 * pi), start_angle + joint.omega_ref / N * time + p
+    dtheta, domega = q / N - p, dq / N - dp  # (4.1), (4.2)
+    torque = gap_torque(dtheta, domega, delta, joint.stiffness, joint.damping, joint.sharpness)
+    return Trajectory(time, speed, load_angle, dtheta, domega, torque)

@@ -12,9 +12,8 @@ not measured on a gear.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,16 +25,11 @@ from problems.backlash.joint.simulator import simulate, with_noise
 
 MOST_MONTHS = 240
 FIRST_YEAR = 2024
-
-RUN_IN, STEADY, ACCELERATED = 0.15, 0.45, 0.40
-"""The share of each phase in the total wear."""
-
-RUN_IN_TIME, ONSET = 0.05, 0.70
-"""The time constant of running-in and the onset of accelerated wear, as parts of the life."""
+RUN_IN, STEADY, ACCELERATED = 0.15, 0.45, 0.40  # the share of each phase in the total wear
+RUN_IN_TIME, ONSET = 0.05, 0.70  # the time constant of running-in, the onset of accelerated wear: parts of the life
 
 
-@dataclass(frozen=True, eq=False)
-class Month:
+class Month(NamedTuple):
     """A month's recording and the truth behind it.
 
     Attributes:
@@ -92,8 +86,7 @@ def monthly_recordings(
 
     Args:
         joint: the joint and its controller.
-        new: half-gap in the first month, rad.
-        worn: half-gap in the last month, rad.
+        new, worn: half-gap in the first and in the last month, rad.
         months: how many.
         noise: peak-to-peak value of the uniform white noise, rps (eqs. 7.1 and 7.2).
         seed: the seed of the noise and the start angles.

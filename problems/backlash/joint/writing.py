@@ -10,17 +10,13 @@ from bench.atomic import replacing
 from bench.errors import BenchError, require
 from bench.problem import Floats
 
-KINDS = (".csv", ".xlsx", ".parquet")
-"""The kinds of recording files."""
+KINDS = (".csv", ".xlsx", ".parquet")  # of recording files
 
 
 def check_output(path: Path, kinds: tuple[str, ...], *, force: bool) -> None:
-    """Raise BenchError for a path that cannot be written, as far as a check before the work can detect it.
+    """Raise BenchError for a file that cannot be written, as far as a check before the work can detect it.
 
-    Args:
-        path: the file.
-        kinds: the suffixes it may have.
-        force: whether an existing file may be replaced.
+    It must end in one of ``kinds``; with ``force`` it may exist.
     """
     kind = path.suffix.lower()
     if kind not in kinds:
@@ -36,11 +32,7 @@ def check_output(path: Path, kinds: tuple[str, ...], *, force: bool) -> None:
 
 
 def write_recording(path: Path, time: Floats, speed: Floats) -> None:
-    """Write (n,) instants in s and (n,) motor speeds in rps as csv, xlsx or parquet, by the suffix of the path.
-
-    Raises:
-        BenchError: where the file cannot be written.
-    """
+    """Write (n,) instants in s and (n,) motor speeds in rps as csv, xlsx or parquet, by the suffix of the path."""
     with replacing(path) as temporary:
         if path.suffix.lower() == ".csv":
             rows = np.column_stack([time, speed])

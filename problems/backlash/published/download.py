@@ -5,16 +5,15 @@ from __future__ import annotations
 import hashlib
 import os
 import shutil
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from typing import NamedTuple
 from urllib.parse import quote, urlsplit
 
 from platformdirs import user_data_dir
 
+from bench.atomic import replacing
 from bench.errors import BenchError
 
 REPOSITORY = "ElianaGiovannitti/Backlash-estimation"
@@ -26,8 +25,7 @@ VARIABLE = "BENCH_PUBLISHED_DATA"
 TIMEOUT = 30  # s without an answer
 
 
-@dataclass(frozen=True)
-class File:
+class File(NamedTuple):
     """A published file: its path in the authors' repository and the SHA-256 of its bytes."""
 
     path: str
@@ -42,7 +40,7 @@ class File:
 @cache
 def registry() -> dict[str, File]:
     """Return the published files by name, the eleven small ones without noise first."""
-    lines = files("problems.backlash.published").joinpath("registry.txt").read_text(encoding="utf-8").splitlines()
+    lines = Path(__file__).with_name("registry.txt").read_text(encoding="utf-8").splitlines()
     known = [File(path, sha256) for sha256, _, path in (line.partition("  ") for line in lines if line[0] != "#")]
     return {file.name: file for file in sorted(known, key=lambda file: "/" in file.path)}
 
@@ -59,26 +57,16 @@ def look_up(file: File, folder: Path) -> tuple[Path | None, bool]:
         BenchError: for a file that cannot be read.
     """
     found = None
-    for path in _named(file.name, folder):
-        if _sha256(path) == file.sha256:
-            return path, True
-        found = found or path
+    for search in (folder.glob, folder.rglob):  # those of a clone lie deeper
+        for path in filter(Path.is_file, sorted(search(file.name))):
+            try:
+                digest = hashlib.sha256(path.read_bytes()).hexdigest()
+            except OSError as error:
+                raise BenchError(f"{path} cannot be read: {error.strerror}") from error
+            if digest == file.sha256:
+                return path, True
+            found = found or path
     return found, False
-
-
-def _named(name: str, folder: Path) -> Iterator[Path]:
-    """Yield the files of that name, first the one directly in the folder: those of a clone lie deeper."""
-    own = folder / name
-    if own.is_file():
-        yield own
-    yield from (path for path in sorted(folder.rglob(name)) if path != own and path.is_file())
-
-
-def _sha256(path: Path) -> str:
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError as error:
-        raise BenchError(f"{path} cannot be read: {error.strerror}") from error
 
 
 def require(name: str) -> Path:
@@ -144,12 +132,9 @@ def copy(source: Path, to: Path, *, on_file: Callable[[str], None] = lambda _: N
     for file, (path, whole) in found.items():
         if path is None or not whole or look_up(file, to)[1]:
             continue
-        try:
+        with replacing(to / file.name) as temporary:  # an interrupted copy must not look like a published file
             to.mkdir(parents=True, exist_ok=True)
-            with TemporaryDirectory(dir=to) as place:  # an interrupted copy must not look like a published file
-                shutil.copyfile(path, Path(place) / file.name).replace(to / file.name)
-        except OSError as error:
-            raise BenchError(f"{to / file.name} cannot be written: {error.strerror}") from error
+            shutil.copyfile(path, temporary)
         on_file(file.name)
     refused = [str(path) for path, whole in found.values() if path is not None and not whole]
     if refused:

@@ -22,29 +22,14 @@ from bench.problem import Floats
 from problems.backlash.recordings.recording import Recording
 from problems.backlash.recordings.screen import SAMPLES_A_TURN
 
-RATE = 250.0
-"""Hz; the signal is averaged down to this sampling rate or a little more, enough for the harmonics up to BAND."""
-
-BAND = 50.0
-"""Hz; the disturbance rings at up to 40 Hz (Table 7.1)."""
-
-LONGEST = 8_192
-"""The most averaged samples that are used, from the start of the recording on: 33 s at least."""
-
-LONGEST_PERIOD = 20.0
-"""s; the longest load turn that the search covers."""
-
-FEWEST_TURNS = 2.0
-"""The load turns that a recording must hold for the search to find its period."""
-
-STRONGEST = 24
-"""The number of harmonics that make a period exact, the strongest ones."""
-
-CLAIM = 12.0
-"""The gain in log-likelihood, after Schwarz's allowance, from which on a period is reported."""
-
-FLOOR = 0.02
-"""The smallest part of the signal's energy that counts as noise: the steps of the search miss so much of a period."""
+RATE = 250.0  # Hz; the signal is averaged down to this sampling rate or a little more, for the harmonics up to BAND
+BAND = 50.0  # Hz; the disturbance rings at up to 40 Hz (Table 7.1)
+LONGEST = 8_192  # the most averaged samples that are used, from the start of the recording on: 33 s at least
+LONGEST_PERIOD = 20.0  # s; the longest load turn that the search covers
+FEWEST_TURNS = 2.0  # the load turns that a recording must hold for the search to find its period
+STRONGEST = 24  # the number of harmonics that make a period exact, the strongest ones
+CLAIM = 12.0  # the gain in log-likelihood, after Schwarz's allowance, from which on a period is reported
+FLOOR = 0.02  # the smallest part of the signal's energy that counts as noise: a search misses so much of a period
 
 
 @dataclass(frozen=True)
@@ -67,9 +52,7 @@ class Period:
     whole: bool
 
 
-def find_period(
-    recording: Recording, *, gear_ratio: float | None = None, nominal: float | None = None
-) -> Period | None:
+def find_period(recording: Recording, *, gear_ratio: float | None = None) -> Period | None:
     """Return the time of one load turn, or None where the signal shows none.
 
     With the gear ratio, motor turns per load turn, it is the ratio over the mean speed: always known, and exact where
@@ -80,22 +63,16 @@ def find_period(
     Args:
         recording: the recording, at a steady speed.
         gear_ratio: motor turns per load turn.
-        nominal: the approximate period in s, to search within 20 % of it only.
 
     Raises:
-        BenchError: for a gear ratio or a nominal period that is not a positive number, and for a mean speed of 0.
+        BenchError: for a gear ratio that is not a positive number, and for a mean speed of 0.
     """
-    for name, value in (("gear ratio", gear_ratio), ("nominal period", nominal)):
-        if value is not None:
-            require_positive(f"the {name}", value)
     spectrum = _Spectrum(recording)
     if gear_ratio is not None:
+        require_positive("the gear ratio", gear_ratio)
         seconds, error, source = *_from_speed(recording, gear_ratio), "gear ratio"
     else:
-        limits = (SAMPLES_A_TURN * recording.dt, LONGEST_PERIOD)
-        if nominal is not None:
-            limits = (nominal / 1.2, nominal * 1.2)
-        frequency = spectrum.search(*limits)
+        frequency = spectrum.search(SAMPLES_A_TURN * recording.dt)
         if frequency is None:
             return None
         seconds, error, source = *spectrum.refine(frequency), "signal"
@@ -156,9 +133,9 @@ class _Spectrum:
             gain[likely] = np.where(odd[likely] > 3 * even, gain[likely], -np.inf)  # slow noise has both
         return gain, np.clip((part - chance) / (1 - chance), 0.0, 1.0)
 
-    def search(self, shortest: float, longest: float) -> float | None:
-        """Return 1/T_f in Hz of the best period between two limits in s; None where no period beats noise."""
-        longest = min(longest, self._duration / FEWEST_TURNS)
+    def search(self, shortest: float) -> float | None:
+        """Return 1/T_f in Hz of the best period from a limit in s on; None where no period beats noise."""
+        longest = min(LONGEST_PERIOD, self._duration / FEWEST_TURNS)
         shortest = max(shortest, 3 / self._band)
         if not shortest < longest:
             return None

@@ -13,26 +13,16 @@ from numpy.typing import NDArray
 from bench.errors import BenchError
 from bench.problem import Floats
 from problems.backlash.recordings.recording import Recording, spell
-from problems.backlash.recordings.units import POSITION, SPEED
+from problems.backlash.recordings.tables import UNITS
 
-FASTEST = 1000.0
-"""rps; no joint's motor turns at 60,000 rpm."""
-
-STEADY = 0.2
-"""The largest deviation of a steady speed, as a part of the mean speed; the disturbance is a few percent of it."""
-
-FAR = 1.25
-"""The factor by which the mean speed may differ from the nominal one."""
-
-SAMPLES_A_TURN = 20
-"""The fewest samples in one load turn: the disturbance rings several times a turn."""
-
-RUN = 3
-"""The fewest successive samples at the extreme that may be a clipped peak."""
-
+FASTEST = 1000.0  # rps; no joint's motor turns at 60,000 rpm
+STEADY = 0.2  # the largest deviation of a steady speed, as a part of the mean; the disturbance is a few percent of it
+FAR = 1.25  # the factor by which the mean speed may differ from the nominal one
+SAMPLES_A_TURN = 20  # the fewest samples in one load turn: the disturbance rings several times a turn
+RUN = 3  # the fewest successive samples at the extreme that may be a clipped peak
+# Steps of resolution by which a clipped peak's neighbours lie below it. A round peak, of which n >= 3 samples are
+# rounded to one value, falls by at most ((n + 1) / (n - 1))**2 + 1 <= 5 steps beside them.
 DROP = 6.0
-"""Steps of resolution by which a clipped peak's neighbours lie below it. A round peak, of which n >= 3 samples are
-rounded to one value, falls by at most ((n + 1) / (n - 1))**2 + 1 <= 5 steps beside them."""
 
 
 def screen(recording: Recording, *, nominal_rps: float | None = None, period: float | None = None) -> None:
@@ -66,7 +56,7 @@ def drift(recording: Recording) -> float:
 
     A drift is small up to half of the speed's range about a straight line.
     """
-    speed = _without_spikes(recording.speed)
+    speed = _running_median(recording.speed)
     time = np.linspace(-0.5, 0.5, len(speed))
     change = float(np.polynomial.polynomial.polyfit(time, speed, 1)[1])
     low, high = np.quantile(speed - change * time, (0.05, 0.95))
@@ -79,12 +69,13 @@ def steady_window(recording: Recording) -> tuple[float, float] | None:
     A speed is steady that stays within 20 % of its level. The ends are cut back to where the speed does not leave the
     range of the part's middle half by more than that range itself.
     """
-    speed = _without_spikes(recording.speed)
-    best = (0, 0)
+    speed = _running_median(recording.speed)
+    first = end = 0
     for level in np.quantile(speed, np.linspace(0.025, 0.975, 20)):
-        run = _longest_run(np.abs(speed - level) <= STEADY * abs(level))
-        best = max(best, run, key=lambda ends: ends[1] - ends[0])
-    first, end = best
+        starts, ends = _runs(np.abs(speed - level) <= STEADY * abs(level))
+        if (ends - starts).max(initial=0) > end - first:
+            longest = np.argmax(ends - starts)
+            first, end = int(starts[longest]), int(ends[longest])
     quarter = (end - first) // 4
     middle = speed[first + quarter : end - quarter]
     if len(middle) < 2:
@@ -92,8 +83,8 @@ def steady_window(recording: Recording) -> tuple[float, float] | None:
     low, high = middle.min(), middle.max()
     margin = max(high - low, 0.01 * abs(high))
     ok = (speed[first:end] >= low - margin) & (speed[first:end] <= high + margin)
-    before, after = ~ok[: quarter + 1], ~ok[::-1][: quarter + 1]
-    first, end = first + _last(before), end - _last(after)
+    before, after = (np.flatnonzero(~side[: quarter + 1]) for side in (ok, ok[::-1]))
+    first, end = first + before.max(initial=-1) + 1, end - after.max(initial=-1) - 1
     time = recording.time
     return float(time[first]), float(time[end - 1])
 
@@ -113,7 +104,7 @@ def screen_values(recording: Recording) -> None:
 
 def _screen_unit(recording: Recording, nominal_rps: float | None) -> None:
     speed = float(np.median(np.abs(recording.speed)))
-    units = next(units for units in (SPEED, POSITION) if recording.unit in units)
+    units = next(units for units in (UNITS["speed"], UNITS["position"]) if recording.unit in units)
     if nominal_rps is None:
         if speed > FASTEST:
             raise BenchError(
@@ -136,7 +127,7 @@ def _screen_unit(recording: Recording, nominal_rps: float | None) -> None:
 
 
 def _screen_steadiness(recording: Recording) -> None:
-    speed = _without_spikes(recording.speed)
+    speed = _running_median(recording.speed)
     level = float(np.median(speed))
     off = np.abs(speed - level) > STEADY * abs(level)
     if not off.any():
@@ -202,8 +193,7 @@ def _clipped(speed: Floats) -> tuple[int, int] | None:
         return None
     step = float(gaps.min())
     at_top = speed >= top - tiny
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], at_top, [False]))))
-    starts, ends = edges[::2], edges[1::2]
+    starts, ends = _runs(at_top)
     padded = np.concatenate(([-np.inf], speed, [-np.inf]))
     jumps = top - np.maximum(padded[starts], padded[ends + 1])  # of the nearer neighbour
     flat = (ends - starts >= RUN) & (jumps > DROP * step)
@@ -251,28 +241,17 @@ def _warn_of_turns(recording: Recording, period: float | None) -> Iterator[str]:
         yield f"the recording holds {held:g} load turn{'s' * (held != 1)}; three or more make an estimate firmer"
 
 
-def _without_spikes(speed: Floats) -> Floats:
-    """Return the running median of five samples, which removes one or two bad samples in a row."""
-    return _running_median(speed, 5)
+def _running_median(values: Floats, size: int = 5) -> Floats:
+    """Return the (N,) medians of the ``size`` values about each one; the first and the last value are continued.
 
-
-def _running_median(values: Floats, size: int) -> Floats:
-    """Return the (N,) medians of the ``size`` values about each one; the first and the last value are continued."""
+    A median of five removes one or two bad samples in a row.
+    """
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, size // 2, mode="edge"), size)
     medians: Floats = np.partition(windows, size // 2, axis=1)[:, size // 2]
     return medians
 
 
-def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return the first index of the longest run of true flags, and the index after its last."""
+def _runs(flags: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the first index of each run of true flags, and the index after its last."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False]))))
-    starts, ends = edges[::2], edges[1::2]
-    if not len(starts):
-        return 0, 0
-    longest = int(np.argmax(ends - starts))
-    return int(starts[longest]), int(ends[longest])
-
-
-def _last(flags: NDArray[np.bool_]) -> int:
-    """Return the number of flags up to the last true one."""
-    return int(np.flatnonzero(flags)[-1]) + 1 if flags.any() else 0
+    return edges[::2], edges[1::2]

@@ -1,30 +1,86 @@
-"""Read the columns of a csv or other text file, a spreadsheet (xlsx) or a parquet file."""
+"""Read the columns of a csv or other text file, a spreadsheet (xlsx) or a parquet file, and their units."""
 
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from io import BytesIO, StringIO
 from itertools import takewhile
-from math import isfinite, nan
+from math import isfinite, nan, pi
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from bench.errors import BenchError, require
 from bench.problem import Floats
-from problems.backlash.recordings.units import is_unit
 
 if TYPE_CHECKING:
     import pandas as pd
 
 # pandas is imported only for csv and parquet: its import takes longer than reading a spreadsheet without it.
 
-HEAD = 20
-"""The rows of a spreadsheet among which its headings are looked for."""
+HEAD = 20  # the rows of a spreadsheet among which its headings are looked for
+
+UNITS = {
+    "time": {"s": 1.0, "ms": 1e3, "us": 1e6},
+    "speed": {"rps": 1.0, "rpm": 60.0, "rad/s": 2 * pi, "deg/s": 360.0},
+    "position": {"rev": 1.0, "rad": 2 * pi, "deg": 360.0},
+}
+"""By the role of a column, the number of each unit in one second, one turn per second, and one turn."""
+
+WORDS = tomllib.loads(Path(__file__).with_name("headings.toml").read_text(encoding="utf-8"))
+_UNITS = {spelling: unit for unit, others in WORDS["units"].items() for spelling in (unit, *others)}
+_SUFFIX = re.compile(r"(?:^|[\s_/,])(" + "|".join(map(re.escape, sorted(_UNITS, key=len, reverse=True))) + r")\)?$")
+_BRACKET = re.compile(r"([\[(])([^\[\]()]*)[\])]$")
+
+
+class Heading(NamedTuple):
+    """The role and the unit of a column according to its heading.
+
+    Attributes:
+        role: "time", "speed", "position", or "" for any other column.
+        rank: among several columns of a role, the one with the lowest rank is likeliest to be the motor's.
+        plain: the heading without its unit, in lower case.
+        unit: the unit that it names, or None.
+        unknown: a unit in square brackets that is not in ``UNITS``, or "".
+    """
+
+    role: str
+    rank: tuple[bool, bool, int]
+    plain: str
+    unit: str | None
+    unknown: str
+
+
+def is_unit(text: str) -> bool:
+    """Return whether the text is a unit and nothing else, in brackets or not."""
+    return _spelled(text).strip("[]() ") in _UNITS
+
+
+def parse_heading(name: str) -> Heading:
+    """Return the role and unit of a heading such as ``speed_rpm``, ``Drehzahl [1/min]`` or ``v (rad/s)``."""
+    text, unit, unknown = _spelled(name), None, ""
+    bracket = _BRACKET.search(text)
+    if bracket and bracket[2].strip() in _UNITS:
+        text, unit = text[: bracket.start()], _UNITS[bracket[2].strip()]
+    elif bracket and bracket[1] == "[":  # round brackets hold remarks as well
+        text, unknown = text[: bracket.start()], bracket[2].strip("- ")
+    elif suffix := _SUFFIX.search(text):
+        text, unit = text[: suffix.start()], _UNITS[suffix[1]]
+    words = re.findall(r"[^\W\d_]+", text)
+    role = next((role for role, known in WORDS["roles"].items() if {*known} & {*words}), "")
+    if not words and unit is not None:  # a column called "rpm"
+        role = next(role for role, units in UNITS.items() if unit in units)
+    motor, other = (bool({*WORDS["origins"][origin]} & {*words}) for origin in ("motor", "other"))
+    rank = (other, not motor, len(words))
+    return Heading(role, rank, text.strip(" _/,"), unit, unknown)
+
+
+def _spelled(text: str) -> str:
+    return text.strip().lower().replace("µ", "u").replace("μ", "u").replace("°", "deg")
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +162,7 @@ def _xlsx(path: Path) -> Table:
     return Table(
         _names(head[:above], width),
         range(above + 1, len(rows) + 1),
-        lambda column: np.array([_number(row[column]) for row in rows[above:]]),
+        lambda column: np.array([_number(_plain(row[column])) for row in rows[above:]]),
     )
 
 
@@ -138,18 +194,17 @@ def _parquet(path: Path) -> Table:
     return _frame_table(tuple(map(str, cells.columns)), cells)
 
 
-def _frame_table(names: tuple[str, ...], cells: pd.DataFrame) -> Table:
+def _frame_table(names: tuple[str, ...], frame: pd.DataFrame) -> Table:
     """Return the table of a frame, whose index holds the numbers of the lines."""
-    return Table(names, cells.index.tolist(), partial(_frame_numbers, cells))
-
-
-def _frame_numbers(frame: pd.DataFrame, column: int) -> Floats:
     import pandas as pd
 
-    cells = frame.iloc[:, column]
-    if not pd.api.types.is_numeric_dtype(cells):
-        cells = pd.to_numeric(cells.astype(str).map(_plain, na_action="ignore"), errors="coerce")
-    return cells.to_numpy(dtype=float, na_value=np.nan)
+    def numbers(column: int) -> Floats:
+        cells = frame.iloc[:, column]
+        if not pd.api.types.is_numeric_dtype(cells):
+            cells = pd.to_numeric(cells.astype(str).map(_plain, na_action="ignore"), errors="coerce")
+        return cells.to_numpy(dtype=float, na_value=np.nan)
+
+    return Table(names, frame.index.tolist(), numbers)
 
 
 READERS: dict[str, Callable[[Path], Table]] = {".csv": _text, ".txt": _text, ".xlsx": _xlsx, ".parquet": _parquet}
@@ -164,25 +219,21 @@ def _names(headings: Any, width: int) -> tuple[str, ...]:
     return tuple(last[i] or str(i + 1) for i in range(width))
 
 
-def _plain(cell: str) -> str:
-    """Return a cell without blanks and quotes, its decimal comma a point where it is a number."""
+def _plain(cell: Any) -> Any:
+    """Return a text without blanks and quotes, its decimal comma a point where it is a number."""
+    if not isinstance(cell, str):
+        return cell
     cell = cell.strip(" '\"\t")
-    return cell.replace(",", ".") if DECIMAL.fullmatch(cell) else cell
-
-
-DECIMAL = re.compile(r"[-+]?\d*,\d*(?:[eE][-+]?\d+)?")
+    return cell.replace(",", ".") if re.fullmatch(r"[-+]?\d*,\d*(?:[eE][-+]?\d+)?", cell) else cell
 
 
 def _is_number(cell: str) -> bool:
-    try:
-        return isfinite(float(cell))
-    except ValueError:
-        return False
+    return isfinite(_number(cell))
 
 
 def _number(cell: Any) -> float:
-    """Return the number in a spreadsheet's cell, NaN for any other content."""
+    """Return the number in a cell, NaN for any other content."""
     try:
-        return float(_plain(cell) if isinstance(cell, str) else cell)
+        return float(cell)
     except (TypeError, ValueError, OverflowError):
         return nan

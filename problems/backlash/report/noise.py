@@ -12,11 +12,11 @@ from bench.analysis import labels
 from bench.plots import style
 from bench.report import Figure, Part, Section, Table
 from bench.report.wording import count, listing
-from problems.backlash.published.table_7_3 import TABLE_7_3
+from problems.backlash.published.recordings import table_7_3
 from problems.backlash.report.accuracy import estimates
 from problems.backlash.report.fitting_errors import conditions
 from problems.backlash.sensor.estimate import Settings, infer_backlash
-from problems.backlash.signature.noise import NOISES, peak_to_peak
+from problems.backlash.signature.datasets import NOISES, peak_to_peak
 from problems.backlash.signature.problem import SignatureFit
 
 TITLE = "Noise sensitivity (thesis Table 7.3)"
@@ -86,7 +86,7 @@ def relative(error: pd.Series[float], theoretical: pd.Series[float]) -> pd.Serie
 
 def published() -> pd.DataFrame:
     """Return Table 7.3 as printed, by dataset: theoretical, noise, mean, stdev (rps) and error (percent)."""
-    table = pd.DataFrame.from_dict(TABLE_7_3, orient="index", columns=list(COLUMNS))
+    table = pd.DataFrame.from_dict(table_7_3(), orient="index", columns=list(COLUMNS))
     return table.rename_axis("dataset").astype(float)
 
 
@@ -154,7 +154,7 @@ def _compared(who: str, what: str, rows: pd.DataFrame) -> list[str]:
 def _without_backlash(who: str, rows: pd.DataFrame) -> list[str]:
     found = rows.loc[rows["dataset"] == 0, "mean"]
     return [
-        f"Without backlash {who} of {value:.4f} rps (published {TABLE_7_3[0].mean:.4f} at low noise), which is "
+        f"Without backlash {who} of {value:.4f} rps (published {table_7_3()[0].mean:.4f} at low noise), which is "
         f"{'within' if value <= HEALTHY else 'above'} the {HEALTHY:g} rps asked for."
         for value in found
     ]
@@ -227,7 +227,7 @@ def figure(cells: pd.DataFrame, best: pd.DataFrame) -> Figure:
         for number, (label, look) in enumerate(looks.items(), start=1):
             rows = own[own["optimizer"] == label]
             _points(ax, rows, look.marker, look.color, style.plain(label), 0.012 * number)
-        theirs = published().loc[sorted(set(own["dataset"]) & set(TABLE_7_3))]
+        theirs = published().loc[sorted(set(own["dataset"]) & set(table_7_3()))]
         _points(ax, theirs, "o", "0.45", THESIS, -0.012)
         fits = best[best["noise level"] == noise]
         ax.plot(fits["theoretical"], fits["mean"], "_", color="black", markersize=6, label=BEST)

@@ -11,11 +11,9 @@ own disturbances, which can be simulated as well: see :mod:`problems.backlash.se
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -25,23 +23,17 @@ import tomli_w
 from bench.atomic import replacing
 from bench.errors import BenchError, nearest
 from bench.problem import Floats
+from problems.backlash import LEVELS
 from problems.backlash.joint import Joint, half_gap
-from problems.backlash.joint.parameter_files import described
-from problems.backlash.levels import LEVELS
+from problems.backlash.joint.parameters import described, read_toml
 from problems.backlash.signature.datasets import DEFAULT, simulated
-from problems.backlash.signature.interpolation import Pchip
 
+# The thesis's own cubic of levels 2 to 11, in 1e-6 rad by powers of the amplitude in rpm, the third one first.
 EQUATION_4_7 = (-0.0018, 0.4323, 9.2524, 34.0313)
-"""The thesis's own cubic of levels 2 to 11, in 1e-6 rad by powers of the amplitude in rpm, the third one first."""
-
-EQUATION_4_7_RANGE = (60 * 0.2769, 60 * 1.1385)
-"""rpm; the amplitudes of those levels in Table 7.3."""
-
+EQUATION_4_7_RANGE = (60 * 0.2769, 60 * 1.1385)  # rpm; the amplitudes of those levels in Table 7.3
 MOST_GAPS = 100
 FEWEST = {"monotone": 2, "cubic": 4}
-
-FAINTEST = 0.06
-"""rpm; one count of a 19-bit encoder in a speed sampled at 500 Hz (60 x 500 / 2**19)."""
+FAINTEST = 0.06  # rpm; one count of a 19-bit encoder in a speed sampled at 500 Hz (60 x 500 / 2**19)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,11 +99,6 @@ class Calibration:
         if self.method == "monotone":
             return self._curve(abs(amplitude))
         return 1e-6 * float(np.polyval(self.coefficients, abs(amplitude))) if self.in_range(amplitude) else np.nan
-
-    @property
-    def fitted_range(self) -> tuple[float, float]:
-        """The smallest and the largest strength of a fit in rpm that `expected` covers."""
-        return self.range if self.fitted is None else (float(self.fitted[0]), float(self.fitted[-1]))
 
     def expected(self, fitted: float) -> float:
         """Return the expected amplitude in rpm for a fit's strength in rpm; NaN outside the fitted range.
@@ -190,11 +177,8 @@ class Calibration:
         """Raise BenchError for fitted amplitudes of the wrong shape or without a scatter."""
         if self.fitted is None and self.scatter is None:
             return
-        if (
-            self.fitted is None
-            or self.scatter is None
-            or not (self.fitted.shape == self.scatter.shape == self.half_gap.shape)
-        ):
+        shapes = {None if each is None else each.shape for each in (self.fitted, self.scatter, self.half_gap)}
+        if self.fitted is None or self.scatter is None or len(shapes) > 1:
             raise BenchError(
                 "fitted amplitudes and their scatter come together, one of each a half-gap; "
                 "'bench calibrate --fits' makes them"
@@ -220,6 +204,43 @@ class Calibration:
         return None if self.fitted is None else Pchip(self.fitted, self.amplitude)
 
 
+class Pchip:
+    """The piecewise cubic through growing points, which grows as well (Fritsch and Butland 1984, doi:10.1137/0905021).
+
+    The formulas are those of ``scipy.interpolate.PchipInterpolator``, which takes longer to import than most fits.
+
+    Args:
+        x: (m,) increasing, m >= 2.
+        y: (m,) the values there, increasing.
+    """
+
+    def __init__(self, x: Floats, y: Floats) -> None:
+        h = np.diff(x)
+        slope = np.diff(y) / h
+        w1, w2 = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
+        inside = 1 / ((w1 / slope[:-1] + w2 / slope[1:]) / (w1 + w2))  # the harmonic mean of the slopes beside a point
+        d = np.concatenate([[_end(h, slope)], inside, [_end(h[::-1], slope[::-1])]])
+        t = (d[:-1] + d[1:] - 2 * slope) / h
+        self._x = x
+        self._c = y[:-1], d[:-1], (slope - d[:-1]) / h - t, t / h  # by ascending powers
+
+    def __call__(self, x: float) -> float:
+        """Return the value at ``x``; NaN outside the points."""
+        if not self._x[0] <= x <= self._x[-1]:
+            return np.nan
+        i = min(int(np.searchsorted(self._x, x, side="right")), len(self._x) - 1) - 1
+        s = x - self._x[i]
+        c0, c1, c2, c3 = (float(c[i]) for c in self._c)
+        return float(c0 + c1 * s + c2 * (s * s) + c3 * (s * s * s))
+
+
+def _end(h: Floats, slope: Floats) -> float:
+    """Return the three-point derivative at the first point, or 0 where that is negative."""
+    if len(h) == 1:
+        return float(slope[0])
+    return max(float(((2 * h[0] + h[1]) * slope[0] - h[0] * slope[1]) / (h[0] + h[1])), 0.0)
+
+
 def polynomial(coefficients: Sequence[float] | Floats) -> str:
     """Return a cubic in A with four decimals, as eq. 4.7 is printed."""
     first, *others = coefficients
@@ -229,12 +250,7 @@ def polynomial(coefficients: Sequence[float] | Floats) -> str:
 
 
 def calibrate(joint: Joint, half_gaps: Sequence[float], *, method: str = "monotone") -> Calibration:
-    """Return the calibration of a joint by one simulation for each half-gap in rad.
-
-    Args:
-        joint: the joint and its controller.
-        half_gaps: 2 to 100 half-gaps in rad, increasing.
-        method: "monotone" or "cubic", see :class:`Calibration`.
+    """Return the "monotone" or "cubic" calibration of a joint by a simulation of each of 2 to 100 half-gaps in rad.
 
     Raises:
         BenchError: for too few or too many half-gaps, half-gaps that do not increase, and a joint whose disturbance is
@@ -243,7 +259,7 @@ def calibrate(joint: Joint, half_gaps: Sequence[float], *, method: str = "monoto
     if not 2 <= len(half_gaps) <= MOST_GAPS:
         raise BenchError(f"a calibration takes from 2 to {MOST_GAPS} simulated half-gaps, not {len(half_gaps)}")
     gaps = np.array(half_gaps, dtype=np.float64)
-    amplitude = np.array([60 * simulated(gap, joint).peak for gap in gaps.tolist()])
+    amplitude = 60 * np.array([simulated(gap, joint).peak for gap in gaps.tolist()], dtype=np.float64)
     if amplitude.max() < FAINTEST:
         raise BenchError(
             f"no calibration: the disturbance of the {described(joint)} stays below {FAINTEST} rpm whatever the "
@@ -266,7 +282,7 @@ def default_calibration() -> Calibration:
 @cache
 def sensor_calibration() -> Calibration:
     """Return the calibration of the default joint with the response of the fits, for estimates from recordings."""
-    return load_calibration(Path(str(files("problems.backlash.signature"))) / "sensor_calibration.toml")
+    return load_calibration(Path(__file__).with_name("sensor_calibration.toml"))
 
 
 def load_calibration(path: str | Path) -> Calibration:
@@ -278,12 +294,7 @@ def load_calibration(path: str | Path) -> Calibration:
         BenchError: for a file that cannot be read or is not a calibration.
     """
     where = f"calibration {path}"
-    try:
-        content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise BenchError(f"{where} cannot be read: {error.strerror}") from error
-    except (ValueError, RecursionError) as error:
-        raise BenchError(f"{where} is not valid TOML: {error}") from error
+    content = read_toml(path, where)
     known = {"name", "method", "amplitude_rpm", "half_gap_rad", "fitted_rpm", "scatter_rpm"}
     for key in content:
         if key not in known:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from bench.errors import BenchError, nearest
-from problems.backlash.levels import LEVELS
+from problems.backlash import LEVELS
 
 if TYPE_CHECKING:
+    from problems.backlash.recordings import Recording
     from problems.backlash.signature.problem import SignatureFit
 
 # The compiler is imported where a problem is loaded: every study asks every family for its names.
@@ -16,69 +18,65 @@ if TYPE_CHECKING:
 OPTIONS = ("period", "turns", "single", "unit", "amplitude_factor")
 
 
-class _Simulated:
-    """The family of the simulated datasets 1 … 20 of section 7.2.1."""
+@dataclass(frozen=True)
+class Family:
+    """A problem family of recordings, to which the signature is fitted.
+
+    Attributes:
+        known: the names of the problems that can be listed.
+        read: returns the recording of a problem's name.
+        options: the options that ``read`` takes, besides those of the fit.
+    """
+
+    known: tuple[str, ...]
+    read: Callable[..., Recording]
+    options: tuple[str, ...] = ()
 
     def names(self) -> list[str]:
-        return [f"signature-{level:02d}" for level in LEVELS]
+        """Return the names of the problems that can be listed."""
+        return list(self.known)
 
     def load(self, name: str, /, **options: Any) -> SignatureFit:
-        check_options(name, options)
-        _check_name(name, self.names())
-        from problems.backlash.recordings import Recording
-        from problems.backlash.signature.datasets import dataset
+        """Return the fit to the recording of that name; raises BenchError for an unknown name or option."""
+        known = (*OPTIONS, *self.options)
+        for option in options:
+            if option not in known:
+                raise BenchError(f"problem {name!r} has no option {option!r}{nearest(option, known)}")
+        recording = self.read(name, **{option: options.pop(option) for option in self.options if option in options})
         from problems.backlash.signature.problem import SignatureFit
 
-        made = dataset(self.names().index(name) + 1)
-        recording = Recording(float(made.time[0]), float(made.time[1] - made.time[0]), made.speed)
-        return SignatureFit(name, recording, peak=made.peak, half_gap=made.half_gap, **options)
+        return SignatureFit(name, recording, **options)
+
+    def level(self, name: str) -> int:
+        """Return the number at the end of a listed name."""
+        if name not in self.known:
+            raise BenchError(f"unknown problem {name!r}{nearest(name, self.known)}")
+        return int(name.rpartition("-")[2])
 
 
-class _Recorded:
-    """The family of a user's own recordings, one a path."""
+def _dataset(name: str) -> Recording:
+    level = signature.level(name)
+    from problems.backlash.signature import datasets
 
-    def names(self) -> list[str]:
-        return []
-
-    def load(self, name: str, /, **options: Any) -> SignatureFit:
-        check_options(name, options)
-        from problems.backlash.recordings.reader import read
-        from problems.backlash.signature.problem import SignatureFit
-
-        path = name.partition(":")[2]
-        if not path:
-            raise BenchError("a recording needs a path, as in recording:joint2.csv")
-        return SignatureFit(name, read(Path(path)), **options)
+    return datasets.dataset(level)
 
 
-class _Noisy:
-    """The family of the simulated datasets with noise and a random start of section 7.3; 00 has no backlash."""
+def _noisy(name: str, **options: Any) -> Recording:
+    level = noisy.level(name)
+    from problems.backlash.signature import datasets
 
-    def names(self) -> list[str]:
-        return [f"noisy-{level:02d}" for level in (0, *LEVELS)]
-
-    def load(self, name: str, /, *, noise: str = "low", draw: int = 0, **options: Any) -> SignatureFit:
-        check_options(name, options, (*OPTIONS, "noise", "draw"))
-        _check_name(name, self.names())
-        from problems.backlash.signature.noise import noisy
-        from problems.backlash.signature.problem import SignatureFit
-
-        made = noisy(self.names().index(name), noise, draw)
-        return SignatureFit(name, made, peak=made.peak, half_gap=made.half_gap, **options)
+    return datasets.noisy(level, **options)
 
 
-def check_options(name: str, options: dict[str, Any], known: tuple[str, ...] = OPTIONS) -> None:
-    """Raise BenchError for an option that the problem does not have."""
-    for option in options:
-        if option not in known:
-            raise BenchError(f"problem {name!r} has no option {option!r}{nearest(option, known)}")
+def _recorded(name: str) -> Recording:
+    path = name.partition(":")[2]
+    if not path:
+        raise BenchError("a recording needs a path, as in recording:joint2.csv")
+    from problems.backlash.recordings import read
+
+    return read(path)
 
 
-def _check_name(name: str, known: list[str]) -> None:
-    if name not in known:
-        raise BenchError(f"unknown problem {name!r}{nearest(name, known)}")
-
-
-signature = _Simulated()
-recording = _Recorded()
-noisy = _Noisy()
+signature = Family(tuple(f"signature-{level:02d}" for level in LEVELS), _dataset)
+noisy = Family(tuple(f"noisy-{level:02d}" for level in (0, *LEVELS)), _noisy, ("noise", "draw"))
+recording = Family((), _recorded)

@@ -14,8 +14,8 @@ from matplotlib.ticker import MultipleLocator
 
 from bench.atomic import replacing
 from bench.plots import style
+from problems.backlash import LEVELS
 from problems.backlash.joint import Joint, half_gap, simulate
-from problems.backlash.levels import LEVELS
 from problems.backlash.signature.calibration import EQUATION_4_7, Calibration
 from problems.backlash.signature.datasets import DEFAULT, simulated
 
@@ -52,10 +52,8 @@ def disturbances(joint: Joint, half_gaps: Sequence[float]) -> Figure:
     scale = Normalize(half_gaps[0] - 0.1 * largest, largest)  # skips the palest colours, which are hard to see on white
     for gap in half_gaps:
         motion = simulate(joint, half_gap=gap, duration=joint.turn).fine
-        ax.plot(
-            motion.time, motion.speed - joint.nominal_speed, color=shades(scale(gap)), linewidth=0.8,
-            label=f"{1e6 * gap:.0f}",
-        )  # fmt: skip
+        deviation = motion.speed - joint.nominal_speed
+        ax.plot(motion.time, deviation, color=shades(scale(gap)), linewidth=0.8, label=f"{1e6 * gap:.0f}")
     ax.set_xlim(0, joint.turn)
     ax.set_xlabel("time in s, over one load turn")
     ax.set_ylabel("speed less reference in rps")
@@ -70,14 +68,8 @@ def calibration_curve(calibration: Calibration, *, thesis: bool = False) -> Figu
     ax = figure.subplots()
     between = np.linspace(*calibration.range, 301)
     if thesis:
-        ax.plot(
-            between,
-            np.polyval(EQUATION_4_7, between),
-            "--",
-            color=style.REFERENCE,
-            linewidth=1.0,
-            label="eq. 4.7 of the thesis",
-        )
+        published = np.polyval(EQUATION_4_7, between)
+        ax.plot(between, published, "--", color=style.REFERENCE, linewidth=1.0, label="eq. 4.7 of the thesis")
     curve = 1e6 * np.array([calibration.backlash(a) for a in between])
     ax.plot(between, curve, color=style.PALETTE[0], linewidth=1.0, label=calibration.method)
     ax.plot(calibration.amplitude, 1e6 * calibration.half_gap, "o", color="black", markersize=3, label="simulated")
@@ -91,7 +83,7 @@ def levels(joint: Joint) -> Figure:
     """Return Fig. 7.3: the half-gap of the levels 1 to 20, and the amplitude that each causes in this joint."""
     figure = Figure(figsize=(style.COLUMN, 3.2), layout="constrained")
     gaps = [half_gap(level) for level in LEVELS]
-    amplitudes = [60 * simulated(gap, joint).peak for gap in gaps]
+    amplitudes = 60 * np.array([simulated(gap, joint).peak for gap in gaps], dtype=np.float64)
     panels = ((1e6 * np.array(gaps), DELTA, style.PALETTE[0]), (amplitudes, AMPLITUDE, style.PALETTE[4]))
     axes = figure.subplots(2, sharex=True)
     for ax, (values, label, color) in zip(axes, panels, strict=True):

@@ -25,8 +25,7 @@ from numba import njit
 from bench.problem import Floats
 from problems.backlash.signature.model import EDGE
 
-LANES = 16
-"""Samples per step of the recurrence: sixteen powers of the factor side by side vectorise, one chain does not."""
+LANES = 16  # samples per step of the recurrence: powers of the factor side by side vectorise, one chain does not
 
 
 class Folded(NamedTuple):
@@ -73,19 +72,9 @@ def fold(signal: Floats, *, start: float, dt: float, period: float, replicas: in
         f[:length] += (-1.0) ** k * signal[k * shift :]
         g[:length] += (-1.0) ** k
         terms[:length] += 1.0
-    return Folded(
-        signal,
-        2 * f,
-        2 * g,
-        terms,
-        float(signal.sum()),
-        float((signal**2).sum()),
-        float(start),  # a whole number would make numba compile every kernel again
-        float(dt),
-        period / 2,
-        replicas,
-        shift,
-    )
+    start, dt = float(start), float(dt)  # a whole number would make numba compile every kernel again
+    s1, s2 = float(signal.sum()), float((signal**2).sum())
+    return Folded(signal, 2 * f, 2 * g, terms, s1, s2, start, dt, period / 2, replicas, shift)
 
 
 @njit(cache=True, error_model="numpy")

@@ -11,16 +11,8 @@ from bench.problem import Floats
 VARIABLES = ("A", "t0", "tau", "omega", "v_t", "T1", "T2")
 A, T0, TAU, OMEGA, V_T, T1, T2 = range(7)
 
-USUAL_TAU = 15.0
-"""1/s; the signature's damping on the thesis's test bench."""
-
-EDGE = 1e-9
-"""s; a sample this near to an end of a window counts as on it, hence outside: the window is open on both sides."""
-
-
-def step(u: Floats) -> Floats:
-    """Return the unit step, 1 after zero and 0 at and before it."""
-    return np.where(u > EDGE, 1.0, 0.0)
+USUAL_TAU = 15.0  # 1/s; the signature's damping on the thesis's test bench
+EDGE = 1e-9  # s; a sample this near to an end of a window counts as on it, hence outside: the window is open
 
 
 def oscillation(u: Floats, x: Floats) -> Floats:
@@ -30,8 +22,8 @@ def oscillation(u: Floats, x: Floats) -> Floats:
     with the two names exchanged). A is the amplitude at the start of the window.
     """
     decay = np.exp(-x[TAU] * np.maximum(u - x[T1], 0.0))  # capped: long before the window it would overflow
-    wave: Floats = x[A] * decay * np.sin(x[OMEGA] * u) * step(u - x[T1]) * step(x[T2] - u)
-    return wave
+    inside = (u - x[T1] > EDGE) & (x[T2] - u > EDGE)
+    return np.where(inside, x[A] * decay * np.sin(x[OMEGA] * u), 0.0)
 
 
 def signature(t: Floats, x: Floats, *, period: float, replicas: int) -> Floats:

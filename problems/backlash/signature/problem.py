@@ -20,15 +20,11 @@ Unit = Literal["rps", "rpm"]
 
 FACTOR = {"rps": 1.0, "rpm": 60.0}
 
-TOLERANCE_RAD = 0.0002 / 2
-"""rad; half of Delta delta, the accuracy asked of a backlash estimate (section 7.2.1)."""
-
-TOLERANCE_RPM = 3.8672 / 2
-"""rpm; half of Delta A, the accuracy on delta as an accuracy on A (section 7.2.3)."""
-
+TOLERANCE_RAD = 0.0002 / 2  # rad; half of Delta delta, the accuracy asked of a backlash estimate (section 7.2.1)
+TOLERANCE_RPM = 3.8672 / 2  # rpm; half of Delta A, the accuracy on delta as an accuracy on A (section 7.2.3)
+# A fit counts as having found the best fit if its RMSE exceeds the best by at most this share: on noisy recordings its
+# |A| is then off by a few percent at most, and the next basins are much further away.
 FOUND = 0.01
-"""A fit counts as having found the best fit if its RMSE exceeds the best by at most this share: on noisy recordings its
-|A| is then off by a few percent at most, and the next basins are much further away."""
 
 
 class Fit(NamedTuple):
@@ -46,15 +42,13 @@ class SignatureFit(Problem):
 
     Args:
         name: the name to store results under.
-        recording: the signal, in rps.
+        recording: the signal, in rps, and the truth where it is known.
         period: T_f, the time of one load turn, in s.
         turns: n, the load turns that the signature spans.
         single: fit one oscillation instead of a train of them, for less than one load turn of a robot's wrist (section
             8.3); ``turns`` then has no meaning, and ``period`` limits T1 and T2 alone.
         unit: "rps", as the authors' notebook, or "rpm", as Table 7.2.
         amplitude_factor: A's bound in units of the half range; 1.0 in Table 7.1, 1.3 in the notebook.
-        peak: the expected amplitude in rps, where the truth is known.
-        half_gap: the true delta in rad, where it is known.
 
     Attributes:
         expected: the expected ``amplitude_rpm`` and ``backlash_rad``, where they are known, each with half the width of
@@ -76,8 +70,6 @@ class SignatureFit(Problem):
         single: bool = False,
         unit: Unit = "rps",
         amplitude_factor: float = 1.3,
-        peak: float | None = None,
-        half_gap: float | None = None,
     ) -> None:
         _check_options(name, period, turns, single, unit, amplitude_factor)
         _check_recording(name, recording, period, single=single)
@@ -88,7 +80,12 @@ class SignatureFit(Problem):
         self.time = recording.time
         self.mean_rps = float(recording.speed.mean())
         self.signal: Floats = (recording.speed - self.mean_rps) * FACTOR[unit]  # r(t), (eq. 5.1)
-        self.expected = _expected(peak, half_gap)
+        expected = {}
+        if recording.peak is not None:
+            expected["amplitude_rpm"] = (60.0 * recording.peak, TOLERANCE_RPM)
+        if recording.half_gap is not None:
+            expected["backlash_rad"] = (recording.half_gap, TOLERANCE_RAD)
+        self.expected = expected
         factor = float(amplitude_factor)
         self.lower, self.upper = box(self.time, self.signal, period=self.period, amplitude_factor=factor)
         self.replicas = 1 if single else 2 * int(turns)  # oscillations of the train, two a load turn
@@ -159,16 +156,6 @@ class SignatureFit(Problem):
         return hashlib.sha256(self.time.tobytes() + self.signal.tobytes()).hexdigest()
 
 
-def _expected(peak: float | None, half_gap: float | None) -> dict[str, tuple[float, float]]:
-    """Return the known true values (given in rps and rad), in the units and by the names of the domain metrics."""
-    expected = {}
-    if peak is not None:
-        expected["amplitude_rpm"] = (60.0 * peak, TOLERANCE_RPM)
-    if half_gap is not None:
-        expected["backlash_rad"] = (half_gap, TOLERANCE_RAD)
-    return expected
-
-
 def _check_recording(name: str, recording: Recording, period: float, *, single: bool) -> None:
     """Raise BenchError for a recording to which no signature can be fitted."""
     try:
@@ -176,10 +163,10 @@ def _check_recording(name: str, recording: Recording, period: float, *, single: 
         screen_sampling(recording, period)
         if not single:
             screen_length(recording, period)
+        if np.abs(recording.speed).max() > 1e6:
+            raise BenchError("no motor has a speed of more than 1e6 rps; give the speed in rps")
     except BenchError as error:
         raise BenchError(f"problem {name!r}: {error}") from error
-    if np.abs(recording.speed).max() > 1e6:
-        raise BenchError(f"problem {name!r}: no motor has a speed of more than 1e6 rps; give the speed in rps")
 
 
 def _check_options(name: str, period: float, turns: int, single: bool, unit: str, amplitude_factor: float) -> None:

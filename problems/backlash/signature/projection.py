@@ -19,14 +19,9 @@ from bench.problem import Floats
 from problems.backlash.signature.kernel import Folded
 from problems.backlash.signature.model import EDGE, OMEGA, T1, T2, TAU, A
 
-SINGULAR = 1e-12
-"""A determinant this small, relative to its terms, cannot distinguish sine and cosine."""
-
-NEWTON = 50
-"""The largest number of Newton steps to the length that A's bound allows; five are usual."""
-
-CLEARANCE = 1.01 * EDGE
-"""s; the distance of a window's end from a sample that the window must include."""
+SINGULAR = 1e-12  # a determinant this small, relative to its terms, cannot distinguish sine and cosine
+NEWTON = 50  # the largest number of Newton steps to the length that A's bound allows; five are usual
+CLEARANCE = 1.01 * EDGE  # s; the distance of a window's end from a sample that the window must include
 
 
 class Limits(NamedTuple):

@@ -45,50 +45,24 @@ from problems.backlash.signature.projection import (
     solve_cell,
 )
 
-TAUS, OMEGAS = 6, 79
-"""Lines of the scan's grid."""
-
-MARGIN, SETTLED = 0.03, 12
-"""Pairs within this share of the best energy are polished, and this number of the best pairs is settled."""
-
-MARGIN_BETWEEN, SETTLED_BETWEEN = 0.1, 40
-"""The same if T_d lies between samples, where the scan is not exact."""
-
-POLISHED = 400
-"""The largest number of pairs that are polished."""
-
-ROUGH, FINEST = 1e-3, 1e-7
-"""The step at which a compass search ends, in units of its first steps: for all pairs, and for the best."""
-
-ROUNDS = 60
-"""The largest number of rounds, of eight points each, of the last search, on the signal itself."""
-
-SWEPT, SWEEPS, PLACES = 16, 6, 24
-"""The search on the signal itself: the number of windows, the most sweeps over the ends of each window (a refinement
-follows each sweep), and the most places a sample in a sweep."""
-
-SHORT = 10_000
-"""Samples of a recording up to which these numbers of windows hold; longer recordings have proportionally fewer."""
-
-ROUNDING = 1e-13
-"""A relative gain up to this is rounding."""
-
-NEAR, NEAR_ENOUGH = 2, 1e-3
-"""A fit near another one searches this many samples to both sides, and ends its compass search at this step."""
+TAUS, OMEGAS = 6, 79  # lines of the scan's grid
+MARGIN, SETTLED = 0.03, 12  # pairs within this share of the best energy are polished, and this number is settled
+MARGIN_BETWEEN, SETTLED_BETWEEN = 0.1, 40  # the same if T_d lies between samples, where the scan is not exact
+POLISHED = 400  # the largest number of pairs that are polished
+ROUGH, FINEST = 1e-3, 1e-7  # the step that ends a compass search, in units of its first: for all pairs, for the best
+ROUNDS = 60  # the largest number of rounds, of eight points each, of the last search, on the signal itself
+SWEPT, SWEEPS = 16, 6  # that search's windows, and the most sweeps over the ends of each; a refinement follows a sweep
+PLACES = 24  # the most places a sample in a sweep
+SHORT = (
+    10_000  # samples of a recording up to which these numbers of windows hold; longer ones have proportionally fewer
+)
+ROUNDING = 1e-13  # a relative gain up to this is rounding
+NEAR, NEAR_ENOUGH = 2, 1e-3  # a fit near another one: the samples searched to both sides, the step that ends its search
 
 
 def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool) -> Floats:
-    """Return the (7,) point of the lowest RMSE of a recording.
-
-    Args:
-        recording: the signal about its mean and its folded sums.
-        lower: (7,) lower bounds.
-        upper: (7,) upper bounds.
-        constrained: under the constraints of section 7.2.2 as well.
-    """
-    limit = limits(recording, lower, upper, constrained=constrained)
-    length = _longest(recording, limit)
-    sums = fold_sums(recording, length)
+    """Return the (7,) point of the lowest RMSE within the (7,) bounds and, if asked for, the constraints of 7.2.2."""
+    limit, length, sums = _prepared(recording, lower, upper, constrained=constrained)
     taus, omegas = np.geomspace(*limit.tau, TAUS), np.linspace(*limit.omega, OMEGAS)
     ceiling = _ceiling(recording.signal, sums, length)
     grid, most_yet = np.zeros((sums.n, OMEGAS, 2)), 0.0
@@ -124,9 +98,7 @@ def fit_near(recording: Folded, lower: Floats, upper: Floats, near: Floats, *, c
 
     The window may begin two samples earlier or later, and the search of tau and omega starts at those of ``near``.
     """
-    limit = limits(recording, lower, upper, constrained=constrained)
-    length = _longest(recording, limit)
-    sums = fold_sums(recording, length)
+    limit, length, sums = _prepared(recording, lower, upper, constrained=constrained)
     first = math.floor((near[T0] - recording.start + near[T1] + EDGE) / recording.dt) + 1
     starts = range(max(first - NEAR, 1), min(first + NEAR, limit.last) + 1)
     at, steps = near[[TAU, OMEGA]], np.array([1.0, 2.0])
@@ -135,9 +107,11 @@ def fit_near(recording: Folded, lower: Floats, upper: Floats, near: Floats, *, c
     return np.clip(_settle(best, recording, sums, limit, sweeps=None)[1], lower, upper)
 
 
-def _longest(recording: Folded, limit: Limits) -> int:
-    """Return the samples of the longest window."""
-    return min(math.ceil(limit.t2 / recording.dt), len(recording.signal))
+def _prepared(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool) -> tuple[Limits, int, Sums]:
+    """Return the limits of a fit, the samples of its longest window, and the sums folded for it."""
+    limit = limits(recording, lower, upper, constrained=constrained)
+    length = min(math.ceil(limit.t2 / recording.dt), len(recording.signal))
+    return limit, length, fold_sums(recording, length)
 
 
 class Window(NamedTuple):

@@ -10,7 +10,7 @@ import typer
 import problems.backlash.sensor.batch as batch
 from problems.backlash.commands.estimate import estimate
 from problems.backlash.joint.writing import write_recording
-from problems.backlash.signature.noise import noisy
+from problems.backlash.signature.datasets import noisy
 
 
 @pytest.fixture(scope="module")

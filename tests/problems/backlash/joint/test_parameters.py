@@ -1,10 +1,13 @@
+"""A joint's parameters, and joints in TOML files."""
+
 from dataclasses import FrozenInstanceError, fields
 from math import pi
 
 import pytest
 
 from bench.errors import BenchError
-from problems.backlash.joint import Joint, half_gap
+from problems.backlash.joint import Joint, half_gap, load_joint
+from problems.backlash.joint.parameters import described, joint_text
 
 
 def test_half_gaps_of_the_twenty_levels():
@@ -52,3 +55,92 @@ def test_joint_refuses_bad_parameters(name):
 def test_joint_refuses_zero_where_the_model_divides_by_it(name):
     with pytest.raises(BenchError, match=name):
         Joint(**{name: 0.0})
+
+
+@pytest.fixture
+def load(tmp_path):
+    def load(text, **options):
+        path = tmp_path / "joint.toml"
+        path.write_text(text)
+        return load_joint(path, **options)
+
+    return load
+
+
+def test_what_a_file_leaves_out_is_the_default_joint_s(load):
+    assert load("") == load_joint() == Joint()
+    assert load("gear_ratio = 80\ndamping = 0") == Joint(gear_ratio=80.0, damping=0.0)
+
+
+def test_a_payload_is_a_point_mass_and_changes_the_load_alone(load):
+    made = load("payload_kg = 10\nlever_m = 0.5")
+    assert made == Joint(gravity_torque=10 * 9.80665 * 0.5, load_inertia=2.5)
+
+
+@pytest.mark.parametrize("text", ["payload_kg = 5", "lever_m = 0.2943"])
+def test_five_kilograms_on_the_default_lever_are_the_default_joint(load, text):
+    made = load(text)
+    assert made.gravity_torque == pytest.approx(Joint().gravity_torque, rel=3e-4)
+    assert made.load_inertia == pytest.approx(Joint().load_inertia, rel=3e-4)
+
+
+def test_speed_and_gravity_angle_set_the_reference_and_the_torque(load):
+    assert load("speed_rps = 50") == Joint(omega_ref=2 * pi * 50)
+    assert load("gravity_angle_deg = 90") == Joint()
+    assert load("gravity_angle_deg = 0") == Joint(gravity_torque=0.0)
+    half = load("payload_kg = 5\ngravity_angle_deg = 30")
+    assert half.gravity_torque == pytest.approx(load("payload_kg = 5").gravity_torque / 2)
+
+
+def test_an_option_replaces_the_file_s_value(load):
+    text = "gravity_torque = 3.0\nload_inertia = 0.1\nomega_ref = 300.0\nstiffness = 1e4"
+    made = load(text, payload_kg=5.0, speed_rps=60.0, viscous_friction=None)
+    assert made == Joint(
+        gravity_torque=5 * 9.80665 * 0.2943, load_inertia=5 * 0.2943**2, omega_ref=2 * pi * 60, stiffness=1e4
+    )
+    assert load("gravity_angle_deg = 0", gravity_angle_deg=90.0) == Joint()
+
+
+def test_a_joint_s_text_is_that_joint_and_explains_every_parameter(load):
+    joint = Joint(gear_ratio=121.0, coulomb_friction=0.1, omega_ref=1 / 3)
+    text = joint_text(joint)
+    assert load(text) == joint
+    for field in fields(Joint):
+        (line,) = (line for line in text.splitlines() if line.startswith(f"{field.name} ="))
+        assert line.endswith(f"# {field.metadata['meaning']}")
+
+
+def test_a_joint_is_described_by_how_it_differs():
+    assert described(Joint()) == "default joint"
+    assert described(Joint(gear_ratio=80.0, damping=0.0)) == "joint with gear_ratio = 80, damping = 0"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("gear_rato = 40", "no parameter 'gear_rato'; did you mean 'gear_ratio'?"),
+        ('gear_ratio = "40"', "gear_ratio must be a finite number, not '40'"),
+        ("gear_ratio = true", "gear_ratio must be a finite number, not True"),
+        ("payload_kg = nan", "payload_kg must be a finite number, not nan"),
+        (f"gear_ratio = 1{'0' * 400}", "gear_ratio must be a finite number"),
+        ("stiffness = -1", "stiffness must be finite and positive, but it is -1.0"),
+        ("payload_kg = 0", "payload_kg must be a positive number, not 0"),
+        ("speed_rps = -100", "speed_rps must be a positive number, not -100"),
+        ("gravity_angle_deg = 91", "gravity_angle_deg must be from 0 (parallel to gravity) to 90, but it is 91"),
+        ("payload_kg = 5\ngravity_torque = 3", "gives both gravity_torque and payload_kg"),
+        ("lever_m = 1\nload_inertia = 3", "gives both load_inertia and lever_m"),
+        ("omega_ref = 1\nspeed_rps = 3", "gives both omega_ref and speed_rps"),
+        ("gear_ratio 40", "is not valid TOML"),
+    ],
+)
+def test_a_wrong_file_is_one_sentence_that_names_it(load, tmp_path, text, message):
+    with pytest.raises(BenchError) as caught:
+        load(text)
+    assert message in str(caught.value)
+    assert str(caught.value).startswith(f"joint {tmp_path / 'joint.toml'}")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_file_is_reported(tmp_path):
+    with pytest.raises(BenchError, match=r"none.toml cannot be read: No such file"):
+        load_joint(tmp_path / "none.toml")

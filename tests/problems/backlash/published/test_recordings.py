@@ -8,12 +8,11 @@ import pytest
 
 from bench import BenchError, Study, load_problem
 from problems.backlash.published import download as files
-from problems.backlash.published.names import CLEAN, ZIPS
-from problems.backlash.published.table_7_3 import TABLE_7_3
+from problems.backlash.published.family import CLEAN, ZIPS
+from problems.backlash.published.recordings import table_7_3
 from problems.backlash.report import fitting_errors
 from problems.backlash.report.axes import short
-from problems.backlash.signature.datasets import dataset
-from problems.backlash.signature.noise import peak_to_peak
+from problems.backlash.signature.datasets import dataset, peak_to_peak
 
 
 @pytest.fixture
@@ -110,7 +109,7 @@ def test_table_7_2_takes_the_published_recordings_for_its_datasets():
 
 
 def test_every_printed_error_of_table_7_3_is_that_of_the_mean():
-    rows = [row for row in TABLE_7_3.values() if row.error is not None]
+    rows = [row for row in table_7_3().values() if row.error is not None]
     errors = [100 * abs(row.mean - row.theoretical) / row.theoretical for row in rows]
     assert len(rows) == 10
     assert errors == pytest.approx([row.error for row in rows], abs=0.01)
@@ -118,4 +117,4 @@ def test_every_printed_error_of_table_7_3_is_that_of_the_mean():
 
 def test_its_theoretical_amplitudes_are_the_peaks_of_datasets_2_to_11():
     simulated = [dataset(level).peak for level in range(2, 12)]
-    assert simulated == pytest.approx([TABLE_7_3[level].theoretical for level in range(2, 12)], rel=0.03)
+    assert simulated == pytest.approx([table_7_3()[level].theoretical for level in range(2, 12)], rel=0.03)

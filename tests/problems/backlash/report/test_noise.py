@@ -12,7 +12,7 @@ from bench.report import Table
 from bench.report.output import save_figure
 from bench.storage.folder import Folder
 from bench.study import Entry, Fingerprints
-from problems.backlash.published.table_7_3 import TABLE_7_3
+from problems.backlash.published.recordings import table_7_3
 from problems.backlash.report import noise, sections
 from problems.backlash.signature.problem import Fit, SignatureFit
 
@@ -87,7 +87,7 @@ def test_the_error_is_that_of_the_mean_and_single_runs_have_their_own(tmp_path):
     assert row["single runs %"] == pytest.approx(10)
     assert row["noise"] == pytest.approx(0.1079, abs=1e-4)
     printed = [row[f"{name} published"] for name in ("A", "noise", "mean |A|", "stdev", "error %")]
-    assert printed == list(TABLE_7_3[2])
+    assert printed == list(table_7_3()[2])
     assert "it is 10.00% on average" in words(results)
 
 
@@ -103,7 +103,7 @@ def test_how_many_rows_are_below_the_published_error_is_said_by_name(tmp_path):
 
 
 def test_an_error_as_large_as_the_published_one_is_not_below_it(tmp_path, monkeypatch):
-    monkeypatch.setattr(noise, "relative", lambda error, theoretical: 0 * theoretical + TABLE_7_3[2].error)
+    monkeypatch.setattr(noise, "relative", lambda error, theoretical: 0 * theoretical + table_7_3()[2].error)
     assert "below the published one in 0 of 1 row." in words(make(tmp_path / "s", [at(2)], lambda a, trial: a))
 
 
@@ -180,7 +180,7 @@ def test_the_figure_has_a_panel_a_noise_level_with_the_thesis_s_points(tmp_path,
         assert [ax.get_title(loc="left") for ax in drawn.figure.axes] == ["low noise", "high noise"]
         bars = {bar.get_label(): bar.lines[0].get_xydata() for bar in drawn.figure.axes[0].containers}
         assert bars["thesis Table 7.3 (low noise)"] == pytest.approx(
-            np.array([[row.theoretical - 0.012, row.mean] for row in (TABLE_7_3[k] for k in (0, 2, 11))])
+            np.array([[row.theoretical - 0.012, row.mean] for row in (table_7_3()[k] for k in (0, 2, 11))])
         )
         assert bars["cma-es"][:, 0] == pytest.approx([0.012 + truth(f"noisy-{k:02d}") for k in (0, 2, 11)])
         svg, _ = save_figure(drawn, tmp_path, drawn.name)
@@ -193,8 +193,8 @@ def test_the_shipped_study_has_the_rows_of_table_7_3_at_both_levels():
     study = Study.load("noise")
     assert (study.trials, study.budget) == (30, 60_000)
     rows = noise.noisy_problems(study)
-    assert sorted(rows[rows["noise level"] == "low"]["dataset"]) == sorted(TABLE_7_3)
-    assert sorted(rows[rows["noise level"] == "high"]["dataset"]) == sorted(TABLE_7_3)
+    assert sorted(rows[rows["noise level"] == "low"]["dataset"]) == sorted(table_7_3())
+    assert sorted(rows[rows["noise level"] == "high"]["dataset"]) == sorted(table_7_3())
     assert {entry.options["unit"] for entry in study.problems} == {"rps"}
     assert {re.search("high", entry.label) is None for entry in study.problems} == {True, False}
     optimizer, restarts = study.optimizers

@@ -8,7 +8,7 @@ import problems.backlash.sensor.batch as batch
 from bench.errors import BenchError
 from problems.backlash.sensor.batch import Estimated, Failed, estimate_files
 from problems.backlash.sensor.estimate import Settings
-from problems.backlash.signature.noise import noisy
+from problems.backlash.signature.datasets import noisy
 
 NONE = Settings(calibration=None, resamples=0)
 

@@ -8,7 +8,7 @@ from problems.backlash.joint import simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor import evidence
 from problems.backlash.sensor.estimate import Settings, estimate, signature_problem
-from problems.backlash.signature.noise import noisy
+from problems.backlash.signature.datasets import noisy
 
 PLAIN = Settings(resamples=0)
 

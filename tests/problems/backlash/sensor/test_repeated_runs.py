@@ -8,7 +8,7 @@ from bench.errors import BenchError
 from problems.backlash.sensor.batch import estimate_files
 from problems.backlash.sensor.estimate import Settings
 from problems.backlash.sensor.repeated_runs import RunSettings, repeat
-from problems.backlash.signature.noise import noisy
+from problems.backlash.signature.datasets import noisy
 
 NONE = Settings(calibration=None, resamples=0)
 

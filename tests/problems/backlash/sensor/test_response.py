@@ -11,8 +11,8 @@ from problems.backlash.commands.calibrate import _gaps
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.sensor import response
 from problems.backlash.signature.calibration import calibrate, sensor_calibration
+from problems.backlash.signature.datasets import noisy
 from problems.backlash.signature.model import A, strength
-from problems.backlash.signature.noise import noisy
 from problems.backlash.signature.problem import SignatureFit
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 
 from bench.errors import BenchError
 from problems.backlash.joint import Joint, half_gap
@@ -11,6 +12,7 @@ from problems.backlash.signature import datasets, figures
 from problems.backlash.signature.calibration import (
     EQUATION_4_7,
     Calibration,
+    Pchip,
     calibrate,
     default_calibration,
     load_calibration,
@@ -93,7 +95,7 @@ def test_a_fitted_amplitude_gives_the_peak_that_it_was_fitted_to(tmp_path, metho
     fitting.save(tmp_path / "a.toml", command="bench calibrate --fits")
     assert (tmp_path / "a.toml").read_text().startswith("# bench calibrate --fits\n")
     for made in (fitting, load_calibration(tmp_path / "a.toml")):
-        assert made.fitted_range == (1.0, 8.0)
+        assert (made.fitted[0], made.fitted[-1]) == (1.0, 8.0)
         assert [made.expected(a) for a in (1.0, 3.0, 4.5, 8.0)] == pytest.approx([1, 2, 4, 7])
         between = [made.expected(a) for a in np.linspace(1, 8, 100)]
         assert (np.diff(between) > 0).all()
@@ -105,7 +107,7 @@ def test_a_fitted_amplitude_gives_the_peak_that_it_was_fitted_to(tmp_path, metho
 
 def test_a_calibration_without_fits_takes_their_amplitude_for_the_peak():
     made = pairs([1, 2, 4])
-    assert made.fitted_range == made.range
+    assert made.fitted is None
     assert [made.expected(a) for a in (3.3, 1.0, 100.0)] == [3.3, 1.0, 100.0]
     assert made.relative_scatter(3.3) == 0.0
 
@@ -202,3 +204,20 @@ def test_the_figures_show_the_pairs_the_thesis_s_cubic_and_every_level(tmp_path,
     bars = figures.levels(Joint()).axes
     assert [len(ax.patches) for ax in bars] == [20, 20]
     assert bars[1].patches[4].get_height() == pytest.approx(60 * datasets.dataset(5).peak)
+
+
+@pytest.mark.parametrize("points", [2, 3, 4, 25])
+def test_a_monotone_curve_is_that_of_scipy(points):
+    rng = np.random.default_rng(points)
+    for _ in range(20):
+        x = np.cumsum(rng.exponential(size=points) + 1e-3)
+        y = np.cumsum(rng.exponential(size=points) ** 4)
+        between = np.concatenate([x, rng.uniform(x[0], x[-1], 50)])
+        ours, theirs = Pchip(x, y), PchipInterpolator(x, y, extrapolate=False)
+        np.testing.assert_allclose([ours(value) for value in between], theirs(between), rtol=1e-13, atol=1e-13)
+
+
+def test_there_is_no_monotone_curve_outside_the_points():
+    curve = Pchip(np.array([1.0, 2.0, 3.0]), np.array([1.0, 4.0, 9.0]))
+    assert np.isnan([curve(0.999), curve(3.001), curve(np.nan)]).all()
+    assert (curve(1.0), curve(3.0)) == (1.0, 9.0)

@@ -9,8 +9,8 @@ import bench
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.signature import model
+from problems.backlash.signature.datasets import noisy
 from problems.backlash.signature.kernel import fold
-from problems.backlash.signature.noise import noisy
 from problems.backlash.signature.problem import SignatureFit
 from problems.backlash.signature.projection import fold_sums, limits, weights
 from problems.backlash.signature.reference import _ceiling, _places
