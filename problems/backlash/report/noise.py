@@ -111,7 +111,7 @@ def _amplitudes_of_best(results: Results, label: str) -> tuple[float, float]:
         return float("nan"), float("nan")
     size = problem.describe(problem.reference().x)["amplitude_rpm"] / 60
     known = problem.unit == "rps"  # the sensor's own unit, and the noise study's
-    return size, infer_backlash(problem, Settings(resamples=0)).amplitude if known else float("nan")
+    return size, infer_backlash(problem, Settings(resamples=0)).amplitude_rps if known else float("nan")
 
 
 def sentences(cells: pd.DataFrame, best: pd.DataFrame, noise: str) -> list[str]:

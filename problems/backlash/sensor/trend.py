@@ -18,10 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.problem import Floats
-from problems.backlash.sensor.estimate import Estimate
-from problems.backlash.sensor.recording_files import Series
-
-Interval = tuple[float, float]
+from problems.backlash.sensor.batch import Estimated
+from problems.backlash.sensor.estimate import Estimate, Interval, Settings
+from problems.backlash.sensor.recording_files import Series, series
 
 FEWEST = 3
 """Recordings that a slope needs."""
@@ -88,11 +87,11 @@ class Trend:
     reached: tuple[float, Interval] | None
 
 
-def trend(series: Series, estimates: Sequence[Estimate], *, limit_rad: float, confidence: float = 0.95) -> Trend:
+def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float, confidence: float = 0.95) -> Trend:
     """Return the trend of a series.
 
     Args:
-        series: two recordings or more.
+        joint: two recordings or more.
         estimates: of these recordings, in the order of the series.
         limit_rad: the half-gap delta in rad whose crossing is predicted.
         confidence: the level of the intervals; a trend is significant at one minus that.
@@ -101,10 +100,10 @@ def trend(series: Series, estimates: Sequence[Estimate], *, limit_rad: float, co
     known = bool(np.isfinite(backlash).all())
     values = backlash if known else np.array([each.amplitude_rps for each in estimates])
     intervals = np.array([each.interval_rad if known else each.amplitude_interval_rps for each in estimates])
-    line = fit_line(series.at, values, confidence)
+    line = fit_line(joint.at, values, confidence)
     latest = max(-(-len(values) // 2), LATEST)
     return Trend(
-        series=series,
+        series=joint,
         quantity="backlash" if known else "amplitude",
         values=values,
         intervals=intervals,
@@ -113,9 +112,16 @@ def trend(series: Series, estimates: Sequence[Estimate], *, limit_rad: float, co
         line=line,
         significant=line is not None and line.p_value < 1 - confidence,
         latest=min(latest, len(values)),
-        since=_since(series.at, values, limit_rad) if known else None,
-        reached=_reached(series.at[-latest:], values[-latest:], limit_rad, confidence) if known else None,
+        since=_since(joint.at, values, limit_rad) if known else None,
+        reached=_reached(joint.at[-latest:], values[-latest:], limit_rad, confidence) if known else None,
     )
+
+
+def trends(estimated: Sequence[Estimated], settings: Settings) -> list[Trend]:
+    """Return the trend of every joint with two recordings or more, the fastest first."""
+    joints = [joint for joint in series([each.path for each in estimated]) if len(joint.members) > 1]
+    options: dict[str, float] = {"limit_rad": settings.limit_rad, "confidence": settings.confidence}
+    return fastest_first(trend(joint, [estimated[i].estimate for i in joint.members], **options) for joint in joints)
 
 
 def fastest_first(trends: Iterable[Trend]) -> list[Trend]:
