@@ -13,6 +13,7 @@ import typer
 
 from bench.cli.console import print_line
 from bench.errors import BenchError
+from problems.backlash.commands import Force
 
 if TYPE_CHECKING:
     from problems.backlash.signature.calibration import Calibration
@@ -40,7 +41,7 @@ def calibrate(
     plot: Annotated[
         Path | None, typer.Option(help="A folder for the thesis's Figs. 4.7, 4.8 and 7.3 of this joint, as svg.")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace the output if it is there.")] = False,
+    force: Force = False,
 ) -> None:
     """Calibrate a joint: simulate it with growing gaps, and map the disturbance's amplitude to the backlash.
 
@@ -81,12 +82,9 @@ def _print(made: Calibration, *, is_default: bool) -> None:
     if made.fitted is not None and made.scatter is not None:
         columns |= {"fit in rpm": made.fitted, "its scatter": made.scatter}
     print_line("   ".join(columns))
+    formats = [f"{len(title)}.{6 if 'rad' in title else 4}f" for title in columns]
     for row in zip(*columns.values(), strict=True):
-        texts = (
-            f"{value:.{6 if 'rad' in title else 4}f}".rjust(len(title))
-            for title, value in zip(columns, row, strict=True)
-        )
-        print_line("   ".join(texts))
+        print_line("   ".join(map(format, row, formats)))
     if made.method == "cubic":
         print_line(f"{made.formula()}; at most {made.residual:.2g} rad from the pairs")
     print_line(f"range: {made.range[0]:.4g} to {made.range[1]:.4g} rpm; no backlash is estimated outside")

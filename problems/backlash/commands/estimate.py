@@ -15,7 +15,6 @@ from bench.errors import BenchError
 
 if TYPE_CHECKING:
     from problems.backlash.recordings import Recording
-    from problems.backlash.sensor.batch import RunSettings
     from problems.backlash.sensor.estimate import Settings
 
 # The heavy imports wait until they are needed: no other command should wait for numba.
@@ -103,7 +102,7 @@ def estimate(
 
     from problems.backlash.recordings import parse_window, read
     from problems.backlash.sensor import formatting, recording_files
-    from problems.backlash.sensor.batch import Estimated, Failed, estimate_files
+    from problems.backlash.sensor.batch import Estimated, Failed, RunSettings, estimate_files
     from problems.backlash.sensor.trend import trends
 
     stderr = Console(stderr=True)
@@ -112,7 +111,9 @@ def estimate(
         calibration, period=period, gear_ratio=gear_ratio, nominal_rps=nominal, turns=turns, single=single,
         constrained=constrained, limit_rad=limit, resamples=resamples, confidence=confidence, seed=seed,
     )  # fmt: skip
-    asked = _run_settings(optimizer, option, runs, budget, seed)
+    if option and optimizer is None:
+        raise BenchError("--set is for the optimizer, of which there is none; give --optimizer too")
+    asked = RunSettings(optimizer, pairs(option), runs, budget, seed) if optimizer is not None else None
     begin, end = parse_window(window) if window is not None else (None, None)
     if plot is not None:
         from problems.backlash.sensor import plots
@@ -163,16 +164,3 @@ def _settings(calibration: str | None, **options: Any) -> Settings:
     if calibration is not None:
         given["calibration"] = None if calibration == "none" else load_calibration(calibration)
     return Settings(**given)
-
-
-def _run_settings(
-    optimizer: str | None, option: list[str] | None, runs: int, budget: int, seed: int
-) -> RunSettings | None:
-    """Return which optimizer is to be run, if any."""
-    if optimizer is None:
-        if option:
-            raise BenchError("--set is for the optimizer, of which there is none; give --optimizer too")
-        return None
-    from problems.backlash.sensor.batch import RunSettings
-
-    return RunSettings(optimizer, pairs(option), runs, budget, seed)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,14 +19,11 @@ from bench.text import file_name, unique
 from problems.backlash.sensor.batch import Estimated
 from problems.backlash.sensor.estimate import Estimate, Settings
 from problems.backlash.sensor.formatting import BY, UNIT
-from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import Trend
 from problems.backlash.signature.model import VARIABLES, oscillation
 
-METADATA: dict[str, dict[str, Any]] = {
-    ".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None},
-}  # fmt: skip
-"""Metadata by kind of picture, so that the same estimate gives the same file."""
+LEFT_OUT = {".svg": "Date", ".png": "Software", ".pdf": "CreationDate"}
+"""By kind of picture, the metadata that is left out, so that the same estimate gives the same file."""
 
 SIGNAL, FIT = "#9A9A9A", style.REFERENCE
 TREND = "trend"
@@ -42,8 +38,8 @@ def check_output(path: Path) -> None:
         return
     if not path.suffix and path.exists():
         raise BenchError(f"{path} is a file without a picture's ending; give a folder, or a .svg, .png or .pdf file")
-    if path.suffix and path.suffix.lower() not in METADATA:
-        raise BenchError(f"{path} must end in {', '.join(METADATA)}, or be a folder")
+    if path.suffix and path.suffix.lower() not in LEFT_OUT:
+        raise BenchError(f"{path} must end in {', '.join(LEFT_OUT)}, or be a folder")
     if not path.parent.is_dir():
         raise BenchError(f"{path} cannot be written: there is no folder {path.parent}")
 
@@ -125,7 +121,7 @@ def trend_figure(trends: Sequence[Trend], *, limit_rad: float) -> Figure:
         ax.set_ylabel(f"{what} in {shown}")
         ax.set_xlabel("month" if unit == "month" else BY[unit])
         ax.xaxis.set_major_locator(_locator(alike))
-        ax.xaxis.set_major_formatter(FuncFormatter(partial(_label, alike[0].series)))
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda at, _, series=alike[0].series: series.label(at)))
         ax.set_ylim(bottom=0.0)
     _legend(figure)
     return figure
@@ -190,10 +186,6 @@ def _locator(trends: Sequence[Trend]) -> Locator:
     return MultipleLocator(next((months for months in MONTHS if span <= 8 * months), MONTHS[-1]))
 
 
-def _label(series: Series, at: float, _: int) -> str:
-    return series.label(at)
-
-
 def _legend(figure: Figure) -> None:
     """Put a legend with one entry a label above all panels, unless it has too many entries to help."""
     entries: dict[str, Any] = {}
@@ -207,5 +199,5 @@ def _legend(figure: Figure) -> None:
 def _save(figure: Figure, path: Path) -> Path:
     with replacing(path) as temporary:
         temporary.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(temporary, metadata=METADATA[path.suffix.lower()])
+        figure.savefig(temporary, metadata={LEFT_OUT[path.suffix.lower()]: None})
     return path
