@@ -1,4 +1,4 @@
-"""Works as BibTeX: read their entries, and name them as a text does."""
+"""Read works from BibTeX, and name them by author and year."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ACCENTS = {
     "\u0307": r"\.", "\u0308": r"\"", "\u030a": r"\r", "\u030b": r"\H", "\u030c": r"\v", "\u0323": r"\d",
     "\u0327": r"\c", "\u0331": r"\b",
 }  # fmt: skip
-"""Combining marks that every font encoding has; the ogonek, for one, is not among them."""
+"""Combining marks that every font encoding has (the ogonek, for example, is missing)."""
 
 _ENTRY = re.compile(r"@([A-Za-z]+)\s*\{")
 _KEY = re.compile(r"\s*([A-Za-z0-9][A-Za-z0-9.:_+/-]*)\s*,")
@@ -32,8 +32,8 @@ class Work:
     """A BibTeX entry.
 
     Attributes:
-        key: what it is cited by.
-        kind: such as ``article``.
+        key: the citation key.
+        kind: the entry type, such as ``article``.
         fields: the text of its fields, as written.
     """
 
@@ -48,14 +48,14 @@ class Work:
 
     @property
     def author_year(self) -> str:
-        """The entry as named in a text: ``"Holm, 1979"``, with two authors or with ``"et al."``."""
+        """The work as cited in a text: ``"Holm, 1979"``, with two authors or with ``"et al."``."""
         authors = re.split(r"\s+and\s+", self._field("author") or self._field("editor") or self.key)
         names = [_family_name(author) for author in authors]
         joined = f"{names[0]} et al." if len(names) > 2 or names[1:] == ["others"] else " and ".join(names)
         return f"{joined}, {_plain(self._field('year')) or 'no year'}"
 
     def is_same(self, other: Work) -> bool:
-        """Return whether both say the same, however their lines are broken and indented."""
+        """Return whether both entries are equal except for line breaks and indentation."""
         return [self.key, self.kind, *self.fields.split()] == [other.key, other.kind, *other.fields.split()]
 
     @property
@@ -81,7 +81,7 @@ class Work:
 def parse(bibtex: str) -> list[Work]:
     """Return the entries of a BibTeX text.
 
-    What stands between the entries is comment, as in BibTeX; macros (``@string``) are not read.
+    Text between the entries is a comment, as in BibTeX; macros (``@string``) are not read.
 
     Raises:
         BenchError: for a text without entries, and for an entry with unbalanced braces or without a key of ASCII
@@ -102,7 +102,7 @@ def parse(bibtex: str) -> list[Work]:
 
 
 def _closing(text: str, start: int) -> int:
-    """Return where the brace that was opened before ``start`` has been closed; raises BenchError where it never is."""
+    """Return the position after the brace that closes the one before ``start``; raises BenchError where none does."""
     depth = 1
     for brace in re.finditer(r"[{}]", text[start:]):
         depth += 1 if brace[0] == "{" else -1
@@ -121,7 +121,7 @@ def _family_name(author: str) -> str:
 
 
 def _plain(tex: str) -> str:
-    """Return the text that a field's TeX shows, its accents as letters."""
+    """Return the TeX of a field as plain text, with accented letters."""
     marks = {command[1:]: mark for mark, command in ACCENTS.items()}
     text = _ACCENT.sub(lambda found: found[3] + marks[found[1] or found[2]], tex)
     for letter, command in LETTERS.items():

@@ -28,7 +28,7 @@ def average_ranks(medians: pd.DataFrame) -> pd.Series[float]:
 
 
 def friedman(medians: pd.DataFrame) -> pd.DataFrame:
-    """Return one row: does any optimizer rank differently from the others, over all problems?
+    """Test whether any optimizer ranks differently from the others over all problems, in one row.
 
     Columns: problems, optimizers; ``statistic``, Friedman's chi-squared corrected for ties (Friedman 1937), and its
     p; ``iman_davenport``, the less conservative F of Iman and Davenport (1980, Communications in Statistics A9), its
@@ -113,7 +113,7 @@ def wilcoxon_tests(
 
 
 def nemenyi(medians: pd.DataFrame) -> pd.DataFrame:
-    """Return first, second and p of Nemenyi's test for each pair (Nemenyi 1963): the p of the average ranks' gap.
+    """Return first, second and p of Nemenyi's test for each pair (Nemenyi 1963), from the difference of average ranks.
 
     A companion to the critical-difference diagram; it is more conservative than :func:`wilcoxon_tests`, and its p
     depends on the other optimizers. p = 1 without any problem.
@@ -129,7 +129,7 @@ def nemenyi(medians: pd.DataFrame) -> pd.DataFrame:
 
 @lru_cache
 def critical_difference(k: int, n: int, alpha: float = ALPHA) -> float:
-    """Return by how much the average ranks of two of k optimizers on n problems must differ (Demšar 2006).
+    """Return the critical difference of the average ranks of k optimizers on n problems (Demšar 2006).
 
     q_alpha sqrt(k (k + 1) / (6 n)), with q_alpha the quantile of the studentised range over sqrt(2).
     """
@@ -140,7 +140,7 @@ def critical_difference(k: int, n: int, alpha: float = ALPHA) -> float:
 def cliques(average_ranks: pd.Series[float], difference: float) -> list[tuple[str, ...]]:
     """Return the groups of at least two optimizers whose average ranks lie closer than the critical difference.
 
-    Only the largest groups, each from its lowest rank on: the bars of a critical-difference diagram.
+    Only the largest groups are returned, each from its lowest rank on: the bars of a critical-difference diagram.
     """
     ordered = average_ranks.sort_values(kind="stable")
     groups: list[tuple[str, ...]] = []
@@ -170,7 +170,7 @@ def _signed_ranks(difference: Floats, alpha: float) -> dict[str, Any]:
 def _signed_rank_p(ranks: Floats, balance: float) -> float:
     """Return the chance that fair signs leave the sum of signed ranks as far from 0 as ``balance``.
 
-    Equal to ``scipy.stats.wilcoxon(method="exact")``, which knows neither ties nor zeros.
+    Equal to ``scipy.stats.wilcoxon(method="exact")``, which handles neither ties nor zeros.
     """
     doubled = np.rint(2 * ranks).astype(int)  # shared ranks are halves
     chances = np.ones(1)  # of each sum of the positive ranks

@@ -1,8 +1,8 @@
 """Effect sizes over all problems, with intervals from a stratified bootstrap (Agarwal et al. 2021).
 
-Trials are resampled within each problem and optimizer, 9,999 times: the intervals tell how far other trials on the
-same problems could move a figure, not what other problems would show. Only problems on which every optimizer has a
-trial enter. An interval is missing where a cell has one trial, which leaves nothing to resample.
+Trials are resampled within each problem and optimizer, 9,999 times: the intervals show how far other trials on the
+same problems could move a value, not what other problems would show. Only problems on which every optimizer has a
+trial count. An interval is missing where a cell has one trial, which leaves nothing to resample.
 Source: Agarwal, Schwarzer, Castro, Courville and Bellemare, Deep reinforcement learning at the edge of the
 statistical precipice, NeurIPS 2021.
 """
@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import bootstrap, trim_mean
 
-from bench.analysis.cells import cells, labels, merge_near_ties, references, scores
+from bench.analysis.cells import cells, labels, merge_near_ties, reference_values, scores
 from bench.analysis.pairwise import RESAMPLES, a12, a12_replicates, percentile_interval
 from bench.problem import Floats
 
@@ -26,7 +26,7 @@ BATCH = 1_000  # resamples at a time, to bound memory
 
 
 def probability_of_improvement(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
-    """Return how often ``first`` ends below ``second``: first, second, problems, probability, low and high.
+    """Return the probability that ``first`` ends below ``second``: first, second, problems, probability, low and high.
 
     The probability is the mean over problems of A12, with its 95 % percentile bootstrap interval; missing where no
     problem has trials of every optimizer.
@@ -51,17 +51,17 @@ def probability_of_improvement(frame: pd.DataFrame, seed: int = 0) -> pd.DataFra
 def normalised_errors(frame: pd.DataFrame, optima: Mapping[str, float] | None = None) -> pd.DataFrame:
     """Return the error of each trial on a scale that all problems share: problem, optimizer, trial and error.
 
-    0 is the reference of the problem: its optimum, or the lowest score of all trials where that is unknown or beaten
-    (:func:`bench.analysis.references`). 1 is the median score of all trials of all optimizers on it; where that is 0
-    too, or infinite, the largest finite error. A failed trial has +inf; near-ties are ties. The scale depends on the
-    optimizers compared.
+    0 is the reference value of the problem: its optimum, or the lowest score of all trials where the optimum is unknown
+    or beaten (:func:`bench.analysis.reference_values`). 1 is the median error of all trials of all optimizers on the
+    problem, or the largest finite error where that median is 0 or infinite. A failed trial has +inf; near-ties are
+    ties. The scale depends on the optimizers compared.
 
     Args:
         frame: the tidy frame.
         optima: the best known objective value, by problem, where one is known.
     """
     by_problem = scores(frame).groupby(frame["problem"].astype(object))
-    zero = references({str(problem): least for problem, least in by_problem.min().items()}, optima)
+    zero = reference_values({str(problem): least for problem, least in by_problem.min().items()}, optima)
     errors = by_problem.transform(lambda own: _normalised(own.to_numpy(), zero[str(own.name)].value))
     return frame[["problem", "optimizer", "trial"]].assign(error=errors)
 
@@ -101,7 +101,7 @@ def _normalised(values: Floats, reference: float) -> Floats:
 
 
 def _interval(strata: list[Floats], seed: int) -> tuple[float, float]:
-    """Return the 95 % interval of the interquartile mean of samples that are resampled each on its own."""
+    """Return the 95 % interval of the interquartile mean of samples that are resampled separately."""
 
     def iqm(*samples: Floats, axis: int) -> Any:
         return trim_mean(np.concatenate(samples, axis=axis), TRIMMED, axis=axis)

@@ -18,12 +18,12 @@ from bench.study import Study
 
 Traces = Mapping[tuple[str, str, int], Trace]  # by (problem, optimizer, trial); failed trials have none
 
-NEAR = 1e-10  # relative: well above rounding, well below what anybody would call a difference
+NEAR = 1e-10  # relative: far above rounding, far below any meaningful difference
 STATISTICS = ("mean", "sd", "median", "median_low", "median_high", "q1", "q3", "best", "worst")
 
 
-class Reference(NamedTuple):
-    """The value from which a problem's errors are counted, and whether it is the problem's ``known`` optimum."""
+class ReferenceValue(NamedTuple):
+    """The value from which the errors on a problem are counted, and whether it is the problem's ``known`` optimum."""
 
     value: float
     known: bool
@@ -32,7 +32,7 @@ class Reference(NamedTuple):
 def in_study_order(frame: pd.DataFrame, study: Study) -> pd.DataFrame:
     """Return the tidy frame with ``problem`` and ``optimizer`` as categories of the study, in its order.
 
-    Every function of this package then sees cells without any trial too; a plain frame knows only those it holds.
+    Every function of this package then includes cells without any trial; without categories it cannot know them.
     """
     kinds = {"problem": study.problems, "optimizer": study.optimizers}
     columns = {
@@ -53,8 +53,8 @@ def labels(frame: pd.DataFrame, column: str) -> list[str]:
 def scores(frame: pd.DataFrame, merge: bool = False) -> pd.Series[float]:
     """Return each trial's objective value as float64, +inf where the trial failed or its value is not finite.
 
-    With ``merge``, near-ties among all scores of a problem become ties (:func:`merge_near_ties`): what every test
-    and rank is made of.
+    With ``merge``, near-ties among all scores of a problem become ties (:func:`merge_near_ties`), as in every test
+    and rank.
     """
     values = pd.to_numeric(frame["fun"], errors="coerce").astype(float)
     values = values.where((frame["status"] == "ok") & np.isfinite(values), np.inf)
@@ -69,13 +69,13 @@ def variables(trials: pd.DataFrame) -> list[str]:
 
 
 def stopped_early(frame: pd.DataFrame) -> pd.Series[bool]:
-    """Return which trials finished by a criterion of their own, declared as their reason to stop."""
+    """Return which trials ended by a stopping criterion that the optimizer declared."""
     stop = frame["stop"]
     return (frame["status"] == "ok") & stop.notna() & ~stop.isin(("budget", "undeclared"))
 
 
 def merge_near_ties(values: Floats) -> Floats:
-    """Return the values, those that agree to a relative 1e-10 made equal to the lowest of them.
+    """Return the values with each group of near-ties, equal to a relative 1e-10, replaced by its lowest value.
 
     Optimizers that find the same optimum differ by rounding, and a test of ranks would test that rounding. Values
     are merged where neighbours in sorted order differ by at most 1e-10 of the larger magnitude; a chain of such
@@ -105,30 +105,32 @@ def cells(frame: pd.DataFrame, merge: bool = False) -> dict[tuple[str, str], Flo
     }
 
 
-def references(lowest: Mapping[str, float], optima: Mapping[str, float] | None = None) -> dict[str, Reference]:
-    """Return from which value the errors of each problem of ``lowest`` are counted.
+def reference_values(
+    lowest: Mapping[str, float], optima: Mapping[str, float] | None = None
+) -> dict[str, ReferenceValue]:
+    """Return the value from which the errors on each problem of ``lowest`` are counted.
 
-    That is the optimum where it is known and no trial found less, else the lowest value that any trial found: an
-    optimum that is beaten was none. One that is beaten by no more than rounding (a near-tie) still holds.
+    That is the known optimum, or the lowest value that any trial found where no optimum is known or a trial found
+    less: a value that is beaten is no optimum. An optimum beaten only by rounding (a near-tie) still counts.
 
     Args:
         lowest: the lowest value that any trial of any optimizer found, by problem; +inf where none is finite, which
-            without an optimum is then the reference.
+            is then the reference value of a problem without an optimum.
         optima: the best known objective value, by problem, where one is known.
     """
-    return {problem: _reference(found, (optima or {}).get(problem, np.inf)) for problem, found in lowest.items()}
+    return {problem: _reference_value(found, (optima or {}).get(problem, np.inf)) for problem, found in lowest.items()}
 
 
 def regret(table: pd.DataFrame, optima: Mapping[str, float], columns: Sequence[str]) -> pd.DataFrame:
-    """Return the rows of the problems of ``optima``, with ``columns`` counted from their optimum.
+    """Return the rows of the problems of ``optima``, with their optimum subtracted from ``columns``.
 
-    A difference within rounding (a near-tie) becomes 0. What holds of the values holds of their regret: the median
-    regret of trials is the regret of their median.
+    A difference within rounding (a near-tie) becomes 0. Quantiles carry over: the median regret of trials is the
+    regret of their median.
 
     Args:
         table: a frame with a column problem, such as that of :func:`summarise`.
-        optima: the known optimum of each problem that has one.
-        columns: those that hold objective values.
+        optima: the optimum of each problem where one is known.
+        columns: the columns that hold objective values.
     """
     own = table[table["problem"].isin(optima)]
     optimum = own["problem"].astype(object).map(optima).astype(float)
@@ -167,10 +169,10 @@ def summarise(frame: pd.DataFrame) -> pd.DataFrame:
     return table.astype(dict.fromkeys(STATISTICS, float))
 
 
-def _reference(lowest: float, optimum: float) -> Reference:
+def _reference_value(lowest: float, optimum: float) -> ReferenceValue:
     least = merge_near_ties(np.array([lowest, optimum]))
     known = bool(np.isfinite(optimum) and least[1] <= least[0])
-    return Reference(float(optimum if known else lowest), known)
+    return ReferenceValue(float(optimum if known else lowest), known)
 
 
 def _describe(values: Floats) -> dict[str, Any]:
@@ -195,6 +197,6 @@ def _describe(values: Floats) -> dict[str, Any]:
 
 
 def _deviation(values: Floats) -> float:
-    """Return the standard deviation, also of values whose squares no float can hold."""
+    """Return the standard deviation, also of values whose squares exceed float64."""
     size = float(np.abs(values).max())
     return float((values / size).std(ddof=1) * size) if size else 0.0

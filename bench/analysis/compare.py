@@ -1,4 +1,4 @@
-"""What pairs and cells add up to: the thesis's comparison matrix, and who is ranked first on how many problems."""
+"""Summaries of cells and pairs: the thesis's comparison matrix, and how often each optimizer is ranked first."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ def comparison_matrix(
     ``value`` is the statistic, missing where it is not known. ``best`` (bold in the thesis) marks the lowest finite
     value of a problem, each of them where several tie, in problems with at least two values. ``alike`` (italics)
     marks a known value that is not best, where the test cannot tell its cell from a best one: as in the thesis, by
-    the raw p > ``alpha``; an untestable pair (p = 1) counts as alike. What every pair of a problem adds up to after
-    Holm's adjustment are the letters of :func:`bench.analysis.compact_letters`, to be merged with this table.
+    the raw p > ``alpha``; an untestable pair (p = 1) counts as alike. The letters of
+    :func:`bench.analysis.compact_letters` summarise all pairs after Holm's adjustment; merge them with this table.
 
     Args:
         summary: from :func:`bench.analysis.summarise`.
         pairs: from :func:`bench.analysis.pairwise_tests`, of at least the summary's optimizers.
-        statistic: "median", or "mean" as in the thesis, which a single failed trial leaves unknown.
+        statistic: "median", or "mean" as in the thesis, which is missing after a single failed trial.
         alpha: the level.
     """
     values = table(summary, statistic)
@@ -50,7 +50,7 @@ def comparison_matrix(
 
 
 def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
-    """Return for each optimizer: problems, first, separable, mean_rank.
+    """Return one row an optimizer: problems, first, separable and mean_rank.
 
     The unit is the problem, its value the median score, as in :func:`medians`. ``first`` counts the problems with
     the lowest median (a tie counts for each), ``separable`` those of them where the optimizer differs from every
@@ -105,7 +105,7 @@ def _lowest(values: pd.DataFrame) -> pd.DataFrame:
 
 
 def _beats(pairs: pd.DataFrame, alpha: float) -> dict[tuple[str, str], set[str]]:
-    """Return for each (problem, optimizer) the rivals it is separable from and tends to be lower than."""
+    """Return by (problem, optimizer) the rivals that the optimizer is separable from and tends to be lower than."""
     beaten: dict[tuple[str, str], set[str]] = {}
     for pair in pairs[(pairs["p_holm"] <= alpha) & (pairs["lower"] != "")].itertuples():
         winner, one, other = str(pair.lower), str(pair.first), str(pair.second)

@@ -11,9 +11,9 @@ from bench.analysis.pairwise import ALPHA
 def compact_letters(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     """Return problem, optimizer and letters of every cell (Piepho 2004, J. Comput. Graph. Stat. 13).
 
-    Two optimizers share a letter where they are not separable: p_holm > ``alpha``. Letters are given from the lowest
-    median on, so the best has an "a". "" stands for a cell without trials, "?" for every cell of a problem that needs
-    more letters than there are (52).
+    Two optimizers share a letter where they are not separable: p_holm > ``alpha``. Letters are assigned from the lowest
+    median up, so the best has an "a". "" stands for a cell without trials, "?" for every cell of a problem that needs
+    more than 52 letters.
 
     Args:
         summary: from :func:`bench.analysis.summarise`; only its optimizers get letters.

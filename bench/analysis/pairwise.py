@@ -1,6 +1,6 @@
 """Pairs of optimizers on one problem: the two-sample Kolmogorov-Smirnov test of the thesis, with its safeguards.
 
-A test says whether two optimizers differ at all; A12 says by how much, and which of them tends to be lower.
+A test shows whether two optimizers differ at all; A12 shows by how much, and which of them tends to be lower.
 """
 
 from __future__ import annotations
@@ -109,10 +109,9 @@ def a12(this: Floats, other: Floats) -> float:
 
 
 def a12_replicates(this: Floats, other: Floats, seed: int | Sequence[int] = 0) -> Floats:
-    """Return the A12 of 9,999 bootstrap resamples, both samples drawn with replacement on their own.
+    """Return the A12 of 9,999 bootstrap resamples; both samples are drawn with replacement, separately.
 
-    Samples of the same sizes are resampled alike under one seed: replicates that are to be independent need seeds
-    of their own.
+    Samples of the same sizes are resampled alike under one seed; independent replicates need different seeds.
 
     Raises:
         ValueError: when a sample is empty.
@@ -132,7 +131,7 @@ def percentile_interval(replicates: Floats, level: float = 0.95) -> tuple[float,
 
 
 def effect_size(a12: float) -> str:
-    """Return Vargha and Delaney's (2000) word for an A12, in either direction; "" where it is missing."""
+    """Return Vargha and Delaney's (2000) category of an A12 in either direction, "" where it is missing."""
     if np.isnan(a12):
         return ""
     size = max(a12, 1 - a12)
@@ -179,7 +178,7 @@ def _kolmogorov_smirnov(this: Floats, other: Floats, tied: bool) -> tuple[float,
     if tied:
         return permutation_p(this, other), "permutation"
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "ks_2samp: Exact calculation", RuntimeWarning)  # needless, at D = 1/n
+        warnings.filterwarnings("ignore", "ks_2samp: Exact calculation", RuntimeWarning)  # warns needlessly at D = 1/n
         return float(ks_2samp(this, other, method="exact").pvalue), "exact"
 
 
@@ -208,7 +207,7 @@ def permutation_p(this: Floats, other: Floats) -> float:
 
 
 def _wins(this: Floats, other: Floats) -> Floats:
-    """Return, (n, m), 1 where a value of ``this`` is the lower one, 1/2 where they tie and 0 elsewhere."""
+    """Return (n, m): 1 where a value of ``this`` is the lower one, 1/2 where they tie and 0 elsewhere."""
     return np.less.outer(this, other) + 0.5 * np.equal.outer(this, other)
 
 

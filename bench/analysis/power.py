@@ -1,4 +1,4 @@
-"""What the Kolmogorov-Smirnov test can see at all with so many trials."""
+"""The power of the Kolmogorov-Smirnov test: the differences that it can detect with n trials a cell."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def critical_distance(n: int, alpha: float) -> int | None:
 
 @lru_cache
 def detectable_shift(n: int, alpha: float, power: float = 0.8) -> float | None:
-    """Return the shift, in standard deviations, that the test sees with the given power; None where it sees none.
+    """Return the shift, in standard deviations, that the test detects with the given power; None where it detects none.
 
     Assumes two normal samples of n values that differ by a shift only. Found by bisection over 2,000 seeded draws,
     so good to about 0.02.
@@ -51,7 +51,7 @@ def detectable_shift(n: int, alpha: float, power: float = 0.8) -> float | None:
 
 
 def power_table(n: int, pairs: int, alpha: float = ALPHA) -> pd.DataFrame:
-    """Return what n trials a cell can show: level, alpha, distance (in units of 1/n) and shift.
+    """Return the differences that n trials a cell can show: level, alpha, distance (in units of 1/n) and shift.
 
     The rows are ``alpha`` itself and, where several pairs are tested, the first step of Holm's adjustment, alpha
     over the number of pairs. ``distance`` is the :func:`critical_distance` and ``shift`` the
@@ -64,6 +64,6 @@ def power_table(n: int, pairs: int, alpha: float = ALPHA) -> pd.DataFrame:
 
 
 def _exact_p(k: int, n: int) -> float:
-    """Return the exact p of D = k/n: that of n values against the same ones moved up by k ranks."""
+    """Return the exact p of D = k/n: that of n values against the same values moved up by k ranks."""
     values = np.arange(n, dtype=float)
     return float(ks_2samp(values, values + k - 0.5, method="exact").pvalue) if k else 1.0

@@ -1,7 +1,7 @@
-"""Targets on the way to the optimum, and how soon they are reached: ERT, success rates, ECDF and data profiles.
+"""Targets on the way to the optimum and the evaluations to reach them: ERT, success rates, ECDF and data profiles.
 
 Every problem has one ladder of targets, the objective values f_L + tau (f_0 - f_L) for falling tau (Moré and Wild
-2009, SIAM Journal on Optimization 20). All that this module tells comes from the hitting times of that ladder.
+2009, SIAM Journal on Optimization 20). All results of this module derive from the hitting times of that ladder.
 Expected running time and ECDF are those of COCO (Hansen, Auger, Brockhoff, Tušar and Tušar 2016, arXiv:1605.03560).
 """
 
@@ -17,7 +17,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
-from bench.analysis.cells import Traces, labels, references
+from bench.analysis.cells import Traces, labels, reference_values
 from bench.objective import Trace
 from bench.problem import Floats
 
@@ -25,7 +25,7 @@ Counts = Floats | NDArray[np.int64]  # of evaluations
 
 PER_DECADE = 10
 DECADES_KNOWN = 8  # to 1e-8, the last target of COCO
-DECADES_FOUND = 3  # below that, a target tells the trial that found f_L from the rest, and little else
+DECADES_FOUND = 3  # a harder target only distinguishes the trial that found f_L from the rest
 _LADDER = 10.0 ** (-np.arange(PER_DECADE * DECADES_KNOWN + 1) / PER_DECADE)
 
 
@@ -38,11 +38,11 @@ def targets(traces: Traces, optima: Mapping[str, float] | None = None) -> pd.Dat
     """Return the ladder of targets of each problem: problem, tau, target, reference and known.
 
     A target is f_L + tau (f_0 - f_L). f_0 is the median, over all trials of the problem, of the first finite value
-    in a trial's trace. f_L, the ``reference``, is the optimum where that is ``known``, else, or where a trial found
-    less (:func:`bench.analysis.references`), the lowest value that any trial found: targets then depend on which
-    optimizers were compared, and the ladder is the short one.
+    in a trial's trace. f_L, the ``reference``, is the optimum where that is ``known``, or the lowest value that any
+    trial found where the optimum is unknown or beaten (:func:`bench.analysis.reference_values`); targets then depend on
+    the optimizers compared, and the ladder is the short one.
 
-    Where f_0 is no higher than f_L there is nothing to divide: the only target is f_L itself, with tau = 0. A
+    Where f_0 is not above f_L, the only target is f_L itself, with tau = 0. A
     problem on which no trial found a finite value has no target.
 
     Args:
@@ -55,7 +55,7 @@ def targets(traces: Traces, optima: Mapping[str, float] | None = None) -> pd.Dat
             ends.setdefault(problem, []).append((float(trace.values[0]), float(trace.values[-1])))
     lowest = {problem: min(last for _, last in pairs) for problem, pairs in ends.items()}
     tables = []
-    for problem, (reference, known) in references(lowest, optima).items():
+    for problem, (reference, known) in reference_values(lowest, optima).items():
         distance = median(first for first, _ in ends[problem]) - reference
         tau = fractions(known) if distance > 0 else np.zeros(1)
         target = reference + tau * max(distance, 0.0)
@@ -69,8 +69,8 @@ def hitting_times(frame: pd.DataFrame, traces: Traces, targets: pd.DataFrame, bu
     """Return one row a trial and target: problem, optimizer, trial, tau, target, evaluations and spent.
 
     ``evaluations`` is when the trial first reached the target, +inf where it never did. ``spent`` is what the trial
-    used in all. A failed trial reached nothing and spent the whole budget, whatever it found before: a crash must
-    not be cheaper than a search in vain. Problem and optimizer stay categories where ``frame`` has categories.
+    used in all. A failed trial reached nothing and spent the whole budget, whatever it found before, so that a
+    crash is not cheaper than an unsuccessful search. Problem and optimizer stay categories where they are in ``frame``.
 
     Args:
         frame: the tidy frame.
@@ -101,9 +101,9 @@ def hitting_times(frame: pd.DataFrame, traces: Traces, targets: pd.DataFrame, bu
 def expected_running_time(hits: pd.DataFrame) -> pd.DataFrame:
     """Return one row a cell and target: problem, optimizer, tau, target, trials, successes and ert.
 
-    ERT is all evaluations spent until the target was reached, by failures too, over the number of successes
-    (Hansen et al. 2016): infinite without a success, missing without a trial. It estimates what restarts until the
-    first success would cost.
+    ERT is the sum of the evaluations spent until the target was reached, including those of unsuccessful trials, over
+    the number of successes (Hansen et al. 2016): infinite without a success, missing without a trial. It estimates
+    the cost of restarts until the first success.
     """
     table = _counts(hits)
     ert = (table["paid"] / table["successes"].where(table["successes"] > 0)).fillna(np.inf)
@@ -114,7 +114,7 @@ def success_rates(hits: pd.DataFrame, taus: Iterable[float] = (1e-1, 1e-2, 1e-3)
     """Return the share of trials that reached a target: problem, optimizer, tau, successes, trials, rate, low, high.
 
     ``low`` and ``high`` are the 95 % interval of Wilson (1927): all of 0 to 1 without a trial, where ``rate`` is
-    missing. A tau between two targets means the next harder one; below a problem's last target there is no row.
+    missing. A tau between two targets stands for the next harder one; below a problem's last target there is no row.
     """
     counts = _counts(hits)
     table = pd.concat([_at(counts, tau).assign(tau=tau) for tau in taus], ignore_index=True)
@@ -128,7 +128,7 @@ def success_rates(hits: pd.DataFrame, taus: Iterable[float] = (1e-1, 1e-2, 1e-3)
 def ecdf(hits: pd.DataFrame, grid: Counts) -> pd.DataFrame:
     """Return the runtime distribution of each optimizer over all problems: optimizer, evaluations, fraction.
 
-    ``fraction`` is the share of all (target, problem, trial) reached within so many evaluations (Hansen et al. 2016,
+    ``fraction`` is the share of all (target, problem, trial) reached within that many evaluations (Hansen et al. 2016,
     without simulated restarts). Every trial weighs the same, also where problems have ladders of different lengths.
     Compare optimizers only where they have trials on the same problems. Missing for an optimizer without trials.
     """
@@ -152,7 +152,7 @@ def data_profiles(
 ) -> pd.DataFrame:
     """Return the data profile of each optimizer (Moré and Wild 2009): optimizer, evaluations or groups, fraction.
 
-    ``fraction`` is the share of (problem, trial) solved to ``tau`` within so many evaluations. With ``dimensions``,
+    ``fraction`` is the share of (problem, trial) solved to ``tau`` within that many evaluations. With ``dimensions``,
     the d of each problem, the unit is groups of d + 1 evaluations, the cost of a simplex gradient; the column is
     then ``groups``. Missing for an optimizer without trials.
 

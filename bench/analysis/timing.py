@@ -1,4 +1,4 @@
-"""What trials take: wall and processor time, the objective's share, and the signs of a disturbed measurement."""
+"""The time of trials: wall and processor time, the objective's share, and the signs of a disturbed measurement."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ COLUMNS = (
 def timing(frame: pd.DataFrame) -> pd.DataFrame:
     """Return one row an optimizer over its finished trials on all problems.
 
-    Columns: evaluations_median, what a trial spent; wall_mean (thesis Fig. 7.5), and median and quartiles of wall and
+    Columns: evaluations_median, those of a trial; wall_mean (thesis Fig. 7.5), and median and quartiles of wall and
     CPU seconds a trial and of evaluations a second (speed); objective_mean, the mean wall seconds inside the problem;
     objective_share, the median share of the wall time spent there; wall_per_cpu, the median ratio; contention and
-    hidden_threads, whether that ratio says that trials waited for a core or used more than one. Assumes one trial a
+    hidden_threads, whether that ratio shows that trials waited for a core or used more than one. Assumes one trial a
     core.
     """
     finished = frame[frame["status"] == "ok"]

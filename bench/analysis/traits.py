@@ -1,4 +1,4 @@
-"""What an optimizer may favour by itself, which ``bench check`` looks for, and how a report tells of it."""
+"""The traits of optimizers that ``bench check`` looks for, and the sentences of a report on them."""
 
 from __future__ import annotations
 
@@ -12,23 +12,27 @@ def percent(share: float) -> str:
 
 
 class Trait(NamedTuple):
-    """How a trait that ``bench check`` looks for is told: of those who have it, of its figures, and where none has it.
+    """The parts of a report's sentence on a trait.
 
-    ``figure`` spells the figure that an optimizer was judged by.
+    Attributes:
+        trouble: what was observed of the optimizers that have the trait.
+        meaning: the consequence for conclusions.
+        shown: formats the number that decided about an optimizer.
+        well: what no optimizer does where none has the trait.
     """
 
     trouble: str
     meaning: str
-    figure: Callable[[float], str]
+    shown: Callable[[float], str]
     well: str
 
 
 TRAITS = {
     "centre bias": Trait(  # Kudela 2022
         "Errors are higher when the optimum is moved away from the centre of the box",
-        "Results on problems with a central optimum flatter these.",
+        "Results on problems with a central optimum flatter these optimizers.",
         lambda ratio: f"{ratio:.2g} times",
-        "does better where the optimum is at the centre",
+        "is better where the optimum is at the centre",
     ),
     "structural bias": Trait(  # Kononova et al. 2015
         "On pure noise, where no point is better than another, the best points are not uniform in the box",
@@ -38,14 +42,14 @@ TRAITS = {
     ),
     "boundary clamping": Trait(
         "Best points have coordinates on a bound of the box where no optimum lies there",
-        "Results on problems with an optimum on a bound flatter these.",
+        "Results on problems with an optimum on a bound flatter these optimizers.",
         lambda share: f"{percent(share)} of them",
         "is drawn to the bounds of the box",
     ),
     "starts and seeds": Trait(
-        "Runs start elsewhere than uniformly and independently in the box, or are the same with another seed",
+        "Starting points are not uniform and independent in the box, or runs with different seeds are equal",
         "Trials may not be independent.",
         lambda p: f"p = {p:.1g}",
-        "repeats a run with another seed or favours a part of the box at the start",
+        "repeats a run with another seed or starts elsewhere than uniformly in the box",
     ),
 }

@@ -28,7 +28,7 @@ def check(
     bias: Annotated[bool, typer.Option(help="Also test for biases, which takes longer.")] = True,
     jobs: Jobs = -1,
 ) -> None:
-    """Check that an optimizer keeps the contract, and detect biases: places of the box that it favours by itself.
+    """Check that an optimizer keeps the contract, and detect its biases towards places in the box.
 
     Every check prints its finding and, where it failed, how to mend it. A breach of the contract ends the command with
     exit code 1; a bias is a trait of the method and is only reported. Given a study's folder, the command checks all

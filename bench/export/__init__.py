@@ -1,4 +1,4 @@
-"""A study's results in the formats of other tools.
+"""Export the results of a study in the formats of other tools.
 
 ========  ==========================================================================
 ioh       IOHprofiler: IOHanalyzer, iohinspector
@@ -17,7 +17,7 @@ from pathlib import Path
 
 from bench.errors import BenchError, nearest
 from bench.export import coco, ioh, tabular
-from bench.export.runs import left_out
+from bench.export.trials import omission_notes
 from bench.storage.results import Results
 
 __all__ = ["FORMATS", "Export", "Format", "export"]
@@ -27,13 +27,13 @@ README = "README.txt"
 
 @dataclass(frozen=True)
 class Format:
-    """How results become files.
+    """An export format.
 
     Attributes:
-        files: gives the path, within the export's folder, and the content of every file; raises BenchError at once,
-            not later, for results that the format cannot hold.
-        about: gives the lines of the README that say what the files are.
-        holds_failures: whether failed trials are in the files.
+        files: returns the path, within the export's folder, and the content of every file; raises BenchError at the
+            call, not during iteration, for results that the format cannot hold.
+        about: returns the lines of the README that describe the files.
+        holds_failures: whether the files contain failed trials.
     """
 
     files: Callable[[Results], Iterator[tuple[str, str | bytes]]]
@@ -51,11 +51,11 @@ FORMATS = {
 
 @dataclass(frozen=True)
 class Export:
-    """What was written.
+    """A finished export.
 
     Attributes:
-        folder: where.
-        notes: sentences on what the format could not hold; they stand in the folder's README too.
+        folder: the folder written.
+        notes: sentences on what the format could not hold; the folder's README has them too.
     """
 
     folder: Path
@@ -68,8 +68,8 @@ def export(results: Results, kind: str, folder: Path) -> Export:
     An earlier export of the same format is replaced as a whole.
 
     Raises:
-        BenchError: for an unknown format, a study without trials or with what the format cannot hold, and a folder
-            that cannot be written or holds anything else.
+        BenchError: for an unknown format, for a study without trials or one that the format cannot hold, and for a
+            folder that cannot be written or holds anything else.
     """
     if kind not in FORMATS:
         raise BenchError(f"unknown export format {kind!r}{nearest(kind, FORMATS)}")
@@ -77,8 +77,8 @@ def export(results: Results, kind: str, folder: Path) -> Export:
         raise BenchError(f"{results.paths[0]} holds no trials yet; run the study first")
     chosen = FORMATS[kind]
     files = chosen.files(results)
-    notes = [] if chosen.holds_failures else left_out(results.frame)
-    title = f"An export in the format {kind}. The next one into this folder replaces all that is in it."
+    notes = [] if chosen.holds_failures else omission_notes(results.frame)
+    title = f"An export in the format {kind}. The next export into this folder replaces everything in it."
     head = [title, "", f"Study: {results.study.title or results.study.name}", "", *chosen.about(results)]
     try:
         _empty(folder, title)
@@ -92,7 +92,7 @@ def export(results: Results, kind: str, folder: Path) -> Export:
 
 
 def _empty(folder: Path, title: str) -> None:
-    """Take away what an earlier export left; raises BenchError when there is anything else."""
+    """Remove an earlier export; raises BenchError when the folder holds anything else."""
     content = list(folder.iterdir()) if folder.exists() else []
     if content and not _begins_with(folder / README, title):
         raise BenchError(f"{folder} holds something other than an earlier export of this format; give another folder")

@@ -1,10 +1,10 @@
 """The format of COCO, for cocopp: the study as functions of a COCO suite.
 
-cocopp reads only COCO's own suites. Each problem takes the place of a function of ``bbob-constrained``, the suite that
-has the most (54) and no reference data of its own; the name that cocopp prints for the function is to be ignored.
+cocopp reads only COCO's own suites. Each problem takes the place of a function of ``bbob-constrained``, the suite
+with the most functions (54) and no reference data of its own; ignore the function names that cocopp prints.
 
-Every improvement and the last evaluation of a run stand in the ``.dat`` file; the ``.tdat`` file has its best-so-far
-value at 20 evaluation counts a decade and at the last evaluation. No evaluation is one of constraints.
+The ``.dat`` file has every improvement and the last evaluation of a run; the ``.tdat`` file has the best-so-far value
+at 20 evaluation counts a decade and at the last evaluation. The number of constraint evaluations is 0.
 
 Source: N. Hansen, A. Auger, R. Ros, O. Mersmann, T. Tušar, D. Brockhoff, "COCO: a platform for comparing continuous
 optimizers in a black-box setting", Optimization Methods and Software 36(1), 2021.
@@ -21,24 +21,24 @@ from numpy.typing import NDArray
 
 from bench import analysis
 from bench.errors import BenchError
-from bench.export.runs import Cell, Run, cells
+from bench.export.trials import ExportedCell, ExportedTrial, exported_cells
 from bench.problem import Floats
 from bench.storage.results import Results
 from bench.text import file_name, unique
 
 SUITE = "bbob-constrained"
 FUNCTIONS = 54
-PRECISION = 1e-8  # cocopp looks at no smaller difference
+PRECISION = 1e-8  # cocopp distinguishes no smaller difference
 SMALLEST = 1e-12  # cocopp takes logarithms: a difference must be positive
-INFINITE = 3e21  # what COCO writes for infinity
+INFINITE = 3e21  # COCO writes this value for infinity
 COLUMNS = (
     "f evaluations | g evaluations | best noise-free fitness - Fopt ({}) | measured fitness | best measured fitness"
 )
 
 
 @dataclass(frozen=True)
-class Reference:
-    """The value that a problem's objective values are compared with, and where it comes from."""
+class AssumedOptimum:
+    """The value that stands for COCO's f_opt of a problem, and where the value comes from."""
 
     value: float
     source: str
@@ -55,31 +55,31 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
             f"the coco format holds at most {FUNCTIONS} problems and this study has {len(results.study.problems)}; "
             "export fewer of them at a time, or choose ioh"
         )
-    folders, known = optimizer_folders(results), references(results)
+    folders, optima = optimizer_folders(results), assumed_optima(results)
     return (
         (f"{folders[cell.optimizer]}/{path}", text)
-        for cell in cells(results)
-        for path, text in _cell_files(cell, folders[cell.optimizer], known[cell.problem].value)
+        for cell in exported_cells(results)
+        for path, text in _cell_files(cell, folders[cell.optimizer], optima[cell.problem].value)
     )
 
 
 def about(results: Results) -> list[str]:
     """Return the lines of the export's README."""
-    known = references(results)
+    optima = assumed_optima(results)
     return [
         "One folder an optimizer, to be read by cocopp:",
         "    python -m cocopp FOLDER/OPTIMIZER [FOLDER/OPTIMIZER ...]",
         "",
         f"cocopp reads only COCO's own suites, so each problem takes the place of a function of {SUITE}. Ignore",
-        "the function names that cocopp prints; its numbers are those below. No evaluation is one of constraints.",
+        "the function names that cocopp prints; its numbers are those below. Constraint evaluations are always 0.",
         "",
-        "Values are written less the reference of their function. As cocopp takes logarithms, a difference below",
+        "The reference of a function is subtracted from its values. As cocopp takes logarithms, a difference below",
         f"{SMALLEST:g} is written as {SMALLEST:g}, and one above {INFINITE:g}, or infinite, as {INFINITE:g}.",
-        "cocopp's targets run from 1e2 to 1e-6. The measured values are the best ones so far; points are not recorded.",
+        "cocopp's targets run from 1e2 to 1e-6. The measured values are best-so-far values; points are not recorded.",
         "",
         "Functions, by funcId, with their reference:",
         *(
-            f"    {number}  {entry.label}: {known[entry.label].value!r}, {known[entry.label].source}"
+            f"    {number}  {entry.label}: {optima[entry.label].value!r}, {optima[entry.label].source}"
             for number, entry in enumerate(results.study.problems, start=1)
         ),
         "",
@@ -91,73 +91,74 @@ def about(results: Results) -> list[str]:
 def optimizer_folders(results: Results) -> dict[str, str]:
     """Return the folder of each optimizer, by label.
 
-    cocopp calls an algorithm by its folder, from which it strikes the words ``data`` and ``noiseless``. A hyphen
-    within them keeps them, so that two names that differ stay different.
+    cocopp names an algorithm after its folder, without the words ``data`` and ``noiseless``. A hyphen within these
+    words keeps them, so that different names stay different.
     """
     labels = [entry.label for entry in results.study.optimizers]
     names = (re.sub("(?<=dat)(?=a)|(?<=noiseles)(?=s)", "-", file_name(label)) for label in labels)
     return dict(zip(labels, unique(names), strict=True))
 
 
-def references(results: Results) -> dict[str, Reference]:
-    """Return each problem's reference: its optimum where one is known and no trial is below it, else the lowest value.
+def assumed_optima(results: Results) -> dict[str, AssumedOptimum]:
+    """Return the known optimum of each problem, or the lowest value of all trials where that is unknown or beaten.
 
-    The lowest value is that of all optimizers' trials, so that all are compared with the same one.
+    The lowest value is over the trials of all optimizers, so that all are compared with the same value.
     """
     lowest = {entry.label: np.inf for entry in results.study.problems}
     for (problem, _, _), trace in results.traces.items():
         lowest[problem] = min([lowest[problem], *trace.values[-1:].tolist()])
-    optima = {label: known for label in lowest if (known := results.facts(label).optimum) is not None}
-    return {label: _reference(*found) for label, found in analysis.references(lowest, optima).items()}
+    known_optima = {label: known for label in lowest if (known := results.facts(label).optimum) is not None}
+    found = analysis.reference_values(lowest, known_optima)
+    return {label: _assumed_optimum(*reference) for label, reference in found.items()}
 
 
-def _reference(value: float, known: bool) -> Reference:
+def _assumed_optimum(value: float, known: bool) -> AssumedOptimum:
     if known:
-        return Reference(value, "the problem's best known value")
+        return AssumedOptimum(value, "the problem's best known value")
     if np.isfinite(value):
-        return Reference(value, "the lowest value found by any trial")
-    return Reference(0.0, "no trial found a finite value")
+        return AssumedOptimum(value, "the lowest value found by any trial")
+    return AssumedOptimum(0.0, "no trial found a finite value")
 
 
-def _cell_files(cell: Cell, algorithm: str, reference: float) -> Iterator[tuple[str, str]]:
+def _cell_files(cell: ExportedCell, algorithm: str, optimum: float) -> Iterator[tuple[str, str]]:
     data = f"data_f{cell.function}/bbobexp_f{cell.function}_DIM{cell.dimension}"
-    yield f"bbobexp_f{cell.function}.info", _index(cell, algorithm, f"{data}.dat", reference)
-    yield f"{data}.dat", _log(((run, run.evaluations) for run in cell.runs), reference)
-    yield f"{data}.tdat", _log(((run, _grid(run.nfev)) for run in cell.runs), reference)
+    yield f"bbobexp_f{cell.function}.info", _index(cell, algorithm, f"{data}.dat", optimum)
+    yield f"{data}.dat", _log(((trial, trial.evaluations) for trial in cell.trials), optimum)
+    yield f"{data}.tdat", _log(((trial, _grid(trial.nfev)) for trial in cell.trials), optimum)
 
 
-def _index(cell: Cell, algorithm: str, data: str, reference: float) -> str:
-    """Return the three lines of a function; all runs are of instance 1, as every trial meets the same problem."""
+def _index(cell: ExportedCell, algorithm: str, data: str, optimum: float) -> str:
+    """Return the three lines of a function; every trial meets the same problem, so all are of instance 1."""
     head = (
         f"suite = '{SUITE}', funcId = {cell.function}, DIM = {cell.dimension}, Precision = {PRECISION:.3e}, "
         f"algId = '{algorithm}', coco_version = '2.8.2', logger = '{SUITE}', data_format = 'bbob-new2'"
     )
-    finals = (_difference(run.trace.at(run.nfev), reference) for run in cell.runs)
-    runs = [f"1:{run.nfev}|{final:.1e}" for run, final in zip(cell.runs, finals, strict=True)]
+    finals = (_difference(trial.trace.at(trial.nfev), optimum) for trial in cell.trials)
+    runs = [f"1:{trial.nfev}|{final:.1e}" for trial, final in zip(cell.trials, finals, strict=True)]
     return "\n".join([head, f"% {cell.problem}", ", ".join([data, *runs]), ""])
 
 
-def _log(runs: Iterable[tuple[Run, NDArray[np.int64]]], reference: float) -> str:
-    """Return each run's rows, at the evaluations given with it, under a header.
+def _log(trials: Iterable[tuple[ExportedTrial, NDArray[np.int64]]], optimum: float) -> str:
+    """Return the rows of each trial, at the evaluations given with it, under a header.
 
-    Only improvements are recorded, so the measured value is the best-so-far one; points are not recorded at all.
+    Only improvements are recorded, so the measured value is the best-so-far value; points are not recorded.
     """
     lines = []
-    for run, evaluations in runs:
-        lines.append(f"% {COLUMNS.format(f'{reference:.9e}')}")
-        values = run.trace.at(evaluations)
+    for trial, evaluations in trials:
+        lines.append(f"% {COLUMNS.format(f'{optimum:.9e}')}")
+        values = trial.trace.at(evaluations)
         measured = np.minimum(values, INFINITE)
-        for row in zip(evaluations, _difference(values, reference), measured, measured, strict=True):
+        for row in zip(evaluations, _difference(values, optimum), measured, measured, strict=True):
             lines.append("{:d} 0 {:+.9e} {:+.9e} {:+.9e}".format(*row))
     return "\n".join([*lines, ""])
 
 
-def _difference(values: Floats, reference: float) -> Floats:
-    """Return the values less the reference, kept between what COCO can take the logarithm of and its infinity."""
-    return np.clip(values - reference, SMALLEST, INFINITE)
+def _difference(values: Floats, optimum: float) -> Floats:
+    """Return the values less the optimum, clipped between what COCO can take the logarithm of and its infinity."""
+    return np.clip(values - optimum, SMALLEST, INFINITE)
 
 
 def _grid(last: int) -> NDArray[np.int64]:
-    """Return 20 evaluation counts a decade, rounded down, up to and with the last."""
+    """Return 20 evaluation counts a decade, rounded down, up to and including the last."""
     steps = np.arange(np.floor(20 * np.log10(last)) + 1)
     return np.union1d(np.floor(10 ** (steps / 20)), [1, last]).astype(np.int64)

@@ -1,6 +1,6 @@
 """The format of IOHprofiler, for IOHanalyzer and iohinspector.
 
-One folder an optimizer; in it, for each problem, a JSON file about its runs and a ``.dat`` file of their best-so-far
+Each optimizer has a folder with a JSON file about the runs on each problem and a ``.dat`` file of their best-so-far
 values. A run is logged at its first evaluation, at every improvement and at its last evaluation.
 
 Source: J. de Nobel, F. Ye, D. Vermetten, H. Wang, C. Doerr, T. Bäck, "IOHexperimenter: Benchmarking Platform for
@@ -15,12 +15,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from bench.errors import BenchError
-from bench.export.runs import Cell, Run, cells
+from bench.export.trials import ExportedCell, ExportedTrial, exported_cells
 from bench.storage.results import Results
 from bench.text import file_name, unique
 
 VERSION = "0.3.22"  # of the format
-LARGEST_FUNCTION = 2**16 - 1  # readers keep a function's number in 16 bits
+LARGEST_FUNCTION = 2**16 - 1  # readers store a function's number in 16 bits
 COLUMNS = ["evaluations", "raw_y"]
 
 
@@ -36,7 +36,7 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
     attributes = _experiment_attributes(results.environments)
     return (
         (f"{folders[cell.optimizer]}/{path}", text)
-        for cell in cells(results)
+        for cell in exported_cells(results)
         for path, text in _cell_files(cell, results.study.name, attributes)
     )
 
@@ -64,15 +64,15 @@ def optimizer_folders(results: Results) -> dict[str, str]:
     return dict(zip(labels, unique(map(file_name, labels)), strict=True))
 
 
-def _cell_files(cell: Cell, suite: str, attributes: list[dict[str, str]]) -> Iterator[tuple[str, str]]:
+def _cell_files(cell: ExportedCell, suite: str, attributes: list[dict[str, str]]) -> Iterator[tuple[str, str]]:
     name = f"f{cell.function}_{file_name(cell.problem)}"
     data = f"data_{name}/IOHprofiler_f{cell.function}_DIM{cell.dimension}.dat"
     head = _head(cell, suite, attributes, data)
     yield f"IOHprofiler_{name}.json", json.dumps(head, indent=1, allow_nan=False) + "\n"
-    yield data, "".join(_log(run) for run in cell.runs)
+    yield data, "".join(_log(trial) for trial in cell.trials)
 
 
-def _head(cell: Cell, suite: str, attributes: list[dict[str, str]], data: str) -> dict[str, Any]:
+def _head(cell: ExportedCell, suite: str, attributes: list[dict[str, str]], data: str) -> dict[str, Any]:
     return {
         "version": VERSION,
         "suite": suite,
@@ -83,24 +83,24 @@ def _head(cell: Cell, suite: str, attributes: list[dict[str, str]], data: str) -
         "experiment_attributes": attributes,
         "run_attributes": ["trial", "seed"],
         "attributes": COLUMNS,
-        "scenarios": [{"dimension": cell.dimension, "path": data, "runs": [_run(run) for run in cell.runs]}],
+        "scenarios": [{"dimension": cell.dimension, "path": data, "runs": [_run(trial) for trial in cell.trials]}],
     }
 
 
-def _run(run: Run) -> dict[str, Any]:
-    """Return a run's entry; all are of instance 1, as every trial meets the same problem."""
-    found = len(run.trace.values) > 0
+def _run(trial: ExportedTrial) -> dict[str, Any]:
+    """Return the entry of a trial; every trial meets the same problem, so all are of instance 1."""
+    found = len(trial.trace.values) > 0
     best = {
-        "evals": int(run.trace.evaluations[-1]) if found else run.nfev,
-        "y": float(run.trace.values[-1]) if found else None,
-        "x": [value if math.isfinite(value) else None for value in run.x.tolist()],
+        "evals": int(trial.trace.evaluations[-1]) if found else trial.nfev,
+        "y": float(trial.trace.values[-1]) if found else None,
+        "x": [value if math.isfinite(value) else None for value in trial.x.tolist()],
     }
-    return {"instance": 1, "evals": run.nfev, "best": best, "trial": run.trial, "seed": run.seed}
+    return {"instance": 1, "evals": trial.nfev, "best": best, "trial": trial.number, "seed": trial.seed}
 
 
-def _log(run: Run) -> str:
-    """Return a run's rows under their header; Python's shortest exact decimals, so that no digit is lost."""
-    rows = zip(run.evaluations.tolist(), run.values.tolist(), strict=True)
+def _log(trial: ExportedTrial) -> str:
+    """Return the rows of a trial under their header; Python's shortest exact decimals lose no digit."""
+    rows = zip(trial.evaluations.tolist(), trial.values.tolist(), strict=True)
     return "".join([f"{' '.join(COLUMNS)}\n", *(f"{evaluation} {value!r}\n" for evaluation, value in rows)])
 
 

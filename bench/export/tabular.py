@@ -1,4 +1,4 @@
-"""Plain tables, for R, Julia, spreadsheets and databases: one of trials, one of improvements, as CSV or Parquet."""
+"""Plain tables of trials and of improvements, as CSV or Parquet, for R, Julia, spreadsheets and databases."""
 
 from __future__ import annotations
 
@@ -34,21 +34,21 @@ def parquet_files(results: Results) -> Iterator[tuple[str, str | bytes]]:
 def about(results: Results) -> list[str]:
     """Return the lines of the export's README."""
     return [
-        "trials: one row a trial. status is ok, failed or timeout; of a trial that is not ok, only error is known.",
+        "trials: one row a trial. status is ok, failed or timeout; a trial that is not ok has an error and no values.",
         "    fun is the best objective value, nfev the evaluations made, *_s are seconds, x_* is the best point;",
-        "    the columns after it are the problems' own figures of that point.",
+        "    the columns after it are the problem's domain metrics of that point.",
         "improvements: one row an improvement of a trial: the evaluation that found it, counted from 1, and its value.",
         f"    Trials that are not ok have none. Every trial had a budget of {results.study.budget} evaluations.",
         "study.toml: the study that was run. environment.json: versions, commit and machine of every run.",
         "",
-        "In CSV, only an empty field is a missing value; a label may read NA. With pandas:",
+        "In CSV, only an empty field is a missing value; a label may be NA. With pandas:",
         '    pandas.read_csv("trials.csv", keep_default_na=False, na_values=[""])',
-        "Numbers have all their digits; a reader that rounds correctly gets the same floats back.",
+        "Numbers have all their digits; a reader that rounds correctly restores the same floats.",
     ]
 
 
 def trials(results: Results) -> pd.DataFrame:
-    """Return the tidy frame with texts as ``string`` and counts as ``Int64``, so that neither hides as a float.
+    """Return the tidy frame with texts as ``string`` and counts as ``Int64``, so that neither becomes a float.
 
     Line ends within an error's text are written as ``\\n``: in a CSV file a lone carriage return would end the row.
     """

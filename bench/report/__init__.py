@@ -1,7 +1,7 @@
-"""Tables, figures and one self-contained page of a study's folder.
+"""Write the report of a study: tables, figures and one self-contained page.
 
 A plug-in adds sections by the entry-point group ``bench.report_sections``: a callable that takes
-:class:`bench.Results` and returns a list of :class:`Section`, empty when the study is not its own.
+:class:`bench.Results` and returns a list of :class:`Section`, empty for a study of another family.
 """
 
 from bench.report.parts import Card, Figure, Part, Section, Table

@@ -1,4 +1,4 @@
-"""A study's statistics, computed once for all sections."""
+"""Compute the statistics of a study once for all sections of its report."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from bench.study import Study
 
 @dataclass(frozen=True)
 class Findings:
-    """What the analysis says of a study; every frame knows the study's cells in the study's order."""
+    """The analysis of a study; every frame has the cells of the study in the study's order."""
 
     results: Results
 
@@ -24,7 +24,7 @@ class Findings:
 
     @cached_property
     def frame(self) -> pd.DataFrame:
-        """The tidy frame, problems and optimizers as categories."""
+        """The tidy frame with problems and optimizers as categories."""
         return analysis.in_study_order(self.results.frame, self.results.study)
 
     @cached_property
@@ -44,7 +44,7 @@ class Findings:
 
     @cached_property
     def known(self) -> dict[str, ProblemFacts]:
-        """What is known of each problem here."""
+        """The optimum, bounds and expected values of each problem, as far as they are known."""
         return {label: self.results.facts(label) for label in self.problems}
 
     @cached_property
@@ -54,14 +54,14 @@ class Findings:
 
     @cached_property
     def unbeaten(self) -> dict[str, float]:
-        """The known optima that no trial beat by more than rounding: what regret is counted from."""
+        """The known optima that no trial beat by more than rounding; regret is counted from them."""
         lowest = self.summary.groupby("problem")["best"].min()
-        found = analysis.references({str(label): best for label, best in lowest.items()}, self.optima)
+        found = analysis.reference_values({str(label): best for label, best in lowest.items()}, self.optima)
         return {label: reference.value for label, reference in found.items() if reference.known}
 
     @cached_property
     def trials(self) -> tuple[int, int]:
-        """The fewest and the most trials of a cell, of those that have any; (0, 0) where none has."""
+        """The fewest and the most trials of a cell that has any; (0, 0) where no cell has."""
         stored = self.coverage.loc[self.coverage["stored"] > 0, "stored"]
         return (int(stored.min()), int(stored.max())) if len(stored) else (0, 0)
 
@@ -74,7 +74,7 @@ class Findings:
 
     @cached_property
     def pairs(self) -> pd.DataFrame:
-        """The tests of each pair on each problem."""
+        """The tests of each pair of optimizers on each problem."""
         return analysis.pairwise_tests(self.frame)
 
     @cached_property
@@ -85,7 +85,7 @@ class Findings:
 
     @cached_property
     def ranking(self) -> pd.DataFrame:
-        """Who is ranked first on how many problems."""
+        """The number of problems on which each optimizer is ranked first."""
         return analysis.ranking(self.summary, self.pairs)
 
     # across problems
@@ -130,14 +130,14 @@ class Findings:
 
     @cached_property
     def dimensions(self) -> dict[str, int]:
-        """The number of search variables of each problem, as its trials hold them."""
+        """The number of search variables of each problem, as in its trials."""
         return {
             str(problem): len(analysis.variables(own)) for problem, own in self.frame.groupby("problem", observed=True)
         }
 
     @cached_property
     def hits(self) -> pd.DataFrame:
-        """The evaluations each trial took to reach each target."""
+        """The evaluations that each trial took to reach each target."""
         return analysis.hitting_times(self.frame, self.results.traces, self.targets, self.results.study.budget)
 
     @cached_property
@@ -149,7 +149,7 @@ class Findings:
 
     @cached_property
     def timing(self) -> pd.DataFrame:
-        """What a trial of each optimizer takes."""
+        """The times of a trial of each optimizer."""
         return analysis.timing(self.frame)
 
     @cached_property
@@ -190,23 +190,23 @@ class Findings:
         )
 
     def _biased(self, check: str) -> dict[str, bool]:
-        """Return whether ``bench check`` found a bias in the optimizers that it looked at, by label."""
+        """Return whether ``bench check`` found a bias in each optimizer that it tested, by label."""
         return {
             label: not each["passed"]
-            for label, those in self.results.checks.items()
-            for each in those
+            for label, checks in self.results.checks.items()
+            for each in checks
             if each["check"] == check
         }
 
     @property
     def _early(self) -> dict[str, int]:
-        """How many trials of each optimizer stopped by a criterion of their own."""
+        """The number of trials of each optimizer that stopped by the optimizer's own criterion."""
         own = analysis.stopped_early(self.frame)
         return {label: int((own & (self.frame["optimizer"] == label)).sum()) for label in self.optimizers}
 
 
 def _bibtex(study: Study, label: str) -> str:
-    """Return what an optimizer asks to be cited by, "" where its plug-in is missing here or says no text."""
+    """Return the BibTeX of an optimizer, "" where its plug-in is missing here or gives no text."""
     try:
         entry: Any = study.optimizer(label).bibtex
     except Exception:  # a plug-in may raise anything

@@ -1,4 +1,4 @@
-"""A table as LaTeX that compiles as it is, whatever its text holds."""
+"""Write a table as LaTeX that compiles for any text in it."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 
 from bench.bibtex import ACCENTS, LETTERS
-from bench.report.parts import Cell, Table
+from bench.report.parts import Table, TableCell
 
 LINE = 84  # characters that a line of an article holds in a table's small type
-COLUMN = 42  # of a two-column paper: what may be wider is made to shrink
-WRAP = 40  # a column wider than this is set in paragraphs
-WORD = 12  # in them, a longer word may break after so many letters
-CAPTION = 2_000  # a longer caption, which TeX first measures on one line, exceeds its largest dimension
+COLUMN = 42  # characters of a column of a two-column paper; a table that may be wider shrinks to fit
+WRAP = 40  # characters beyond which a column is set in paragraphs
+WORD = 12  # letters after which a longer word in such a paragraph may break
+CAPTION = 2_000  # characters; TeX first measures a caption on one line, and a longer one exceeds its largest dimension
 PAGE = 45  # rows that fit on a page with their caption
 
 SPECIAL = {
@@ -22,7 +22,7 @@ SPECIAL = {
     "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}", ">": r"\textgreater{}",
     "|": r"\textbar{}", '"': "''", "`": r"\`{}",
 }  # fmt: skip
-"""The characters of ASCII that LaTeX does not show as they are."""
+"""The ASCII characters with a special meaning in LaTeX."""
 
 _GREEK = "αβγδεζηθικλμνξπρστυφχψωΓΔΘΛΞΠΣΥΦΨΩ"
 _GREEK_NAMES = (
@@ -48,34 +48,33 @@ _POWER = re.compile(r"(-?[\d.]+)e([+-]\d+)")
 
 
 def escape(text: str) -> str:
-    """Return plain text as LaTeX shows it, on one line, in pure ASCII.
+    """Return plain text as one line of LaTeX in pure ASCII.
 
-    It needs no package and compiles with pdfTeX, XeTeX and LuaTeX in any font encoding. A character that they cannot
-    all show, such as one of a script that the usual fonts lack, is shown as its code point, like ``[U+65E5]``.
+    The result needs no package and compiles with pdfTeX, XeTeX and LuaTeX in any font encoding. A character that the
+    usual fonts lack is written as its code point, like ``[U+65E5]``.
     """
     composed = unicodedata.normalize("NFC", re.sub(r"\s+", " ", text))
-    return _TOKEN.sub(lambda token: _show(token[0]), "".join(map(_decompose, composed)))
+    return _TOKEN.sub(lambda token: _latex(token[0]), "".join(map(_decompose, composed)))
 
 
 def to_latex(table: Table, label: str) -> str:
-    r"""Return a table to be read with ``\input``; the comment on its first line says which packages it needs.
+    r"""Return a table for ``\input``; the comment on its first line lists the packages that it needs.
 
-    A table that may be wider than a column shrinks to the line where it must, one that may be wider than a page is
-    a ``table*``, which spans both columns where there are two, and columns of long texts are set in paragraphs. A
-    table too long for a page is a ``longtable``, which breaks across pages; LaTeX allows it only where the text is in
-    one column.
+    A table that may be wider than a column shrinks to the line width. A table that may be wider than a page is a
+    ``table*``, which spans both columns of a two-column paper. Columns of long texts are set in paragraphs. A table
+    longer than a page is a ``longtable``, which breaks across pages; LaTeX allows it only in one-column text.
 
     Args:
-        table: what to show; bold and italic cells are set so.
-        label: it is referred to as ``tab:<label>``; what is not a letter, a digit or one of ``.:_-`` becomes ``-``.
+        table: the table, with its bold and italic cells.
+        label: for references to ``tab:<label>``; a character other than a letter, a digit or ``.:_-`` becomes ``-``.
     """
     titles, numeric = [title for title, _ in table.header], [number for _, number in table.header]
     rows = table.rows
     texts = [titles, *([cell.text for cell in row] for row in rows)]
     widths = [min(max(map(len, column)), 2 * LINE) for column in zip(*texts, strict=True)]
     wrapped = [width > WRAP for width in widths]
-    header = _row(_words(title, wrap) for title, wrap in zip(titles, wrapped, strict=True))
-    body = [_row(map(_set, row, numeric, wrapped)) for row in rows]
+    header = _row(_text(title, wrap) for title, wrap in zip(titles, wrapped, strict=True))
+    body = [_row(map(_cell, row, numeric, wrapped)) for row in rows]
     columns = _columns(widths, numeric, wrapped) or "l"
     safe = re.sub(r"[^A-Za-z0-9.:_-]+", "-", label)
     words = escape(table.caption)
@@ -95,12 +94,12 @@ def to_latex(table: Table, label: str) -> str:
 
 def _float(columns: str, header: str, body: Sequence[str], caption: str, note: str, width: int) -> list[str]:
     table, wide = "table*" if width > LINE else "table", width > COLUMN
-    shrink = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"  # as it is where it fits
+    shrink = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"  # unchanged where it fits
     return [
         f"\\begin{{{table}}}[htbp]",
         r"\centering",
         caption,
-        r"\par\smallskip",  # some classes set captions for below
+        r"\par\smallskip",  # some classes put no space below a caption
         *([r"\setlength{\tabcolsep}{4pt}", shrink] if wide else []),
         f"\\begin{{tabular}}{{{columns}}}",
         *(r"\toprule", header, r"\midrule", *body, r"\bottomrule"),
@@ -125,7 +124,7 @@ def _long(columns: str, header: str, body: Sequence[str], caption: str, note: st
 
 
 def _columns(widths: Sequence[int], numeric: Sequence[bool], wrapped: Sequence[bool]) -> str:
-    """Return the column types: numbers right, words left, and paragraphs, which share what the others leave."""
+    """Return the column types: numbers right, texts left, and paragraphs, which share the rest of the width."""
     wants = sum(width for width, wrap in zip(widths, wrapped, strict=True) if wrap)
     taken = sum(width + 2 for width, wrap in zip(widths, wrapped, strict=True) if not wrap)
     room = max(LINE - taken, WRAP * sum(wrapped)) / LINE
@@ -138,21 +137,21 @@ def _columns(widths: Sequence[int], numeric: Sequence[bool], wrapped: Sequence[b
 
 
 def _row(cells: Iterable[str]) -> str:
-    r"""Return a table's row; what follows ``\\`` or a rule must not look like its optional argument."""
+    r"""Return a row of the table that does not start like an optional argument of ``\\`` or a rule."""
     text = " & ".join(cells)
     return ("{}" if text[:1] in ("[", "*") else "") + text + r" \\"
 
 
-def _set(cell: Cell, number: bool, wrap: bool) -> str:
-    text = _number(cell.text) if number else _words(cell.text, wrap)
+def _cell(cell: TableCell, number: bool, wrap: bool) -> str:
+    text = _number(cell.text) if number else _text(cell.text, wrap)
     text = f"\\textit{{{text}}}" if cell.italic else text
     if cell.bold:
         text = f"\\textbf{{\\boldmath {text}}}" if "$" in text else f"\\textbf{{{text}}}"
     return f"{text}\\textsuperscript{{{escape(cell.mark)}}}" if cell.mark else text
 
 
-def _words(text: str, wrap: bool) -> str:
-    """Return a text, of which the long words of a paragraph, such as paths and hashes, may break where they must."""
+def _text(text: str, wrap: bool) -> str:
+    """Return a text; in a paragraph, long words such as paths and hashes may break."""
     if not wrap:
         return escape(text)
     pieces = ([word[i : i + WORD] for i in range(0, len(word), WORD)] for word in text.split())
@@ -160,25 +159,25 @@ def _words(text: str, wrap: bool) -> str:
 
 
 def _number(text: str) -> str:
-    """Return a number with a minus sign for the hyphen and a power of ten for the exponent."""
+    """Return a number with a minus sign instead of the hyphen and a power of ten instead of the exponent."""
     parts = _POWER.fullmatch(text)
     shown = escape((parts[1] if parts else text).replace("-", "−"))
     return f"{shown}$\\times$10$^{{{int(parts[2])}}}$" if parts else shown
 
 
-def _show(token: str) -> str:
-    """Return one character, a letter with its combining marks, or hyphens that make no dash, as LaTeX."""
+def _latex(token: str) -> str:
+    """Return one token as LaTeX: a character, a letter with combining marks, or hyphens that do not form a dash."""
     if token[0] == "-":
         return "{}".join(token)
     letter, marks = token[0], token[1:]
     shown = SYMBOLS.get(letter) or (letter if " " <= letter <= "~" else _code(letter))
-    for number, mark in enumerate(marks):  # TeX nests only so many groups, and no letter has more than two
+    for number, mark in enumerate(marks):  # TeX limits the nesting of groups, and no letter has more than two marks
         shown = f"{ACCENTS[mark]}{{{shown}}}" if mark in ACCENTS and number < 2 else shown + _code(mark)
     return shown
 
 
 def _decompose(character: str) -> str:
-    """Return a letter with marks taken apart where the letter is plain; other scripts stay composed."""
+    """Return a Latin letter and its marks apart; characters of other scripts stay composed."""
     parts = unicodedata.normalize("NFD", character)
     return parts if parts[0] in string.ascii_letters else character
 

@@ -1,4 +1,4 @@
-"""Write parts to files: names made safe, bytes the same for the same results."""
+"""Write tables and figures to files, the same bytes for the same results."""
 
 from __future__ import annotations
 
@@ -41,10 +41,10 @@ def save_figure(figure: Figure, folder: Path, name: str) -> tuple[str, list[str]
 
 
 def _draw(figure: matplotlib.figure.Figure) -> tuple[bytes, bytes]:
-    """Return a figure as SVG and as PDF, without dates; the layout is solved once."""
+    """Return a figure as SVG and as PDF without dates; its layout is computed once."""
     svg, pdf = io.BytesIO(), io.BytesIO()
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # a label's letters may be missing from the font
+        warnings.simplefilter("ignore", UserWarning)  # the font may lack letters of a label
         canvas = FigureCanvasSVG(figure)
         if (engine := figure.get_layout_engine()) is not None:
             engine.execute(figure)
@@ -55,5 +55,5 @@ def _draw(figure: matplotlib.figure.Figure) -> tuple[bytes, bytes]:
 
 
 def save_csv(frame: pd.DataFrame, path: Path, *, index: bool) -> None:
-    """Write a frame with every digit, the same bytes on every system."""
+    """Write a frame as CSV with every digit, the same bytes on every system."""
     frame.to_csv(path, index=index, lineterminator="\n", encoding="utf-8")

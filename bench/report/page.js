@@ -8,7 +8,7 @@
     return element;
   };
 
-  // Sorting: by value where every cell of a column is a number, else as text; what is missing stays last.
+  // Sorting: by value where every cell of a column is a number, else as text; missing values stay last.
 
   const NUMBER = /^([<>]?)\s*([-+]?(?:[\d,]*\.?\d+(?:e[-+]?\d+)?|∞))\s*%?(?: to .*)?$/i;
   const texts = new Intl.Collator("en", { numeric: true });
@@ -86,7 +86,7 @@
         await navigator.clipboard.writeText(code.textContent);
         button.textContent = "Copied";
       } catch {
-        getSelection().selectAllChildren(code); // where the clipboard is closed, the reader copies by hand
+        getSelection().selectAllChildren(code); // without access to the clipboard, the reader copies by hand
         button.textContent = "Selected";
       }
     });
@@ -94,7 +94,7 @@
     code.before(button);
   }
 
-  // Printing: what is folded is opened for the paper and folded again.
+  // Printing: open what is folded, and fold it again afterwards.
 
   let opened = [];
   addEventListener("beforeprint", () => {

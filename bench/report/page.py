@@ -1,4 +1,4 @@
-"""The page: one HTML file that fetches nothing."""
+"""Render the report as one HTML file that loads nothing else."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from xml.etree import ElementTree
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from bench.report.parts import Cell, Figure, Section, Table
+from bench.report.parts import Figure, Section, Table, TableCell
 
-MOST_ROWS = 400  # of a table; a reader of more wants the file
-PRINTED_ROWS = 40  # of the table behind a figure; a longer one stays off paper
-LONG_TEXT = 30  # characters, beyond which a cell may break its lines
-ZOOM = 1.45  # from a figure's 8 points to the size of the page's text
+MOST_ROWS = 400  # of a table on the page; the CSV file has the rest
+PRINTED_ROWS = 40  # a longer data table of a figure is not printed
+LONG_TEXT = 30  # characters beyond which a cell may break into lines
+ZOOM = 1.45  # scales a figure's 8 points to the size of the page's text
 
 SVG = "{http://www.w3.org/2000/svg}"
 HREF = "{http://www.w3.org/1999/xlink}href"
@@ -29,7 +29,7 @@ TEXTS = {"text", "tspan"}
 
 @dataclass(frozen=True)
 class Item:
-    """A table, or a figure with its SVG, and the files it was written to."""
+    """A table, or a figure with its SVG, and the files that hold it."""
 
     anchor: str
     files: list[str]
@@ -39,7 +39,7 @@ class Item:
 
     @cached_property
     def grid(self) -> Grid:
-        """The cells of the table, or of the data behind the figure; fails for a frame that no page can show."""
+        """The cells of the table or of the figure's data; raises for a frame that the page cannot show."""
         part = self.figure.table if self.figure is not None else self.table
         if part is None:
             raise TypeError("an item is a table or a figure")
@@ -48,7 +48,7 @@ class Item:
 
 @dataclass(frozen=True)
 class View:
-    """A section ready to be shown; ``files`` are downloads to be listed, (path, what it is)."""
+    """A section ready to be rendered; ``files`` are the downloads to list, (path, description)."""
 
     anchor: str
     section: Section
@@ -59,26 +59,26 @@ class View:
 
 @dataclass(frozen=True)
 class Grid:
-    """A table's cells as the page shows them.
+    """The cells of a table as the page shows them.
 
     Attributes:
         header: the columns' titles.
-        classes: how its columns are set: ``t2`` a second column of short texts, ``w3`` a third of long ones; others
-            hold numbers. A class of the table spares one for each cell.
-        ems: about how wide it is, in units of its font's size; on paper the font is as small as this asks for.
-        rows: the first rows' cells.
-        total: how many rows the table has.
+        classes: the types of its columns: ``t2`` for short texts in the second column, ``w3`` for long texts in the
+            third; other columns hold numbers. One class of the table replaces a class of every cell.
+        ems: about how wide the table is, in units of its font size; on paper the font shrinks to fit.
+        rows: the cells of the rows shown.
+        total: the number of rows of the table.
     """
 
     header: list[str]
     classes: str
     ems: int
-    rows: list[list[Cell]]
+    rows: list[list[TableCell]]
     total: int
 
 
 def render(title: str, lead: str, views: list[View]) -> str:
-    """Return the page as HTML; all text is escaped by the template."""
+    """Return the page as HTML; the template escapes all text."""
     environment = Environment(
         loader=PackageLoader("bench.report", ""),
         autoescape=True,
@@ -97,7 +97,7 @@ def render(title: str, lead: str, views: list[View]) -> str:
 
 
 def grid(table: Table) -> Grid:
-    """Return what the page shows of a table: all of it, or its first rows where it is long."""
+    """Return the cells of a table that the page shows: all, or those of the first rows of a long table."""
     shown = table
     if len(table.frame) > MOST_ROWS:
         frames = {name: getattr(table, name) for name in ("frame", "bold", "italic", "marks", "lost")}
@@ -115,29 +115,30 @@ def grid(table: Table) -> Grid:
 
 
 def by_folder(files: list[tuple[str, str]]) -> dict[str, list[tuple[str, list[str]]]]:
-    """Return downloads by their first folder, as what it is and the paths of neighbours that differ in kind alone.
+    """Return downloads by first folder, as descriptions with the paths of one file in all its formats.
 
     Files outside any folder come under "report".
     """
     folders: dict[str, list[tuple[str, list[str]]]] = {}
-    for (stem, what), group in groupby(files, lambda file: (file[0].rpartition(".")[0], file[1])):
+    for (stem, about), group in groupby(files, lambda file: (file[0].rpartition(".")[0], file[1])):
         folder = stem.partition("/")[0] if "/" in stem else "report"
-        folders.setdefault(folder, []).append((what, [path for path, _ in group]))
+        folders.setdefault(folder, []).append((about, [path for path, _ in group]))
     return folders
 
 
 def inline(svg: str, name: str, caption: str) -> Markup:
-    """Return a matplotlib figure's SVG for the page: light, its ids made its own by ``name``, ``caption`` as label.
+    """Return the SVG of a matplotlib figure for the page: compact, with ids unique by ``name`` and a caption as label.
 
-    Left out is what does not show: metadata, ids nothing refers to, bare groups, a style repeated by a whole group,
-    decimals beyond 0.01 points. Matplotlib's style sheet, which would reach the whole page, is in the page's own.
+    Invisible parts are removed: metadata, ids that nothing refers to, groups without attributes, a style repeated by a
+    whole group, decimals beyond 0.01 points. Matplotlib's style sheet, which would affect the whole page, is part of
+    the page's own.
     """
     root = ElementTree.fromstring(svg)
     width = float(root.attrib["viewBox"].split()[2])
-    referred = re.findall(r'(?:="|url\()#([^")]+)', svg)
+    targets = re.findall(r'(?:="|url\()#([^")]+)', svg)
     present = {element.get("id") for element in root.iter()}
-    ids = {  # a dot is in no anchor of the page
-        old: f"{name}.{number}" for number, old in enumerate(dict.fromkeys(referred)) if old in present
+    ids = {  # the anchor of an item has no dot
+        old: f"{name}.{number}" for number, old in enumerate(dict.fromkeys(targets)) if old in present
     }
     for element in root.iter():
         element.tag = element.tag.removeprefix(SVG)
@@ -159,10 +160,10 @@ def inline(svg: str, name: str, caption: str) -> Markup:
 
 
 def _attribute(tag: str, key: str, value: str, ids: dict[str, str]) -> str:
-    """Return an attribute's value with its ids renamed and no more characters than it needs."""
+    """Return an attribute's value with its ids renamed and without needless characters."""
     if key == "id":
         return ids[value]
-    if key in COORDINATES and tag not in TEXTS:  # browsers set letters on whole pixels, where the least shift shows
+    if key in COORDINATES and tag not in TEXTS:  # letters snap to whole pixels, so a small shift of them shows
         short = re.sub(
             r"-?\d*\.?\d+(?:e-?\d+)?", lambda number: f"{float(number[0]):.2f}".rstrip("0").rstrip("."), value
         )
@@ -173,7 +174,7 @@ def _attribute(tag: str, key: str, value: str, ids: dict[str, str]) -> str:
 
 
 def _slim(parent: ElementTree.Element) -> list[ElementTree.Element]:
-    """Return an element's children, a group's common style hoisted to it and groups that say nothing taken away."""
+    """Return the children of an element; common styles move to their group, groups without attributes vanish."""
     kept: list[ElementTree.Element] = []
     for child in parent:
         child.tail = child.tail if parent.tag in TEXTS else None
@@ -188,7 +189,7 @@ def _slim(parent: ElementTree.Element) -> list[ElementTree.Element]:
 
 
 def _hoist(group: ElementTree.Element) -> None:
-    """Move the style that all shapes of a group share to the group, where they inherit every property of it."""
+    """Move a style that all shapes of a group share to the group; the shapes inherit its properties."""
     shapes = [child for child in group if child.tag != "defs"]
     styles = {shape.get("style", "") for shape in shapes}
     if len(shapes) > 1 and len(styles) == 1 and "style" not in group.attrib:
@@ -206,5 +207,5 @@ def _widest(views: list[View]) -> int:
 
 
 def _asset(name: str) -> Markup:
-    """Return one of the page's own files; it is trusted text."""
+    """Return one of the page's own files, as trusted text."""
     return Markup(resources.files("bench.report").joinpath(name).read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""What a report is made of: sections of words, tables and figures."""
+"""The parts of a report: sections of text, tables and figures."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from bench.report.wording import cell_text, usual_decimals
 
 
 @dataclass(frozen=True)
-class Cell:
-    """A table's cell as shown: its plain text and how it is set."""
+class TableCell:
+    """A cell of a table: its plain text and its typography."""
 
     text: str
     bold: bool = False
@@ -30,17 +30,17 @@ class Table:
     """A table, written as CSV at full precision, as LaTeX and into the page.
 
     Attributes:
-        name: what its files are called; any text, made safe for a file name.
+        name: the name of its files; any text, made safe for a file name.
         caption: one sentence.
         frame: the values; the index is shown where it has a name.
-        bold: where to set values bold, a frame of booleans like ``frame``; columns it lacks are not.
+        bold: which values are bold: booleans like ``frame``, false for columns that are missing.
         italic: likewise for italics.
-        marks: letters to set after a value, raised; a frame of texts like ``frame``.
-        lost: where failed trials are counted or behind a value, shown in red and with a sign; likewise.
-        decimals: decimals of every float, or by column; floats without any have four
-            significant digits, aligned where a column's values are of like size.
-        note: what the reader must know of the marks, below the table.
-        data: what the CSV file holds where ``frame`` is abridged for reading; ``frame`` itself by default.
+        marks: superscript letters after a value: texts like ``frame``.
+        lost: which values count failed trials or include them, shown in red with a sign; likewise.
+        decimals: decimals of every float, or by column; by default floats have four significant digits, aligned where
+            the values of a column are of similar size.
+        note: the explanation of the marks, below the table.
+        data: the content of the CSV file where ``frame`` is abridged for reading; ``frame`` itself by default.
     """
 
     name: str
@@ -61,24 +61,24 @@ class Table:
 
     @property
     def header(self) -> list[tuple[str, bool]]:
-        """The columns as shown, the index first: title, and whether it holds numbers."""
+        """The title of each column and whether it holds numbers, the index first."""
         index = [(str(name), False) for name in self.frame.index.names] if self.has_index else []
         return index + [(str(name), _is_number(values)) for name, values in self.frame.items()]
 
     @property
-    def rows(self) -> list[list[Cell]]:
-        """The cells as shown, row by row, those of the index first."""
+    def rows(self) -> list[list[TableCell]]:
+        """The cells row by row, those of the index first."""
         keys = self.frame.index.to_frame().itertuples(index=False) if self.has_index else [()] * len(self.frame)
         columns = [
             [
-                Cell(cell_text(value, decimals), bool(bold), bool(italic), mark=mark or "", lost=bool(lost))
+                TableCell(cell_text(value, decimals), bool(bold), bool(italic), mark=mark or "", lost=bool(lost))
                 for value, bold, italic, mark, lost in zip(values, *styles, strict=True)
             ]
             for name, values in self.frame.items()
             for styles in [[self._styles(which, name) for which in (self.bold, self.italic, self.marks, self.lost)]]
             for decimals in [self._decimals(name, values)]
         ]
-        heads = [[Cell(cell_text(value), heads_row=True) for value in key] for key in keys]
+        heads = [[TableCell(cell_text(value), heads_row=True) for value in key] for key in keys]
         return [[*head, *(column[i] for column in columns)] for i, head in enumerate(heads)]
 
     def _decimals(self, column: Any, values: pd.Series[Any]) -> int | None:
@@ -95,14 +95,14 @@ def _is_number(values: pd.Series[Any]) -> bool:
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure, written as SVG and PDF with the data behind it as CSV, and drawn into the page.
+    """A figure, written as SVG and PDF with its data as CSV, and drawn into the page.
 
     Attributes:
-        name: what its files are called; any text, made safe for a file name.
-        caption: one sentence or two; also what a screen reader says.
+        name: the name of its files; any text, made safe for a file name.
+        caption: one sentence or two; also the text for screen readers.
         figure: a matplotlib figure, best from :func:`bench.plots.style.grid`.
-        data: the tidy data behind it, written as CSV.
-        shown: what the page's table behind the figure holds, where ``data`` is too long to read; ``data`` by default.
+        data: the tidy data of the figure, written as CSV.
+        shown: the data table on the page where ``data`` is too long to read; ``data`` by default.
     """
 
     name: str
@@ -113,7 +113,7 @@ class Figure:
 
     @property
     def table(self) -> Table:
-        """The data as a table, for those who cannot see the figure or want its numbers."""
+        """The data as a table, for readers who cannot see the figure or want its numbers."""
         frame = self.data if self.shown is None else self.shown
         return Table(self.name, "", frame)
 
@@ -128,7 +128,7 @@ class Card:
     Attributes:
         title: a few words.
         text: paragraphs of plain text.
-        tone: "claim" for what the results support, "limit" for what they do not.
+        tone: "claim" for a statement that the results support, "limit" for a limit of the results.
     """
 
     title: str
@@ -136,7 +136,7 @@ class Card:
     tone: Literal["claim", "limit"]
 
     def __post_init__(self) -> None:
-        """Refuse what no page can show."""
+        """Raise TypeError for a text that the page cannot show."""
         _check_texts("card", self.title, *_sequence(self.text))
 
 
@@ -148,11 +148,11 @@ class Section:
         title: its heading.
         text: paragraphs of plain text.
         items: tables and figures.
-        warnings: what the reader must be warned of.
-        cards: framed statements, side by side above all else.
-        lost: in a sentence, how many trials failed; shown in red and with a sign.
-        code: text to be shown and copied as it is, such as BibTeX.
-        sections: sections of its own, one level deep.
+        warnings: sentences that the reader must not miss.
+        cards: framed statements, side by side above everything else.
+        lost: a sentence on how many trials failed, shown in red with a sign.
+        code: text to show and copy verbatim, such as BibTeX.
+        sections: subsections, one level deep.
     """
 
     title: str
@@ -165,7 +165,7 @@ class Section:
     lost: str = ""
 
     def __post_init__(self) -> None:
-        """Refuse what no page can show, so that a plug-in's mistake is found at its source."""
+        """Raise TypeError for parts that the page cannot show, so that a plug-in's mistake is found at its source."""
         _check_texts("section", self.title, self.lost, self.code, *_sequence(self.text), *_sequence(self.warnings))
         if not all(isinstance(item, Table | Figure) for item in _sequence(self.items)):
             raise TypeError("a section's items must be Table or Figure")
@@ -181,7 +181,7 @@ def _check_texts(of: str, *texts: Any) -> None:
 
 
 def _sequence(several: Any) -> Sequence[Any]:
-    """Return what must be a tuple or list: a text would count as its letters, and a generator can be read but once."""
+    """Return a tuple or list; raise for others: a text is a sequence of letters, a generator can be read only once."""
     if not isinstance(several, tuple | list):
         raise TypeError(f"a section's parts come in tuples, not in a {type(several).__name__}")
     return several

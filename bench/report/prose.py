@@ -1,4 +1,4 @@
-"""Sentences that cite works, and the three ways to write them: plain, for pandoc and for LaTeX."""
+"""Sentences that cite works, written as plain text, for pandoc and for LaTeX."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from bench.report.latex import escape
 
 @dataclass(frozen=True)
 class Cite:
-    """A citation within a sentence, by keys."""
+    """A citation of one or more works within a sentence, by their keys."""
 
     keys: tuple[str, ...]
 
@@ -20,48 +20,48 @@ class Cite:
 Sentence = list[str | Cite]
 
 
-def say(template: str, **values: str | Sentence) -> Sentence:
+def sentence(template: str, **values: str | Sentence) -> Sentence:
     """Return a sentence from a template, in which ``{name}`` stands for a value and ``[@key; @key]`` cites works.
 
-    What a value holds is never read as a template: labels are data.
+    A value is never read as a template: labels are data.
     """
-    sentence: Sentence = []
+    pieces: Sentence = []
     for part in re.split(r"( \[@[^]]+\]|\{\w+\})", template):
         value: str | Sentence = part
         if part.startswith(" [@"):
             value = [Cite(tuple(part[3:-1].split("; @")))]
         elif part.startswith("{"):
             value = values[part[1:-1]]
-        sentence += [value] if isinstance(value, str) else value
-    return sentence
+        pieces += [value] if isinstance(value, str) else value
+    return pieces
 
 
 def series(items: Sequence[Sentence]) -> Sentence:
-    """Return all items in one, with commas and an "and" between them."""
+    """Return the items joined by commas and a final "and"."""
     joined: Sentence = []
     for number, item in enumerate(items):
         joined += ["" if number == 0 else " and " if number == len(items) - 1 else ", ", *item]
     return joined
 
 
-def keys(paragraphs: Iterable[Iterable[Sentence]]) -> list[str]:
-    """Return the keys that paragraphs cite, in order of the alphabet."""
-    pieces = (piece for paragraph in paragraphs for sentence in paragraph for piece in sentence)
+def cited_keys(paragraphs: Iterable[Iterable[Sentence]]) -> list[str]:
+    """Return the keys that the paragraphs cite, in alphabetical order."""
+    pieces = (piece for paragraph in paragraphs for each in paragraph for piece in each)
     return sorted({key for piece in pieces if isinstance(piece, Cite) for key in piece.keys})
 
 
 @dataclass(frozen=True)
 class Style:
-    """A way to write sentences: how plain text is shown and how works are cited (one or more)."""
+    """A way to write sentences: how plain text is escaped and how one or more works are cited."""
 
     plain: Callable[[str], str]
     cite: Callable[[list[Work]], str]
 
     def write(self, paragraph: Iterable[Sentence], works: Mapping[str, Work]) -> str:
-        """Return a paragraph; ``works`` are those it may cite, by key."""
-        return " ".join("".join(self._show(piece, works) for piece in sentence) for sentence in paragraph)
+        """Return a paragraph as text; ``works`` are those it may cite, by key."""
+        return " ".join("".join(self._write(piece, works) for piece in each) for each in paragraph)
 
-    def _show(self, piece: str | Cite, works: Mapping[str, Work]) -> str:
+    def _write(self, piece: str | Cite, works: Mapping[str, Work]) -> str:
         if isinstance(piece, str):
             return self.plain(piece)
         return self.cite([works[key] for key in piece.keys]) if piece.keys else ""

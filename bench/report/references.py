@@ -11,17 +11,17 @@ from bench.bibtex import Work, parse
 
 @cache
 def library() -> dict[str, Work]:
-    """Return the works whose methods a report uses, by key."""
+    """Return the works whose methods the reports use, by key."""
     text = (files("bench.report") / "references.bib").read_text(encoding="utf-8")
-    return {reference.key: reference for reference in parse(text)}
+    return {work.key: work for work in parse(text)}
 
 
-def united(references: list[Work], others: list[Work]) -> tuple[list[Work], list[Work]]:
-    """Return ``references`` with those of ``others`` that they lack, and ``others`` as they are named there.
+def merge_works(works: list[Work], others: list[Work]) -> tuple[list[Work], list[Work]]:
+    """Return ``works`` with those of ``others`` that they lack, and ``others`` under their keys in that list.
 
-    BibTeX does not tell keys by their case, so another work under a key that is taken gets a number to its key.
+    BibTeX ignores the case of keys, so a number is appended to the key of another work whose key is taken.
     """
-    taken = {reference.key.lower(): reference for reference in references}
+    taken = {work.key.lower(): work for work in works}
     named = []
     for other in others:
         number, each = 1, other

@@ -1,4 +1,4 @@
-"""Numbers and lists in words."""
+"""Write numbers, lists and counts for sentences and table cells."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ import numpy as np
 import pandas as pd
 
 MISSING = "–"
+MOST_LEADERS = 8  # optimizers that a sentence names
 
 
 def cell_text(value: Any, decimals: int | None = None) -> str:
-    """Return a table's value as shown: yes or no, – where missing, ∞, fixed decimals or four significant digits."""
+    """Return a table's value as text: yes or no, – where missing, ∞, fixed decimals or four significant digits."""
     if isinstance(value, (bool, np.bool_)):
         return "yes" if value else "no"
     if isinstance(value, str):
@@ -31,7 +32,7 @@ def cell_text(value: Any, decimals: int | None = None) -> str:
 
 
 def usual_decimals(values: Any) -> int | None:
-    """Return the decimals that show a column's values with four significant digits, None where they span too much."""
+    """Return the decimals for four significant digits of a column's values, None where their sizes differ too much."""
     sizes = np.abs(np.asarray(values, dtype=float))
     sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
     if not len(sizes) or not 1e-3 < sizes.max() < 1e5 or sizes.max() > 1e3 * sizes.min():
@@ -40,7 +41,7 @@ def usual_decimals(values: Any) -> int | None:
 
 
 def count(number: int, noun: str, plural: str = "") -> str:
-    """Return ``"1 trial"``, ``"2 trials"`` or ``"60,000 trials"``; a plural that is not in -s is given."""
+    """Return ``"1 trial"``, ``"2 trials"`` or ``"60,000 trials"``; ``plural`` is needed where it does not end in -s."""
     return f"{number:,} {noun if number == 1 else plural or noun + 's'}"
 
 
@@ -49,11 +50,25 @@ def p_text(p: float) -> str:
     return "p < 0.001" if p < 0.001 else f"p = {p:.3f}"
 
 
-def shares(marks: pd.DataFrame) -> str:
-    """Return in words how often each column is marked, of the rows with any mark; ties count for each."""
+def leaders(marks: pd.DataFrame, feature: str) -> str:
+    """Return who has a feature on how many problems: ``"a had the lowest median on 3 of 4 problems and b on 1"``.
+
+    Args:
+        marks: problems by optimizers, true where the optimizer has the feature; a row without any mark is left out.
+        feature: such as ``"the lowest median"``.
+    """
     totals = marks.sum().sort_values(ascending=False, kind="stable")
-    parts = [f"{label}’s on {number}" for label, number in totals.items() if number]
-    return f"{listing(parts)} of {count(int(marks.any(axis=1).sum()), 'problem')}" if parts else "not known"
+    totals = totals[totals > 0]
+    if totals.empty:
+        return f"{feature} is not known"
+    marked = marks[marks.any(axis=1)]
+    first = f"{totals.index[0]} had {feature} on {totals.iloc[0]} of {count(len(marked), 'problem')}"
+    parts = [first, *(f"{label} on {number}" for label, number in totals.iloc[1:].items())]
+    if len(parts) > MOST_LEADERS:
+        rest = totals.iloc[MOST_LEADERS - 1 :]
+        parts[MOST_LEADERS - 1 :] = [f"{len(rest)} others on at most {rest.iloc[0]} each"]
+    ties = " (a tie counts for each)" if (marked.sum(axis=1) > 1).any() else ""
+    return f"{listing(parts)}{ties}"
 
 
 def listing(items: Sequence[str], at_most: int = 8) -> str:
@@ -65,7 +80,7 @@ def listing(items: Sequence[str], at_most: int = 8) -> str:
 
 
 def options(given: Mapping[str, Any]) -> str:
-    """Return options as ``"agents = 300, handling = repair"``."""
+    """Return options of a plug-in as ``"agents = 300, handling = repair"``."""
     pairs = given.items()
     return ", ".join(
         f"{key} = {value if isinstance(value, str) else json.dumps(value, default=str)}" for key, value in pairs
@@ -73,20 +88,22 @@ def options(given: Mapping[str, Any]) -> str:
 
 
 def interval(low: float, high: float, decimals: int | None) -> str:
-    """Return an interval as ``"2.48 to 2.60"``, – where it is not known."""
+    """Return an interval as ``"2.48 to 2.60"``, – where it is missing."""
     return MISSING if pd.isna(low) else f"{cell_text(low, decimals)} to {cell_text(high, decimals)}"
 
 
-def losses(frame: pd.DataFrame) -> str:
-    """Return in a sentence how many trials failed or ran out of time, and whose they are; "" for none."""
-    lost = frame[frame["status"] != "ok"]
-    if lost.empty:
+def unfinished_trials(frame: pd.DataFrame) -> str:
+    """Return a sentence on how many trials of which optimizers failed or timed out; "" where all finished."""
+    unfinished = frame[frame["status"] != "ok"]
+    if unfinished.empty:
         return ""
-    owners = lost["optimizer"].astype(str).value_counts(sort=False)
-    late = int((lost["status"] == "timeout").sum())
-    kinds = [f"{number:,} {kind}" for kind, number in (("failed", len(lost) - late), ("timed out", late)) if number]
-    whose = listing([f"{number:,} of {label}" for label, number in owners.items()])
-    return f"{len(lost):,} of {count(len(frame), 'trial')} did not finish ({listing(kinds)}): {whose}."
+    by_optimizer = unfinished["optimizer"].astype(str).value_counts(sort=False)
+    late = int((unfinished["status"] == "timeout").sum())
+    kinds = [
+        f"{number:,} {kind}" for kind, number in (("failed", len(unfinished) - late), ("timed out", late)) if number
+    ]
+    owners = listing([f"{number:,} of {label}" for label, number in by_optimizer.items()])
+    return f"{len(unfinished):,} of {count(len(frame), 'trial')} did not finish ({listing(kinds)}): {owners}."
 
 
 def seconds(value: float) -> str:

@@ -1,4 +1,4 @@
-"""Write the report of a study's folder, or of several beside each other."""
+"""Write the report of a study's folder, or of several folders compared with each other."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from bench.text import file_name, free
 PAGE, MANIFEST = "report.html", ".report.json"
 COMPARISONS = Path("results") / "comparisons"
 WHOLE = {
-    "trials": "Every trial, one a row.",
-    "cells": "Every cell: trials, failures and statistics of the objective value.",
-    "tests": "Every pair of optimizers on every problem.",
+    "trials": "All trials, one row a trial.",
+    "cells": "All cells: trials, failures and statistics of the objective value.",
+    "tests": "The tests of every pair of optimizers on every problem.",
 }
-"""The tables that hold a whole study, by name, and what they are; no other part has these names."""
+"""The tables of a whole study, by name, with their descriptions; no other part has these names."""
 
 Progress = Callable[[str, int, int], None]
-"""Told the title of the part at hand, how many steps are done, and how many there are."""
+"""Called with the title of the current part, the number of steps done and the number of all steps."""
 
 
 def write_report(
@@ -45,12 +45,11 @@ def write_report(
     """Write ``report.html``, ``tables/``, ``figures/`` and the methods' text, and return the page's path.
 
     Several folders are compared as one study (:class:`bench.Results`). The same results give the same bytes. A
-    plug-in's section that fails becomes a warning on the page. Files of an earlier report that this one no longer
-    has are removed.
+    plug-in's section that fails becomes a warning on the page. Files that only an earlier report had are removed.
 
     Args:
         path: a study's folder.
-        others: further ones, to be compared with it.
+        others: further folders to compare with it.
         output: the folder to write into; by default the study's own, and ``results/comparisons/NAMES`` for several.
         on_progress: called before every step.
 
@@ -69,7 +68,7 @@ def write_report(
 
 @contextmanager
 def _collector_at_rest() -> Iterator[None]:
-    """Pause the search for reference cycles: among a report's many small objects it takes a tenth of the time."""
+    """Pause the search for reference cycles, which takes a tenth of the time among a report's many small objects."""
     enabled = gc.isenabled()
     gc.disable()
     try:
@@ -93,7 +92,7 @@ def _folder(results: Results, output: Path | None) -> Path:
 
 
 class _Report:
-    """A report under way: the views so far, the files written and the names taken."""
+    """A report in progress: the views so far, the files written and the names taken."""
 
     def __init__(self, results: Results, folder: Path, on_progress: Progress) -> None:
         self.results = results
@@ -108,7 +107,7 @@ class _Report:
 
     def write(self) -> Path:
         study = self.results.study
-        if not (self.folder / MANIFEST).exists():  # from here on the folder is ours, also if this is interrupted
+        if not (self.folder / MANIFEST).exists():  # marks the folder as a report's, also after an interruption
             (self.folder / MANIFEST).write_text("[]", encoding="utf-8")
         plugged = sorted(registry.entries("report_sections"))
         self._steps = len(OPENING) + len(plugged) + len(CLOSING) + len(study.problems) + 1
@@ -137,7 +136,7 @@ class _Report:
         self.views.append(self.view(section, f"part.{len(self.views) + 1}"))
 
     def add_plugin(self, name: str) -> None:
-        """Add a plug-in's sections, or a warning: a stranger's code may raise anything, and costs only its own part."""
+        """Add the sections of a plug-in, or a warning where it raises, which costs no other part."""
         views, files = list(self.views), dict(self.files)
         self.step(f"Section {name}")
         try:
@@ -161,12 +160,12 @@ class _Report:
             self.files[path] = about
         if len(self.results.frame):
             methods = self.findings.methods
-            self.save("methods.md", methods.markdown, "The methods paragraph as Markdown.")
-            self.save("methods.tex", methods.latex, "The methods paragraph as LaTeX.")
-            self.save("references.bib", methods.bibtex, "The works it cites.")
+            self.save("methods.md", methods.markdown, "The methods as Markdown.")
+            self.save("methods.tex", methods.latex, "The methods as LaTeX.")
+            self.save("references.bib", methods.bibtex, "The works cited in the methods.")
         text = (
-            "Paths are relative to this page. Tables as CSV hold every digit, also where the page shows fewer. Figures "
-            f"are {style.COLUMN} or {style.TEXT} in wide, for one or both columns of a paper."
+            "Paths are relative to this page. CSV files have all digits, also where the page shows fewer. Figures are "
+            f"{style.COLUMN} or {style.TEXT} in wide, for one or both columns of a paper."
         )
         section = Section("Downloads", (text,))
         self.step(section.title)
@@ -190,7 +189,7 @@ class _Report:
             svg, files = save_figure(part, self.folder, name)
             item = Item(name, files, figure=part, svg=inline(svg, name, part.caption))
         self.files |= dict.fromkeys(files, re.split(r"(?<!Fig)\. ", part.caption)[0].rstrip(".") + ".")
-        _ = item.grid  # what cannot be shown fails here, at its own section
+        _ = item.grid  # a frame that the page cannot show raises here, within its own section
         return item
 
     def save(self, name: str, text: str, about: str) -> Path:
@@ -204,7 +203,7 @@ class _Report:
         self._steps = max(self._steps, self._done)
 
     def clean(self) -> None:
-        """Remove what an earlier report wrote and this one did not, and note what this one wrote."""
+        """Remove the files that only an earlier report wrote, and record those of this one."""
         manifest = self.folder / MANIFEST
         try:
             before = json.loads(manifest.read_text(encoding="utf-8"))
@@ -217,7 +216,7 @@ class _Report:
         manifest.write_text(json.dumps(sorted(self.files), indent=0), encoding="utf-8")
 
     def unique(self, name: str) -> str:
-        """Return a safe name that nothing else of this report has."""
+        """Return a safe file name that no other part of this report has."""
         safe = free(file_name(name), self.names)
         self.names.add(safe)
         return safe

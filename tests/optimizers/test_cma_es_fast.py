@@ -135,6 +135,7 @@ def test_what_runs_find_and_when_they_stop_is_distributed_as_pycma_s(pycma):
     assert min(p) * len(p) > ALPHA  # Holm's method rejects none
 
 
+@pytest.mark.slow
 def test_without_negative_weights_the_distribution_is_another(pycma, monkeypatch):
     def without(d, agents):
         weights, others = rates(d, agents)
@@ -145,6 +146,7 @@ def test_without_negative_weights_the_distribution_is_another(pycma, monkeypatch
     assert min(p_values(pycma[cell.function, cell.agents], runs(cell, seeds=range(80)))) * (len(CELLS) + 2) < ALPHA
 
 
+@pytest.mark.slow
 def test_with_two_more_agents_the_distribution_is_another(pycma):
     cell = CELLS[0]
     ours = runs(cell, agents=DEFAULT + 2, seeds=range(80))

@@ -17,6 +17,8 @@ from optimizers.gwo import GWO, promote
 from tests.optimizers.functions import AGENTS, BOXES, FUNCTIONS, GENERATIONS, VARIANTS, D, final_bests
 from tests.optimizers.reference import final_best
 
+pytestmark = pytest.mark.slow
+
 CLASSES = {"gwo": GWO, "alo": ALO, "goa": GOA, "da": DA}
 RUNS = 200
 LEVEL = 0.01  # of all comparisons together
@@ -42,7 +44,6 @@ def p_value(ours, theirs):
     return ks_2samp(ours, [best for _, best in theirs], method="exact").pvalue
 
 
-@pytest.mark.slow
 def test_final_bests_are_distributed_like_those_of_the_reference(reference):
     cells = [(name, *variant) for variant in VARIANTS for name in FUNCTIONS]
     assert set(cells) <= set(reference)

@@ -29,6 +29,7 @@ PUBLISHED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("optimizer", "function", "quantiles"), PUBLISHED)
 def test_final_bests_are_distributed_as_published(optimizer, function, quantiles):
     bests = final_bests(optimizer, function, RUNS, **({} if optimizer is DA else {"variant": "code"}))
@@ -39,6 +40,7 @@ def test_final_bests_are_distributed_as_published(optimizer, function, quantiles
         assert (bests >= quantile / TOLERANCE).mean() > 1 - level - slack
 
 
+@pytest.mark.slow
 def test_full_distance_is_a_very_different_grasshopper_algorithm():
     bests = final_bests(GOA, "sphere", RUNS, variant="full-distance")
     assert 8.6e-9 / 2 < np.median(bests) < 8.6e-9 * 2

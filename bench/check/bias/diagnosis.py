@@ -9,7 +9,7 @@ import numpy as np
 from scipy import stats
 
 from bench.analysis import holm
-from bench.analysis.integrity import CLAMPED
+from bench.analysis.finished_trials import CLAMPED
 from bench.check.bias.functions import SHIFT
 from bench.check.bias.runs import Runs, RunSummary, make_runs, on_bound
 from bench.check.verdict import Verdict

@@ -1,4 +1,4 @@
-"""The parts that every study's report has, one a module: its TITLE, and the section it makes of the findings."""
+"""The parts of every report, one a module: its TITLE, and the section it makes of the findings."""
 
 from bench.report.sections import (
     across,
@@ -14,7 +14,7 @@ from bench.report.sections import (
 )
 
 OPENING = (verdict, integrity, comparison)
-"""What comes before the plug-ins' sections."""
+"""The parts before the plug-ins' sections."""
 
 CLOSING = (across, anytime, datasets, time, power, methods, environment)
-"""What comes after them; the list of downloads ends the page."""
+"""The parts after them; the list of downloads ends the page."""

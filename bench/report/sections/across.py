@@ -1,4 +1,4 @@
-"""What holds across problems, each problem counting once."""
+"""Tests and effect sizes across problems; each problem counts once."""
 
 from __future__ import annotations
 
@@ -19,21 +19,23 @@ def section(findings: Findings) -> Section:
     """Return ranks, tests and effect sizes over all problems; the unit is the problem, its value the median."""
     medians, optimizers = findings.medians, findings.optimizers
     if len(optimizers) < 2:
-        return Section(TITLE, ("There is nothing to compare with only one optimizer.",))
+        return Section(TITLE, ("There is only one optimizer, so there is nothing to compare.",))
     if medians.empty:
-        return Section(TITLE, ("There is nothing to compare: no problem has trials of every optimizer.",))
+        return Section(TITLE, ("No problem has trials of every optimizer, so there is nothing to compare.",))
     left_out = len(findings.problems) - len(medians)
     text = [_friedman(findings.friedman), _suite(findings)]
     if left_out:
-        text.append(f"{count(left_out, 'problem')} with a missing cell cannot enter the tests of this part.")
+        text.append(
+            f"The tests of this part leave out {count(left_out, 'problem')} on which an optimizer has no trial."
+        )
     items: list[Part] = []
     if len(medians) > 1 and len(optimizers) > 2:
         ranks, difference = average_ranks(medians), critical_difference(len(optimizers), len(medians))
         items.append(rank_figure(ranks, cliques(ranks, difference), difference))
         text.append(
             f"In the critical-difference diagram a bar joins optimizers whose average ranks over {len(medians)} "
-            f"problems differ by less than {difference:.2f}, what Nemenyi’s test needs at {ALPHA:g}. It is a picture "
-            "of the ranks; the tests to rely on are the Wilcoxon tests below it."
+            f"problems differ by less than {difference:.2f}, the critical difference of Nemenyi’s test at {ALPHA:g}. "
+            "The diagram illustrates the ranks; rely on the Wilcoxon tests below it."
         )
     items += [forest_figure(findings.improvement), _wilcoxon(findings.wilcoxon), _aggregate(findings.aggregate)]
     return Section(TITLE, tuple(text), tuple(items))
@@ -41,12 +43,12 @@ def section(findings: Findings) -> Section:
 
 def _friedman(test: dict[str, Any]) -> str:
     if test["note"] == "identical":
-        return "Every optimizer has the same median on every problem: across problems they are identical."
+        return "All optimizers have the same median on every problem: across problems they are identical."
     if test["note"]:
         return f"Friedman’s test is not possible: {test['note']}."
-    outcome = "differ" if test["p_iman_davenport"] <= ALPHA else "are not shown to differ"
+    outcome = "differ significantly" if test["p_iman_davenport"] <= ALPHA else "do not differ significantly"
     return (
-        f"Across {test['problems']} problems the ranks of the {test['optimizers']} optimizers {outcome}: Friedman "
+        f"The ranks of the {test['optimizers']} optimizers over {test['problems']} problems {outcome}: Friedman "
         f"chi-squared = {test['statistic']:.2f}, {p_text(test['p'])}; Iman-Davenport "
         f"F({test['df1']}, {test['df2']}) = {test['iman_davenport']:.2f}, {p_text(test['p_iman_davenport'])}."
     )
@@ -56,9 +58,8 @@ def _suite(findings: Findings) -> str:
     pairs = findings.pairs
     found = int(pairs["significant_by"].astype(bool).sum())
     return (
-        f"Over the whole suite, {found} of {count(len(pairs), 'hypothesis', 'hypotheses')} (pairs times problems) are "
-        f"rejected by the Kolmogorov-Smirnov test with the false discovery rate held at {ALPHA:g} under any "
-        "dependence (Benjamini-Yekutieli)."
+        f"The Kolmogorov-Smirnov test rejects {found} of {count(len(pairs), 'hypothesis', 'hypotheses')} (pairs times "
+        f"problems) with the false discovery rate controlled at {ALPHA:g} under any dependence (Benjamini-Yekutieli)."
     )
 
 
@@ -69,7 +70,7 @@ def _wilcoxon(tests: pd.DataFrame) -> Table:
     }  # fmt: skip
     return Table(
         "wilcoxon",
-        "Wilcoxon’s signed-rank test of each pair over the problems’ medians, adjusted by Holm.",
+        "Wilcoxon’s signed-rank test of each pair on the medians of the problems, adjusted by Holm’s method.",
         tests[list(names)].rename(columns=names),
         decimals={"W": 1},
         data=tests,
@@ -80,11 +81,11 @@ def _aggregate(means: pd.DataFrame) -> Table:
     shown = means.set_index("optimizer")[["problems", "n", "iqm", "low", "high"]]
     return Table(
         "interquartile-mean",
-        "Interquartile mean of the normalised error over all problems, with a 95% stratified bootstrap interval: how "
-        "far new trials on the same problems would move it.",
+        "Interquartile mean of the normalised error over all problems, with a 95% stratified bootstrap interval, "
+        "which shows how far new trials on the same problems would move the mean.",
         shown.rename(columns={"n": "trials", "iqm": "IQM"}),
         decimals={"IQM": 3, "low": 3, "high": 3},
-        note="0 is the optimum of a problem, or the lowest value found where none is known or a trial found less; 1 "
-        "is the median of all trials of all optimizers on it. The scale depends on the optimizers compared.",
+        note="0 is the optimum of a problem, or the lowest value found where the optimum is unknown or beaten; 1 is "
+        "the median of all trials of all optimizers on the problem. The scale depends on the optimizers compared.",
         data=means,
     )

@@ -1,4 +1,4 @@
-"""How good an answer is after how many evaluations."""
+"""Anytime performance: convergence, targets reached, expected running time and success rates."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from bench.analysis import (
 from bench.report.findings import Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import convergence_figure, ecdf_figure, ert_figure, regret_figure
-from bench.report.wording import count, shares
+from bench.report.wording import count, leaders
 
 TITLE = "Convergence and targets"
 PROFILE = 1e-2  # Moré and Wild (2009) draw data profiles at 1e-1 to 1e-7; here the middle of the ladder
@@ -55,8 +55,8 @@ def _leaders(findings: Findings, budget: int) -> list[str]:
     for spent, reached in curves.groupby("evaluations"):
         median = table(reached, "median")
         finite = median.where(np.isfinite(median.to_numpy(dtype=float)))
-        lowest = shares(finite.eq(finite.min(axis=1), axis=0))
-        sentences.append(f"After {count(int(str(spent)), 'evaluation')} the lowest median is {lowest}.")
+        lowest = leaders(finite.eq(finite.min(axis=1), axis=0), "the lowest median")
+        sentences.append(f"After {count(int(str(spent)), 'evaluation')} {lowest}.")
     return [" ".join(sentences)]
 
 
@@ -66,23 +66,26 @@ def _ladder(targets: pd.DataFrame, problems: int) -> list[str]:
     reference, last = (
         ("the known optimum", deep)
         if known.all()
-        else ("the lowest value that any trial found (no optimum is known, or it was beaten)", short)
+        else ("the lowest value that any trial found (every optimum is unknown or beaten)", short)
         if not known.any()
         else (
-            "the known optimum, or the lowest value found where none is known or a trial found less",
-            f"{deep} where the optimum is known, else to {short}",
+            "the known optimum, or the lowest value found where the optimum is unknown or beaten",
+            f"{deep} where f_L is the optimum, else to {short}",
         )
     )
     meaning = (
-        "A target is a share tau of the way left: the objective value f_L + tau (f_0 − f_L), where f_0 is the median "
-        f"of the trials’ first values and f_L is {reference} (Moré and Wild 2009). Targets fall from tau = 1 to "
-        f"{last}. The expected running time (ERT) is the evaluations of all trials over the number of successes; where "
-        "no trial succeeds it is infinite."
+        "A target is the objective value f_L + tau (f_0 − f_L), where f_0 is the median of the first values of the "
+        f"trials and f_L is {reference} (Moré and Wild 2009). Targets fall from tau = 1 to {last}. The expected "
+        "running time (ERT) is the number of evaluations that all trials spent until they reached the target or ended, "
+        "divided by the number of successes; it is infinite where no trial succeeds."
     )
     if len(known) == problems:
         return [meaning]
     without = count(problems - len(known), "problem")
-    return [meaning, f"{without} without any finite value can have no targets, so the figures below leave them out."]
+    return [
+        meaning,
+        f"The figures below leave out {without} on which no trial found a finite value: there are no targets.",
+    ]
 
 
 def _success(rates: pd.DataFrame) -> Table:
@@ -95,9 +98,9 @@ def _success(rates: pd.DataFrame) -> Table:
     wide = wide.reindex(index=order[0], columns=order[1]).rename_axis(index="optimizer", columns=None)
     return Table(
         "success-rates",
-        "Trials that reached a target, in percent, over all problems, by tau.",
+        "Percentage of trials over all problems that reached a target, by tau.",
         wide.rename(columns=lambda tau: f"tau = {tau:g}"),
         decimals=1,
-        note="By problem, with 95% Wilson intervals, in the CSV file and in the sections below.",
+        note="The CSV file and the sections below have the rates by problem, with 95% Wilson intervals.",
         data=rates,
     )

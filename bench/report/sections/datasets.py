@@ -1,4 +1,4 @@
-"""Every problem by itself."""
+"""One section a problem: its trials, their statistics and the tests of every pair."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bench.report.plots import distribution_figure
 from bench.report.wording import count, interval, listing, usual_decimals
 
 TITLE = "Problem by problem"
-TAU = 1e-2  # one of those of the success rates
+TAU = 1e-2  # one of the targets of the success rates
 
 
 def section(findings: Findings) -> Section:
@@ -24,10 +24,11 @@ def section(findings: Findings) -> Section:
     above, below = (listing([f"{bound:.2f}" for bound in side]) for side in (bounds, [1 - each for each in bounds]))
     how_to_read = (
         "Boxes span the quartiles, whiskers reach the furthest point within 1.5 box lengths, and every trial is a "
-        "point. D is the largest distance between the two empirical distributions and p its exact probability (given "
-        f"the ties, where more than {TIED:.0%} of the values are tied). A12 is the chance that a trial of the first "
-        "optimizer ends below one of the second, ties counted half, with a 95% bootstrap interval: 0.5 is no tendency; "
-        f"beyond {above} (below {below}) it is called {listing(words)}. Cliff’s delta is 2 A12 − 1."
+        "point. D is the largest distance between the two empirical distribution functions, and p is its exact p-value "
+        f"(given the ties, where more than {TIED:.0%} of the values are tied). A12 is the probability that a trial of "
+        "the first optimizer ends below a trial of the second, ties counted half, with a 95% bootstrap interval. A12 = "
+        f"0.5 means no tendency; an effect with A12 of at least {above} (or at most {below}) is called "
+        f"{listing(words)}. Cliff’s delta is 2 A12 − 1."
     )
     return Section(TITLE, (how_to_read,), sections=tuple(_problem(findings, problem, rates) for problem in every))
 
@@ -52,8 +53,8 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
         )
         if few := int((~pairs["testable"].astype(bool)).sum()):
             text.append(
-                f"{few} of {count(len(pairs), 'pair')} cannot be significant whatever the values, as the trials are "
-                "too few; p is set to 1."
+                f"{few} of {count(len(pairs), 'pair')} cannot be significant whatever the values, because there are "
+                "too few trials; p is set to 1."
             )
     return Section(problem, tuple(text), tuple(items), tuple(warnings))
 
@@ -75,8 +76,8 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
         shown,
         lost=shown[["failed"]] > 0,
         decimals={"success %": 0},
-        note="The interval of the median is free of any distribution; letters as in the comparison; success: trials "
-        f"that reached tau = {TAU:g}, with a Wilson interval. –: too few trials.",
+        note="The interval of the median is distribution-free; letters as in the comparison; success: trials that "
+        f"reached tau = {TAU:g}, with a 95% Wilson interval. –: too few trials.",
         data=own.reset_index(),
     )
 
@@ -119,6 +120,6 @@ def _a12_interval(pair: Any) -> str:
 
 
 def _note(pair: Any) -> str:
-    """Return how p was found where it is not the usual way, and whether optimizers differ without an order."""
+    """Return a remark on a p that is not that of values without ties, and on a difference without an order."""
     notes = {"exact": [], "permutation": ["ties"]}.get(pair.method, [str(pair.method)])
-    return ", ".join([*notes, "in shape, not in order"] if pair.significant and not pair.lower else notes)
+    return ", ".join([*notes, "differ in shape, not in order"] if pair.significant and not pair.lower else notes)

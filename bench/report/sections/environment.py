@@ -1,4 +1,4 @@
-"""What was compared, on which data, with which seeds, and which machine and versions made which trials."""
+"""What was compared, on which data, with which seeds, and which machine and versions produced which trials."""
 
 from __future__ import annotations
 
@@ -16,33 +16,30 @@ from bench.storage.provenance import differences
 from bench.study import Study
 
 TITLE = "Environment, seeds and data"
-TOLD = 3
-"""So many environments are told apart in the warning; the table has all."""
-
-COLUMNS = 12
-"""So many environments are columns of a table; the rest are one."""
+NAMED = 3  # environments that the warning compares with the first; the table has all
+COLUMNS = 12  # environments with a column of their own; the others share one
 
 
 def section(findings: Findings) -> Section:
     """Return the entries with their options, the hashes of study and data, the runs and their environments."""
     results = findings.results
     seeds = (
-        f"The study’s seed is {results.study.seed}; each trial’s own seed is a hash of it, the problem, the optimizer "
-        "and the trial’s number, and stands in trials.csv. A trial is repeated by bench.solve with its seed and the "
-        "same options and budget."
+        f"The seed of the study is {results.study.seed}. The seed of a trial is a hash of the study’s seed, the "
+        "problem, the optimizer and the trial’s number; trials.csv lists it. bench.solve with that seed and the same "
+        "options and budget repeats the trial."
     )
     text = [seeds]
     if len(results.names) == 1:
         text.append(
-            f"The study’s hash, of all that decides a trial’s result, is {results.study.identity()}; the number of "
-            "trials and the title are no part of it."
+            f"The hash of everything that determines the result of a trial is {results.study.identity()}; it does not "
+            "depend on the number of trials or the title."
         )
     items = [_entries(results.study)]
     if known := {label: value for label, value in results.fingerprints.items() if value}:
         hashes = pd.DataFrame({"SHA-256": known}).rename_axis("problem")
-        items.append(Table("data", "The hash of every problem’s data when it ran.", hashes))
+        items.append(Table("data", "The hash of each problem’s data when its trials ran.", hashes))
     if not results.environments:
-        return Section(TITLE, tuple(text), tuple(items), ("The folder holds no note of the machine that ran it.",))
+        return Section(TITLE, tuple(text), tuple(items), ("The folder has no record of the machine that ran it.",))
     origins = _Origins(results.environments, results.frame, results.origins)
     items += [*origins.environments(), origins.runs()]
     if origins.known and len(origins.groups) > 1:
@@ -58,17 +55,19 @@ def _entries(study: Study) -> Table:
             for entry in group
         ]
     )
-    return Table("entries", "What was compared, and with which options (all others are the defaults).", entries)
+    return Table(
+        "entries", "What was compared, with the options that the study sets; all others are the defaults.", entries
+    )
 
 
 @dataclass(frozen=True)
 class _Origins:
-    """The runs' records, those alike taken together as environments A, B and so on, and the trials they made.
+    """The records of the runs, grouped into environments A, B and so on where alike, and the trials of each run.
 
     Attributes:
-        records: what each run noted on each machine.
+        records: what each run recorded on each machine.
         frame: the tidy frame.
-        numbers: the number of the record that each of its rows comes from, counted from 1; missing in older folders.
+        numbers: the record that each trial belongs to, counted from 1; missing in older folders.
     """
 
     records: Sequence[Mapping[str, Any]]
@@ -77,17 +76,17 @@ class _Origins:
 
     @property
     def known(self) -> bool:
-        """Whether trials tell of their runs."""
+        """Whether any trial names its run."""
         return bool(self.numbers.notna().any())
 
     @cached_property
     def made(self) -> list[int]:
-        """How many of the trials each run made."""
+        """How many trials each run made."""
         return [int((self.numbers == number).sum()) for number in range(1, len(self.records) + 1)]
 
     @cached_property
     def groups(self) -> dict[str, list[int]]:
-        """The places of the records that are alike, by letter."""
+        """The positions of the records that are alike, by letter."""
         found: list[list[int]] = []
         for place, record in enumerate(self.records):
             alike = next((group for group in found if not differences(self.records[group[0]], record)), None)
@@ -104,33 +103,33 @@ class _Origins:
         return [found[place] for place in range(len(self.records))]
 
     def warnings(self) -> Iterator[str]:
-        """Yield a warning where trials, or runs whose trials are not known, are of more than one environment."""
+        """Yield a warning where trials, or runs whose trials are unknown, belong to several environments."""
         used = [letter for letter, group in self.groups.items() if not self.known or any(self.made[i] for i in group)]
         if len(used) < 2:
             return
         first, *others = ((letter, self.records[self.groups[letter][0]]) for letter in used)
-        told = "; ".join(
+        changes = "; ".join(
             f"{letter} differs from {first[0]} by {listing(differences(first[1], record), at_most=5)}"
-            for letter, record in others[:TOLD]
+            for letter, record in others[:NAMED]
         )
-        rest = f"; and {len(others) - TOLD} more" if len(others) > TOLD else ""
-        yield f"The trials come from {len(used)} different environments; compare times with care. {told}{rest}."
+        rest = f"; and {len(others) - NAMED} more" if len(others) > NAMED else ""
+        yield f"The trials come from {len(used)} different environments; compare times with care. {changes}{rest}."
 
     def environments(self) -> Iterator[Table]:
-        """Yield what all environments share, an item a row, and what tells them apart, an environment a row."""
+        """Yield a table of the items that all environments share, and one of the items that differ."""
         about = pd.DataFrame({letter: self._items(group) for letter, group in self.groups.items()}).T
         shared = [item for item in about if about[item].nunique(dropna=False) == 1]
         if shared:
             several = len(self.groups) > 1
-            caption = "What all environments have in common." if several else "Where the trials were made."
+            caption = "What all environments have in common." if several else "The environment of all trials."
             frame = about[shared].iloc[:1].T.set_axis(["value"], axis=1).rename_axis("item")
             yield Table("environment", caption, frame)
         if len(self.groups) > 1:
             apart = about.drop(columns=shared).rename_axis("environment")
-            yield Table("environments", "What tells the environments apart.", apart)
+            yield Table("environments", "How the environments differ.", apart)
 
     def _items(self, group: list[int]) -> dict[str, str]:
-        """Return what is known of an environment; machines that count as one may differ in cores and the like."""
+        """Return the items of an environment; machines of one environment may differ, for example in cores."""
         values: dict[str, dict[str, None]] = {}
         for place in group:
             for item, value in _items(self.records[place]):
@@ -138,7 +137,7 @@ class _Origins:
         return {item: listing(list(found), at_most=4) for item, found in values.items()}
 
     def runs(self) -> Table:
-        """Return every run on every machine that took part in it."""
+        """Return a table of every run on every machine that took part."""
         columns: dict[str, Any] = {}
         if len(self.groups) > 1:
             columns["environment"] = self.letters
@@ -151,22 +150,22 @@ class _Origins:
         for key, title in names.items():
             columns[title] = [_text(record.get(key), key) for record in self.records]
         frame = pd.DataFrame(columns, index=pd.RangeIndex(1, len(self.records) + 1, name="run"))
-        caption = "The runs on every machine that took part, with what was asked for; times are in UTC."
+        caption = "The runs, one row for each machine that took part, with the options given; times are in UTC."
         return Table("runs", caption, frame.dropna(axis=1, how="all"))
 
     def trials(self) -> Table:
-        """Return how many trials of each optimizer come from which environment."""
+        """Return a table of the number of trials of each optimizer from each environment."""
         own = self.frame[["problem", "optimizer", "trial"]].assign(
             run=self.numbers,
-            environment=self.numbers.map(dict(enumerate(self.letters, start=1))).fillna("not noted"),
+            environment=self.numbers.map(dict(enumerate(self.letters, start=1))).fillna("not recorded"),
         )
         counts = pd.crosstab(own["optimizer"], own["environment"]).rename_axis(columns=None)
-        letters = [letter for letter in [*self.groups, "not noted"] if letter in counts]
+        letters = [letter for letter in [*self.groups, "not recorded"] if letter in counts]
         shown = counts.loc[own["optimizer"].unique(), letters]
         if len(letters) > COLUMNS:
             shown = shown.iloc[:, : COLUMNS - 1].assign(others=shown.iloc[:, COLUMNS - 1 :].sum(axis=1))
-        caption = "How many trials of each optimizer come from which environment."
-        note = "The CSV file tells the run and the environment of every trial."
+        caption = "Number of trials of each optimizer from each environment."
+        note = "The CSV file has the run and the environment of every trial."
         return Table("environment-trials", caption, shown, note=note, data=own)
 
 
@@ -176,7 +175,7 @@ def _letter(number: int) -> str:
 
 
 def _items(record: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield what a record tells of machine, versions and code, by what to call it."""
+    """Yield the name and the value of what a record holds of machine, versions and code."""
     memory = record.get("memory_gb")
     known = {
         "processor": record.get("processor"),
@@ -198,7 +197,7 @@ def _blas(noted: Mapping[str, Any]) -> str:
 
 
 def _state(git: Mapping[str, Any] | None) -> str:
-    """Return a commit and whether there were changes to it, with the hash that tells them from others."""
+    """Return a commit, and whether there were uncommitted changes, with their hash."""
     if not git:
         return ""
     if not git.get("dirty"):
@@ -207,7 +206,7 @@ def _state(git: Mapping[str, Any] | None) -> str:
 
 
 def _text(value: Any, key: str) -> str | None:
-    """Return what a record notes by that key, times without their zone; None for nothing."""
+    """Return a value of a record as text, times without their zone; None where it is missing."""
     if value is None:
         return None
     return str(value).removesuffix("+00:00").replace("T", " ") if key in ("started", "ended") else str(value)

@@ -1,4 +1,4 @@
-"""Whether the results themselves are sound."""
+"""Checks of the results themselves, and the trials that failed or are missing."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import pandas as pd
 from bench.analysis.traits import TRAITS
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
-from bench.report.wording import count, listing, losses
+from bench.report.wording import count, listing, unfinished_trials
 
 TITLE = "Integrity checks"
 TROUBLE = ("error", "warning")
 
 
 def section(findings: Findings) -> Section:
-    """Return every check with what it found, its troubles as warnings, and incomplete cells and failures in tables."""
+    """Return every check with its finding, warnings for what is wrong, and tables of incomplete cells and failures."""
     checks = findings.integrity
     troubles = int(checks["verdict"].isin(TROUBLE).sum())
     unchecked = int((checks["verdict"] == "not checked").sum())
@@ -27,21 +27,25 @@ def section(findings: Findings) -> Section:
     )
     table = Table(
         "integrity",
-        "What was checked in the results, and what was found.",
+        "The checks of the results, and what each found.",
         checks[["check", "verdict", "finding"]].set_index("check"),
         data=checks,
     )
     unseen = (
-        f"Not to be seen in results: {listing([*TRAITS])}. 'bench check' makes runs of their own to look for these, "
-        "and 'bench verify' makes stored trials again."
+        f"These results cannot show some traits of an optimizer ({listing([*TRAITS])}): 'bench check' makes separate "
+        "runs to look for these. 'bench verify' repeats stored trials."
     )
     return Section(
-        TITLE, (text, unseen), (table, *_incomplete(findings)), warnings(findings), lost=losses(findings.frame)
+        TITLE,
+        (text, unseen),
+        (table, *_incomplete(findings)),
+        warnings(findings),
+        lost=unfinished_trials(findings.frame),
     )
 
 
 def warnings(findings: Findings) -> tuple[str, ...]:
-    """Return what a reader must know before any number: every check that found trouble, in words."""
+    """Return what a reader must know before any number: one sentence for each check that found something wrong."""
     checks = findings.integrity
     found = [
         f"{'Error: ' if row.verdict == 'error' else ''}{str(row.check).capitalize()}: {row.finding}"
@@ -54,8 +58,8 @@ def warnings(findings: Findings) -> tuple[str, ...]:
 def _unloaded(reasons: dict[str, str]) -> str:
     labels, first = list(reasons), next(iter(reasons.values()))
     return (
-        f"{count(len(labels), 'problem')} cannot be loaded here, so the optimum, the bounds and what is expected are "
-        f"not known: {listing(labels, at_most=5)} ({first})."
+        f"{count(len(labels), 'problem')} cannot be loaded here, so the optimum, the bounds and the expected values "
+        f"are unknown: {listing(labels, at_most=5)} ({first})."
     )
 
 

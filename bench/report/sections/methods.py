@@ -1,4 +1,4 @@
-"""The methods section of a paper about this run."""
+"""The methods of this run as a paper describes them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ TITLE = "Methods"
 
 
 def section(findings: Findings) -> Section:
-    """Return the methods as paragraphs that are true of this run, with the BibTeX of the works they cite."""
+    """Return paragraphs that are true of this run, with the BibTeX of the works they cite."""
     if findings.frame.empty:
-        return Section(TITLE, ("No trial was made yet, so there are no methods to describe.",))
-    made = findings.methods
-    return Section(TITLE, made.text, warnings=made.warnings, code=made.bibtex)
+        return Section(TITLE, ("The study has no trial yet, so there are no methods to describe.",))
+    methods = findings.methods
+    return Section(TITLE, methods.text, warnings=methods.warnings, code=methods.bibtex)

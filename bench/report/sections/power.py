@@ -1,4 +1,4 @@
-"""What so few trials could have shown at all."""
+"""The differences that the tests could detect with the number of trials made."""
 
 from __future__ import annotations
 
@@ -15,43 +15,43 @@ TITLE = "Power"
 
 
 def section(findings: Findings) -> Section:
-    """Return the differences that the Kolmogorov-Smirnov test can and cannot see with this study's trials."""
+    """Return the differences that the Kolmogorov-Smirnov test can and cannot detect with this study's trials."""
     optimizers = len(findings.optimizers)
     if findings.frame.empty or optimizers < 2:
-        return Section(TITLE, ("There is nothing to compare, so no test has any power to speak of.",))
+        return Section(TITLE, ("There is nothing to compare, so no test has any power.",))
     sizes = sorted(set(findings.trials))
     tables = pd.concat([power_table(n, comb(optimizers, 2)).assign(n=n) for n in sizes])
     shown = tables[["n", "level", "alpha", "distance", "shift"]].rename(
-        columns={"distance": "D needed (of n)", "shift": "shift seen (SD)"}
+        columns={"distance": "D needed (of n)", "shift": "shift detected (SD)"}
     )
     blind = bool(tables.isna().any(axis=None))
     table = Table(
         "power",
         "The smallest distance D that is significant with n trials a cell, in units of 1/n, and the shift between two "
-        "normal samples, in standard deviations, that the test then sees in 80% of cases.",
+        "normal samples, in standard deviations (SD), that the test detects with a power of 80%.",
         shown,
-        decimals={"alpha": 4, "D needed (of n)": 0, "shift seen (SD)": 2},
+        decimals={"alpha": 4, "D needed (of n)": 0, "shift detected (SD)": 2},
         note="–: even complete separation is not significant with so few trials." if blind else "",
         data=tables,
     )
-    sentence = missed(sizes[0], optimizers)
+    sentence = detectable_differences(sizes[0], optimizers)
     return Section(TITLE, (f"{sentence[0].upper()}{sentence[1:]}.",), (table,))
 
 
-def missed(n: int, optimizers: int) -> str:
-    """Return in words, without a full stop, what differences n trials a cell would often not have shown."""
-    seen, shifts = [], []
+def detectable_differences(n: int, optimizers: int) -> str:
+    """Return a clause on the differences that n trials a cell detect with a power of 80%, and often miss below."""
+    details, shifts = [], []
     for level, alpha, distance, shift in power_table(n, comb(optimizers, 2)).to_numpy():
-        step = f"at the {level} of {alpha:.2g} it"
+        step = f"at {'alpha =' if level == 'alpha' else f'the {level} of'} {alpha:.2g} it"
         if pd.isna(shift):
-            seen.append(f"{step} can find no difference at all")
+            details.append(f"{step} can detect no difference at all")
         else:
-            seen.append(f"{step} needs D of at least {distance:.0f}/{n} and sees 80% of shifts of {shift:.2f} SD")
+            details.append(f"{step} needs D of at least {distance:.0f}/{n} and detects 80% of shifts of {shift:.2f} SD")
             shifts.append(f"{shift:.1f}")
     trials = f"with {count(n, 'trial')} in the smallest cell"
     if not shifts:
-        return f"{trials} the test can find no difference at all"
+        return f"{trials} the test can detect no difference at all"
     return (
         f"{trials} the test would often miss shifts below about {' to '.join(dict.fromkeys(shifts))} SD "
-        f"({'; '.join(seen)})"
+        f"({'; '.join(details)})"
     )

@@ -1,4 +1,4 @@
-"""What a trial takes."""
+"""The wall and processor time of a trial."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ TITLE = "Time"
 
 
 def section(findings: Findings) -> Section:
-    """Return wall and processor time of a trial, objective and overhead apart, with the signs of a disturbed clock."""
+    """Return the wall and processor time of a trial, the objective's share, and signs of a disturbed measurement."""
     timing = findings.timing
     known = timing[timing["trials"] > 0].sort_values("wall_mean", kind="stable")
     if known.empty:
-        return Section(TITLE, ("No trial finished, so there is no time to give.",))
+        return Section(TITLE, ("No trial finished, so there are no times.",))
     warnings = []
     if len(waited := known.loc[known["contention"], "optimizer"]):
         warnings.append(
@@ -30,16 +30,16 @@ def section(findings: Findings) -> Section:
     if len(threaded := known.loc[known["hidden_threads"], "optimizer"]):
         warnings.append(
             f"Trials of {listing(list(threaded))} used more than one core (CPU time more than {HIDDEN_THREADS:g} "
-            "times wall time): wall times flatter them."
+            "times wall time): wall times flatter these optimizers."
         )
-    return Section(TITLE, (_in_words(findings, known),), (timing_figure(timing), _table(timing)), tuple(warnings))
+    return Section(TITLE, (_summary(findings, known),), (timing_figure(timing), _table(timing)), tuple(warnings))
 
 
-def _in_words(findings: Findings, known: pd.DataFrame) -> str:
+def _summary(findings: Findings, known: pd.DataFrame) -> str:
     fastest, slowest = known.iloc[0], known.iloc[-1]
-    text = f"A trial takes {seconds(fastest['wall_mean'])} on average with {fastest['optimizer']}"
+    text = f"The mean wall time of a trial is {seconds(fastest['wall_mean'])} with {fastest['optimizer']}"
     if len(known) > 1:
-        text += f", the fastest, and {seconds(slowest['wall_mean'])} with {slowest['optimizer']}, the slowest"
+        text += f", the fastest optimizer, and {seconds(slowest['wall_mean'])} with {slowest['optimizer']}, the slowest"
     processors = list(dict.fromkeys(filter(None, (each.get("processor") for each in findings.results.environments))))
     machine = "on the machine named below" if len(processors) < 2 else "on the machines named below"
     if processors:
@@ -52,8 +52,8 @@ def _in_words(findings: Findings, known: pd.DataFrame) -> str:
 
 
 def _crowded(findings: Findings) -> str:
-    """Return a sentence on how many trials ran on how many cores, as far as it was noted."""
-    runs: dict[tuple[Any, ...], dict[Any, tuple[Any, Any]]] = {}  # jobs and cores of each machine that took part
+    """Return a sentence on whether more trials ran at a time than there were cores, "" where that was not recorded."""
+    runs: dict[tuple[Any, ...], dict[Any, tuple[Any, Any]]] = {}  # jobs and cores of each machine of a run
     for each in findings.results.environments:
         run = tuple(each.get(key) for key in ("folder", "started", "command", "shard"))
         runs.setdefault(run, {})[each.get("host")] = each.get("jobs"), each.get("cores")
@@ -81,8 +81,8 @@ def _table(timing: pd.DataFrame) -> Table:
     ).set_index(pd.Index(timing["optimizer"], name="optimizer"))
     return Table(
         "timing",
-        "Median evaluations and time of one trial, the quartiles, the share of the time spent in the problem’s "
-        "evaluate, and evaluations a second.",
+        "Median evaluations and times of one trial, the quartiles of the times (IQR), the share of the wall time spent "
+        "in the objective function, and evaluations a second.",
         shown,
         decimals={"evaluations": 0, "wall/CPU": 2, "evals/s": 0},
         data=timing,

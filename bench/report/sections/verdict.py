@@ -1,4 +1,4 @@
-"""What may be claimed, in one sentence generated from the numbers, and beside it what may not."""
+"""The verdict: one sentence on what the numbers support, and the limits of that claim."""
 
 from __future__ import annotations
 
@@ -10,44 +10,44 @@ from bench.analysis import ALPHA
 from bench.report.findings import Findings
 from bench.report.parts import Card, Section, Table
 from bench.report.sections import integrity
-from bench.report.sections.power import missed
-from bench.report.wording import count, listing, losses, p_text
+from bench.report.sections.power import detectable_differences
+from bench.report.wording import count, listing, p_text, unfinished_trials
 
 TITLE = "Verdict"
 
 
 def section(findings: Findings) -> Section:
-    """Return the verdict; where there is nothing to compare, a section that says why."""
+    """Return the verdict, or a section that states why there is nothing to compare."""
     ranking = findings.ranking
     if findings.frame.empty:
-        return Section(TITLE, warnings=("The study has no trial yet, so there is nothing to say.",))
-    lost = losses(findings.frame)
+        return Section(TITLE, warnings=("The study has no trial yet, so there is no verdict.",))
+    lost = unfinished_trials(findings.frame)
     if len(ranking) < 2:
         return Section(
             TITLE, (f"There is nothing to compare: {findings.optimizers[0]} is the only optimizer.",), lost=lost
         )
     if not ranking["problems"].iloc[0]:
-        text = "There is nothing to compare yet: on no problem does every optimizer have a trial."
+        text = "There is nothing to compare yet: no problem has trials of every optimizer."
         return Section(TITLE, (text,), lost=lost)
     cards = (
         Card("What may be claimed", (_claim(findings),), "claim"),
-        Card("What may not", _limits(findings), "limit"),
+        Card("What may not be claimed", _limits(findings), "limit"),
     )
     return Section(TITLE, (_grounds(findings),), (_ranking_table(ranking),), cards=cards, lost=lost)
 
 
 def _claim(findings: Findings) -> str:
-    """Return one sentence: who is ahead, where, on how much evidence, and with how many warnings."""
+    """Return one sentence: which optimizer leads where, on how much evidence, and with how many warnings."""
     study = findings.results.study
     conditions = (
-        f"n = {_trials(findings)} with a budget of {count(study.budget, 'evaluation')} on each of "
+        f"n = {_trials(findings)} of at most {count(study.budget, 'evaluation')} on each of "
         f"N = {count(_problems(findings), 'problem')}, alpha = {ALPHA:g}"
     )
     failed = findings.coverage.groupby("optimizer", sort=False, observed=False)["failed"].sum()
     lost = [f"{count(number, 'trial')} of {label}" for label, number in failed.items() if number]
     failures = f"; failed: {listing(lost)}" if lost else ""
     troubles = len(integrity.warnings(findings))
-    caveat = f"; mind the {count(troubles, 'warning')} below" if troubles else ""
+    caveat = f"; see the {count(troubles, 'warning')} below" if troubles else ""
     return f"{_winner(findings.ranking)} ({conditions}{failures}{caveat})."
 
 
@@ -55,7 +55,7 @@ def _winner(ranking: pd.DataFrame) -> str:
     problems = int(ranking["problems"].iloc[0])
     ahead = ranking[ranking["first"] > 0].sort_values(["first", "separable"], ascending=False, kind="stable")
     if ahead.empty:
-        return "No single winner: on every problem the median trial of every optimizer failed"
+        return "No single winner: the median trial of every optimizer failed on every problem"
     shares = [
         f"{row.optimizer} is ranked first on {row.first} of {count(problems, 'problem')} "
         f"and separable from every rival on {row.separable} of {problems}"
@@ -66,49 +66,48 @@ def _winner(ranking: pd.DataFrame) -> str:
 
 
 def _limits(findings: Findings) -> tuple[str, ...]:
-    texts = [f"“Not significant” is not “equal”: {missed(findings.trials[0], len(findings.optimizers))}."]
-    texts.append(
-        f"The counts describe {_these(_problems(findings))} at this budget and with these options; other problems, "
-        "budgets or options may rank the optimizers otherwise."
+    problems = _problems(findings)
+    counted = "this one problem" if problems == 1 else f"these {problems} problems"
+    power = detectable_differences(findings.trials[0], len(findings.optimizers))
+    scope = (
+        f"The counts describe {counted} at this budget and with these options; other problems, budgets or options may "
+        "give another ranking."
     )
-    texts.append(_across(findings))
-    return tuple(texts)
-
-
-def _these(problems: int) -> str:
-    return "this one problem" if problems == 1 else f"these {problems} problems"
+    return f"“Not significant” does not mean “equal”: {power}.", scope, _across(findings)
 
 
 def _across(findings: Findings) -> str:
-    tests, friedman = findings.wilcoxon, findings.friedman
+    """Return what the tests across problems do not show."""
+    tests, friedman, problems = findings.wilcoxon, findings.friedman, _problems(findings)
     if (tests["note"] == "untestable").all():
         return (
-            f"Nothing can be claimed across problems: {count(_problems(findings), 'problem')} cannot show a difference."
+            f"No pair of optimizers can be distinguished across problems: too few problems ({problems} in all) show a "
+            "difference for Wilcoxon’s test to be significant."
         )
     p = friedman["p_iman_davenport"]
     if not friedman["note"] and p > ALPHA:
-        return f"Across the problems no difference is shown (Friedman with Iman-Davenport’s correction, {p_text(p)})."
+        return f"The tests show no difference across problems (Friedman with Iman-Davenport’s correction, {p_text(p)})."
     pairs = len(tests)
-    if pairs > 1 and 2 / 2 ** _problems(findings) > ALPHA / pairs:
+    if pairs > 1 and 2 / 2**problems > ALPHA / pairs:
         return (
-            f"Across the problems no pair can be told apart: {count(_problems(findings), 'problem')} are too few for "
+            f"No pair of optimizers can be distinguished across problems: {problems} problems are too few for "
             f"Wilcoxon’s test with Holm’s adjustment over {pairs} pairs."
         )
     open_pairs = [f"{pair.first} and {pair.second}" for pair in tests[~tests["significant"]].itertuples()]
     if not open_pairs:
-        return "Across the problems every pair of optimizers differs, but by medians only, not in every trial."
-    return f"Across the problems no difference is shown between {listing(open_pairs, at_most=4)} (Wilcoxon, Holm)."
+        return "Every pair of optimizers differs significantly across problems, but in the medians, not in every trial."
+    return f"The tests show no difference across problems between {listing(open_pairs, at_most=4)} (Wilcoxon, Holm)."
 
 
 def _grounds(findings: Findings) -> str:
     pairs = comb(len(findings.optimizers), 2)
-    adjusted = f", adjusted by Holm over the {pairs} pairs of a problem," if pairs > 1 else ""
+    adjusted = f" (adjusted by Holm’s method over the {pairs} pairs of a problem)" if pairs > 1 else ""
     return (
-        "First means the lowest median. Separable means that the exact two-sample Kolmogorov-Smirnov test at alpha = "
-        f"{ALPHA:g}{adjusted} tells an optimizer from each rival ({count(len(findings.pairs), 'test')} in all), and "
-        "that the 95% interval of A12 says it tends to be the lower one. A winner is named only if it is separable "
-        "from every rival on more than half of the problems; the counts are over the problems on which every optimizer "
-        "has a trial."
+        "An optimizer is ranked first on a problem if it has the lowest median. It is separable from a rival if the "
+        f"exact two-sample Kolmogorov-Smirnov test rejects equality at alpha = {ALPHA:g}{adjusted} and the 95% "
+        f"interval of A12 shows a tendency to lower values ({count(len(findings.pairs), 'test')} in all). A single "
+        "winner is named only if it is separable from every rival on more than half of the problems. The counts are "
+        "over the problems on which every optimizer has a trial."
     )
 
 
@@ -126,8 +125,8 @@ def _ranking_table(ranking: pd.DataFrame) -> Table:
     shown = ranking[["optimizer", "first", "separable", "mean_rank"]].set_index("optimizer")
     return Table(
         "ranking",
-        f"How often each optimizer has the lowest median, of {count(problems, 'problem')}; how often it is then "
-        "separable from every rival; and its mean rank.",
-        shown.rename(columns={"first": "ranked first", "separable": "separable", "mean_rank": "mean rank"}),
+        f"On how many of {count(problems, 'problem')} each optimizer has the lowest median, on how many of those it is "
+        "separable from every rival, and its mean rank over all of them.",
+        shown.rename(columns={"first": "ranked first", "mean_rank": "mean rank"}),
         decimals=2,
     )

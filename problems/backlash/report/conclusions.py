@@ -7,7 +7,7 @@ from scipy.stats import binomtest, spearmanr
 
 from bench import Study
 from bench.analysis import ALPHA
-from bench.report.wording import count, listing, shares
+from bench.report.wording import count, leaders, listing
 from problems.backlash.report.accuracy import errors_by, shares_within
 from problems.backlash.report.fitting_errors import EXTRA, SWARMS, algorithms
 from problems.backlash.signature.problem import TOLERANCE_RPM
@@ -113,10 +113,11 @@ def _narrowest(swarms: pd.DataFrame, known: dict[str, str]) -> list[str]:
     narrowest = width.eq(width.min(axis=1), axis=0)
     within = errors_by(swarms, ["optimizer"])["within band %"]
     best = listing([str(label) for label in within.index[within == within.max()]])
+    leading = leaders(narrowest, "the narrowest interquartile range of the swarms")
     text = (
         "The thesis’s box plots show ALO as the most precise swarm, and it warns that they mislead, as the results of "
-        "GWO are either close to the expected amplitude or far from it. Here the narrowest interquartile range of the "
-        f"swarms is {shares(narrowest)}, while {best} has the largest share within the band."
+        "GWO are either close to the expected amplitude or far from it. Here "
+        f"{leading}, while {best} has the largest share within the band."
     )
     return [text]
 

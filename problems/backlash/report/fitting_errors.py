@@ -12,7 +12,7 @@ import pandas as pd
 from bench import Study
 from bench.analysis import ALPHA, comparison_matrix, pairwise_tests, summarise, table
 from bench.report import Section, Table
-from bench.report.wording import count, listing, shares
+from bench.report.wording import count, leaders, listing
 
 TITLE = "Fitting error (thesis Table 7.2)"
 SWARMS = ("alo", "goa", "da", "gwo")  # the columns of Table 7.2
@@ -123,9 +123,10 @@ def ordered(means: pd.DataFrame) -> int:
 
 
 def _holders(means: pd.DataFrame, extreme: Literal["min", "max"]) -> str:
-    """Return each algorithm's share of rows with the lowest or the highest mean."""
+    """Return in how many rows each algorithm has the lowest or the highest mean, as a clause."""
     whole = means.dropna().rename(columns=str.upper)
-    return shares(whole.eq(whole.agg(extreme, axis=1), axis=0))
+    feature = "the lowest mean" if extreme == "min" else "the highest mean"
+    return leaders(whole.eq(whole.agg(extreme, axis=1), axis=0), feature)
 
 
 def sentences(means: pd.DataFrame, cells: pd.DataFrame) -> list[str]:
@@ -147,9 +148,9 @@ def sentences(means: pd.DataFrame, cells: pd.DataFrame) -> list[str]:
             f"in the published table it holds in {ordered(theirs)} of these."
         )
         text.append(
-            f"The lowest mean of the swarms is {_holders(own, 'min')} (published: {_holders(theirs, 'min')}), the "
-            f"highest {_holders(own, 'max')} (published: {_holders(theirs, 'max')}). The thesis calls GWO the best of "
-            "the four and DA the least effective."
+            f"Among the swarms {_holders(own, 'min')} (published: {_holders(theirs, 'min')}); {_holders(own, 'max')} "
+            f"(published: {_holders(theirs, 'max')}). The thesis calls GWO the best of the four and DA the least "
+            "effective."
         )
     missing = cells[cells["mean"].isna()]
     lost = [

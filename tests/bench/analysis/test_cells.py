@@ -8,12 +8,12 @@ from hypothesis import strategies as st
 from scipy.stats import binom
 
 from bench.analysis.cells import (
-    Reference,
+    ReferenceValue,
     cells,
     coverage,
     in_study_order,
     merge_near_ties,
-    references,
+    reference_values,
     regret,
     scores,
     stopped_early,
@@ -126,11 +126,11 @@ class TestReferences:
     )
     def test_the_optimum_unless_unknown_or_beaten(self, lowest, optimum, expected):
         optima = {"q": 0.0} if optimum is None else {"p": optimum, "q": 0.0}
-        assert references({"p": lowest}, optima) == {"p": Reference(*expected)}
+        assert reference_values({"p": lowest}, optima) == {"p": ReferenceValue(*expected)}
 
     def test_without_optima(self):
-        assert references({"q": 2.0, "p": 1.0}) == {"q": (2.0, False), "p": (1.0, False)}
-        assert references({}, {"p": 1.0}) == {}
+        assert reference_values({"q": 2.0, "p": 1.0}) == {"q": (2.0, False), "p": (1.0, False)}
+        assert reference_values({}, {"p": 1.0}) == {}
 
 
 class TestRegret:

@@ -171,7 +171,9 @@ def an_optimizer_that_clips(s):
     s.diagnose("c", "boundary clamping", 0.125)
 
 
-@trap("starts and seeds", "warning", "another seed: a, c p = 1e-05. Trials may not be independent.", cells="")
+@trap(
+    "starts and seeds", "warning", "different seeds are equal: a, c p = 1e-05. Trials may not be independent.", cells=""
+)
 def an_optimizer_that_repeats_itself_and_one_that_starts_in_a_corner(s):
     s.diagnose("a", "starts and seeds", None)
     s.diagnose("c", "starts and seeds", 1e-5)
@@ -333,7 +335,7 @@ class TestWhatIsNoTrap:
         points_on_a_bound(sound)
         found = sound.check(boxes={"p": BOXES["p"]}).loc["clamping"]
         assert found["verdict"] == "pass"
-        assert "not known of q" in found["finding"]
+        assert "unknown for q" in found["finding"]
 
 
 class TestWithoutTrials:

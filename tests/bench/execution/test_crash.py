@@ -397,6 +397,7 @@ def test_a_killed_run_s_folder_is_read_where_nothing_can_be_written(bench_here, 
         assert (tmp_path / "report" / "report.html").exists()
 
 
+@pytest.mark.slow
 def test_a_folder_without_permission_to_write_is_refused_and_read(start, study, tmp_path):
     folder = tmp_path / "out"
     assert start(folder, trials=2, slow=0).end() == (0, "")

@@ -177,6 +177,7 @@ def test_a_worker_with_other_code_is_refused_by_name_first_or_last(machines, tmp
     assert not (tmp_path / "early").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_nothing_is_left_on_the_workers_when_the_run_is_ended(number, machines, tmp_path):
     machines.worker("one")

@@ -1,51 +1,9 @@
 """The report tells machines and versions apart, and which trials came from which."""
 
-from types import SimpleNamespace
-
 import pandas as pd
-import pytest
 
 from bench import Results
-from bench.report.findings import Findings
-from bench.report.parts import Section
-from bench.report.sections import environment, time
-
-RECORD = {
-    "packages": {"numpy": "2.4.6", "scipy": "1.17.1"}, "python": "3.11.7",
-    "system": "Linux-6.1.0-x86_64-with-glibc2.36", "host": "one", "processor": "Xeon", "cores": 2, "memory_gb": 8.0,
-    "blas": [{"library": "openblas", "version": "0.3.30", "threads": 1}],
-    "git": {"commit": "6b3d6c0" + "0" * 33, "dirty": False, "diff": None}, "checkouts": {},
-    "started": "2026-01-02T03:04:05+00:00", "ended": "2026-01-02T04:00:00+00:00", "command": "bench run s", "jobs": 2,
-    "backend": "loky", "study": "abc", "data": {}, "code": {}, "timeout": None, "shard": None,
-}  # fmt: skip
-NEWER = RECORD | {"packages": {"numpy": "2.5.0", "scipy": "1.17.1"}, "started": "2026-02-02T03:04:05+00:00"}
-OLD = {
-    key: RECORD[key] for key in ("started", "jobs", "packages", "python", "system", "processor", "cores", "command")
-} | {"git": {"commit": RECORD["git"]["commit"], "dirty": True}}
-
-
-@pytest.fixture(scope="module")
-def folder(make, tmp_path_factory):
-    """Return the folder of a study of 2 problems, 3 optimizers and 4 trials."""
-    return make(tmp_path_factory.mktemp("made") / "s", trials=4)
-
-
-@pytest.fixture
-def told(folder, monkeypatch):
-    """Return a function that makes the section of such records; ``origins`` gives each trial the number of one."""
-
-    def tell(records, origins=None, of=environment):
-        results = Results(folder)
-        results.environments[:] = records
-        numbers = pd.Series(origins or [None] * len(results.frame), dtype=object)
-        monkeypatch.setattr(Results, "origins", numbers)
-        section = of.section(Findings(results))
-        assert isinstance(section, Section)
-        return SimpleNamespace(
-            text=" ".join(section.text), warnings=section.warnings, tables={item.name: item for item in section.items}
-        )
-
-    return tell
+from tests.bench.report.sections.records import NEWER, OLD, RECORD
 
 
 def shown(table):
@@ -99,7 +57,7 @@ def test_an_environment_that_made_no_trial_left_warns_of_nothing(told):
 
 def test_trials_that_tell_of_no_run_are_counted_as_such(told):
     section = told([RECORD, NEWER], [None] * 8 + [2] * 16)
-    assert [title for title, _ in section.tables["environment-trials"].header] == ["optimizer", "B", "not noted"]
+    assert [title for title, _ in section.tables["environment-trials"].header] == ["optimizer", "B", "not recorded"]
     assert shown(section.tables["environment-trials"]) == [["a", "4", "4"], ["b", "4", "4"], ["c", "8", "0"]]
 
 
@@ -112,7 +70,7 @@ def test_the_records_of_older_folders_are_read(told):
     assert "trials" not in section.tables["runs"].frame
     assert "environment-trials" not in section.tables
     assert told([{}]).tables["runs"].frame.shape[0] == 1
-    assert "no note" in told([]).warnings[0]
+    assert "no record" in told([]).warnings[0]
 
 
 def test_fifty_environments_can_still_be_read(told):
@@ -137,31 +95,6 @@ def test_the_state_of_code_is_told_by_a_hash(told):
     dirty = {"commit": "f" * 40, "dirty": True, "diff": "0123456789abcdef" * 4}
     rows = shown(told([RECORD | {"checkouts": {"mine": dirty}}]).tables["environment"])
     assert ["commit of mine", f"{'f' * 40} with uncommitted changes (0123456789ab)"] in rows
-
-
-class TestTime:
-    def test_machines_are_named(self, told):
-        assert "on the machine named below (Xeon)." in told([RECORD, NEWER], of=time).text
-        assert "on the machine named below." in told([{"processor": None}], of=time).text
-        text = told([RECORD, RECORD | {"processor": "EPYC"}], of=time).text
-        assert "on the machines named below (Xeon and EPYC)." in text
-
-    @pytest.mark.parametrize(
-        ("records", "sentence"),
-        [
-            ([{"jobs": 2, "cores": 2}, {"jobs": 1, "cores": 2}], "No more trials"),
-            ([{"jobs": 2, "cores": 2}, {"jobs": 3, "cores": 2}], "More trials"),
-            ([{"jobs": 4, "cores": 2, "host": "one"}, {"jobs": 4, "cores": 2, "host": "two"}], "No more trials"),
-            ([{"jobs": 4, "cores": 2, "host": "one"}, {"jobs": 4, "cores": 2, "host": "one"}], "More trials"),
-        ],
-    )
-    def test_the_cores_of_all_machines_of_a_run_count(self, told, records, sentence):
-        starts = ["a", "b"] if "host" not in records[0] else ["a", "a"]
-        records = [{"started": start} | record for start, record in zip(starts, records, strict=True)]
-        assert f" {sentence} ran at a time than there were cores" in told(records, of=time).text
-
-    def test_what_is_not_noted_is_not_judged(self, told):
-        assert "than there were cores" not in told([{"jobs": 2}], of=time).text
 
 
 def test_every_table_is_written_as_latex_and_csv(told, tmp_path):

@@ -4,11 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from bench import BenchError, Results
+from bench import BenchError
 from bench.report import Section, write, write_report
-from bench.report.findings import Findings
-from bench.report.sections import anytime, comparison, integrity
-from bench.storage.folder import Folder
 
 PARTS = [
     "Verdict", "Integrity checks", "Comparison", "Across problems", "Convergence and targets", "Problem by problem",
@@ -86,7 +83,7 @@ def test_no_single_winner_is_said(make, read, tmp_path):
     folder = make(tmp_path / "s", optimizers=("a", "b"), trials=3)
     page = read(write_report(folder))
     assert "No single winner: a is ranked first on 2 of 2" in page.text
-    assert "with 3 trials in the smallest cell the test can find no difference at all" in page.text
+    assert "with 3 trials in the smallest cell the test can detect no difference at all" in page.text
     assert page.text.count("1 of 1 pair cannot be significant whatever the values") == 2
 
 
@@ -159,86 +156,3 @@ def test_a_busy_machine_is_flagged(make, read, tmp_path):
     page = read(write_report(make(tmp_path / "s", optimizers=("a", "b"), trials=4, changes={"a": waited})))
     assert "Trials of a waited for their core" in page.text
     assert "Undeclared stops: 8 of 16 trials" in page.text
-
-
-class TestRegret:
-    """Where an optimum is known; optimizers a, b and c find about 5, 6 and 7 on problems p and q."""
-
-    @staticmethod
-    def findings(folder, **optima):
-        found = Findings(Results(folder))
-        found.__dict__["optima"] = optima
-        return found
-
-    @staticmethod
-    def names(section):
-        return [item.name for item in section.items]
-
-    def test_the_median_regret_stands_beside_the_medians(self, folder):
-        found = self.findings(folder, p=4.0)
-        told = comparison.section(found)
-        table = told.items[1]
-        assert self.names(told) == ["comparison", "regret"]
-        assert table.frame.index.tolist() == ["p"]
-        medians = found.summary.set_index(["problem", "optimizer"])["median"]
-        assert table.frame.loc["p"].tolist() == [medians["p", each] - 4.0 for each in "abc"]
-        assert table.data["optimum"].tolist() == [4.0] * 3
-        assert "known on 1 problem; the median trial ends at it with no optimizer." in told.text[-1]
-        assert "regret-curves" in self.names(anytime.section(found))
-
-    def test_whose_median_trial_ends_at_the_optimum_is_said(self, make, tmp_path):
-        always = {"a": {"fun": 3.0}, "b": {"fun": 3.0 + 1e-13}}
-        told = comparison.section(self.findings(make(tmp_path / "s", changes=always), p=3.0, q=2.0))
-        assert "known on 2 problems; the median trial ends at it with a on 1 and with b on 1." in told.text[-1]
-
-    def test_failed_trials_are_marked_in_it(self, make, tmp_path):
-        table = comparison.section(self.findings(make(tmp_path / "s", fail=[("p", "b")]), p=3.0, q=2.0)).items[1]
-        assert [cell.lost for cell in table.rows[0]] == [False, False, True, False]
-        assert table.rows[0][2].text == "∞"
-
-    @pytest.mark.parametrize("optima", [{}, {"p": 6.5, "q": 6.5}])
-    def test_there_is_none_without_an_optimum_or_with_one_that_was_beaten(self, folder, optima):
-        found = self.findings(folder, **optima)
-        assert self.names(comparison.section(found)) == ["comparison"]
-        assert "regret-curves" not in self.names(anytime.section(found))
-        assert "Targets fall from tau = 1 to 0.001." in " ".join(anytime.section(found).text)
-
-    @pytest.mark.parametrize(
-        ("optima", "said"),
-        [
-            (
-                {"p": 1.0, "q": 1.0},
-                "f_L is the known optimum (Moré and Wild 2009). Targets fall from tau = 1 to 1e-08.",
-            ),
-            ({"p": 1.0}, "Targets fall from tau = 1 to 1e-08 where the optimum is known, else to 0.001."),
-        ],
-    )
-    def test_how_far_the_targets_fall_is_said(self, folder, optima, said):
-        assert said in " ".join(anytime.section(self.findings(folder, **optima)).text)
-
-
-def test_the_biases_that_a_check_noted_are_warned_of(make, tmp_path):
-    def noted(check, passed, figure):
-        return {"check": check, "passed": passed, "figure": figure}
-
-    folder = make(tmp_path / "s")
-    biased = [
-        noted("centre bias", False, 4e5),
-        noted("structural bias", False, 5e-10),
-        noted("starts and seeds", True, None),
-    ]
-    sound = [
-        noted("centre bias", True, 0.9),
-        noted("structural bias", True, 0.4),
-        noted("boundary clamping", True, 0.0),
-    ]
-    Folder(folder).note_checks({"a": biased, "b": sound})
-    findings = Findings(Results(folder))
-    told = integrity.section(findings)
-    assert [warning.partition(":")[0] for warning in told.warnings[:2]] == ["Centre bias", "Structural bias"]
-    assert "not uniform in the box: a p = 5e-10." in told.warnings[1]
-    verdicts = findings.integrity.set_index("check")["verdict"]
-    assert set(verdicts[["boundary clamping", "starts and seeds"]]) == {"pass"}
-    paragraph = findings.methods.text[0]
-    assert "We probed a and b for a bias to the centre of the search space (Kudela, 2022): a has it." in paragraph
-    assert "We probed a and b for structural bias" in paragraph

@@ -1,4 +1,4 @@
-"""The runs of a study as exchange formats hold them: a cell's finished trials, each from evaluation 1 to its last."""
+"""The finished trials of a study as exchange formats hold them: cell by cell, each from evaluation 1 to its last."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from bench.storage.results import Results
 
 
 @dataclass(frozen=True)
-class Run:
+class ExportedTrial:
     """One finished trial.
 
     Attributes:
-        trial: its number, from 0.
-        seed: the seed that repeats it.
+        number: the trial's number, from 0.
+        seed: the seed that repeats the trial.
         nfev: evaluations made.
         x: (d,) the best point.
-        trace: its improvements.
+        trace: the improvements.
     """
 
-    trial: int
+    number: int
     seed: int
     nfev: int
     x: Floats
@@ -47,26 +47,26 @@ class Run:
 
 
 @dataclass(frozen=True)
-class Cell:
-    """The finished trials of an optimizer on a problem, of which there is at least one.
+class ExportedCell:
+    """The finished trials of an optimizer on a problem; there is at least one.
 
     Attributes:
         function: the problem's number within the study, from 1.
-        problem: its label.
+        problem: the problem's label.
         optimizer: the optimizer's label.
         dimension: the number of search variables.
-        runs: the trials, by number.
+        trials: the finished trials, by number.
     """
 
     function: int
     problem: str
     optimizer: str
     dimension: int
-    runs: tuple[Run, ...]
+    trials: tuple[ExportedTrial, ...]
 
 
-def cells(results: Results) -> list[Cell]:
-    """Return the study's cells in its order, optimizer by optimizer, those without a finished trial left out.
+def exported_cells(results: Results) -> list[ExportedCell]:
+    """Return the cells that have a finished trial, optimizer by optimizer in the study's order.
 
     Raises:
         BenchError: when no trial finished.
@@ -75,26 +75,26 @@ def cells(results: Results) -> list[Cell]:
     finished = frame[frame["status"] == "ok"]
     if finished.empty:
         raise BenchError("no trial of this study finished, and this format holds no others; csv and parquet hold all")
-    found = []
+    cells = []
     for optimizer in results.study.optimizers:
         for number, problem in enumerate(results.study.problems, start=1):
             here = finished[finished["problem"] == problem.label]
             names = variables(here)
             rows = here[here["optimizer"] == optimizer.label].to_dict("records")
-            runs = tuple(_run(row, names, results.traces) for row in rows)
-            if runs:
-                found.append(Cell(number, problem.label, optimizer.label, len(names), runs))
-    return found
+            trials = tuple(_trial(row, names, results.traces) for row in rows)
+            if trials:
+                cells.append(ExportedCell(number, problem.label, optimizer.label, len(names), trials))
+    return cells
 
 
-def _run(row: Mapping[Hashable, Any], names: list[str], traces: Traces) -> Run:
+def _trial(row: Mapping[Hashable, Any], names: list[str], traces: Traces) -> ExportedTrial:
     point = np.array([row[name] for name in names], dtype=np.float64)
     trace = traces[row["problem"], row["optimizer"], row["trial"]]
-    return Run(row["trial"], row["seed"], int(row["nfev"]), point, trace)
+    return ExportedTrial(row["trial"], row["seed"], int(row["nfev"]), point, trace)
 
 
-def left_out(frame: pd.DataFrame) -> list[str]:
-    """Return a sentence for each optimizer of which trials did not finish; there is no trace of those."""
+def omission_notes(frame: pd.DataFrame) -> list[str]:
+    """Return a sentence for each optimizer with unfinished trials: a trial that did not finish has no trace."""
     unfinished = frame[frame["status"] != "ok"]
     sentences = []
     for optimizer, rows in unfinished.groupby("optimizer", sort=False):
@@ -102,7 +102,7 @@ def left_out(frame: pd.DataFrame) -> list[str]:
             f"{count} on {problem}" for problem, count in rows["problem"].value_counts(sort=False).items()
         )
         sentences.append(
-            f"Left out, as this format holds no failures: {len(rows)} of the trials of {optimizer} ({where}). "
-            "What is computed without them flatters it."
+            f"Left out, because this format holds no failures: {len(rows)} of the trials of {optimizer} ({where}). "
+            f"Statistics of this export therefore flatter {optimizer}."
         )
     return sentences

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results, Study, run, write_report
-from bench.report import Card, Section, Table, write
+from bench.report import Section, Table, write
 from bench.study import Study as StudyClass
 
 
@@ -75,23 +75,6 @@ def test_a_section_that_fails_half_way_leaves_no_download(folder, monkeypatch, t
     assert "The report section &#39;half&#39; failed and is left out: ValueError: later" in page
     assert "tables/mine.csv" not in page
     assert not (tmp_path / "out" / "tables" / "mine.csv").exists()
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"cards": ("x",)}, {"text": "a text"}, {"text": (1,)}, {"text": (text for text in ("a", "b"))},
-        {"items": "ab"}, {"items": ("x",)}, {"sections": (3,)}, {"warnings": "careful"}, {"warnings": (None,)},
-    ],
-)  # fmt: skip
-def test_a_section_is_refused_at_its_source(wrong):
-    with pytest.raises(TypeError):
-        Section("title", **wrong)
-
-
-def test_a_card_is_refused_at_its_source():
-    with pytest.raises(TypeError):
-        Card("title", "a text", "claim")
 
 
 def test_a_folder_with_other_files_is_left_alone(folder, tmp_path):

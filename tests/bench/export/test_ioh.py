@@ -1,0 +1,83 @@
+"""The ioh format, read back with the real iohinspector in a process of its own."""
+
+import json
+import math
+from importlib.util import find_spec
+
+import pytest
+
+from bench import BenchError
+from bench.export import export, ioh
+from tests.bench.export.made import HOSTILE, make, read, some_fail
+
+READ_IOH = """
+from types import ModuleType
+for name in ("metrics", "plots", "indicators"):  # slow to import, and no part of the reader
+    sys.modules[f"iohinspector.{name}"] = ModuleType(name)
+import iohinspector
+warnings.simplefilter("error")
+manager = iohinspector.DataManager()
+manager.add_folder(sys.argv[1])
+rows = {}
+for row in manager.load(monotonic=False, include_meta_data=True).iter_rows(named=True):
+    key = f"{row['function_name']}|{row['algorithm_name']}|{row['run_id'] - 1}"
+    rows.setdefault(key, []).append((row["evaluations"], row["raw_y"]))
+print(json.dumps({"overview": manager.overview.to_dicts(), "rows": rows}))
+"""
+
+
+@pytest.fixture(scope="module")
+def ioh_read(tmp_path_factory):
+    place = tmp_path_factory.mktemp("ioh")
+    results = make(place / "s", {"sphere-2": 2, "../../p": 3, "never": 2}, (*HOSTILE, "a"), row=some_fail)
+    folder = export(results, "ioh", place / "out").folder
+    return results, read(READ_IOH, folder, place)
+
+
+@pytest.mark.skipif(find_spec("iohinspector") is None, reason="reads the ioh format with iohinspector")
+class TestIOH:
+    def test_every_finished_trial_is_found_with_its_exact_figures(self, ioh_read):
+        results, found = ioh_read
+        finished = results.frame[results.frame["status"] == "ok"]
+        dimensions = {"sphere-2": 2, "../../p": 3, "never": 2}
+        expected = sorted(
+            (row.problem, row.optimizer, row.nfev, row.fun if math.isfinite(row.fun) else -1, dimensions[row.problem])
+            for row in finished.itertuples()
+        )
+        columns = ("function_name", "algorithm_name", "evals", "best_y", "dimension")
+        rows = [tuple(-1 if row[name] is None else row[name] for name in columns) for row in found["overview"]]
+        assert sorted(rows) == expected
+        numbers = {row["function_id"]: row["function_name"] for row in found["overview"]}
+        assert numbers == {1: "sphere-2", 2: "../../p", 3: "never"}
+        assert {row["instance"] for row in found["overview"]} == {1}
+
+    def test_every_improvement_is_found_bit_for_bit(self, ioh_read):
+        results, found = ioh_read
+        finished = results.frame[results.frame["status"] == "ok"]
+        assert len(found["rows"]) == len(finished)
+        for (problem, optimizer), rows in finished.groupby(["problem", "optimizer"]):
+            for run, row in enumerate(rows.itertuples()):
+                trace = results.traces[problem, optimizer, row.trial]
+                evaluations, values = zip(*found["rows"][f"{problem}|{optimizer}|{run}"], strict=True)
+                assert list(values) == trace.at(evaluations).tolist()
+                assert set(evaluations) == {1, *trace.evaluations.tolist(), row.nfev}
+                assert list(evaluations) == sorted(set(evaluations))
+
+    def test_the_commit_is_told(self, tmp_path):
+        results = make(tmp_path / "s", trials=1)
+        environments = [
+            {},
+            {"git": None},
+            *({"git": {"commit": "0a1", "dirty": dirty}} for dirty in (False, True, False)),
+        ]
+        results.environments[:] = environments
+        folder = export(results, "ioh", tmp_path / "out").folder
+        head = json.loads(next(folder.glob("a/*.json")).read_text())
+        assert head["experiment_attributes"] == [{"git_sha": "0a1+0a1-dirty"}]
+
+
+def test_more_problems_than_the_ioh_format_numbers_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(ioh, "LARGEST_FUNCTION", 1)
+    with pytest.raises(BenchError, match="at most 1 problems"):
+        export(make(tmp_path / "s", trials=1), "ioh", tmp_path / "out")
+    assert not (tmp_path / "out").exists()

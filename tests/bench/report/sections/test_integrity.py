@@ -1,0 +1,36 @@
+"""The integrity section: what a check noted is warned of."""
+
+from bench import Results
+from bench.report.findings import Findings
+from bench.report.sections import integrity
+from bench.storage.folder import Folder
+
+
+def test_the_biases_that_a_check_noted_are_warned_of(make, tmp_path):
+    def noted(check, passed, figure):
+        return {"check": check, "passed": passed, "figure": figure}
+
+    folder = make(tmp_path / "s")
+    biased = [
+        noted("centre bias", False, 4e5),
+        noted("structural bias", False, 5e-10),
+        noted("starts and seeds", True, None),
+    ]
+    sound = [
+        noted("centre bias", True, 0.9),
+        noted("structural bias", True, 0.4),
+        noted("boundary clamping", True, 0.0),
+    ]
+    Folder(folder).note_checks({"a": biased, "b": sound})
+    findings = Findings(Results(folder))
+    told = integrity.section(findings)
+    assert [warning.partition(":")[0] for warning in told.warnings[:2]] == ["Centre bias", "Structural bias"]
+    assert "not uniform in the box: a p = 5e-10." in told.warnings[1]
+    verdicts = findings.integrity.set_index("check")["verdict"]
+    assert set(verdicts[["boundary clamping", "starts and seeds"]]) == {"pass"}
+    paragraph = findings.methods.text[0]
+    assert (
+        "We tested a and b for a bias towards the centre of the search space (Kudela, 2022) and found it in a."
+        in paragraph
+    )
+    assert "We tested a and b for structural bias" in paragraph

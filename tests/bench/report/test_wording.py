@@ -1,0 +1,61 @@
+"""Numbers, lists and durations in sentences and cells."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.report.wording import cell_text, count, leaders, listing, seconds, unfinished_trials, usual_decimals
+
+
+@pytest.mark.parametrize(
+    ("value", "decimals", "text"),
+    [
+        (True, None, "yes"), (np.bool_(False), None, "no"), (None, None, "–"), (float("nan"), 2, "–"),
+        (float("inf"), 2, "∞"), (-float("inf"), None, "−∞"), (12345, None, "12,345"), (np.int64(7), 3, "7"),
+        (1.23456, None, "1.235"), (1.23456, 1, "1.2"), (12345.6, 0, "12,346"), ("<b>", None, "<b>"),
+    ],
+)  # fmt: skip
+def test_cells(value, decimals, text):
+    assert cell_text(value, decimals) == text
+
+
+@pytest.mark.parametrize(
+    ("values", "decimals"),
+    [([2.5, 27.4], 2), ([0.5], 4), ([1e-9, 1.0], None), ([1e6], None), ([], None), ([123.0], 1)],
+)
+def test_decimals_show_four_digits_unless_values_span_too_much(values, decimals):
+    assert usual_decimals(values) == decimals
+
+
+def test_sentences():
+    assert count(1, "trial") == "1 trial"
+    assert count(60_000, "evaluation") == "60,000 evaluations"
+    assert listing(["a"]) == "a"
+    assert listing(["a", "b", "c"]) == "a, b and c"
+    assert listing(list("abcdef"), at_most=3) == "a, b and 4 more"
+    assert (seconds(0.0123), seconds(3.456)) == ("12.3 ms", "3.46 s")
+
+
+@pytest.mark.parametrize(
+    ("marks", "clause"),
+    [
+        ({"a": [1, 0, 0], "b": [0, 1, 1]}, "b had it on 2 of 3 problems and a on 1"),
+        ({"a": [1, 0], "b": [1, 0]}, "a had it on 1 of 1 problem and b on 1 (a tie counts for each)"),
+        ({"a": [1], "b": [0]}, "a had it on 1 of 1 problem"),
+        ({"a": [0, 0]}, "it is not known"),
+        (
+            {letter: np.eye(9)[i] for i, letter in enumerate("abcdefghi")},
+            "a had it on 1 of 9 problems, "
+            + ", ".join(f"{each} on 1" for each in "bcdefg")
+            + " and 2 others on at most 1 each",
+        ),
+    ],
+)
+def test_leaders(marks, clause):
+    assert leaders(pd.DataFrame(marks).astype(bool), "it") == clause
+
+
+def test_unfinished_trials():
+    frame = pd.DataFrame({"optimizer": ["b", "a", "b", "a"], "status": ["failed", "ok", "timeout", "failed"]})
+    assert unfinished_trials(frame[1:2]) == ""
+    assert unfinished_trials(frame) == "3 of 4 trials did not finish (2 failed and 1 timed out): 2 of b and 1 of a."

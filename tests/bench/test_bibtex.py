@@ -1,0 +1,48 @@
+"""Works as BibTeX: entries are read as written, and named as a text names them."""
+
+import pytest
+
+from bench import BenchError
+from bench.bibtex import parse
+
+
+@pytest.mark.parametrize(
+    ("bibtex", "name"),
+    [
+        ("@misc{a, author={Holm, Sture}, year={1979}}", "Holm, 1979"),
+        ("@misc{a, author = {Dem{\\v{s}}ar, J. and Mor{\\'e}, J.}, year = 2006}", "Demšar and Moré, 2006"),
+        ('@MISC{a, AUTHOR = "Jan van der Berg and B and C", YEAR = "1999"}', "van der Berg et al., 1999"),
+        ("@misc{a, author={Harris, C. and others}, year={2020}}", "Harris et al., 2020"),
+        ("@misc{a, author={Hodges, Jr., J. L.}, year={1958}}", "Hodges, 1958"),
+        ("@misc{a, author={St\\'efan {van der Walt} and {\\O}st, A}, year={1}}", "van der Walt and Øst, 1"),
+        ("@misc{a, author={{The A \\& B Team}}, year={1}}", "The A & B Team, 1"),
+        ("@misc{a, editor={Öst, A}, year={1}}", "Öst, 1"),
+        ("@misc{a, booktitle={year = {5}}}", "a, no year"),
+    ],
+)
+def test_names_and_years(bibtex, name):
+    (work,) = parse(bibtex)
+    assert work.author_year == name
+
+
+def test_entries_are_read_between_comments_and_kept_as_written():
+    text = "See\n@comment{x}\n@misc{a,\n  title = {A {B} @ C},\n}\nand @article{b:2, year = 1}"
+    assert [(work.key, work.kind) for work in parse(text)] == [("a", "misc"), ("b:2", "article")]
+    assert parse(text)[0].bibtex == "@misc{a,\n  title = {A {B} @ C},\n}"
+    assert parse(parse(text)[0].bibtex) == parse(text)[:1]
+    assert parse(" \n") == []
+
+
+@pytest.mark.parametrize(
+    ("bibtex", "why"),
+    [
+        ("@misc{a, x={}", "braces"),
+        ("@misc{}", "key"),
+        ("@misc{日, x=1}", "key"),
+        ("@misc{a}", "key"),
+        ("b", "no entry"),
+    ],
+)
+def test_what_is_no_entry_is_refused(bibtex, why):
+    with pytest.raises(BenchError, match=why):
+        parse(bibtex)
