@@ -6,16 +6,12 @@ import json
 import sys
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
 from bench.cli.console import pairs, print_error, print_line
 from bench.errors import BenchError
-
-if TYPE_CHECKING:
-    from problems.backlash.recordings import Recording
-    from problems.backlash.sensor.estimate import Settings
 
 # The heavy imports wait until they are needed: no other command should wait for numba.
 
@@ -100,16 +96,21 @@ def estimate(
     from rich.console import Console
     from rich.progress import track
 
-    from problems.backlash.recordings import parse_window, read
+    from problems.backlash.recordings import Recording, parse_window, read
     from problems.backlash.sensor import formatting, recording_files
     from problems.backlash.sensor.batch import Estimated, Failed, RunSettings, estimate_files
+    from problems.backlash.sensor.estimate import EARLY_RAD, Settings
     from problems.backlash.sensor.trend import trends
+    from problems.backlash.signature.calibration import load_calibration
 
     stderr = Console(stderr=True)
     paths, remarks = recording_files.find(recordings)
-    settings = _settings(
-        calibration, period=period, gear_ratio=gear_ratio, nominal_rps=nominal, turns=turns, single=single,
-        constrained=constrained, limit_rad=limit, resamples=resamples, confidence=confidence, seed=seed,
+    given = {}
+    if calibration is not None:
+        given["calibration"] = None if calibration == "none" else load_calibration(calibration)
+    settings = Settings(
+        period=period, gear_ratio=gear_ratio, nominal_rps=nominal, turns=turns, single=single, constrained=constrained,
+        limit_rad=EARLY_RAD if limit is None else limit, resamples=resamples, confidence=confidence, seed=seed, **given,
     )  # fmt: skip
     if option and optimizer is None:
         raise BenchError("--set is for the optimizer, of which there is none; give --optimizer too")
@@ -153,14 +154,3 @@ def estimate(
     if failed:
         print_error(f"{len(failed)} of the {len(paths)} recordings could not be estimated")
         raise typer.Exit(1)
-
-
-def _settings(calibration: str | None, **options: Any) -> Settings:
-    """Return the settings; an option that is None keeps its default."""
-    from problems.backlash.sensor.estimate import Settings
-    from problems.backlash.signature.calibration import load_calibration
-
-    given = {name: value for name, value in options.items() if value is not None}
-    if calibration is not None:
-        given["calibration"] = None if calibration == "none" else load_calibration(calibration)
-    return Settings(**given)

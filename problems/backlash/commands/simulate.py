@@ -80,9 +80,11 @@ def simulate(
 
     With --wear 24, write a recording a month instead, of a gap that grows by a three-phase wear curve.
     """
+    import numpy as np
+
     from problems.backlash import joint as joints
     from problems.backlash.joint.parameter_files import joint_text
-    from problems.backlash.joint.writing import KINDS, check_output
+    from problems.backlash.joint.writing import KINDS, check_output, write_recording
 
     if level is not None and half_gap is not None:
         raise BenchError("give either --level 1 … 20 or --half-gap in rad, not both")
@@ -116,22 +118,13 @@ def simulate(
         check_output(output, KINDS, force=force)
         if gap is None:
             raise BenchError("give either --level 1 … 20 or --half-gap in rad")
-        _write_one(output, made, gap, noise or 0.0, seed, options)
-
-
-def _write_one(output: Path, joint: Joint, gap: float, noise: float, seed: int, options: dict[str, Any]) -> None:
-    import numpy as np
-
-    from problems.backlash import joint as joints
-    from problems.backlash.joint.writing import write_recording
-
-    made = joints.simulate(joint, half_gap=gap, **options)
-    write_recording(output, made.time, joints.with_noise(made.speed, noise, np.random.default_rng(seed)))
-    print_line(
-        f"{output}: {len(made.time)} samples, half-gap {gap:.4g} rad, peak disturbance {made.peak:.4f} rps"
-        + (" in less than one load turn" if made.fine.time[-1] < 0.999 * joint.turn else "")
-        + (f", noise of {noise:g} rps peak to peak" if noise else "")
-    )
+        run, noise = joints.simulate(made, half_gap=gap, **options), noise or 0.0
+        write_recording(output, run.time, joints.with_noise(run.speed, noise, np.random.default_rng(seed)))
+        print_line(
+            f"{output}: {len(run.time)} samples, half-gap {gap:.4g} rad, peak disturbance {run.peak:.4f} rps"
+            + (" in less than one load turn" if run.fine.time[-1] < 0.999 * made.turn else "")
+            + (f", noise of {noise:g} rps peak to peak" if noise else "")
+        )
 
 
 def _write_months(folder: Path, force: bool, joint: Joint, options: dict[str, Any]) -> None:

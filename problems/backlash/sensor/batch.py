@@ -26,20 +26,12 @@ from problems.backlash.sensor.estimate import Estimate, Settings, estimate, infe
 from problems.backlash.signature.model import A
 from problems.backlash.signature.problem import FOUND
 
-FEW = 3
-"""Recordings that are estimated before worker processes would have started."""
+FEW = 3  # recordings that are estimated before worker processes would have started
 
 
 @dataclass(frozen=True)
 class RunSettings:
-    """The settings of an optimizer's runs on a recording: which optimizer, how often, and how long.
-
-    Attributes:
-        name: the name that the optimizer is loaded by.
-        options: its parameters.
-        runs: the number of runs.
-        budget: evaluations of each run.
-        seed: the root of the runs' seeds.
+    """The settings of an optimizer's runs on a recording: its name and parameters, their number, and their budget.
 
     Raises:
         BenchError: for an unknown optimizer or parameter, fewer than one run, and a budget below one generation.
@@ -109,7 +101,7 @@ def estimate_files(
     Args:
         paths: the files.
         read: returns a file's recording; raises BenchError.
-        settings: how each is estimated.
+        settings: of each estimate.
         runs: an optimizer to run on each, too.
         jobs: worker processes; -1 takes every core. The estimates do not depend on it.
 

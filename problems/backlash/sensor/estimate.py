@@ -28,14 +28,9 @@ from problems.backlash.signature.problem import TOLERANCE_RAD, SignatureFit
 
 Interval = tuple[float, float]
 
-USUAL_PERIOD = 0.4
-"""s; T_f of the thesis's recordings, assumed where no period is found in a signal."""
-
-COARSEST = 0.01
-"""s; two and a half samples in an oscillation of 40 Hz, the fastest that Table 7.1 allows."""
-
-EARLY_RAD = 0.0021
-"""rad; the largest of the ten half-gaps in section 7.3's test of the early stages of backlash."""
+USUAL_PERIOD = 0.4  # s; T_f of the thesis's recordings, assumed where no period is found in a signal
+COARSEST = 0.01  # s; two and a half samples in an oscillation of 40 Hz, the fastest that Table 7.1 allows
+EARLY_RAD = 0.0021  # rad; the largest of the ten half-gaps in section 7.3's test of the early stages of backlash
 
 
 @dataclass(frozen=True)
@@ -134,11 +129,7 @@ class Estimate(Inference):
 
 
 def estimate(recording: Recording, settings: Settings | None = None) -> Estimate:
-    """Estimate the backlash of a joint from a recording at constant speed, in about a second.
-
-    Args:
-        recording: the motor's speed.
-        settings: by default those for the thesis's test bench.
+    """Estimate the backlash of a joint from a recording at constant speed, by default of the thesis's test bench.
 
     Raises:
         BenchError: for an unfit recording (:func:`problems.backlash.recordings.screen.screen`), in one sentence.

@@ -17,17 +17,10 @@ from problems.backlash.signature.model import T0, T1
 from problems.backlash.signature.problem import SignatureFit
 from problems.backlash.signature.reference import OMEGAS, TAUS
 
-SOLVED = 3
-"""Weights of sine, cosine and offset."""
-
-OTHERS = 3
-"""Further oscillations that are subtracted at most before the rest is taken for noise."""
-
-FEWEST = 4
-"""Half turns to draw residuals from."""
-
-SIGNIFICANT = 1e-3
-"""The largest adjusted p-value at which a disturbance is detected."""
+SOLVED = 3  # weights of sine, cosine and offset
+OTHERS = 3  # further oscillations that are subtracted at most before the rest is taken for noise
+FEWEST = 4  # half turns to draw residuals from
+SIGNIFICANT = 1e-3  # the largest adjusted p-value at which a disturbance is detected
 
 BENCH = (0.0, 15.6, 133.5, np.pi / 2 / 133.5)
 """t0, tau, omega and T1 of the thesis's test bench, from the poles of its closed transmission: a usual signature."""
@@ -96,17 +89,15 @@ def resampled(
     block = max(round(problem.period / 2 / problem.dt) if problem.replicas > 1 else n // 10, 1)
     whole, places = max(n // block, 1), -(-n // block)
     blocks = residual[: whole * block].reshape(whole, -1)
-    signs = (-1.0) ** np.arange(whole) if problem.replicas > 1 else np.ones(whole)
-    signed = blocks * signs[:, np.newaxis]
+    signs = ((-1.0) ** np.arange(places) if problem.replicas > 1 else np.ones(places))[:, np.newaxis]
+    signed = blocks * signs[:whole]
     # There may be half an oscillation before the first window, which is not fitted.
     begun = (x[T0] + x[T1] - problem.time[0]) / (block * problem.dt)
     if problem.replicas > 1 and (after := math.ceil(begun)) <= whole - FEWEST:
         signed = signed[after:]
     fits = np.empty((resamples, len(x)))
     for number in range(resamples):
-        drawn = signed[rng.integers(len(signed), size=places)]
-        if problem.replicas > 1:
-            drawn = drawn * (-1.0) ** np.arange(places)[:, np.newaxis]
+        drawn = signed[rng.integers(len(signed), size=places)] * signs
         fits[number] = problem.beside(fitted + drawn.ravel()[:n]).near(x, constrained=constrained)
     return fits
 

@@ -18,8 +18,7 @@ from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import Trend
 from problems.backlash.signature.problem import FOUND
 
-ARC_MINUTES = 60 * 180 / math.pi
-"""Arc minutes in a rad."""
+ARC_MINUTES = 60 * 180 / math.pi  # arc minutes in a rad
 
 UNIT = {"backlash": (1e3, "mrad"), "amplitude": (1.0, "rps")}
 """By quantity, the factor by which it is multiplied for display, and its unit then."""

@@ -22,11 +22,8 @@ from problems.backlash.sensor.batch import Estimated
 from problems.backlash.sensor.estimate import Estimate, Interval, Settings
 from problems.backlash.sensor.recording_files import Series, series
 
-FEWEST = 3
-"""Recordings that a slope needs."""
-
-LATEST = 6
-"""Recordings that predict a limit at least, where there are as many: five cannot be significant at 1 %."""
+FEWEST = 3  # recordings that a slope needs
+LATEST = 6  # recordings that predict a limit at least, where there are as many: five cannot be significant at 1 %
 
 
 @dataclass(frozen=True)
@@ -159,5 +156,6 @@ def _reached(time: Floats, values: Floats, limit: float, confidence: float) -> t
     line = fit_line(time, values, confidence)
     if line is None or not line.p_value < 1 - confidence or line.slope <= 0 or values[-1] > limit:
         return None
-    ends = [max(line.reaches(limit, slope), float(time[-1])) for slope in (line.interval[1], line.interval[0])]
-    return max(line.reaches(limit), float(time[-1])), (ends[0], ends[1])
+    slopes = (line.slope, *reversed(line.interval))
+    when, early, late = (max(line.reaches(limit, slope), float(time[-1])) for slope in slopes)
+    return when, (early, late)

@@ -11,7 +11,7 @@ from problems.backlash.published import download as files
 from problems.backlash.published.names import CLEAN, ZIPS
 from problems.backlash.published.table_7_3 import TABLE_7_3
 from problems.backlash.report import fitting_errors
-from problems.backlash.report.axes import short
+from problems.backlash.report.accuracy import short
 from problems.backlash.signature.datasets import dataset
 from problems.backlash.signature.noise import peak_to_peak
 
