@@ -1,7 +1,5 @@
 """bench estimate: from recordings of motor speed to the backlash of joints."""
 
-from __future__ import annotations
-
 import json
 import sys
 from functools import partial
@@ -115,7 +113,7 @@ def estimate(
     if option and optimizer is None:
         raise BenchError("--set is for the optimizer, of which there is none; give --optimizer too")
     asked = RunSettings(optimizer, pairs(option), runs, budget, seed) if optimizer is not None else None
-    begin, end = parse_window(window) if window is not None else (None, None)
+    part = parse_window(window) if window is not None else None
     if plot is not None:
         from problems.backlash.sensor import plots
 
@@ -123,7 +121,7 @@ def estimate(
 
     def recording(path: Path) -> Recording:
         found = read(path, time=time, speed=speed, position=position, unit=unit, time_unit=time_unit, rate=rate)
-        return found.window(begin, end) if window is not None else found
+        return found.window(*part) if part else found
 
     for remark in remarks:
         print_line(remark, console=stderr)

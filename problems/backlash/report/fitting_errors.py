@@ -1,7 +1,5 @@
 """Table 7.2: the mean fitting error in rpm, compared with the published one."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from importlib.resources import files
@@ -89,8 +87,7 @@ def table_7_2(
 
 def _part(frame: pd.DataFrame, problems: Iterable[str], optimizers: Iterable[str]) -> pd.DataFrame:
     """Return the trials of these problems and optimizers, which stay the categories of the frame even without any."""
-    kept = {"problem": set(problems), "optimizer": set(optimizers)}
-    for column, labels in kept.items():
+    for column, labels in (("problem", set(problems)), ("optimizer", set(optimizers))):
         frame = frame[frame[column].isin(labels)]
         order = [label for label in frame[column].cat.categories if label in labels]
         frame = frame.assign(**{column: frame[column].cat.set_categories(order)})

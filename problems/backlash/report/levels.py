@@ -1,7 +1,5 @@
 """Fig. 7.3: the backlash of each dataset and the amplitude of its disturbance, and what the trials found of both."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -23,15 +21,23 @@ def sections(frame: pd.DataFrame, truths: pd.DataFrame, unknown: dict[str, str])
     """Return the section on Fig. 7.3, with a warning on the problems whose truth is not known."""
     every = {name: accuracy.with_truth(accuracy.estimates(frame, truths, name)) for name in SHOWN if name in frame}
     known = {name: data for name, data in every.items() if len(data)}
-    warnings = _warnings(unknown)
+    # a missing plug-in gives the same reason for all its problems
+    reasons = {reason: [label for label, why in unknown.items() if why == reason] for reason in unknown.values()}
+    warnings = tuple(
+        f"The expected values of {listing(problems)} are not known here and left out: {reason}."
+        for reason, problems in reasons.items()
+    )
     if not known:
         return [Section(TITLE, warnings=warnings)] if warnings else []
     text, items = smallest_step(truths), (_figure(known),)
     if "backlash_rad" not in known:
         return [Section(TITLE, text, items, warnings)]
     backlash = known["backlash_rad"]
-    text = (*text, f"{accuracy.shares_within(backlash)} are within ±{TOLERANCE_RAD:g} rad of the true backlash.")
-    return [Section(TITLE, (*text, *_without_estimate(backlash)), (*items, _table(backlash)), warnings)]
+    text += (f"{accuracy.shares_within(backlash)} are within ±{TOLERANCE_RAD:g} rad of the true backlash.",)
+    if lost := int(backlash["found"].isna().sum()):
+        why = "they failed, or the amplitude is outside the calibrated range"
+        text += (f"{count(lost, 'trial')} of {len(backlash):,} gave no backlash: {why}.",)
+    return [Section(TITLE, text, (*items, _table(backlash)), warnings)]
 
 
 def smallest_step(truths: pd.DataFrame) -> tuple[str, ...]:
@@ -56,31 +62,13 @@ def smallest_step(truths: pd.DataFrame) -> tuple[str, ...]:
 
 def found_by_cell(data: pd.DataFrame) -> pd.DataFrame:
     """Return problem, optimizer, figure, expected, tolerance, trials, found (how many have a value), q1, median, q3."""
-    keys = ["problem", "optimizer"]
-    groups = data.groupby(keys, observed=True)
+    groups = data.groupby(["problem", "optimizer"], observed=True)
     quartiles = groups["found"].quantile(np.array([0.25, 0.5, 0.75])).unstack()
     table = groups.agg(
         figure=("figure", "first"), expected=("expected", "first"), tolerance=("tolerance", "first"),
         trials=("trial", "size"), found=("found", "count"),
     )  # fmt: skip
     return table.assign(q1=quartiles[0.25], median=quartiles[0.5], q3=quartiles[0.75]).reset_index()
-
-
-def _warnings(unknown: dict[str, str]) -> tuple[str, ...]:
-    """Return one warning a reason, as a missing plug-in gives the same reason for all its problems."""
-    reasons: dict[str, list[str]] = {}
-    for problem, reason in unknown.items():
-        reasons.setdefault(reason, []).append(problem)
-    return tuple(
-        f"The expected values of {listing(problems)} are not known here and left out: {reason}."
-        for reason, problems in reasons.items()
-    )
-
-
-def _without_estimate(data: pd.DataFrame) -> tuple[str, ...]:
-    lost = int(data["found"].isna().sum())
-    why = "they failed, or the amplitude is outside the calibrated range"
-    return (f"{count(lost, 'trial')} of {len(data):,} gave no backlash: {why}.",) if lost else ()
 
 
 def _table(data: pd.DataFrame) -> Table:

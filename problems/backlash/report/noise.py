@@ -65,8 +65,7 @@ def by_cell(data: pd.DataFrame, known: pd.DataFrame) -> pd.DataFrame:
     )  # fmt: skip
     cells = cells[cells["trials"] > 0].reset_index().astype({"problem": object, "optimizer": object})
     cells = cells.merge(known, on="problem")
-    levels = zip(cells["dataset"], cells["noise level"], strict=True)
-    cells["noise"] = [peak_to_peak(level, noise) / 2 for level, noise in levels]
+    cells["noise"] = [peak_to_peak(*each) / 2 for each in zip(cells["dataset"], cells["noise level"], strict=True)]
     cells["error"] = relative(cells["mean"] - cells["theoretical"], cells["theoretical"])
     cells["run error"] = relative(cells.pop("miss"), cells["theoretical"])
     return cells

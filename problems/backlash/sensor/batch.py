@@ -1,9 +1,4 @@
-"""Estimate many recordings, also in worker processes, and on request by many seeded runs of an optimizer each.
-
-The thesis estimates by such runs (sections 7.3 and 8.3).
-"""
-
-from __future__ import annotations
+"""Estimate many recordings, also in worker processes, and by the thesis's seeded runs of an optimizer (section 7.3)."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -99,9 +94,7 @@ def estimate_files(
     """Yield the outcome of each file, in their order.
 
     Args:
-        paths: the files.
         read: returns a file's recording; raises BenchError.
-        settings: of each estimate.
         runs: an optimizer to run on each, too.
         jobs: worker processes; -1 takes every core. The estimates do not depend on it.
 

@@ -8,8 +8,6 @@ The reference fit of the signature is the best fit there is, so an estimate is t
 joint maps the strength of the fit to the amplitude of the disturbance, and that to the half-gap delta.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
 
@@ -177,7 +175,7 @@ def part(recording: Recording, settings: Settings, period: float) -> Recording:
         recording = recording.window(end=recording.start + settings.turns * period)
     if change := drift(recording):
         line = change * np.linspace(-0.5, 0.5, len(recording.speed))
-        recording = replace(recording, speed=recording.speed - line)
+        return replace(recording, speed=recording.speed - line)
     return recording
 
 
@@ -247,10 +245,7 @@ def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) ->
 
 
 def _verdict(amplitude: float, gap: float, settings: Settings, *, slow: bool) -> str:
-    """Return the verdict on a detected disturbance.
-
-    A backlash is distinguished from none above half of the accuracy asked of an estimate (section 7.2.1).
-    """
+    """Return the verdict on a detected disturbance; half of the accuracy asked (section 7.2.1) is not yet backlash."""
     if slow or gap <= TOLERANCE_RAD:
         return "no backlash"
     if settings.calibration is None:

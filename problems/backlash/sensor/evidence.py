@@ -5,8 +5,6 @@ three weights that are solved for, is multiplied by the number of fits compared 
 first autocorrelation reduces the number of samples that count (Bartlett 1946).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -50,10 +48,7 @@ def _p_value(problem: SignatureFit, energy: float, residual: Floats) -> float:
 
 
 def detectable(problem: SignatureFit) -> float:
-    """Return the smallest detectable amplitude of a usual signature, in the problem's unit.
-
-    The whole signal is taken for noise.
-    """
+    """Return the smallest detectable amplitude of a usual signature, in the problem's unit, were all signal noise."""
     t0, tau, omega, t1 = BENCH
     wave = problem.model(np.array([1.0, problem.time[0] + t0, tau, omega, 0.0, t1, problem.period / 2]))
     counted = effective(problem.signal) - SOLVED - len(problem.variables)
@@ -88,9 +83,8 @@ def resampled(
     n = len(residual)
     block = max(round(problem.period / 2 / problem.dt) if problem.replicas > 1 else n // 10, 1)
     whole, places = max(n // block, 1), -(-n // block)
-    blocks = residual[: whole * block].reshape(whole, -1)
     signs = ((-1.0) ** np.arange(places) if problem.replicas > 1 else np.ones(places))[:, np.newaxis]
-    signed = blocks * signs[:whole]
+    signed = residual[: whole * block].reshape(whole, -1) * signs[:whole]
     # There may be half an oscillation before the first window, which is not fitted.
     begun = (x[T0] + x[T1] - problem.time[0]) / (block * problem.dt)
     if problem.replicas > 1 and (after := math.ceil(begun)) <= whole - FEWEST:

@@ -1,6 +1,4 @@
-"""Format estimates and trends: as lines for a maintenance engineer, as a table, and as JSON."""
-
-from __future__ import annotations
+"""Format estimates, trends and calibrations: as lines for a maintenance engineer, as a table, and as JSON."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -16,13 +14,14 @@ from problems.backlash.sensor.batch import Estimated, Failed, RepeatedRuns
 from problems.backlash.sensor.estimate import Estimate, Settings, is_undecided
 from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import Trend
+from problems.backlash.signature.calibration import Calibration
 from problems.backlash.signature.problem import FOUND
 
-ARC_MINUTES = 60 * 180 / math.pi  # arc minutes in a rad
-
-UNIT = {"backlash": (1e3, "mrad"), "amplitude": (1.0, "rps")}
-"""By quantity, the factor by which it is multiplied for display, and its unit then."""
-
+ARC_MINUTES = 60 * 180 / math.pi  # in a rad
+UNIT = {
+    "backlash": (1e3, "mrad"),
+    "amplitude": (1.0, "rps"),
+}  # by quantity, factor for display and unit then
 PER = {"month": "a month", "number": "for each 1 of the number in the names", "file": "a recording"}
 BY = {"month": "month", "number": "number in the file's name", "file": "recording"}
 WORD = {"month": "", "number": "number ", "file": "recording "}
@@ -78,9 +77,7 @@ def print_table(
     outcomes: Sequence[Estimated | Failed], names: Sequence[str], trends: Iterable[Trend], settings: Settings
 ) -> None:
     """Print a row a file, every note once, and the trends."""
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=WIDTH)
+    console = Console(width=None if Console().is_terminal else WIDTH)
     console.print(table(outcomes, names, settings), highlight=False)
     for line in [*notes(outcomes, names), *(line for each in trends for line in trend_lines(each, settings))]:
         print_line(line)
@@ -146,20 +143,35 @@ def trend_lines(trend: Trend, settings: Settings) -> list[str]:
     ]
     if trend.line is None:
         return [*lines, "  a slope needs three recordings of different times"]
-    slope = factor * trend.line.slope
+    slope, per = factor * trend.line.slope, f"{unit} {PER[series.unit]}"
     low, high = (factor * end for end in trend.line.interval)
     chance = f"p = {trend.line.p_value:.2g}" if trend.line.p_value >= 1e-3 else "p < 0.001"
     if trend.significant:
         lines.append(
-            f"  it {'grows' if slope > 0 else 'falls'} by {abs(slope):.3g} {unit} {PER[series.unit]} "
+            f"  it {'grows' if slope > 0 else 'falls'} by {abs(slope):.3g} {per} "
             f"({100 * settings.confidence:g} % interval {min(abs(low), abs(high)):.3g} to "
             f"{max(abs(low), abs(high)):.3g}, {chance})"
         )
     else:
-        lines.append(f"  no trend: {slope:+.3g} {unit} {PER[series.unit]} ({low:+.3g} to {high:+.3g}) may be chance "
-                     f"({chance})")  # fmt: skip
+        lines.append(f"  no trend: {slope:+.3g} {per} ({low:+.3g} to {high:+.3g}) may be chance ({chance})")
     if trend.quantity == "backlash":
         lines.append(f"  the limit of {1e3 * settings.limit_rad:g} mrad {_limit(trend)}")
+    return lines
+
+
+def calibration_lines(made: Calibration, *, is_default: bool) -> list[str]:
+    """Return the lines on a calibration's pairs, its range, and for the default joint its difference from eq. 4.7."""
+    columns = {"amplitude in rpm": made.amplitude, "half-gap in rad": made.half_gap}
+    if made.fitted is not None and made.scatter is not None:
+        columns |= {"fit in rpm": made.fitted, "its scatter": made.scatter}
+    formats = [f"{len(title)}.{6 if 'rad' in title else 4}f" for title in columns]
+    rows = zip(*columns.values(), strict=True)
+    lines = [made.name, "   ".join(columns), *("   ".join(map(format, row, formats)) for row in rows)]
+    if made.method == "cubic":
+        lines.append(f"{made.formula()}; at most {made.residual:.2g} rad from the pairs")
+    lines.append(f"range: {made.range[0]:.4g} to {made.range[1]:.4g} rpm; no backlash is estimated outside")
+    if is_default and math.isfinite(made.deviation):
+        lines.append(f"difference from eq. 4.7 of the thesis: at most {made.deviation:.3%}")
     return lines
 
 
@@ -183,8 +195,7 @@ def json_object(outcome: Estimated | Failed) -> dict[str, Any]:
             "rmses_rps": each.values_rps.tolist(),
             "found": each.found,
         }
-    known: dict[str, Any] = _finite(content)
-    return known
+    return {key: _finite(value) for key, value in content.items()}
 
 
 def _finite(value: Any) -> Any:

@@ -1,7 +1,5 @@
 """Plot estimates: the fit of one recording, and the backlash of joints over time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -94,10 +92,7 @@ def fit_figure(estimate: Estimate, *, single: bool) -> Figure:
 
 
 def trend_figure(trends: Sequence[Trend], *, limit_rad: float) -> Figure:
-    """Plot the trend of each joint: half-gaps with their intervals, the trend's line, the limit.
-
-    There is a panel for each kind of time and quantity.
-    """
+    """Plot the half-gaps of each joint with intervals, trend and limit, a panel for each kind of time and quantity."""
     kinds: dict[tuple[str, str], list[Trend]] = {}
     for each in trends:
         kinds.setdefault((each.quantity, each.series.unit), []).append(each)

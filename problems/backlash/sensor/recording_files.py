@@ -9,8 +9,6 @@ identifies the joint. Without a date, a number that is not the joint's own gives
 either, the order of the files does.
 """
 
-from __future__ import annotations
-
 import re
 from calendar import monthrange
 from collections.abc import Sequence
@@ -124,9 +122,8 @@ def series(paths: Sequence[Path]) -> list[Series]:
     for (joint, unit), members in groups.items():
         at = np.array([float(n + 1) if (own := names[i].at) is None else own for n, i in enumerate(members)])
         order = np.argsort(at, kind="stable")
-        made.append(
-            Series(joint, tuple(members[i] for i in order), at[order], unit, any(names[i].days for i in members))
-        )
+        days = any(names[i].days for i in members)
+        made.append(Series(joint, tuple(members[i] for i in order), at[order], unit, days))
     return made
 
 

@@ -13,8 +13,6 @@ The recordings of a half-gap differ evenly in their start within a load turn and
 free of noise: the noise of section 7.3, low or high, changes the mean fit of levels 2 to 20 by at most 1.3 %.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -9,8 +9,6 @@ simulated wear, the 95 % range from the later half held the true month in 9 of 1
 fewer than half.)
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
