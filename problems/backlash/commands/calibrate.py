@@ -1,21 +1,16 @@
 """bench calibrate: map the amplitude of a joint's disturbance to its half-gap, by simulation."""
 
-from __future__ import annotations
-
 import dataclasses
-import math
 import re
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from bench.cli.console import print_line
 from bench.errors import BenchError
-
-if TYPE_CHECKING:
-    from problems.backlash.signature.calibration import Calibration
+from problems.backlash.commands import Force
 
 
 def calibrate(
@@ -40,7 +35,7 @@ def calibrate(
     plot: Annotated[
         Path | None, typer.Option(help="A folder for the thesis's Figs. 4.7, 4.8 and 7.3 of this joint, as svg.")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace the output if it is there.")] = False,
+    force: Force = False,
 ) -> None:
     """Calibrate a joint: simulate it with growing gaps, and map the disturbance's amplitude to the backlash.
 
@@ -49,6 +44,7 @@ def calibrate(
     """
     from problems.backlash.joint import Joint, load_joint
     from problems.backlash.joint.writing import check_output
+    from problems.backlash.sensor.formatting import calibration_lines
     from problems.backlash.signature import calibration
 
     if levels is not None and gaps is not None:
@@ -63,7 +59,7 @@ def calibrate(
 
         fitted, scatter = response(own, half_gaps, jobs=jobs, shown=True)
         made = dataclasses.replace(made, fitted=fitted, scatter=scatter)
-    _print(made, is_default=own == Joint())
+    print_line("\n".join(calibration_lines(made, is_default=own == Joint())))
     if plot is not None:
         from problems.backlash.signature.figures import save_figures
 
@@ -72,26 +68,6 @@ def calibrate(
     if output is not None:
         made.save(output, command=_command(joint, levels, gaps, method, fits=fits))
         print_line(str(output))
-
-
-def _print(made: Calibration, *, is_default: bool) -> None:
-    """Print a calibration's pairs, its range, and its difference from the thesis's for the default joint."""
-    print_line(made.name)
-    columns = {"amplitude in rpm": made.amplitude, "half-gap in rad": made.half_gap}
-    if made.fitted is not None and made.scatter is not None:
-        columns |= {"fit in rpm": made.fitted, "its scatter": made.scatter}
-    print_line("   ".join(columns))
-    for row in zip(*columns.values(), strict=True):
-        texts = (
-            f"{value:.{6 if 'rad' in title else 4}f}".rjust(len(title))
-            for title, value in zip(columns, row, strict=True)
-        )
-        print_line("   ".join(texts))
-    if made.method == "cubic":
-        print_line(f"{made.formula()}; at most {made.residual:.2g} rad from the pairs")
-    print_line(f"range: {made.range[0]:.4g} to {made.range[1]:.4g} rpm; no backlash is estimated outside")
-    if is_default and math.isfinite(made.deviation):
-        print_line(f"difference from eq. 4.7 of the thesis: at most {made.deviation:.3%}")
 
 
 def _command(joint: Path | None, levels: str | None, gaps: str | None, method: str, *, fits: bool) -> str:

@@ -31,11 +31,9 @@ def fetch(
         download.copy(source, folder, on_file=print_line)
     else:
         raise BenchError(f"{source} is no folder; give one that has the published files, such as a clone")
-    missing, damaged = _faults(folder)
+    missing, damaged, whole = _faults(folder)
     lacking = ", ".join((*missing, *damaged))
-    known = len(download.registry())
-    whole = known - len(missing) - len(damaged)
-    print_line(f"{folder} has {whole} of the {known} published files{f', without {lacking}' if lacking else ''}.")
+    print_line(f"{folder} has {whole}{f', without {lacking}' if lacking else ''}.")
     if folder.resolve() != download.data_folder().resolve():
         print_line(f"Set {download.VARIABLE} to it, so that the problems published-03 … find them.")
 
@@ -48,26 +46,19 @@ def verify(
     from problems.backlash.published import download
 
     folder = folder or download.data_folder()
-    missing, damaged = _faults(folder)
-    for fault, names in (("damaged", damaged), ("missing", missing)):
-        for name in names:
-            print_line(f"{fault}: {name}")
-    known = len(download.registry())
-    whole = known - len(missing) - len(damaged)
-    print_line(f"{whole} of the {known} published files in {folder} are whole.")
-    if whole < known:
+    missing, damaged, whole = _faults(folder)
+    for line in (*(f"damaged: {name}" for name in damaged), *(f"missing: {name}" for name in missing)):
+        print_line(line)
+    print_line(f"{whole} in {folder} are whole.")
+    if missing or damaged:
         raise typer.Exit(1)
 
 
-def _faults(folder: Path) -> tuple[list[str], list[str]]:
-    """Return the names of the published files that a folder lacks, and of those that it holds damaged."""
+def _faults(folder: Path) -> tuple[list[str], list[str], str]:
+    """Return the names of the files that a folder lacks and of its damaged ones, and in words how many are whole."""
     from problems.backlash.published import download
 
-    missing, damaged = [], []
-    for name, file in download.registry().items():
-        path, whole = download.look_up(file, folder)
-        if path is None:
-            missing.append(name)
-        elif not whole:
-            damaged.append(name)
-    return missing, damaged
+    found = {name: download.look_up(file, folder) for name, file in download.registry().items()}
+    missing = [name for name, (path, _) in found.items() if path is None]
+    damaged = [name for name, (path, whole) in found.items() if path is not None and not whole]
+    return missing, damaged, f"{len(found) - len(missing) - len(damaged)} of the {len(found)} published files"

@@ -1,29 +1,17 @@
 """bench estimate: from recordings of motor speed to the backlash of joints."""
 
-from __future__ import annotations
-
 import json
 import sys
-from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
 from bench.cli.console import pairs, print_error, print_line
 from bench.errors import BenchError
 
-if TYPE_CHECKING:
-    from problems.backlash.recordings import Recording
-    from problems.backlash.sensor.batch import Estimated, Failed
-    from problems.backlash.sensor.estimate import Settings
-    from problems.backlash.sensor.repeated_runs import RunSettings
-    from problems.backlash.sensor.trend import Trend
-
 # The heavy imports wait until they are needed: no other command should wait for numba.
-
-WIDTH = 160  # of a table that is not printed on a terminal
 
 _recording, _fit, _verdict, _runs = (
     partial(typer.Option, rich_help_panel=panel) for panel in ("Recording", "Fit", "Verdict", "Runs of an optimizer")
@@ -104,18 +92,28 @@ def estimate(
     time at which it reaches the limit.
     """
     from rich.console import Console
+    from rich.progress import track
 
-    from problems.backlash.recordings import parse_window, read
-    from problems.backlash.sensor import recording_files
-    from problems.backlash.sensor.batch import Estimated
+    from problems.backlash.recordings import Recording, parse_window, read
+    from problems.backlash.sensor import formatting, recording_files
+    from problems.backlash.sensor.batch import Estimated, Failed, RunSettings, estimate_files
+    from problems.backlash.sensor.estimate import EARLY_RAD, Settings
+    from problems.backlash.sensor.trend import trends
+    from problems.backlash.signature.calibration import load_calibration
 
+    stderr = Console(stderr=True)
     paths, remarks = recording_files.find(recordings)
-    settings = _settings(
-        calibration, period=period, gear_ratio=gear_ratio, nominal_rps=nominal, turns=turns, single=single,
-        constrained=constrained, limit_rad=limit, resamples=resamples, confidence=confidence, seed=seed,
+    given = {}
+    if calibration is not None:
+        given["calibration"] = None if calibration == "none" else load_calibration(calibration)
+    settings = Settings(
+        period=period, gear_ratio=gear_ratio, nominal_rps=nominal, turns=turns, single=single, constrained=constrained,
+        limit_rad=EARLY_RAD if limit is None else limit, resamples=resamples, confidence=confidence, seed=seed, **given,
     )  # fmt: skip
-    asked = _run_settings(optimizer, option, runs, budget, seed)
-    begin, end = parse_window(window) if window is not None else (None, None)
+    if option and optimizer is None:
+        raise BenchError("--set is for the optimizer, of which there is none; give --optimizer too")
+    asked = RunSettings(optimizer, pairs(option), runs, budget, seed) if optimizer is not None else None
+    part = parse_window(window) if window is not None else None
     if plot is not None:
         from problems.backlash.sensor import plots
 
@@ -123,120 +121,34 @@ def estimate(
 
     def recording(path: Path) -> Recording:
         found = read(path, time=time, speed=speed, position=position, unit=unit, time_unit=time_unit, rate=rate)
-        return found.window(begin, end) if window is not None else found
+        return found.window(*part) if part else found
 
     for remark in remarks:
-        print_line(remark, console=Console(stderr=True))
-    outcomes = _estimate_all(paths, recording, settings, asked, jobs)
-    good = [outcome for outcome in outcomes if isinstance(outcome, Estimated)]
-    trends = _trends(good, settings)
-    _print(outcomes, recording_files.short_names(paths), trends, settings, as_json=as_json)
-    if plot is not None and good:
-        made = plots.save_figures(plot, good, trends, settings, alone=len(paths) == 1)
-        nothing = "no joint has two recordings, so there is no trend to draw; give --plot a folder for each one's fit"
-        line = str(made[0]) if len(made) == 1 else f"{len(made)} pictures in {plot}" if made else nothing
-        print_line(line, console=Console(stderr=as_json))
-    _end(outcomes, len(good))
-
-
-def _settings(calibration: str | None, **options: Any) -> Settings:
-    """Return the settings; an option that is None keeps its default."""
-    from problems.backlash.sensor.estimate import Settings
-    from problems.backlash.signature.calibration import load_calibration
-
-    given = {name: value for name, value in options.items() if value is not None}
-    if calibration is not None:
-        given["calibration"] = None if calibration == "none" else load_calibration(calibration)
-    return Settings(**given)
-
-
-def _run_settings(
-    optimizer: str | None, option: list[str] | None, runs: int, budget: int, seed: int
-) -> RunSettings | None:
-    """Return which optimizer is to be run, if any."""
-    if optimizer is None:
-        if option:
-            raise BenchError("--set is for the optimizer, of which there is none; give --optimizer too")
-        return None
-    from problems.backlash.sensor.repeated_runs import RunSettings
-
-    return RunSettings(optimizer, pairs(option), runs, budget, seed)
-
-
-def _estimate_all(
-    paths: Sequence[Path], read: Callable[[Path], Recording], settings: Settings, runs: RunSettings | None, jobs: int
-) -> list[Estimated | Failed]:
-    """Return the outcome of every file; show a bar on a terminal, and print each of several failures at once."""
-    from problems.backlash.sensor.batch import Failed, estimate_files
-
-    made: Iterable[Estimated | Failed] = estimate_files(paths, read, settings, runs, jobs=jobs)
-    if len(paths) > 1 and sys.stderr.isatty():
-        from rich.console import Console
-        from rich.progress import track
-
-        made = track(made, "estimating", len(paths), console=Console(stderr=True), transient=True)
+        print_line(remark, console=stderr)
+    several = len(paths) > 1
+    made = estimate_files(paths, recording, settings, asked, jobs=jobs)
+    shown = several and sys.stderr.isatty()
     outcomes = []
-    for outcome in made:
+    for outcome in track(made, "estimating", len(paths), console=stderr, transient=True, disable=not shown):
         outcomes.append(outcome)
-        if isinstance(outcome, Failed) and len(paths) > 1:
+        if several and isinstance(outcome, Failed):
             print_error(outcome.error)
-    return outcomes
-
-
-def _trends(good: Sequence[Estimated], settings: Settings) -> list[Trend]:
-    """Return the trend of every joint with two recordings or more, the fastest first."""
-    if len(good) < 2:
-        return []
-    from problems.backlash.sensor.recording_files import series
-    from problems.backlash.sensor.trend import fastest_first, trend
-
-    return fastest_first(
-        trend(
-            each, [good[i].estimate for i in each.members], limit_rad=settings.limit_rad, confidence=settings.confidence
-        )
-        for each in series([outcome.path for outcome in good])
-        if len(each.members) > 1
-    )
-
-
-def _print(
-    outcomes: Sequence[Estimated | Failed],
-    names: Sequence[str],
-    trends: Sequence[Trend],
-    settings: Settings,
-    *,
-    as_json: bool,
-) -> None:
-    """Print one estimate in lines, several as a table with notes and trends, or all of them as JSON."""
-    from problems.backlash.sensor import formatting
-    from problems.backlash.sensor.batch import Estimated
-
-    lines: list[str] = []
+    good = [outcome for outcome in outcomes if isinstance(outcome, Estimated)]
+    failed = [outcome for outcome in outcomes if isinstance(outcome, Failed)]
+    joints = trends(good, settings)
     if as_json:
         print(json.dumps([formatting.json_object(each) for each in outcomes], indent=1, ensure_ascii=False))
-    elif len(outcomes) > 1:
-        from rich.console import Console
-
-        console = Console()
-        if not console.is_terminal:
-            console = Console(width=WIDTH)
-        console.print(formatting.table(outcomes, names, settings), highlight=False)
-        lines = formatting.notes(outcomes, names)
-        lines += [line for each in trends for line in formatting.trend_lines(each, settings)]
-    elif isinstance(outcomes[0], Estimated):
-        lines = formatting.estimate_lines(outcomes[0], settings)
-    for line in lines:
-        print_line(line)
-
-
-def _end(outcomes: Sequence[Estimated | Failed], good: int) -> None:
-    """Raise BenchError where no recording could be estimated, and end with 1 where not all could be."""
-    from problems.backlash.sensor.batch import Failed
-
-    if len(outcomes) == 1 and isinstance(outcomes[0], Failed):
-        raise BenchError(outcomes[0].error)
+    elif several:
+        formatting.print_table(outcomes, recording_files.short_names(paths), joints, settings)
+    elif good:
+        print_line("\n".join(formatting.estimate_lines(good[0], settings)))
+    if plot is not None and good:
+        pictures = plots.save_figures(plot, good, joints, settings, alone=not several)
+        line = str(pictures[0]) if len(pictures) == 1 else f"{len(pictures)} pictures in {plot}"
+        nothing = "no joint has two recordings, so there is no trend to draw; give --plot a folder for each one's fit"
+        print_line(line if pictures else nothing, console=Console(stderr=as_json))
     if not good:
-        raise BenchError(f"none of the {len(outcomes)} recordings could be estimated")
-    if good < len(outcomes):
-        print_error(f"{len(outcomes) - good} of the {len(outcomes)} recordings could not be estimated")
+        raise BenchError(f"none of the {len(paths)} recordings could be estimated" if several else failed[0].error)
+    if failed:
+        print_error(f"{len(failed)} of the {len(paths)} recordings could not be estimated")
         raise typer.Exit(1)

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from bench.atomic import replacing
 from bench.cli.console import print_line
 from bench.errors import BenchError
+from problems.backlash.commands import Force
 
 if TYPE_CHECKING:
     from problems.backlash.joint import Joint
@@ -19,7 +21,6 @@ if TYPE_CHECKING:
 
 NEW_GAP, WORN_GAP, MONTHLY_NOISE = 0.0003, 0.0039, 0.2  # rad, rad, rps: the defaults of a wear curve
 TRUTH = "truth.csv"
-
 
 _joint, _recording, _wear = (partial(typer.Option, rich_help_panel=panel) for panel in ("Joint", "Recording", "Wear"))
 
@@ -73,23 +74,24 @@ def simulate(
     worn: Annotated[
         float | None, _wear(help="With --wear: the half-gap in rad of the last month.", show_default="0.0039")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace the output if it is there.")] = False,
+    force: Force = False,
 ) -> None:
     """Simulate a joint with backlash turning at constant speed, and write its recording.
 
     With --wear 24, write a recording a month instead, of a gap that grows by a three-phase wear curve.
     """
-    from problems.backlash.joint import half_gap as half_gap_of
-    from problems.backlash.joint import load_joint
+    import numpy as np
+
+    from problems.backlash import joint as joints
     from problems.backlash.joint.parameters import joint_text
-    from problems.backlash.joint.writing import KINDS, check_output
+    from problems.backlash.joint.writing import KINDS, check_output, write_recording
 
     if level is not None and half_gap is not None:
         raise BenchError("give either --level 1 … 20 or --half-gap in rad, not both")
-    gap = half_gap_of(level) if level is not None else half_gap
+    gap = joints.half_gap(level) if level is not None else half_gap
     if worn is not None and wear is None:
         raise BenchError("--worn is the gap of the last month of --wear MONTHS; give that too")
-    made = load_joint(
+    made = joints.load_joint(
         joint, payload_kg=payload, speed_rps=speed, gravity_angle_deg=gravity_angle, coulomb_friction=friction,
         viscous_friction=viscous,
     )  # fmt: skip
@@ -100,16 +102,14 @@ def simulate(
     if start_angle is not None:
         options["start_angle"] = start_angle
     if wear is not None:
-        curve = {"new": NEW_GAP if gap is None else gap, "worn": WORN_GAP if worn is None else worn, "months": wear}
-        noise = MONTHLY_NOISE if noise is None else noise
-        _write_months(output, force, made, {**curve, "noise": noise, "seed": seed, **options})
+        options |= {"new": NEW_GAP if gap is None else gap, "worn": WORN_GAP if worn is None else worn}
+        options |= {"months": wear, "noise": MONTHLY_NOISE if noise is None else noise, "seed": seed}
+        _write_months(output, force, made, options)
     elif output.suffix.lower() == ".toml":
         if gap is not None:
             raise BenchError(
                 f"{output} gets the joint's parameters, which hold no gap; leave out --level and --half-gap"
             )
-        from bench.atomic import replacing
-
         check_output(output, (".toml",), force=force)
         with replacing(output) as temporary:
             temporary.write_text(joint_text(made), encoding="utf-8")
@@ -118,28 +118,17 @@ def simulate(
         check_output(output, KINDS, force=force)
         if gap is None:
             raise BenchError("give either --level 1 … 20 or --half-gap in rad")
-        _write_one(output, made, gap, noise or 0.0, seed, options)
-
-
-def _write_one(output: Path, joint: Joint, gap: float, noise: float, seed: int, options: dict[str, Any]) -> None:
-    import numpy as np
-
-    from problems.backlash.joint import simulate as run
-    from problems.backlash.joint import with_noise
-    from problems.backlash.joint.writing import write_recording
-
-    made = run(joint, half_gap=gap, **options)
-    write_recording(output, made.time, with_noise(made.speed, noise, np.random.default_rng(seed)))
-    print_line(
-        f"{output}: {len(made.time)} samples, half-gap {gap:.4g} rad, peak disturbance {made.peak:.4f} rps"
-        + (" in less than one load turn" if made.fine.time[-1] < 0.999 * joint.turn else "")
-        + (f", noise of {noise:g} rps peak to peak" if noise else "")
-    )
+        run, noise = joints.simulate(made, half_gap=gap, **options), noise or 0.0
+        write_recording(output, run.time, joints.with_noise(run.speed, noise, np.random.default_rng(seed)))
+        print_line(
+            f"{output}: {len(run.time)} samples, half-gap {gap:.4g} rad, peak disturbance {run.peak:.4f} rps"
+            + (" in less than one load turn" if run.fine.time[-1] < 0.999 * made.turn else "")
+            + (f", noise of {noise:g} rps peak to peak" if noise else "")
+        )
 
 
 def _write_months(folder: Path, force: bool, joint: Joint, options: dict[str, Any]) -> None:
     """Write the folder of a wear curve, complete or not at all."""
-    from bench.atomic import replacing
     from problems.backlash.joint.wear import monthly_recordings
     from problems.backlash.joint.writing import write_recording
 

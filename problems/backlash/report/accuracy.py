@@ -1,18 +1,21 @@
-"""Compare the values that trials found with the true ones, where these are known."""
+"""What Figs. 7.3 and 7.4 share: the values found beside the true ones, and panels with the datasets on their x axis."""
 
 from __future__ import annotations
 
+import re
+from math import ceil
 from typing import Any
 
+import matplotlib.figure
 import pandas as pd
+from matplotlib.axes import Axes
 
 from bench import Results
-from bench.analysis import labels
+from bench.plots import style
 from bench.report.wording import listing
 
-COLUMNS = (
-    "problem", "optimizer", "trial", "status", "figure", "found", "expected", "tolerance", "error", "within",
-)  # fmt: skip
+LEFT, ACROSS = 0.45, 0.1  # inches
+LABEL = 18  # characters of a dataset's name, such as "noisy-02 high"
 
 
 def expected_values(results: Results) -> tuple[pd.DataFrame, dict[str, str]]:
@@ -46,9 +49,9 @@ def estimates(frame: pd.DataFrame, truths: pd.DataFrame, figure: str) -> pd.Data
     found = pd.to_numeric(frame[figure]).astype(float).where(frame["status"] == "ok")
     expected, tolerance = (problem.map(known[column]).astype(float) for column in ("expected", "tolerance"))
     error = found - expected
-    data = frame.assign(
+    data = frame[["problem", "optimizer", "trial", "status"]].assign(
         figure=figure, found=found, expected=expected, tolerance=tolerance, error=error, within=error.abs() <= tolerance
-    )[list(COLUMNS)]
+    )
     return _of_problems(data, problem[found.notna() | expected.notna()])
 
 
@@ -68,23 +71,59 @@ def errors_by(data: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     Only trials with a known truth count. Errors are over the trials that found a value, the percentage is over all.
     """
     groups = with_truth(data).groupby(keys, observed=True)
-    return pd.DataFrame(
-        {
-            "trials": groups["within"].size(),
-            "mean error": groups["error"].mean(),
-            "median error": groups["error"].median(),
-            "within band %": 100 * groups["within"].mean(),
-        }
-    )
+    errors = groups["error"].agg(["size", "mean", "median"]).set_axis(["trials", "mean error", "median error"], axis=1)
+    return errors.assign(**{"within band %": 100 * groups["within"].mean()})
 
 
 def expected_by_problem(data: pd.DataFrame) -> pd.DataFrame:
     """Return the expected value and tolerance of each problem, missing where not known, in the study's order."""
-    known = data.groupby("problem", observed=False)[["expected", "tolerance"]].first()
-    return known.reindex(labels(data, "problem"))
+    return data.groupby("problem", observed=False)[["expected", "tolerance"]].first()
 
 
 def shares_within(data: pd.DataFrame) -> str:
     """Return the share of each optimizer's trials within the tolerance, the best first, such as "43% of gwo trials"."""
     shares = errors_by(data, ["optimizer"])["within band %"].sort_values(ascending=False, kind="stable")
     return listing([f"{share:.0f}% of {label} trials" for label, share in shares.items()])
+
+
+def dataset_panels(
+    titles: list[str], problems: list[str], entries: list[str], *, columns: int, height: float
+) -> tuple[matplotlib.figure.Figure, list[Axes]]:
+    """Return a figure as wide as the text and its titled axes, row by row, with the datasets at 0, 1, … of the x axis.
+
+    Args:
+        titles: a title for each panel; panels side by side share their y axis.
+        problems: the labels of the datasets.
+        entries: the texts of the legend above all panels (:func:`bench.plots.style.legend_above`), at most.
+        columns: panels in a row.
+        height: of a panel in inches.
+    """
+    names = [style.plain(short(problem), LABEL) for problem in problems]
+    longest, digits = style.text_width(names), style.text_width(["00"])
+    upright, columns = longest <= digits, min(columns, len(titles))
+    figure, axes = style.grid(
+        len(titles), columns=columns, height=height, left=LEFT, bottom=0.36 + (0 if upright else longest),
+        top=0.25 + style.legend_height(entries), across=ACROSS, down=0.3,
+    )  # fmt: skip
+    width = (style.TEXT - LEFT) / columns - ACROSS
+    every = ceil(len(names) * (longest + 0.06 if upright else 0.12) / width)
+    for number, (ax, title) in enumerate(zip(axes, titles, strict=True)):
+        if number:
+            ax.sharex(axes[0])
+        if number and columns > 1:
+            ax.sharey(axes[0])
+            ax.tick_params(axis="y", labelleft=number % columns == 0)
+        ax.set_title(style.plain(title), loc="left")
+        ax.grid(visible=False, axis="x")
+        last = number >= len(axes) - columns
+        ax.tick_params(axis="x", rotation=0 if upright else 90, labelbottom=last)
+        if last:
+            ax.set_xlabel("dataset")
+    axes[0].set_xticks(range(0, len(names), every), names[::every])
+    axes[0].set_xlim(-0.7, len(names) - 0.3)
+    return figure, axes
+
+
+def short(problem: str) -> str:
+    """Return the number of a simulated or published dataset, any other label unchanged."""
+    return re.sub(r"^(signature|published)-0*(?=\d+$)", "", problem)

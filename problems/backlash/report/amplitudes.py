@@ -1,4 +1,4 @@
-"""Fig. 7.4: the disturbance amplitude each trial found, against the expected one and its accuracy band."""
+"""Fig. 7.4: the amplitude each trial found beside the expected one, and the conclusions from it (section 7.2.3)."""
 
 from __future__ import annotations
 
@@ -8,19 +8,21 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.cbook import boxplot_stats
+from scipy.stats import binomtest, spearmanr
 
 from bench import Study
-from bench.analysis import labels
+from bench.analysis import ALPHA, labels
 from bench.plots import style
 from bench.report import Figure, Section, Table
-from problems.backlash.report.accuracy import errors_by, estimates, expected_by_problem
-from problems.backlash.report.axes import dataset_panels
-from problems.backlash.report.conclusions import sentences
+from bench.report.wording import count, leaders, listing
+from problems.backlash.report.accuracy import dataset_panels, errors_by, estimates, expected_by_problem, shares_within
+from problems.backlash.report.fitting_errors import EXTRA, SWARMS, algorithms
 from problems.backlash.signature.problem import TOLERANCE_RPM
 
 REFERENCES = ("expected amplitude", "accuracy band")
 LEGEND = {"dots": ("trial", *REFERENCES), "boxes": ("median", "beyond the whiskers", *REFERENCES)}
 BAND = f"±{TOLERANCE_RPM:.4f} rpm"
+FEWEST = 4  # datasets; of three, even a perfect rank correlation has p = 1/6
 
 
 def sections(frame: pd.DataFrame, truths: pd.DataFrame, study: Study) -> list[Section]:
@@ -118,3 +120,108 @@ def _expected(ax: Axes, truth: pd.DataFrame) -> None:
     ax.plot(at, expected, "-", color=style.REFERENCE, linewidth=0.8, label=REFERENCES[0])
     for sign, label in ((-1, REFERENCES[1]), (1, None)):
         ax.plot(at, expected + sign * tolerance, ":", color=style.REFERENCE, linewidth=0.8, label=label)
+
+
+def sentences(data: pd.DataFrame, study: Study) -> tuple[str, ...]:
+    """Return the shares within the accuracy band, and each conclusion of the thesis beside what was found here.
+
+    Args:
+        data: from :func:`problems.backlash.report.accuracy.estimates`, of the amplitude.
+        study: its optimizers that the thesis has, too, are compared; a conclusion on others is left out.
+    """
+    known = algorithms(study)
+    swarms = data[data["optimizer"].isin([known[name] for name in SWARMS if name in known])]
+    swarms = swarms.assign(optimizer=swarms["optimizer"].cat.remove_unused_categories())
+    band = f"{BAND} about the expected amplitude (half of Delta A of section 7.2.3)"
+    text = (
+        f"{shares_within(data)} are within the accuracy band of {band}.",
+        _most_accurate(data, known),
+        _underestimates(swarms),
+        _widens(data),
+        _narrowest(swarms, known),
+    )
+    return tuple(filter(None, text))
+
+
+def _most_accurate(data: pd.DataFrame, known: dict[str, str]) -> str:
+    """Return which algorithm has most and fewest trials within the band, where the thesis's all have trials."""
+    if not {*SWARMS, EXTRA} <= set(known):
+        return ""
+    within = errors_by(data, ["optimizer"])["within band %"].reindex([known[name] for name in (*SWARMS, EXTRA)])
+    if within.isna().any():
+        return ""
+    swarms = within.drop(known[EXTRA])
+    claims = {
+        "CMA-ES the most suited": within[known[EXTRA]] > swarms.max(),
+        "GWO the best of the swarms": swarms[known["gwo"]] > swarms.drop(known["gwo"]).max(),
+        "DA the least effective": swarms[known["da"]] < swarms.drop(known["da"]).min(),
+    }
+    parts = [
+        f"{listing(those)}, and these shares {verdict}"
+        for verdict, holds in (("agree", True), ("disagree", False))
+        if (those := [claim for claim, held in claims.items() if held == holds])
+    ]
+    return f"The thesis finds {'; it also finds '.join(parts)}."
+
+
+def _underestimates(swarms: pd.DataFrame) -> str:
+    """Return whether the swarms underestimate more often than they overestimate."""
+    known = swarms[swarms["error"].notna()]
+    if not len(known):
+        return ""
+    below = known.groupby("optimizer", observed=True)["error"].agg(lambda errors: (errors < 0).mean())
+    medians = known.groupby(["optimizer", "problem"], observed=True)["error"].median()
+    often = 0  # by tests over datasets, as the trials on one share its error
+    for _, signs in (medians[medians != 0] < 0).groupby("optimizer", observed=True):
+        often += binomtest(int(signs.sum()), len(signs), alternative="greater").pvalue <= ALPHA
+    found = listing([f"{share:.0%} for {label}" for label, share in below.items()])
+    return (
+        "The thesis finds that the swarms underestimate the amplitude more often than they overestimate it, as a "
+        "failed fit keeps the smaller half of the oscillation. Here the share of finished trials below the expected "
+        f"amplitude is {found}. The median is below it on more than half of the datasets for {often} of "
+        f"{count(len(below), 'swarm')} (sign test over datasets at {ALPHA:g})."
+    )
+
+
+def _widens(data: pd.DataFrame) -> str:
+    """Return for how many optimizers the results scatter more at larger expected amplitudes."""
+    width = _interquartile_range(data)
+    width = width.join(data.groupby("problem", observed=True)["expected"].first()).dropna(subset="expected")
+    pairs = [width[["expected", optimizer]].dropna().to_numpy().T for optimizer in width.columns.drop("expected")]
+    tests = [
+        spearmanr(expected, own, alternative="greater")
+        for expected, own in pairs
+        if len(own) >= FEWEST and len(np.unique(own)) > 1
+    ]
+    if not tests:
+        return ""
+    grows = [test.statistic for test in tests if test.pvalue <= ALPHA]
+    correlation = f" (Spearman’s rank correlation {min(grows):.2f} to {max(grows):.2f})" if grows else ""
+    return (
+        "The thesis finds that the results scatter more at larger backlash, as the bounds of A widen with it. Here the "
+        f"interquartile range grows with the expected amplitude for {len(grows)} of {count(len(tests), 'optimizer')}"
+        f"{correlation}."
+    )
+
+
+def _narrowest(swarms: pd.DataFrame, known: dict[str, str]) -> str:
+    """Return which swarm has the narrowest boxes, which mislead according to the thesis."""
+    width = _interquartile_range(swarms)
+    if len(width.columns) < 2 or "alo" not in known:
+        return ""
+    narrowest = width.eq(width.min(axis=1), axis=0)
+    within = errors_by(swarms, ["optimizer"])["within band %"]
+    best = listing([str(label) for label in within.index[within == within.max()]])
+    leading = leaders(narrowest, "the narrowest interquartile range of the swarms")
+    return (
+        "The thesis’s box plots show ALO as the most precise swarm, and it warns that they mislead, as the results of "
+        "GWO are either close to the expected amplitude or far from it. Here "
+        f"{leading}, while {best} has the largest share within the band."
+    )
+
+
+def _interquartile_range(data: pd.DataFrame) -> pd.DataFrame:
+    """Return the interquartile range of the values found, problems by optimizers."""
+    groups = data[data["expected"].notna()].groupby(["problem", "optimizer"], observed=True)["found"]
+    width: pd.DataFrame = (groups.quantile(0.75) - groups.quantile(0.25)).unstack("optimizer")
+    return width.set_axis(list(width.columns), axis=1)

@@ -1,12 +1,10 @@
 """Table 7.2: the mean fitting error in rpm, compared with the published one."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from importlib.resources import files
-from typing import Literal
 
+import numpy as np
 import pandas as pd
 
 from bench import Study
@@ -33,16 +31,14 @@ def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
     text, items = swarm_tests(pairs), (table,)
     if not re.search("thesis|published", study.name.lower()):
         return [Section(TITLE, text, items)]
-    beside = beside_published(means, published())
-    text = (*sentences(means, beside), conditions(study), *text)
-    return [Section(TITLE, text, (*items, side_by_side(means, beside)) if len(beside) else items)]
+    own, theirs = beside_published(means)
+    text = (*sentences(means, own, theirs), conditions(study), *text)
+    return [Section(TITLE, text, (*items, side_by_side(own, theirs)) if own.size else items)]
 
 
 def algorithms(study: Study) -> dict[str, str]:
     """Return the label of each of the thesis's algorithms in the study, by plug-in name; the first of several."""
-    labels: dict[str, str] = {}
-    for entry in study.optimizers:
-        labels.setdefault(entry.name, entry.label)
+    labels = {entry.name: entry.label for entry in reversed(study.optimizers)}
     return {name: labels[name] for name in (*SWARMS, EXTRA) if name in labels}
 
 
@@ -64,11 +60,8 @@ def table_7_2(
 ) -> tuple[pd.DataFrame, Table]:
     """Return the mean errors by dataset and plug-in name, and the table with the thesis's marks.
 
-    Args:
-        frame: the tidy frame, in the study's order.
-        pairs: the tests of the swarms; as in the thesis, bold and italics compare the swarms alone.
-        columns: from :func:`algorithms`.
-        rows: from :func:`datasets`.
+    As in the thesis, bold and italics compare the swarms alone, whose tests are ``pairs``. ``columns`` are from
+    :func:`algorithms`, ``rows`` from :func:`datasets`.
     """
     summary = summarise(_part(frame, rows, columns.values()))
     matrix = comparison_matrix(summary[summary["optimizer"] != columns.get(EXTRA)], pairs, statistic="mean")
@@ -77,13 +70,13 @@ def table_7_2(
         _by_dataset(part, named, rows)
         for part in (table(summary, "mean"), table(matrix, "best"), table(matrix, "alike"))
     )
-    shown = [part.rename(columns=str.upper) for part in (means, bold, italic)]
+    shown, bold, italic = (part.rename(columns=str.upper) for part in (means, bold, italic))
     marked = Table(
         "table-7-2",
         "Mean fitting error in rpm by dataset (thesis Table 7.2).",
-        shown[0],
-        bold=shown[1],
-        italic=shown[2],
+        shown,
+        bold,
+        italic,
         decimals=3,
         note="Bold: the lowest mean of the four swarms. Italics: an exact Kolmogorov-Smirnov test at "
         f"{ALPHA:g} (raw p, as in the thesis) cannot distinguish it from the best swarm. CMA-ES, where "
@@ -94,8 +87,7 @@ def table_7_2(
 
 def _part(frame: pd.DataFrame, problems: Iterable[str], optimizers: Iterable[str]) -> pd.DataFrame:
     """Return the trials of these problems and optimizers, which stay the categories of the frame even without any."""
-    kept = {"problem": set(problems), "optimizer": set(optimizers)}
-    for column, labels in kept.items():
+    for column, labels in (("problem", set(problems)), ("optimizer", set(optimizers))):
         frame = frame[frame[column].isin(labels)]
         order = [label for label in frame[column].cat.categories if label in labels]
         frame = frame.assign(**{column: frame[column].cat.set_categories(order)})
@@ -108,12 +100,11 @@ def _by_dataset(table: pd.DataFrame, named: dict[str, str], rows: dict[str, int]
     return table[[name for name in (*SWARMS, EXTRA) if name in table]]
 
 
-def beside_published(means: pd.DataFrame, reference: pd.DataFrame) -> pd.DataFrame:
-    """Return dataset, algorithm, mean, published and difference ((mean - published) / published) of shared cells."""
-    ours = means.rename_axis(index="dataset").melt(ignore_index=False, var_name="algorithm", value_name="mean")
-    theirs = reference.melt(ignore_index=False, var_name="algorithm", value_name="published")
-    cells = ours.reset_index().merge(theirs.reset_index(), on=["dataset", "algorithm"])
-    return cells.assign(difference=(cells["mean"] - cells["published"]) / cells["published"])
+def beside_published(means: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the cells of the means that the published table has, and the published ones in the same order."""
+    theirs = published()
+    own = means.loc[means.index.isin(theirs.index), [name for name in SWARMS if name in means]]
+    return own, theirs.loc[own.index, own.columns]
 
 
 def ordered(means: pd.DataFrame) -> int:
@@ -122,40 +113,37 @@ def ordered(means: pd.DataFrame) -> int:
     return int((better_to_worse > 0).all(axis=1).sum())
 
 
-def _holders(means: pd.DataFrame, extreme: Literal["min", "max"]) -> str:
-    """Return in how many rows each algorithm has the lowest or the highest mean, as a clause."""
+def _holders(means: pd.DataFrame, extreme: str) -> str:
+    """Return in how many rows each algorithm has the "lowest" or the "highest" mean, as a clause."""
     whole = means.dropna().rename(columns=str.upper)
-    feature = "the lowest mean" if extreme == "min" else "the highest mean"
-    return leaders(whole.eq(whole.agg(extreme, axis=1), axis=0), feature)
+    means_of_rows = whole.min(axis=1) if extreme == "lowest" else whole.max(axis=1)
+    return leaders(whole.eq(means_of_rows, axis=0), f"the {extreme} mean")
 
 
-def sentences(means: pd.DataFrame, cells: pd.DataFrame) -> list[str]:
-    """Return sentences on how the means compare with the published ones."""
-    known = cells.dropna()
-    if known.empty:
+def sentences(means: pd.DataFrame, own: pd.DataFrame, theirs: pd.DataFrame) -> list[str]:
+    """Return sentences on how the means compare with the published ones of :func:`beside_published`."""
+    differences = ((own - theirs) / theirs).to_numpy()
+    known = differences[~np.isnan(differences)]
+    if not len(known):
         return ["No cell of the published Table 7.2 can be compared."]
-    near = int((known["difference"].abs() <= NEAR).sum())
-    typical, size = known["difference"].median(), known["difference"].abs().median()
+    near, typical, size = int((abs(known) <= NEAR).sum()), np.median(known), np.median(abs(known))
     found = (
         f"{near} of {count(len(known), 'cell')} shared with the published Table 7.2 are within {NEAR:.0%} of the "
         f"published mean. The median relative difference is {typical:+.1%}, its median size {size:.1%}."
     )
     text = [found]
     if set(ORDER) <= set(means.columns):
-        own, theirs = means[list(ORDER)], published().reindex(means.index)[list(ORDER)].dropna()
+        swarms, printed = means[list(ORDER)], theirs[list(ORDER)]
         text.append(
-            f"The order {' < '.join(name.upper() for name in ORDER)} holds in {ordered(own)} of {len(own)} rows; "
-            f"in the published table it holds in {ordered(theirs)} of these."
+            f"The order {' < '.join(name.upper() for name in ORDER)} holds in {ordered(swarms)} of {len(swarms)} rows; "
+            f"in the published table it holds in {ordered(printed)} of these."
         )
         text.append(
-            f"Among the swarms {_holders(own, 'min')} (published: {_holders(theirs, 'min')}); {_holders(own, 'max')} "
-            f"(published: {_holders(theirs, 'max')}). The thesis calls GWO the best of the four and DA the least "
-            "effective."
+            f"Among the swarms {_holders(swarms, 'lowest')} (published: {_holders(printed, 'lowest')}); "
+            f"{_holders(swarms, 'highest')} (published: {_holders(printed, 'highest')}). The thesis calls GWO the best "
+            "of the four and DA the least effective."
         )
-    missing = cells[cells["mean"].isna()]
-    lost = [
-        f"{str(name).upper()} on dataset {k}" for name, k in zip(missing["algorithm"], missing["dataset"], strict=True)
-    ]
+    lost = [f"{name.upper()} on dataset {k}" for name in map(str, own) for k in own.index[own[name].isna()]]
     if lost:
         text.append(f"No mean, as trials failed or are missing: {listing(lost)}.")
     return text
@@ -185,19 +173,13 @@ def conditions(study: Study) -> str:
     )
 
 
-def side_by_side(means: pd.DataFrame, cells: pd.DataFrame) -> Table:
+def side_by_side(own: pd.DataFrame, theirs: pd.DataFrame) -> Table:
     """Return the table with each algorithm's mean, its published mean and their relative difference in percent."""
-    columns: dict[str, pd.Series] = {}
-    for name in [name for name in SWARMS if name in means]:
-        own = cells[cells["algorithm"] == name].set_index("dataset")
-        title = name.upper()
-        columns[title] = own["mean"]
-        columns[f"{title} published"] = own["published"]
-        columns[f"{title} diff. %"] = 100 * own["difference"]
-    frame = pd.DataFrame(columns).rename_axis(index="dataset")
+    parts = {"": own, " published": theirs, " diff. %": 100 * ((own - theirs) / theirs)}
+    columns = {f"{name.upper()}{end}": part[name] for name in map(str, own) for end, part in parts.items()}
     return Table(
         "table-7-2-published",
         "Mean fitting error in rpm beside the published one, and the relative difference in percent.",
-        frame,
+        pd.DataFrame(columns).rename_axis(index="dataset"),
         decimals={column: 1 if column.endswith("%") else 3 for column in columns},
     )

@@ -1,7 +1,5 @@
 """Fig. 7.3: the backlash of each dataset and the amplitude of its disturbance, and what the trials found of both."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -10,8 +8,7 @@ from bench.analysis import labels
 from bench.plots import style
 from bench.report import Figure, Section, Table
 from bench.report.wording import count, listing
-from problems.backlash.report.accuracy import errors_by, estimates, expected_by_problem, shares_within, with_truth
-from problems.backlash.report.axes import dataset_panels
+from problems.backlash.report import accuracy
 from problems.backlash.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM
 
 TITLE = "Backlash and amplitude of the datasets (thesis Fig. 7.3)"
@@ -22,17 +19,25 @@ EXPECTED, BAND = "expected", "accuracy band"
 
 def sections(frame: pd.DataFrame, truths: pd.DataFrame, unknown: dict[str, str]) -> list[Section]:
     """Return the section on Fig. 7.3, with a warning on the problems whose truth is not known."""
-    every = [with_truth(estimates(frame, truths, figure)) for figure in SHOWN if figure in frame]
-    known = {data["figure"].iloc[0]: data for data in every if len(data)}
-    warnings = _warnings(unknown)
+    every = {name: accuracy.with_truth(accuracy.estimates(frame, truths, name)) for name in SHOWN if name in frame}
+    known = {name: data for name, data in every.items() if len(data)}
+    # a missing plug-in gives the same reason for all its problems
+    reasons = {reason: [label for label, why in unknown.items() if why == reason] for reason in unknown.values()}
+    warnings = tuple(
+        f"The expected values of {listing(problems)} are not known here and left out: {reason}."
+        for reason, problems in reasons.items()
+    )
     if not known:
         return [Section(TITLE, warnings=warnings)] if warnings else []
     text, items = smallest_step(truths), (_figure(known),)
     if "backlash_rad" not in known:
         return [Section(TITLE, text, items, warnings)]
     backlash = known["backlash_rad"]
-    text = (*text, f"{shares_within(backlash)} are within ±{TOLERANCE_RAD:g} rad of the true backlash.")
-    return [Section(TITLE, (*text, *_without_estimate(backlash)), (*items, _table(backlash)), warnings)]
+    text += (f"{accuracy.shares_within(backlash)} are within ±{TOLERANCE_RAD:g} rad of the true backlash.",)
+    if lost := int(backlash["found"].isna().sum()):
+        why = "they failed, or the amplitude is outside the calibrated range"
+        text += (f"{count(lost, 'trial')} of {len(backlash):,} gave no backlash: {why}.",)
+    return [Section(TITLE, text, (*items, _table(backlash)), warnings)]
 
 
 def smallest_step(truths: pd.DataFrame) -> tuple[str, ...]:
@@ -57,8 +62,7 @@ def smallest_step(truths: pd.DataFrame) -> tuple[str, ...]:
 
 def found_by_cell(data: pd.DataFrame) -> pd.DataFrame:
     """Return problem, optimizer, figure, expected, tolerance, trials, found (how many have a value), q1, median, q3."""
-    keys = ["problem", "optimizer"]
-    groups = data.groupby(keys, observed=True)
+    groups = data.groupby(["problem", "optimizer"], observed=True)
     quartiles = groups["found"].quantile(np.array([0.25, 0.5, 0.75])).unstack()
     table = groups.agg(
         figure=("figure", "first"), expected=("expected", "first"), tolerance=("tolerance", "first"),
@@ -67,30 +71,13 @@ def found_by_cell(data: pd.DataFrame) -> pd.DataFrame:
     return table.assign(q1=quartiles[0.25], median=quartiles[0.5], q3=quartiles[0.75]).reset_index()
 
 
-def _warnings(unknown: dict[str, str]) -> tuple[str, ...]:
-    """Return one warning a reason, as a missing plug-in gives the same reason for all its problems."""
-    reasons: dict[str, list[str]] = {}
-    for problem, reason in unknown.items():
-        reasons.setdefault(reason, []).append(problem)
-    return tuple(
-        f"The expected values of {listing(problems)} are not known here and left out: {reason}."
-        for reason, problems in reasons.items()
-    )
-
-
-def _without_estimate(data: pd.DataFrame) -> tuple[str, ...]:
-    lost = int(data["found"].isna().sum())
-    why = "they failed, or the amplitude is outside the calibrated range"
-    return (f"{count(lost, 'trial')} of {len(data):,} gave no backlash: {why}.",) if lost else ()
-
-
 def _table(data: pd.DataFrame) -> Table:
-    errors = errors_by(data, ["optimizer"])
-    columns = ["mean error", "median error"]
+    errors = accuracy.errors_by(data, ["optimizer"])
+    errors[["mean error", "median error"]] *= 1e6
     return Table(
         "backlash-errors",
         f"Backlash error in 1e-6 rad (found less true), and the percentage of trials within ±{TOLERANCE_RAD:g} rad.",
-        errors.assign(**{column: 1e6 * errors[column] for column in columns}),
+        errors,
         decimals={"mean error": 1, "median error": 1, "within band %": 1},
         note="Errors are over the trials that gave a backlash; the percentage is over all trials.",
     )
@@ -102,16 +89,18 @@ def _figure(known: dict[str, pd.DataFrame]) -> Figure:
     optimizers, problems = labels(first, "optimizer"), labels(first, "problem")
     titles = ["{} in {}".format(*SHOWN[name]) for name in known]
     names = [style.plain(optimizer) for optimizer in optimizers]
-    figure, axes = dataset_panels(titles, problems, [EXPECTED, BAND, *names], columns=1, height=1.7)
+    figure, axes = accuracy.dataset_panels(titles, problems, [EXPECTED, BAND, *names], columns=1, height=1.7)
     looks = style.looks(optimizers).values()
     for ax, (name, data) in zip(axes, known.items(), strict=True):
         scale = SHOWN[name][2]
-        _truth(ax, expected_by_problem(data).reindex(problems) * scale)
+        _truth(ax, accuracy.expected_by_problem(data).reindex(problems) * scale)
         own = cells[cells["figure"] == name].astype({"problem": object, "optimizer": object})
         for number, (optimizer, look, label) in enumerate(zip(optimizers, looks, names, strict=True)):
             table = scale * own[own["optimizer"] == optimizer].set_index("problem")[["q1", "median", "q3"]]
+            table = table.reindex(problems)
             at = np.arange(len(problems)) + 0.9 * WIDTH * ((number + 0.5) / len(optimizers) - 0.5)
-            _quartiles(ax, at, table.reindex(problems), label, look)
+            ax.vlines(at, table["q1"], table["q3"], color=look.color, linewidth=0.9)
+            ax.plot(at, table["median"], look.marker, color=look.color, markersize=3, markeredgewidth=0, label=label)
     style.legend_above(figure, axes[0].get_legend_handles_labels()[0])
     caption = (
         "The true backlash of each dataset and the amplitude expected of it (lines; shaded: the accuracy bands), as in "
@@ -126,11 +115,6 @@ def _truth(ax: Axes, truth: pd.DataFrame) -> None:
     ax.use_sticky_edges = False  # the end of a bar is no limit of the axis
     ax.bar(at, 2 * tolerance, WIDTH, expected - tolerance, color="0.85", label=BAND)
     ax.hlines(expected, at - WIDTH / 2, at + WIDTH / 2, color="0.2", linewidth=0.9, label=EXPECTED)
-
-
-def _quartiles(ax: Axes, at: np.ndarray, table: pd.DataFrame, label: str, look: style.Look) -> None:
-    ax.vlines(at, table["q1"], table["q3"], color=look.color, linewidth=0.9)
-    ax.plot(at, table["median"], look.marker, color=look.color, markersize=3, markeredgewidth=0, label=label)
 
 
 def _abridged(cells: pd.DataFrame) -> pd.DataFrame:

@@ -20,14 +20,9 @@ from problems.backlash.signature.datasets import NOISES, peak_to_peak
 from problems.backlash.signature.problem import SignatureFit
 
 TITLE = "Noise sensitivity (thesis Table 7.3)"
-HEALTHY = 0.02
-"""rps; the largest |A| accepted without backlash, about twice that of the thesis (0.0099)."""
-
+HEALTHY = 0.02  # rps; the largest |A| accepted without backlash, about twice that of the thesis (0.0099)
 THESIS, BEST, EXPECTED = "thesis Table 7.3 (low noise)", "best fit", "expected"
-COLUMNS = {
-    "theoretical": ("A", 4), "noise": ("noise", 4), "mean": ("mean |A|", 4), "stdev": ("stdev", 4),
-    "error": ("error %", 2),
-}  # fmt: skip
+COLUMNS = {"theoretical": "A", "noise": "noise", "mean": "mean |A|", "stdev": "stdev", "error": "error %"}
 
 
 def sections(results: Results, frame: pd.DataFrame, truths: pd.DataFrame) -> list[Section]:
@@ -57,9 +52,7 @@ def noisy_problems(study: Study) -> pd.DataFrame:
 def by_cell(data: pd.DataFrame, known: pd.DataFrame) -> pd.DataFrame:
     """Return a row a problem and optimizer in the columns of Table 7.3, in rps and percent.
 
-    Args:
-        data: from :func:`problems.backlash.report.accuracy.estimates`, of the amplitude.
-        known: from :func:`noisy_problems`.
+    ``data`` has the amplitudes (:func:`problems.backlash.report.accuracy.estimates`) of the ``known`` noisy problems.
 
     Columns: problem, optimizer, trials, dataset, noise level, theoretical, noise (amplitude), mean and stdev of |A|,
     error (of the mean, as published) and run error (the mean of every run's own); errors are missing without backlash.
@@ -72,8 +65,7 @@ def by_cell(data: pd.DataFrame, known: pd.DataFrame) -> pd.DataFrame:
     )  # fmt: skip
     cells = cells[cells["trials"] > 0].reset_index().astype({"problem": object, "optimizer": object})
     cells = cells.merge(known, on="problem")
-    levels = zip(cells["dataset"], cells["noise level"], strict=True)
-    cells["noise"] = [peak_to_peak(level, noise) / 2 for level, noise in levels]
+    cells["noise"] = [peak_to_peak(*each) / 2 for each in zip(cells["dataset"], cells["noise level"], strict=True)]
     cells["error"] = relative(cells["mean"] - cells["theoretical"], cells["theoretical"])
     cells["run error"] = relative(cells.pop("miss"), cells["theoretical"])
     return cells
@@ -111,7 +103,7 @@ def _amplitudes_of_best(results: Results, label: str) -> tuple[float, float]:
         return float("nan"), float("nan")
     size = problem.describe(problem.reference().x)["amplitude_rpm"] / 60
     known = problem.unit == "rps"  # the sensor's own unit, and the noise study's
-    return size, infer_backlash(problem, Settings(resamples=0)).amplitude if known else float("nan")
+    return size, infer_backlash(problem, Settings(resamples=0)).amplitude_rps if known else float("nan")
 
 
 def sentences(cells: pd.DataFrame, best: pd.DataFrame, noise: str) -> list[str]:
@@ -119,11 +111,6 @@ def sentences(cells: pd.DataFrame, best: pd.DataFrame, noise: str) -> list[str]:
     text = []
     for label, rows in cells[cells["noise level"] == noise].groupby("optimizer", sort=False):
         text += _compared(f"{noise.capitalize()} noise, {label}", "mean |A|", rows)
-        if rows["run error"].notna().any():
-            text[-1] += (
-                f" For single runs, whose errors do not cancel as in a mean, it is {rows['run error'].mean():.2f}% on "
-                "average."
-            )
         text += _without_backlash(f"{label} finds a mean |A|", rows)
     fits = best[best["noise level"] == noise]
     text += _compared(f"{noise.capitalize()} noise, the best fit", "|A|", fits)
@@ -135,9 +122,8 @@ def sentences(cells: pd.DataFrame, best: pd.DataFrame, noise: str) -> list[str]:
 
 def _compared(who: str, what: str, rows: pd.DataFrame) -> list[str]:
     """Return a sentence on how many errors are below the published ones; none without a published row."""
-    both = rows.merge(published()[["error"]], on="dataset", suffixes=("", " published")).dropna(
-        subset=["error", "error published"]
-    )
+    both = rows.merge(published()["error"], on="dataset", suffixes=("", " published"))
+    both = both.dropna(subset=["error", "error published"])
     if both.empty:
         return []
     worse = both.loc[both["error"] >= both["error published"], "problem"].tolist()
@@ -148,6 +134,9 @@ def _compared(who: str, what: str, rows: pd.DataFrame) -> list[str]:
         f"{both['error published'].mean():.2f}%; at most {both['error'].max():.2f}%, published "
         f"{both['error published'].max():.2f}%."
     )
+    if "run error" in rows:
+        single = f"{rows['run error'].mean():.2f}% on average."
+        text += f" For single runs, whose errors do not cancel as in a mean, it is {single}"
     return [text]
 
 
@@ -164,17 +153,15 @@ def side_by_side(cells: pd.DataFrame, noise: str) -> Table:
     """Return Table 7.3 at a noise level, each column beside the published one."""
     theirs = published().reindex(cells["dataset"]).set_index(cells.index)
     columns: dict[str, pd.Series[float]] = {}
-    decimals = {"single runs %": 2}
-    for name, (title, digits) in COLUMNS.items():
+    for name, title in COLUMNS.items():
         columns |= {f"{title} published": theirs[name], title: cells[name]}
-        decimals |= {f"{title} published": digits, title: digits}
-    shown = pd.DataFrame(columns | {"single runs %": cells["run error"]})
+    columns["single runs %"] = cells["run error"]
     other = "" if noise == "low" else " The published columns are those of the low level, the only one printed."
     return Table(
         f"table-7-3-{noise}",
         f"Amplitude found at the {noise} level of noise, in rps (thesis Table 7.3).",
-        shown.set_index([cells["problem"], cells["optimizer"]]),
-        decimals=decimals,
+        pd.DataFrame(columns).set_index([cells["problem"], cells["optimizer"]]),
+        decimals={column: 2 if "%" in column else 4 for column in columns},
         note="A: the positive peak of the undecimated disturbance; noise: half of its peak-to-peak value. Ours are "
         "values of |A|. The error is that of the mean, |mean − A| / A, as the published one is: the printed digits of "
         "all ten rows give it within 0.01 percentage points. A cannot have had both signs in any row, as the standard "
@@ -185,22 +172,15 @@ def side_by_side(cells: pd.DataFrame, noise: str) -> Table:
 def beside_best(best: pd.DataFrame) -> Table:
     """Return the table of the best fits, each beside the published error."""
     theirs = published()["error"].reindex(best["dataset"]).set_axis(best.index)
-    shown = pd.DataFrame(
-        {"A": best["theoretical"], "|A| of best fit": best["mean"], "error %": best["error"],
-         "A by sensor": best["estimate"], "its error %": best["estimate error"], "error % published": theirs}
-    )  # fmt: skip
+    columns = {
+        "A": best["theoretical"], "|A| of best fit": best["mean"], "error %": best["error"],
+        "A by sensor": best["estimate"], "its error %": best["estimate error"], "error % published": theirs,
+    }  # fmt: skip
     return Table(
         "table-7-3-best-fit",
         "Amplitude in rps of the best fit inside the box, found without an optimizer, and its relative error.",
-        shown.set_index(best["problem"]),
-        decimals={
-            "A": 4,
-            "|A| of best fit": 4,
-            "error %": 2,
-            "A by sensor": 4,
-            "its error %": 2,
-            "error % published": 2,
-        },
+        pd.DataFrame(columns).set_index(best["problem"]),
+        decimals={column: 2 if "%" in column else 4 for column in columns},
         note="These errors come from the objective, the sampling and the noise, not from an optimizer. The published "
         "errors are at the low level of noise.",
     )

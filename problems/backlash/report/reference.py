@@ -11,9 +11,15 @@ from bench.analysis import labels, scores
 from bench.report import Section, Table
 from bench.report.wording import count, listing
 from problems.backlash.signature.model import TAU
-from problems.backlash.signature.problem import FOUND, TOLERANCE_RPM, Fit, SignatureFit
+from problems.backlash.signature.problem import FOUND, TOLERANCE_RPM, SignatureFit
 
 TITLE = "Reference fit"
+TITLES = {
+    "box": "RMSE in the box", "constrained": "RMSE under the constraints", "box_rpm": "|A| in the box",
+    "constrained_rpm": "|A| under the constraints", "expected_rpm": "expected |A|",
+}  # fmt: skip
+"""Titles of the columns of :func:`reference_fits`."""
+
 AUTHORS = {0.0532785921510: 10, 0.1590388721814: 18, 0.1892322032210: 1, 0.1228865701909: 1}
 """RMSE in rps of the authors' 30 runs of CMA-ES on their recording of dataset 12, and how many runs ended there.
 
@@ -23,7 +29,8 @@ Outputs of the notebook in github.com/ElianaGiovannitti/Backlash-estimation (300
 
 def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
     """Return the section on the reference fit, none for a study without a signature problem that can be loaded."""
-    problems = {label: each for label in labels(frame, "problem") if (each := _signature(results, label))}
+    known = {label: results.problem(label) for label in labels(frame, "problem") if not results.facts(label).reason}
+    problems = {label: each for label, each in known.items() if isinstance(each, SignatureFit)}
     if not problems:
         return []
     constrained = under_constraints(results.study)
@@ -31,14 +38,8 @@ def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
     trials = beside_reference(frame, fits, constrained)
     if trials.empty:
         return []
-    text = (*sentences(trials, fits, constrained), *beside_authors(trials, results.study))
+    text = tuple(filter(None, (*sentences(trials, fits, constrained), beside_authors(trials, results.study))))
     return [Section(TITLE, text, (_by_optimizer(trials, constrained), _by_dataset(trials), _fits(fits, problems)))]
-
-
-def _signature(results: Results, label: str) -> SignatureFit | None:
-    """Return the problem of that label, None where it is no signature or has changed since the study."""
-    problem = None if results.facts(label).reason else results.problem(label)
-    return problem if isinstance(problem, SignatureFit) else None
 
 
 def under_constraints(study: Study) -> dict[str, bool]:
@@ -65,23 +66,17 @@ def reference_fits(problems: dict[str, SignatureFit], *, constraints: bool) -> p
     """
 
     def row(problem: SignatureFit) -> dict[str, float]:
-        box = problem.reference()
-        limited = problem.reference(constrained=True) if constraints else None
-        slack = math.exp(float(box.x[TAU]) * problem.dt)
-        return {
-            "box": box.value,
-            "box_rpm": _amplitude(problem, box),
-            "constrained": limited.value if limited else math.nan,
-            "constrained_rpm": _amplitude(problem, limited) if limited else math.nan,
+        found = {
             "expected_rpm": problem.expected.get("amplitude_rpm", (math.nan,))[0],
-            "slack": slack,
+            "slack": math.exp(float(problem.reference().x[TAU]) * problem.dt),
         }
+        for name in ("box", "constrained") if constraints else ("box",):
+            fit = problem.reference(constrained=name == "constrained")
+            found |= {name: fit.value, f"{name}_rpm": problem.describe(fit.x)["amplitude_rpm"]}
+        return found
 
-    return pd.DataFrame({label: row(each) for label, each in problems.items()}).T.rename_axis("problem")
-
-
-def _amplitude(problem: SignatureFit, fit: Fit) -> float:
-    return problem.describe(fit.x)["amplitude_rpm"]
+    fits = pd.DataFrame({label: row(each) for label, each in problems.items()}).T.rename_axis("problem")
+    return fits.reindex(columns=[*TITLES, "slack"])
 
 
 def beside_reference(frame: pd.DataFrame, fits: pd.DataFrame, constrained: dict[str, bool]) -> pd.DataFrame:
@@ -131,24 +126,23 @@ def sentences(trials: pd.DataFrame, fits: pd.DataFrame, constrained: dict[str, b
     return text
 
 
-def beside_authors(trials: pd.DataFrame, study: Study) -> list[str]:
-    """Return the authors' own runs on dataset 12 beside those of the study, none without CMA-ES on it."""
+def beside_authors(trials: pd.DataFrame, study: Study) -> str:
+    """Return the authors' own runs on dataset 12 beside those of the study, "" without CMA-ES on it."""
     twelve = [each.label for each in study.problems if each.name in ("signature-12", "published-12")]
     cma = [each.label for each in study.optimizers if each.name == "cma-es"]
     own = trials[trials["problem"].isin(twelve) & trials["optimizer"].isin(cma)]
     own = _percent(own, ["problem", "optimizer"]).reset_index()
     if own.empty:
-        return []
+        return ""
     best, runs = min(AUTHORS), sum(AUTHORS.values())
     elsewhere = [f"at {value:.4f} rps in {number}" for value, number in AUTHORS.items() if value > best]
     here = listing([f"{row.found:.0f}% of {row.optimizer} trials on {row.problem}" for row in own.itertuples()])
-    text = (
+    return (
         f"The authors’ own {runs} runs of CMA-ES on their recording of dataset 12 (300 agents, 200 iterations, in the "
         "box; outputs of the notebook in github.com/ElianaGiovannitti/Backlash-estimation) ended at the best fit of "
         f"that recording, {best:.4f} rps, in {AUTHORS[best]} runs ({AUTHORS[best] / runs:.0%}), {listing(elsewhere)}. "
         f"Here {here} found it."
     )
-    return [text]
 
 
 def _percent(trials: pd.DataFrame, keys: list[str]) -> pd.Series[float]:
@@ -187,15 +181,9 @@ def _by_dataset(trials: pd.DataFrame) -> Table:
 
 def _fits(fits: pd.DataFrame, problems: dict[str, SignatureFit]) -> Table:
     units = sorted({each.unit for each in problems.values()})
-    titles = {
-        "box": "RMSE in the box", "constrained": "RMSE under the constraints", "box_rpm": "|A| in the box",
-        "constrained_rpm": "|A| under the constraints", "expected_rpm": "expected |A|",
-    }  # fmt: skip
     return Table(
         "reference-fit",
         f"The best fit of each dataset: its RMSE in {' or '.join(units)}, and its |A| in rpm.",
-        fits.dropna(axis="columns", how="all").rename(columns=titles)[
-            [title for name, title in titles.items() if fits[name].notna().any()]
-        ],
-        decimals={title: 2 for name, title in titles.items() if name.endswith("rpm")},
+        fits[list(TITLES)].dropna(axis="columns", how="all").rename(columns=TITLES),
+        decimals={title: 2 for name, title in TITLES.items() if name.endswith("rpm")},
     )

@@ -1,34 +1,74 @@
-"""Estimate many recordings, also in worker processes; report those that cannot be estimated beside the others."""
+"""Estimate many recordings, also in worker processes, and by the thesis's seeded runs of an optimizer (section 7.3)."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError
+from bench.execution.solve import solve
+from bench.numbers import require_whole
+from bench.optimizer import Optimizer
+from bench.plugins.loading import load_optimizer
+from bench.problem import Floats
+from bench.seeds import trial_seed
 from problems.backlash.recordings import Recording
-from problems.backlash.sensor.estimate import Estimate, Settings, estimate
+from problems.backlash.sensor.estimate import Estimate, Settings, estimate, infer_gap, infer_peak, signature_problem
+from problems.backlash.signature.model import A
+from problems.backlash.signature.problem import FOUND
 
-if TYPE_CHECKING:
-    from problems.backlash.sensor.repeated_runs import RepeatedRuns, RunSettings
+FEW = 3  # recordings that are estimated before worker processes would have started
 
-FEW = 3
-"""Recordings that are estimated before worker processes would have started."""
+
+@dataclass(frozen=True)
+class RunSettings:
+    """The settings of an optimizer's runs on a recording: its name and parameters, their number, and their budget.
+
+    Raises:
+        BenchError: for an unknown optimizer or parameter, fewer than one run, and a budget below one generation.
+    """
+
+    name: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+    runs: int = 30
+    budget: int = 60_000
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        require_whole("the runs of an optimizer", self.runs, 1)
+        self.optimizer().check_budget(self.budget, self.name)
+
+    def optimizer(self) -> Optimizer:
+        """Return the optimizer, loaded where it runs: a class from a file cannot be sent to another process."""
+        return load_optimizer(self.name, **self.options)
+
+
+@dataclass(frozen=True, eq=False)
+class RepeatedRuns:
+    """The results of an optimizer's runs on a recording.
+
+    Attributes:
+        settings: the settings of the runs.
+        sizes_rps: (runs,) |A| of their fits.
+        backlashes_rad: (runs,) the half-gaps inferred from them, NaN outside the calibration.
+        values_rps: (runs,) RMSEs of their fits.
+        found: how many runs found the reference fit.
+    """
+
+    settings: RunSettings
+    sizes_rps: Floats
+    backlashes_rad: Floats
+    values_rps: Floats
+    found: int
 
 
 @dataclass(frozen=True, eq=False)
 class Estimated:
-    """The estimate of a file.
-
-    Attributes:
-        path: the file.
-        estimate: the estimate.
-        runs: what an optimizer's runs found in it, where they were asked for.
-    """
+    """The estimate of a file, and what an optimizer's runs found in it, where they were asked for."""
 
     path: Path
     estimate: Estimate
@@ -54,9 +94,7 @@ def estimate_files(
     """Yield the outcome of each file, in their order.
 
     Args:
-        paths: the files.
         read: returns a file's recording; raises BenchError.
-        settings: how each is estimated.
         runs: an optimizer to run on each, too.
         jobs: worker processes; -1 takes every core. The estimates do not depend on it.
 
@@ -65,27 +103,46 @@ def estimate_files(
     """
     if jobs == 0:
         raise BenchError("there must be at least one worker process; give --jobs 1 or more, or -1 for every core")
+    work = partial(_estimated, read=read, settings=settings, runs=runs)
     if jobs == 1 or len(paths) <= FEW:
-        return (_estimated(path, read, settings, runs) for path in paths)
+        return map(work, paths)
     from joblib import Parallel, delayed
 
-    made: Iterator[Estimated | Failed] = Parallel(n_jobs=jobs, return_as="generator")(
-        delayed(_estimated)(path, read, settings, runs) for path in paths
-    )
+    made: Iterator[Estimated | Failed] = Parallel(n_jobs=jobs, return_as="generator")(map(delayed(work), paths))
     return made
 
 
 def _estimated(
-    path: Path, read: Callable[[Path], Recording], settings: Settings, runs: RunSettings | None
+    path: Path, *, read: Callable[[Path], Recording], settings: Settings, runs: RunSettings | None
 ) -> Estimated | Failed:
     try:
         with threadpool_limits(limits=1):  # no last digit may depend on how many threads a BLAS finds
             found = estimate(read(path), settings)
-            if runs is None:
-                return Estimated(path, found)
-            from problems.backlash.sensor.repeated_runs import repeat
-
-            return Estimated(path, found, repeat(found, settings, runs))
+            return Estimated(path, found, repeat(found, settings, runs) if runs else None)
     except BenchError as error:
         sentence = str(error)
         return Failed(path, sentence if str(path) in sentence else f"{path}: {sentence}")
+
+
+def repeat(found: Estimate, settings: Settings, runs: RunSettings) -> RepeatedRuns:
+    """Run an optimizer with several seeds on the recording of an estimate that was made with these settings.
+
+    Raises:
+        BenchError: where the optimizer fails.
+    """
+    problem = signature_problem(found.recording, settings, found.period_s)
+    optimizer = runs.optimizer()
+    results = []
+    for number in range(runs.runs):
+        seed = trial_seed(runs.seed, problem.name, runs.name, number)
+        try:
+            results.append(solve(problem, optimizer, budget=runs.budget, seed=seed))
+        except BenchError:
+            raise
+        except Exception as error:  # a plug-in may raise anything
+            raise BenchError(f"{runs.name} failed in run {number}: {type(error).__name__}: {error}") from error
+    values = np.array([each.fun for each in results])
+    sizes = np.array([abs(each.x[A]) for each in results])
+    gaps = [infer_gap(infer_peak(each.x, settings.calibration), settings.calibration) for each in results]
+    hits = int((values <= found.rmse_rps * (1 + FOUND)).sum())
+    return RepeatedRuns(runs, sizes, np.array(gaps), values, hits)

@@ -8,11 +8,8 @@ The reference fit of the signature is the best fit there is, so an estimate is t
 joint maps the strength of the fit to the amplitude of the disturbance, and that to the half-gap delta.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -29,14 +26,9 @@ from problems.backlash.signature.problem import TOLERANCE_RAD, SignatureFit
 
 Interval = tuple[float, float]
 
-USUAL_PERIOD = 0.4
-"""s; T_f of the thesis's recordings, assumed where no period is found in a signal."""
-
-COARSEST = 0.01
-"""s; two and a half samples in an oscillation of 40 Hz, the fastest that Table 7.1 allows."""
-
-EARLY_RAD = 0.0021
-"""rad; the largest of the ten half-gaps in section 7.3's test of the early stages of backlash."""
+USUAL_PERIOD = 0.4  # s; T_f of the thesis's recordings, assumed where no period is found in a signal
+COARSEST = 0.01  # s; two and a half samples in an oscillation of 40 Hz, the fastest that Table 7.1 allows
+EARLY_RAD = 0.0021  # rad; the largest of the ten half-gaps in section 7.3's test of the early stages of backlash
 
 
 @dataclass(frozen=True)
@@ -84,65 +76,68 @@ class Settings:
 
 
 @dataclass(frozen=True, eq=False)
-class Estimate:
-    """The estimate of the backlash of a joint from one recording.
+class Inference:
+    """What a reference fit implies of the backlash of a joint.
 
     Attributes:
+        p_value: that noise alone gives so good a fit (:func:`problems.backlash.sensor.evidence.p_value`).
         amplitude_rps: the peak of the disturbance, inferred from the fit by the calibration; the fit's |A| outside the
             calibration or where it has no fits, and 0 where no disturbance can be distinguished from noise.
         amplitude_interval_rps: its confidence interval; from 0 to the smallest detectable amplitude where it is 0.
         backlash_rad: the half-gap delta; NaN outside the calibration.
         interval_rad: its confidence interval, NaN likewise.
-        rmse_rps: the RMSE of the fit.
-        explained: the share of the signal's variance that the fit explains, 0 to 1.
         verdict: "no backlash", "early" or "progressed"; "backlash" where there is no calibration.
-        variables: A, t0, tau, omega, v_t, T1 and T2 of the fit, in rps, s, 1/s and rad/s; v_t from the mean speed.
-        period_s: T_f.
-        period_source: "given", "gear ratio", "signal" or "assumed".
-        mean_rps: the mean speed.
-        p_value: that noise alone gives so good a fit (:func:`problems.backlash.sensor.evidence.p_value`).
-        calibration: the name of the calibration; "" for none.
         notes: remarks on the recording or the estimate, a sentence each.
-        recording: the fitted part of the recording.
-        fitted: (N,) the speed of the fit in rps.
     """
 
+    p_value: float
     amplitude_rps: float
     amplitude_interval_rps: Interval
     backlash_rad: float
     interval_rad: Interval
+    verdict: str
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Estimate(Inference):
+    """The estimate of the backlash of a joint from one recording.
+
+    Attributes:
+        rmse_rps: the RMSE of the fit.
+        explained: the share of the signal's variance that the fit explains, 0 to 1.
+        variables: A, t0, tau, omega, v_t, T1 and T2 of the fit, in rps, s, 1/s and rad/s; v_t from the mean speed.
+        period_s: T_f.
+        period_source: "given", "gear ratio", "signal" or "assumed".
+        mean_rps: the mean speed.
+        calibration: the name of the calibration; "" for none.
+        recording: the fitted part of the recording.
+        fitted: (N,) the speed of the fit in rps.
+    """
+
     rmse_rps: float
     explained: float
-    verdict: str
     variables: dict[str, float]
     period_s: float
     period_source: str
     mean_rps: float
-    p_value: float
     calibration: str
-    notes: tuple[str, ...]
     recording: Recording
     fitted: Floats
 
 
-def estimate(recording: Recording, settings: Settings | None = None, *, screened: bool = True) -> Estimate:
-    """Estimate the backlash of a joint from a recording at constant speed, in about a second.
-
-    Args:
-        recording: the motor's speed.
-        settings: by default those for the thesis's test bench.
-        screened: refuse unfit recordings (:func:`problems.backlash.recordings.screen.screen`).
+def estimate(recording: Recording, settings: Settings | None = None) -> Estimate:
+    """Estimate the backlash of a joint from a recording at constant speed, by default of the thesis's test bench.
 
     Raises:
-        BenchError: for an unfit recording, in one sentence.
+        BenchError: for an unfit recording (:func:`problems.backlash.recordings.screen.screen`), in one sentence.
     """
     settings = settings or Settings()
-    if screened:
-        screen(recording, nominal_rps=settings.nominal_rps)
+    screen(recording, nominal_rps=settings.nominal_rps)
     period, source = period_of(recording, settings)
-    if screened:
-        screen(recording, period=None if settings.single else period)
-    notes = warnings(recording, period=None if settings.single else period)
+    turn = None if settings.single else period
+    screen(recording, period=turn)
+    notes = warnings(recording, period=turn)
     recording = part(recording, settings, period)
     problem = signature_problem(recording, settings, period)
     x = problem.reference(constrained=settings.constrained).x
@@ -152,20 +147,14 @@ def estimate(recording: Recording, settings: Settings | None = None, *, screened
         notes.append(f"no period was found in the signal; {problem.period:g} s is assumed (--period gives another)")
     found = infer_backlash(problem, settings)
     return Estimate(
-        amplitude_rps=found.amplitude,
-        amplitude_interval_rps=found.amplitudes,
-        backlash_rad=found.gap,
-        interval_rad=found.gaps,
-        verdict=found.verdict,
+        **(vars(found) | {"notes": (*notes, *found.notes)}),
         rmse_rps=float(np.sqrt(np.mean(residual**2))),
         explained=max(0.0, 1.0 - float(residual.var() / problem.signal.var())),
         variables=dict(zip(problem.variables, map(float, x), strict=True)),
         period_s=problem.period,
         period_source=source,
         mean_rps=problem.mean_rps,
-        p_value=found.p_value,
         calibration=settings.calibration.name if settings.calibration else "",
-        notes=(*notes, *found.notes),
         recording=recording,
         fitted=problem.mean_rps + fitted,
     )
@@ -186,7 +175,7 @@ def part(recording: Recording, settings: Settings, period: float) -> Recording:
         recording = recording.window(end=recording.start + settings.turns * period)
     if change := drift(recording):
         line = change * np.linspace(-0.5, 0.5, len(recording.speed))
-        recording = replace(recording, speed=recording.speed - line)
+        return replace(recording, speed=recording.speed - line)
     return recording
 
 
@@ -205,18 +194,6 @@ def signature_problem(recording: Recording, settings: Settings, period: float) -
     return SignatureFit("recording", recording, period=period, turns=turns, single=settings.single)
 
 
-class Inference(NamedTuple):
-    """The part of an :class:`Estimate` that is inferred from a reference fit."""
-
-    p_value: float
-    amplitude: float
-    amplitudes: Interval
-    gap: float
-    gaps: Interval
-    verdict: str
-    notes: tuple[str, ...] = ()
-
-
 def infer_backlash(problem: SignatureFit, settings: Settings) -> Inference:
     """Infer amplitude, half-gap and verdict from the reference fit of a problem in rps."""
     x = problem.reference(constrained=settings.constrained).x
@@ -226,20 +203,20 @@ def infer_backlash(problem: SignatureFit, settings: Settings) -> Inference:
 
 def _undetected(problem: SignatureFit, p: float, settings: Settings) -> Inference:
     """Return the inference from noise alone: amplitude 0, and what the noise may hide as the end of the intervals."""
-    calibration, most = settings.calibration, detectable(problem)
+    most, least = detectable(problem), infer_gap(0.0, settings.calibration)
     # a smaller half-gap than the tolerance is never distinguished from none
-    largest = float(np.maximum(infer_gap(most, calibration), TOLERANCE_RAD))
-    gaps = (infer_gap(0.0, calibration), largest)
-    hidden = may_hide(most, largest, settings)
-    notes = (f"the noise may hide a backlash above the limit of {settings.limit_rad:g} rad",) if hidden else ()
-    return Inference(p, 0.0, (0.0, most), gaps[0], gaps, "no backlash", notes)
+    largest = float(np.maximum(infer_gap(most, settings.calibration), TOLERANCE_RAD))
+    found = Inference(p, 0.0, (0.0, most), least, (least, largest), "no backlash", ())
+    note = f"the noise may hide a backlash above the limit of {settings.limit_rad:g} rad"
+    return replace(found, notes=(note,)) if is_undecided(found, settings) else found
 
 
-def may_hide(amplitude: float, gap: float, settings: Settings) -> bool:
-    """Return whether noise that may hide this amplitude (rps) and half-gap (rad) may hide one above the limit."""
-    if settings.calibration is None:
+def is_undecided(found: Inference, settings: Settings) -> bool:
+    """Return whether nothing is detected, but the noise may hide a backlash above the limit."""
+    if found.amplitude_rps or settings.calibration is None:
         return False
-    return 60 * amplitude > settings.calibration.range[1] or gap > settings.limit_rad
+    most, largest = found.amplitude_interval_rps[1], found.interval_rad[1]
+    return 60 * most > settings.calibration.range[1] or largest > settings.limit_rad
 
 
 def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) -> Inference:
@@ -268,10 +245,7 @@ def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) ->
 
 
 def _verdict(amplitude: float, gap: float, settings: Settings, *, slow: bool) -> str:
-    """Return the verdict on a detected disturbance.
-
-    A backlash is distinguished from none above half of the accuracy asked of an estimate (section 7.2.1).
-    """
+    """Return the verdict on a detected disturbance; half of the accuracy asked (section 7.2.1) is not yet backlash."""
     if slow or gap <= TOLERANCE_RAD:
         return "no backlash"
     if settings.calibration is None:

@@ -5,8 +5,6 @@ three weights that are solved for, is multiplied by the number of fits compared 
 first autocorrelation reduces the number of samples that count (Bartlett 1946).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -17,17 +15,10 @@ from problems.backlash.signature.model import T0, T1
 from problems.backlash.signature.problem import SignatureFit
 from problems.backlash.signature.reference import OMEGAS, TAUS
 
-SOLVED = 3
-"""Weights of sine, cosine and offset."""
-
-OTHERS = 3
-"""Further oscillations that are subtracted at most before the rest is taken for noise."""
-
-FEWEST = 4
-"""Half turns to draw residuals from."""
-
-SIGNIFICANT = 1e-3
-"""The largest adjusted p-value at which a disturbance is detected."""
+SOLVED = 3  # weights of sine, cosine and offset
+OTHERS = 3  # further oscillations that are subtracted at most before the rest is taken for noise
+FEWEST = 4  # half turns to draw residuals from
+SIGNIFICANT = 1e-3  # the largest adjusted p-value at which a disturbance is detected
 
 BENCH = (0.0, 15.6, 133.5, np.pi / 2 / 133.5)
 """t0, tau, omega and T1 of the thesis's test bench, from the poles of its closed transmission: a usual signature."""
@@ -57,10 +48,7 @@ def _p_value(problem: SignatureFit, energy: float, residual: Floats) -> float:
 
 
 def detectable(problem: SignatureFit) -> float:
-    """Return the smallest detectable amplitude of a usual signature, in the problem's unit.
-
-    The whole signal is taken for noise.
-    """
+    """Return the smallest detectable amplitude of a usual signature, in the problem's unit, were all signal noise."""
     t0, tau, omega, t1 = BENCH
     wave = problem.model(np.array([1.0, problem.time[0] + t0, tau, omega, 0.0, t1, problem.period / 2]))
     counted = effective(problem.signal) - SOLVED - len(problem.variables)
@@ -95,18 +83,15 @@ def resampled(
     n = len(residual)
     block = max(round(problem.period / 2 / problem.dt) if problem.replicas > 1 else n // 10, 1)
     whole, places = max(n // block, 1), -(-n // block)
-    blocks = residual[: whole * block].reshape(whole, -1)
-    signs = (-1.0) ** np.arange(whole) if problem.replicas > 1 else np.ones(whole)
-    signed = blocks * signs[:, np.newaxis]
+    signs = ((-1.0) ** np.arange(places) if problem.replicas > 1 else np.ones(places))[:, np.newaxis]
+    signed = residual[: whole * block].reshape(whole, -1) * signs[:whole]
     # There may be half an oscillation before the first window, which is not fitted.
     begun = (x[T0] + x[T1] - problem.time[0]) / (block * problem.dt)
     if problem.replicas > 1 and (after := math.ceil(begun)) <= whole - FEWEST:
         signed = signed[after:]
     fits = np.empty((resamples, len(x)))
     for number in range(resamples):
-        drawn = signed[rng.integers(len(signed), size=places)]
-        if problem.replicas > 1:
-            drawn = drawn * (-1.0) ** np.arange(places)[:, np.newaxis]
+        drawn = signed[rng.integers(len(signed), size=places)] * signs
         fits[number] = problem.beside(fitted + drawn.ravel()[:n]).near(x, constrained=constrained)
     return fits
 

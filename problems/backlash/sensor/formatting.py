@@ -1,45 +1,52 @@
-"""Format estimates and trends: as lines for a maintenance engineer, as a table, and as JSON."""
-
-from __future__ import annotations
+"""Format estimates, trends and calibrations: as lines for a maintenance engineer, as a table, and as JSON."""
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
-from problems.backlash.sensor.batch import Estimated, Failed
-from problems.backlash.sensor.estimate import Estimate, Settings, may_hide
+from bench.cli.console import print_line
+from problems.backlash.sensor.batch import Estimated, Failed, RepeatedRuns
+from problems.backlash.sensor.estimate import Estimate, Settings, is_undecided
+from problems.backlash.sensor.recording_files import Series
+from problems.backlash.sensor.trend import Trend
+from problems.backlash.signature.calibration import Calibration
 from problems.backlash.signature.problem import FOUND
 
-if TYPE_CHECKING:
-    from rich.table import Table
-
-    from problems.backlash.sensor.recording_files import Series
-    from problems.backlash.sensor.repeated_runs import RepeatedRuns
-    from problems.backlash.sensor.trend import Trend
-
-ARC_MINUTES = 60 * 180 / math.pi
-"""Arc minutes in a rad."""
-
-UNIT = {"backlash": (1e3, "mrad"), "amplitude": (1.0, "rps")}
-"""By quantity, the factor by which it is multiplied for display, and its unit then."""
-
+ARC_MINUTES = 60 * 180 / math.pi  # in a rad
+UNIT = {
+    "backlash": (1e3, "mrad"),
+    "amplitude": (1.0, "rps"),
+}  # by quantity, factor for display and unit then
 PER = {"month": "a month", "number": "for each 1 of the number in the names", "file": "a recording"}
 BY = {"month": "month", "number": "number in the file's name", "file": "recording"}
 WORD = {"month": "", "number": "number ", "file": "recording "}
+SOURCE = {"gear ratio": "from the gear ratio", "signal": "found in the signal"}
 SHOWN = 5  # files named with a note at most
+WIDTH = 160  # of a table that is not printed on a terminal
+
+BEFORE = ("amplitude_rps", "backlash_rad", "interval_rad", "rmse_rps", "verdict")
+AFTER = (
+    "amplitude_interval_rps", "period_s", "period_source", "mean_rps", "explained", "p_value", "calibration", "notes",
+)  # fmt: skip
+"""The keys of an estimate in JSON before and after its variables."""
 
 
 def estimate_lines(outcome: Estimated, settings: Settings) -> list[str]:
     """Return the lines on one estimate, with its verdict first."""
-    found = outcome.estimate
-    rows = [*(_amount(found, settings) if found.amplitude_rps else _hidden(found, settings))]
+    found, samples = outcome.estimate, outcome.estimate.recording
+    rows = _amount(found, settings) if found.amplitude_rps else _hidden(found, settings)
     chance = f"p = {found.p_value:.1g}" if found.p_value >= 1e-6 else "p < 1e-6"
     explained = f"explains {found.explained:.1%} of the signal's variance ({chance} for noise alone)"
+    turn = f"{found.period_s:.6g} s ({SOURCE.get(found.period_source, found.period_source)})"
+    length = f"{samples.duration:.4g} s, {samples.duration / found.period_s:.3g} load turns"
     rows += [
         ("fit", f"RMSE {found.rmse_rps:.4f} rps; {explained}"),
-        ("load turn", f"{found.period_s:.6g} s ({_source(found)}); {_length(found)} at {found.mean_rps:.4g} rps"),
+        ("load turn", f"{turn}; {length}, {len(samples.speed)} samples at {found.mean_rps:.4g} rps"),
     ]
     if found.calibration:
         rows.append(("calibration", found.calibration))
@@ -66,11 +73,18 @@ def runs_lines(runs: RepeatedRuns, estimate: Estimate) -> list[str]:
     return lines
 
 
+def print_table(
+    outcomes: Sequence[Estimated | Failed], names: Sequence[str], trends: Iterable[Trend], settings: Settings
+) -> None:
+    """Print a row a file, every note once, and the trends."""
+    console = Console(width=None if Console().is_terminal else WIDTH)
+    console.print(table(outcomes, names, settings), highlight=False)
+    for line in [*notes(outcomes, names), *(line for each in trends for line in trend_lines(each, settings))]:
+        print_line(line)
+
+
 def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], settings: Settings) -> Table:
     """Return a row a file under its name: amplitude and half-gap with their intervals, verdict, RMSE."""
-    from rich.table import Table
-    from rich.text import Text
-
     made = Table(box=None, pad_edge=False)
     made.add_column("file", overflow="fold")
     for heading in ("amplitude, rps", "interval", "half-gap, mrad", "interval"):
@@ -88,9 +102,9 @@ def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], settings
         cells = [
             f"{found.amplitude_rps:.4f}",
             _range(found.amplitude_interval_rps, ".4f"),
-            _number(1e3 * found.backlash_rad),
+            "" if math.isnan(found.backlash_rad) else f"{1e3 * found.backlash_rad:.3f}",
             _range(found.interval_rad, ".3f", 1e3),
-            "undecided" if _undecided(found, settings) else found.verdict,
+            "undecided" if is_undecided(found, settings) else found.verdict,
             f"{found.rmse_rps:.4f}",
         ]
         if each := outcome.runs:
@@ -129,20 +143,35 @@ def trend_lines(trend: Trend, settings: Settings) -> list[str]:
     ]
     if trend.line is None:
         return [*lines, "  a slope needs three recordings of different times"]
-    slope = factor * trend.line.slope
+    slope, per = factor * trend.line.slope, f"{unit} {PER[series.unit]}"
     low, high = (factor * end for end in trend.line.interval)
     chance = f"p = {trend.line.p_value:.2g}" if trend.line.p_value >= 1e-3 else "p < 0.001"
     if trend.significant:
         lines.append(
-            f"  it {'grows' if slope > 0 else 'falls'} by {abs(slope):.3g} {unit} {PER[series.unit]} "
+            f"  it {'grows' if slope > 0 else 'falls'} by {abs(slope):.3g} {per} "
             f"({100 * settings.confidence:g} % interval {min(abs(low), abs(high)):.3g} to "
             f"{max(abs(low), abs(high)):.3g}, {chance})"
         )
     else:
-        lines.append(f"  no trend: {slope:+.3g} {unit} {PER[series.unit]} ({low:+.3g} to {high:+.3g}) may be chance "
-                     f"({chance})")  # fmt: skip
+        lines.append(f"  no trend: {slope:+.3g} {per} ({low:+.3g} to {high:+.3g}) may be chance ({chance})")
     if trend.quantity == "backlash":
         lines.append(f"  the limit of {1e3 * settings.limit_rad:g} mrad {_limit(trend)}")
+    return lines
+
+
+def calibration_lines(made: Calibration, *, is_default: bool) -> list[str]:
+    """Return the lines on a calibration's pairs, its range, and for the default joint its difference from eq. 4.7."""
+    columns = {"amplitude in rpm": made.amplitude, "half-gap in rad": made.half_gap}
+    if made.fitted is not None and made.scatter is not None:
+        columns |= {"fit in rpm": made.fitted, "its scatter": made.scatter}
+    formats = [f"{len(title)}.{6 if 'rad' in title else 4}f" for title in columns]
+    rows = zip(*columns.values(), strict=True)
+    lines = [made.name, "   ".join(columns), *("   ".join(map(format, row, formats)) for row in rows)]
+    if made.method == "cubic":
+        lines.append(f"{made.formula()}; at most {made.residual:.2g} rad from the pairs")
+    lines.append(f"range: {made.range[0]:.4g} to {made.range[1]:.4g} rpm; no backlash is estimated outside")
+    if is_default and math.isfinite(made.deviation):
+        lines.append(f"difference from eq. 4.7 of the thesis: at most {made.deviation:.3%}")
     return lines
 
 
@@ -153,20 +182,9 @@ def json_object(outcome: Estimated | Failed) -> dict[str, Any]:
     found = outcome.estimate
     content = {
         "file": str(outcome.path),
-        "amplitude_rps": found.amplitude_rps,
-        "backlash_rad": found.backlash_rad,
-        "interval_rad": list(found.interval_rad),
-        "rmse_rps": found.rmse_rps,
-        "verdict": found.verdict,
+        **{name: getattr(found, name) for name in BEFORE},
         **found.variables,
-        "amplitude_interval_rps": list(found.amplitude_interval_rps),
-        "period_s": found.period_s,
-        "period_source": found.period_source,
-        "mean_rps": found.mean_rps,
-        "explained": found.explained,
-        "p_value": found.p_value,
-        "calibration": found.calibration,
-        "notes": list(found.notes),
+        **{name: getattr(found, name) for name in AFTER},
     }
     if each := outcome.runs:
         content["runs"] = {
@@ -184,7 +202,7 @@ def _finite(value: Any) -> Any:
     """Return a value with null for every number that is not finite, as JSON has none."""
     if isinstance(value, dict):
         return {key: _finite(each) for key, each in value.items()}
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return [_finite(each) for each in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
@@ -221,7 +239,7 @@ def _hidden(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
 
 def _verdict(found: Estimate, settings: Settings) -> str:
     limit = f"the limit of {1e3 * settings.limit_rad:g} mrad"
-    if _undecided(found, settings):
+    if is_undecided(found, settings):
         return f"UNDECIDED: the noise may hide a backlash above {limit}"
     return {
         "no backlash": "no backlash detected",
@@ -229,22 +247,6 @@ def _verdict(found: Estimate, settings: Settings) -> str:
         "progressed": f"PROGRESSED BACKLASH, above {limit}",
         "backlash": "backlash detected; its size needs a calibration",
     }[found.verdict]
-
-
-def _undecided(found: Estimate, settings: Settings) -> bool:
-    """Return whether nothing is detected, but the noise may hide a backlash above the limit."""
-    most, largest = found.amplitude_interval_rps[1], found.interval_rad[1]
-    return not found.amplitude_rps and may_hide(most, largest, settings)
-
-
-def _source(found: Estimate) -> str:
-    return {"given": "given", "gear ratio": "from the gear ratio", "signal": "found in the signal",
-            "assumed": "assumed"}[found.period_source]  # fmt: skip
-
-
-def _length(found: Estimate) -> str:
-    turns = found.recording.duration / found.period_s
-    return f"{found.recording.duration:.4g} s, {turns:.3g} load turns, {len(found.recording.speed)} samples"
 
 
 def _limit(trend: Trend) -> str:
@@ -268,10 +270,6 @@ def _when(series: Series, at: float) -> str:
 
 def _deviation(values: Any) -> float:
     return float(values.std(ddof=1)) if len(values) > 1 else 0.0
-
-
-def _number(value: float) -> str:
-    return "" if math.isnan(value) else f"{value:.3f}"
 
 
 def _range(ends: Iterable[float], digits: str, factor: float = 1.0) -> str:

@@ -1,10 +1,7 @@
 """Plot estimates: the fit of one recording, and the backlash of joints over time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,17 +17,13 @@ from bench.text import file_name, unique
 from problems.backlash.sensor.batch import Estimated
 from problems.backlash.sensor.estimate import Estimate, Settings
 from problems.backlash.sensor.formatting import BY, UNIT
-from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import Trend
 from problems.backlash.signature.model import VARIABLES, oscillation
 
-METADATA: dict[str, dict[str, Any]] = {
-    ".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None},
-}  # fmt: skip
-"""Metadata by kind of picture, so that the same estimate gives the same file."""
+LEFT_OUT = {".svg": "Date", ".png": "Software", ".pdf": "CreationDate"}
+"""By kind of picture, the metadata that is left out, so that the same estimate gives the same file."""
 
 SIGNAL, FIT = "#9A9A9A", style.REFERENCE
-TREND = "trend"
 MONTHS = (1, 2, 3, 6, 12, 24, 60)  # between the ticks of a time
 FEW_MONTHS = 3
 ASIDE = 0.05  # s, shown before and after a single oscillation
@@ -42,8 +35,8 @@ def check_output(path: Path) -> None:
         return
     if not path.suffix and path.exists():
         raise BenchError(f"{path} is a file without a picture's ending; give a folder, or a .svg, .png or .pdf file")
-    if path.suffix and path.suffix.lower() not in METADATA:
-        raise BenchError(f"{path} must end in {', '.join(METADATA)}, or be a folder")
+    if path.suffix and path.suffix.lower() not in LEFT_OUT:
+        raise BenchError(f"{path} must end in {', '.join(LEFT_OUT)}, or be a folder")
     if not path.parent.is_dir():
         raise BenchError(f"{path} cannot be written: there is no folder {path.parent}")
 
@@ -51,28 +44,29 @@ def check_output(path: Path) -> None:
 def save_figures(
     path: Path, outcomes: Sequence[Estimated], trends: Sequence[Trend], settings: Settings, *, alone: bool
 ) -> list[Path]:
-    """Draw estimates and return the pictures' paths.
+    """Draw estimates and return the pictures' paths: all of them as svg into a folder, or one into a file.
 
-    Args:
-        path: a picture, of one recording's fit or of many recordings' trend; or a folder for all of them, as svg.
-        outcomes: the files that could be estimated.
-        trends: the trends of their joints.
-        settings: the settings of the estimates.
-        alone: whether the user gave one recording only.
+    A file gets the fit of a recording that the user gave ``alone``, else the trends of the joints.
 
     Raises:
         BenchError: where they cannot be written.
     """
     one = bool(path.suffix) and not path.is_dir()
     made = []
+
+    def save(figure: Figure, name: str) -> None:
+        picture = path if one else path / f"{name}.svg"
+        with replacing(picture) as temporary:
+            temporary.parent.mkdir(parents=True, exist_ok=True)
+            figure.savefig(temporary, metadata={LEFT_OUT[picture.suffix.lower()]: None})
+        made.append(picture)
+
     with style.context():
         names = unique(file_name(outcome.path.stem) for outcome in outcomes)
         for name, outcome in zip(names, outcomes, strict=True) if alone or not one else ():
-            figure = fit_figure(outcome.estimate, single=settings.single)
-            made.append(_save(figure, path if one else path / f"{name}.svg"))
+            save(fit_figure(outcome.estimate, single=settings.single), name)
         if trends:
-            figure = trend_figure(trends, limit_rad=settings.limit_rad)
-            made.append(_save(figure, path if one else path / f"{TREND}.svg"))
+            save(trend_figure(trends, limit_rad=settings.limit_rad), "trend")
     return made
 
 
@@ -84,16 +78,11 @@ def fit_figure(estimate: Estimate, *, single: bool) -> Figure:
     dense = len(time) > style.MANY_POINTS  # kept as an image then
     above.plot(time, recording.speed, color=SIGNAL, linewidth=0.5, label="recording", rasterized=dense)
     above.plot(time, estimate.fitted, color=FIT, linewidth=0.8, label="fit", rasterized=dense)
-    above.set_ylabel("motor speed in rps")
-    above.set_xlabel("time in s")
-    if single:
-        _draw_oscillation(middle, estimate)
-    else:
-        _draw_half_turn(middle, estimate)
+    above.set(xlabel="time in s", ylabel="motor speed in rps")
+    (_draw_oscillation if single else _draw_half_turn)(middle, estimate)
     below.plot(time, recording.speed - estimate.fitted, color=SIGNAL, linewidth=0.5, rasterized=dense)
     below.axhline(0.0, color=FIT, linewidth=0.8)
-    below.set_ylabel("rest in rps")
-    below.set_xlabel("time in s")
+    below.set(xlabel="time in s", ylabel="rest in rps")
     for ax in (above, below):
         ax.set_xlim(time[0], time[-1])
         ax.margins(y=0.08)
@@ -103,10 +92,7 @@ def fit_figure(estimate: Estimate, *, single: bool) -> Figure:
 
 
 def trend_figure(trends: Sequence[Trend], *, limit_rad: float) -> Figure:
-    """Plot the trend of each joint: half-gaps with their intervals, the trend's line, the limit.
-
-    There is a panel for each kind of time and quantity.
-    """
+    """Plot the half-gaps of each joint with intervals, trend and limit, a panel for each kind of time and quantity."""
     kinds: dict[tuple[str, str], list[Trend]] = {}
     for each in trends:
         kinds.setdefault((each.quantity, each.series.unit), []).append(each)
@@ -122,10 +108,9 @@ def trend_figure(trends: Sequence[Trend], *, limit_rad: float) -> Figure:
         if quantity == "backlash":
             ax.axhline(factor * limit_rad, color=style.REFERENCE, linewidth=1.0, linestyle=":", label="limit")
         what = "half-gap δ" if quantity == "backlash" else "amplitude A"
-        ax.set_ylabel(f"{what} in {shown}")
-        ax.set_xlabel("month" if unit == "month" else BY[unit])
+        ax.set(xlabel=BY[unit], ylabel=f"{what} in {shown}")
         ax.xaxis.set_major_locator(_locator(alike))
-        ax.xaxis.set_major_formatter(FuncFormatter(partial(_label, alike[0].series)))
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda at, _, series=alike[0].series: series.label(at)))
         ax.set_ylim(bottom=0.0)
     _legend(figure)
     return figure
@@ -153,9 +138,8 @@ def _draw_half_turn(ax: Axes, estimate: Estimate) -> None:
     fine = np.linspace(0.0, half, 1001)[1:-1]
     wave = oscillation(fine, x) - oscillation(fine + half, x)  # the one before may last into this half turn
     ax.plot(fine, math.copysign(1.0, estimate.variables["A"]) * wave, color=FIT, linewidth=1.0)
-    ax.set_xlim(0.0, half)
-    ax.set_xlabel("time in s since the half turn's beginning; every other half turn upside down")
-    ax.set_ylabel("disturbance in rps")
+    title = "time in s since the half turn's beginning; every other half turn upside down"
+    ax.set(xlim=(0.0, half), xlabel=title, ylabel="disturbance in rps")
 
 
 def _draw_oscillation(ax: Axes, estimate: Estimate) -> None:
@@ -168,9 +152,7 @@ def _draw_oscillation(ax: Axes, estimate: Estimate) -> None:
     ax.plot(time[near], estimate.recording.speed[near] - base, ".-", color=SIGNAL, markersize=2.5, linewidth=0.5)
     fine = np.linspace(t0 - ASIDE, end + ASIDE, 1001)
     ax.plot(fine, oscillation(fine - t0, x), color=FIT, linewidth=1.0)
-    ax.set_xlim(fine[0], fine[-1])
-    ax.set_xlabel("time in s")
-    ax.set_ylabel("disturbance in rps")
+    ax.set(xlim=(fine[0], fine[-1]), xlabel="time in s", ylabel="disturbance in rps")
 
 
 def _draw_trend(ax: Axes, trend: Trend, factor: float, look: style.Look, name: str) -> None:
@@ -190,10 +172,6 @@ def _locator(trends: Sequence[Trend]) -> Locator:
     return MultipleLocator(next((months for months in MONTHS if span <= 8 * months), MONTHS[-1]))
 
 
-def _label(series: Series, at: float, _: int) -> str:
-    return series.label(at)
-
-
 def _legend(figure: Figure) -> None:
     """Put a legend with one entry a label above all panels, unless it has too many entries to help."""
     entries: dict[str, Any] = {}
@@ -202,10 +180,3 @@ def _legend(figure: Figure) -> None:
         entries |= dict(zip(labels, handles, strict=True))
     if len(entries) <= style.MANY_NAMES:
         figure.legend(entries.values(), entries.keys(), loc="outside upper left", ncols=5)
-
-
-def _save(figure: Figure, path: Path) -> Path:
-    with replacing(path) as temporary:
-        temporary.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(temporary, metadata=METADATA[path.suffix.lower()])
-    return path

@@ -9,13 +9,10 @@ identifies the joint. Without a date, a number that is not the joint's own gives
 either, the order of the files does.
 """
 
-from __future__ import annotations
-
 import re
 from calendar import monthrange
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import datetime
 from os.path import commonpath
 from pathlib import Path
 
@@ -25,11 +22,8 @@ from bench.errors import BenchError
 from bench.problem import Floats
 from problems.backlash.recordings.tables import READERS
 
-TRUTH = "truth.csv"
-"""The file that 'bench simulate --wear' writes beside the recordings."""
-
+TRUTH = "truth.csv"  # the file that 'bench simulate --wear' writes beside the recordings
 MAGIC = set("*?[")
-
 DATE = re.compile(
     r"(?<!\d)(?P<year>(?:19|20)\d\d)(?P<by>[-_.]?)(?P<month>0[1-9]|1[0-2])(?:(?P=by)(?P<day>0[1-9]|[12]\d|3[01]))?"
     r"(?:[T_ -](?P<hour>[01]\d|2[0-3])[-:h.]?(?P<minute>[0-5]\d)(?:[-:.]?[0-5]\d)?)?(?!\d)"
@@ -84,10 +78,10 @@ def find(arguments: Sequence[str | Path]) -> tuple[list[Path], list[str]]:
     notes = []
     for argument in map(Path, arguments):
         if argument.is_dir():
-            inside = [path for path in (*argument.iterdir(), *argument.glob("*/*")) if _is_recording(path)]
-            files = sorted((path for path in inside if path.name != TRUTH), key=natural)
-            notes += [f"{path} is no recording but a wear curve's truth; it was left out" for path in inside
-                      if path.name == TRUTH]  # fmt: skip
+            inside = sorted(filter(_is_recording, (*argument.iterdir(), *argument.glob("*/*"))), key=natural)
+            files = [path for path in inside if path.name != TRUTH]
+            truths = [path for path in inside if path.name == TRUTH]
+            notes += [f"{path} is no recording but a wear curve's truth; it was left out" for path in truths]
             if not files:
                 raise BenchError(f"there is no recording in the folder {argument}; give {', '.join(READERS)} files")
         elif MAGIC & set(str(argument)) and not argument.exists():
@@ -128,9 +122,8 @@ def series(paths: Sequence[Path]) -> list[Series]:
     for (joint, unit), members in groups.items():
         at = np.array([float(n + 1) if (own := names[i].at) is None else own for n, i in enumerate(members)])
         order = np.argsort(at, kind="stable")
-        made.append(
-            Series(joint, tuple(members[i] for i in order), at[order], unit, any(names[i].days for i in members))
-        )
+        days = any(names[i].days for i in members)
+        made.append(Series(joint, tuple(members[i] for i in order), at[order], unit, days))
     return made
 
 
@@ -158,12 +151,8 @@ def _joined(folder: str, before: str, after: str) -> str:
 
 def _months(date: re.Match[str]) -> float | None:
     """Return the months since the year 0, the day and the hour as parts of one, or None for 31 February."""
-    try:
-        when = datetime(
-            int(date["year"]), int(date["month"]), int(date["day"] or 1), int(date["hour"] or 0),
-            int(date["minute"] or 0),
-        )  # fmt: skip
-    except ValueError:
+    year, month, day, hour, minute = (int(date[part] or 0) for part in ("year", "month", "day", "hour", "minute"))
+    length = monthrange(year, month)[1]
+    if day > length:
         return None
-    length = monthrange(when.year, when.month)[1]
-    return when.year * 12 + when.month - 1 + (when.day - 1 + (when.hour * 60 + when.minute) / 1440) / length
+    return year * 12 + month - 1 + (max(day, 1) - 1 + (hour * 60 + minute) / 1440) / length

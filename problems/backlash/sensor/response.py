@@ -13,8 +13,6 @@ The recordings of a half-gap differ evenly in their start within a load turn and
 free of noise: the noise of section 7.3, low or high, changes the mean fit of levels 2 to 20 by at most 1.3 %.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -28,44 +26,39 @@ from problems.backlash.recordings import Recording
 from problems.backlash.signature.model import strength
 from problems.backlash.signature.problem import SignatureFit
 
-TURNS = 12
-"""Load turns of a recording, as the published ones have."""
-
-FITS = 8
-"""Recordings of a half-gap, each with another start in a load turn and another place of the samples."""
+RATE = 500.0  # Hz; the sampling rate of the recordings
+TURNS = 12  # load turns of a recording, as the published ones have
+FITS = 8  # recordings of a half-gap, each with another start in a load turn and another place of the samples
 
 
-def response(
-    joint: Joint, half_gaps: Sequence[float], *, rate: float = 500.0, jobs: int = 1, shown: bool = False
-) -> tuple[Floats, Floats]:
+def response(joint: Joint, half_gaps: Sequence[float], *, jobs: int = 1, shown: bool = False) -> tuple[Floats, Floats]:
     """Return the mean strength of the fits of each half-gap's recordings and its standard deviation, (m,) rpm each.
 
     Args:
         joint: the joint and its controller.
-        half_gaps: (m,) rad.
-        rate: sampling rate of the recordings, Hz.
+        half_gaps: (m,) rad; each takes some seconds.
         jobs: worker processes; -1 takes every core.
-        shown: show a progress bar on stderr; a half-gap takes some seconds.
+        shown: show a progress bar on stderr.
 
     Raises:
         BenchError: where a half-gap cannot be simulated or fitted.
     """
-    fits = Parallel(n_jobs=jobs, return_as="generator")(delayed(_fits)(joint, gap, rate) for gap in half_gaps)
+    fits = Parallel(n_jobs=jobs, return_as="generator")(delayed(_fits)(joint, gap) for gap in half_gaps)
     bar = track(fits, "fits", len(half_gaps), console=Console(stderr=True), transient=True, disable=not shown)
     strengths = 60 * np.array(list(bar))
     return strengths.mean(axis=1), strengths.std(axis=1)
 
 
-def _fits(joint: Joint, gap: float, rate: float) -> Floats:
+def _fits(joint: Joint, gap: float) -> Floats:
     """Return the strengths in rps, (FITS,), of fits to a half-gap's recordings, sampled at evenly spaced places."""
-    turn = joint.turn * rate  # in samples
-    made = simulate(joint, half_gap=gap, duration=((TURNS + 1) * turn + 1) / rate, rate=rate)
+    turn = joint.turn * RATE  # in samples
+    made = simulate(joint, half_gap=gap, duration=((TURNS + 1) * turn + 1) / RATE, rate=RATE)
     stride = (len(made.fine.speed) - 1) // (len(made.speed) - 1)
     count = int(TURNS * turn + 1e-6) + 1
     strengths = np.empty(FITS)
     for i in range(FITS):
         first = int(turn * i / FITS) * stride + stride * i // FITS
         speed = made.fine.speed[first::stride][:count]
-        problem = SignatureFit("response", Recording(0.0, 1 / rate, speed), period=joint.turn, turns=TURNS)
+        problem = SignatureFit("response", Recording(0.0, 1 / RATE, speed), period=joint.turn, turns=TURNS)
         strengths[i] = strength(problem.reference().x)
     return strengths

@@ -9,8 +9,6 @@ simulated wear, the 95 % range from the later half held the true month in 9 of 1
 fewer than half.)
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -18,16 +16,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.problem import Floats
-from problems.backlash.sensor.estimate import Estimate
-from problems.backlash.sensor.recording_files import Series
+from problems.backlash.sensor.batch import Estimated
+from problems.backlash.sensor.estimate import Estimate, Interval, Settings
+from problems.backlash.sensor.recording_files import Series, series
 
-Interval = tuple[float, float]
-
-FEWEST = 3
-"""Recordings that a slope needs."""
-
-LATEST = 6
-"""Recordings that predict a limit at least, where there are as many: five cannot be significant at 1 %."""
+FEWEST = 3  # recordings that a slope needs
+LATEST = 6  # recordings that predict a limit at least, where there are as many: five cannot be significant at 1 %
 
 
 @dataclass(frozen=True)
@@ -88,11 +82,11 @@ class Trend:
     reached: tuple[float, Interval] | None
 
 
-def trend(series: Series, estimates: Sequence[Estimate], *, limit_rad: float, confidence: float = 0.95) -> Trend:
+def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float, confidence: float = 0.95) -> Trend:
     """Return the trend of a series.
 
     Args:
-        series: two recordings or more.
+        joint: two recordings or more.
         estimates: of these recordings, in the order of the series.
         limit_rad: the half-gap delta in rad whose crossing is predicted.
         confidence: the level of the intervals; a trend is significant at one minus that.
@@ -101,10 +95,10 @@ def trend(series: Series, estimates: Sequence[Estimate], *, limit_rad: float, co
     known = bool(np.isfinite(backlash).all())
     values = backlash if known else np.array([each.amplitude_rps for each in estimates])
     intervals = np.array([each.interval_rad if known else each.amplitude_interval_rps for each in estimates])
-    line = fit_line(series.at, values, confidence)
+    line = fit_line(joint.at, values, confidence)
     latest = max(-(-len(values) // 2), LATEST)
     return Trend(
-        series=series,
+        series=joint,
         quantity="backlash" if known else "amplitude",
         values=values,
         intervals=intervals,
@@ -113,9 +107,16 @@ def trend(series: Series, estimates: Sequence[Estimate], *, limit_rad: float, co
         line=line,
         significant=line is not None and line.p_value < 1 - confidence,
         latest=min(latest, len(values)),
-        since=_since(series.at, values, limit_rad) if known else None,
-        reached=_reached(series.at[-latest:], values[-latest:], limit_rad, confidence) if known else None,
+        since=_since(joint.at, values, limit_rad) if known else None,
+        reached=_reached(joint.at[-latest:], values[-latest:], limit_rad, confidence) if known else None,
     )
+
+
+def trends(estimated: Sequence[Estimated], settings: Settings) -> list[Trend]:
+    """Return the trend of every joint with two recordings or more, the fastest first."""
+    joints = [joint for joint in series([each.path for each in estimated]) if len(joint.members) > 1]
+    options: dict[str, float] = {"limit_rad": settings.limit_rad, "confidence": settings.confidence}
+    return fastest_first(trend(joint, [estimated[i].estimate for i in joint.members], **options) for joint in joints)
 
 
 def fastest_first(trends: Iterable[Trend]) -> list[Trend]:
@@ -153,5 +154,6 @@ def _reached(time: Floats, values: Floats, limit: float, confidence: float) -> t
     line = fit_line(time, values, confidence)
     if line is None or not line.p_value < 1 - confidence or line.slope <= 0 or values[-1] > limit:
         return None
-    ends = [max(line.reaches(limit, slope), float(time[-1])) for slope in (line.interval[1], line.interval[0])]
-    return max(line.reaches(limit), float(time[-1])), (ends[0], ends[1])
+    slopes = (line.slope, *reversed(line.interval))
+    when, early, late = (max(line.reaches(limit, slope), float(time[-1])) for slope in slopes)
+    return when, (early, late)

@@ -9,10 +9,9 @@ import pytest
 from rich.console import Console
 
 from problems.backlash.sensor import formatting
-from problems.backlash.sensor.batch import Estimated, Failed
+from problems.backlash.sensor.batch import Estimated, Failed, RepeatedRuns, RunSettings
 from problems.backlash.sensor.estimate import Settings
 from problems.backlash.sensor.recording_files import Series
-from problems.backlash.sensor.repeated_runs import RepeatedRuns, RunSettings
 from problems.backlash.sensor.trend import trend
 from problems.backlash.signature.calibration import Calibration
 

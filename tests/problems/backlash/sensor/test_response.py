@@ -61,7 +61,7 @@ def test_the_recordings_of_a_half_gap_differ_in_their_start_and_in_where_their_s
         return SimpleNamespace(reference=lambda: SimpleNamespace(x=np.array([-len(recordings) / 60, 0.0, 15.0])))
 
     monkeypatch.setattr(response, "SignatureFit", keep)
-    fitted, scatter = response.response(joint, [0.001], rate=500.0)
+    fitted, scatter = response.response(joint, [0.001])
     assert (fitted, scatter) == (pytest.approx([4.5]), pytest.approx([np.std(np.arange(1, 9))]))
     turn = joint.turn * 500
     assert {len(each.speed) for each in recordings} == {int(12 * turn) + 1}
