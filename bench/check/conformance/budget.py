@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench.check.conformance import problems
+from bench.check import problems
 from bench.check.conformance.recording import RecordedRun
 from bench.check.conformance.subject import Subject
 from bench.check.conformance.violation import LET_IT_PASS, ConstructionError, ViolationError

@@ -7,7 +7,7 @@ import pickle
 
 import cloudpickle
 
-from bench.check.conformance import problems
+from bench.check import problems
 from bench.check.conformance.subject import START_PATIENCE, Subject, pack, parameters, unpack
 from bench.check.conformance.violation import ViolationError, expect_same, expect_same_course, explain_lost_process
 from bench.sandbox.process import DiedError, Process, Pulse, SilentError

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from bench.check.conformance import problems
+from bench.check import problems
 from bench.check.conformance.budget import expect_kept_budget
 from bench.check.conformance.recording import RecordedRun
 from bench.check.conformance.subject import Subject, ordinary_budget

@@ -15,7 +15,7 @@ from time import monotonic, sleep
 
 import numpy as np
 
-from bench.check.conformance import problems
+from bench.check import problems
 from bench.check.conformance.subject import Subject
 from bench.check.conformance.violation import ViolationError
 from bench.sandbox.messages import describe_error

@@ -5,7 +5,7 @@ import random
 import numpy as np
 import pytest
 
-from bench.check.conformance import problems
+from bench.check import problems
 from bench.check.conformance.recording import record_run
 from tests.bench.check import faulty
 
