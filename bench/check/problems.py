@@ -16,8 +16,6 @@ _LOWER, _UPPER, _BEST = (-2.0, 10.0, -1000.0), (5.0, 10.5, -10.0), (0.3, 0.65, 0
 SHIFT = 0.1  # of the box, in every variable
 HALF_WIDTH = 100.0  # of the classic functions' box [-100, 100]
 
-Function = Callable[[Floats], Floats]
-
 
 class RecordingProblem(FunctionProblem):
     """A problem that records the points of one run."""
@@ -88,9 +86,9 @@ def _ordinary(values: Callable[[Floats, Floats], Floats], dimension: int, **nami
 
 def classic(name: str, dimension: int, *, moved: bool) -> RecordingProblem:
     """Return one of ``FUNCTIONS`` with its optimum, 0, at the centre of the box or moved by ``SHIFT``."""
-    shift = SHIFT * 2 * HALF_WIDTH if moved else 0.0
-    bounds = np.full(dimension, HALF_WIDTH)
-    return RecordingProblem(lambda x: FUNCTIONS[name](x - shift), -bounds, bounds, name=name)
+    shift, bounds = SHIFT * 2 * HALF_WIDTH if moved else 0.0, np.full(dimension, HALF_WIDTH)
+    function, scale = FUNCTIONS[name]
+    return RecordingProblem(lambda x: function((x - shift) * scale), -bounds, bounds, name=name)
 
 
 def noise(box: tuple[float, float], dimension: int, seed: int) -> RecordingProblem:
@@ -103,33 +101,21 @@ def noise(box: tuple[float, float], dimension: int, seed: int) -> RecordingProbl
     return RecordingProblem(lambda x: rng.random(len(x)), *np.repeat([box], dimension, axis=0).T, name="noise")
 
 
-def _sphere(z: Floats) -> Floats:
-    return np.asarray((z**2).sum(axis=1))
-
-
-def _ellipsoid(z: Floats) -> Floats:
-    weights = 10 ** np.linspace(0, 6, z.shape[1])
-    return np.asarray((weights * z**2).sum(axis=1))
-
-
-def _rastrigin(z: Floats) -> Floats:
-    y = z * 0.0512
-    return np.asarray((y**2 - 10 * np.cos(2 * np.pi * y) + 10).sum(axis=1))
-
-
-def _ackley(z: Floats) -> Floats:
-    y = z * 0.32
-    radius = np.sqrt((y**2).mean(axis=1))
-    waves = np.cos(2 * np.pi * y).mean(axis=1)
+def _ackley(y: Floats) -> Floats:
+    radius, waves = np.sqrt((y**2).mean(axis=1)), np.cos(2 * np.pi * y).mean(axis=1)
     return np.asarray(20 - 20 * np.exp(-0.2 * radius) + np.e - np.exp(waves))
 
 
-def _griewank(z: Floats) -> Floats:
-    y = z * 6.0
-    return np.asarray((y**2).sum(axis=1) / 4000 - np.cos(y / np.sqrt(np.arange(1, z.shape[1] + 1))).prod(axis=1) + 1)
+def _griewank(y: Floats) -> Floats:
+    return np.asarray((y**2).sum(axis=1) / 4000 - np.cos(y / np.sqrt(np.arange(1, y.shape[1] + 1))).prod(axis=1) + 1)
 
 
-# The classic unimodal and multimodal functions, each on its usual domain scaled to the box; all are 0 at the origin.
-FUNCTIONS: dict[str, Function] = {
-    "sphere": _sphere, "ellipsoid": _ellipsoid, "Rastrigin": _rastrigin, "Ackley": _ackley, "Griewank": _griewank,
-}  # fmt: skip
+FUNCTIONS: dict[str, tuple[Callable[[Floats], Floats], float]] = {
+    "sphere": (lambda y: (y**2).sum(axis=1), 1.0),
+    "ellipsoid": (lambda y: (10 ** np.linspace(0, 6, y.shape[1]) * y**2).sum(axis=1), 1.0),
+    "Rastrigin": (lambda y: (y**2 - 10 * np.cos(2 * np.pi * y) + 10).sum(axis=1), 0.0512),
+    "Ackley": (_ackley, 0.32),
+    "Griewank": (_griewank, 6.0),
+}
+"""Classic unimodal and multimodal functions with their optimum, 0, at the origin, and the scale that maps the box to
+the usual domain of each."""

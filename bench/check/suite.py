@@ -13,8 +13,6 @@ from bench.check.verdict import Verdict
 from bench.optimizer import Optimizer
 from bench.sandbox.messages import describe_error
 
-Listener = Callable[[Verdict], None]
-
 
 @dataclasses.dataclass(frozen=True)
 class Checkup:
@@ -44,15 +42,14 @@ class Checkup:
     def summary(self) -> str:
         """One sentence on the outcome."""
         failed = {
-            kind: [verdict.check for verdict in self.verdicts if verdict.kind == kind and not verdict.passed]
+            kind: ", ".join(verdict.check for verdict in self.verdicts if verdict.kind == kind and not verdict.passed)
             for kind in ("conformance", "bias")
         }
-        contract = f"fails the contract in: {', '.join(failed['conformance'])}"
+        contract = f"fails the contract in: {failed['conformance']}" if failed["conformance"] else "keeps the contract"
         left = f"; not checked until that is mended: {', '.join(self.unchecked)}" if self.unchecked else ""
-        biased = f"; biased: fails the checks of {', '.join(failed['bias'])}" if failed["bias"] else ""
-        looked = any(verdict.kind == "bias" for verdict in self.verdicts)
-        free = "; no bias was found" if looked and not biased else ""
-        return f"{self.label} {'keeps the contract' if self.conforms else contract}{left}{biased}{free}"
+        biased = f"; biased: fails the checks of {failed['bias']}" if failed["bias"] else ""
+        free = not biased and any(verdict.kind == "bias" for verdict in self.verdicts)
+        return f"{self.label} {contract}{left}{biased}{'; no bias was found' if free else ''}"
 
     def __bool__(self) -> bool:
         return self.conforms
@@ -77,7 +74,7 @@ def check_optimizer(
     bias: bool = True,
     n_jobs: int = -1,
     seed: int = 0,
-    on_check: Listener | None = None,
+    on_check: Callable[[Verdict], None] | None = None,
     **options: Any,
 ) -> Checkup:
     """Check that an optimizer keeps the contract, and look for biases of its method.
@@ -101,20 +98,21 @@ def check_optimizer(
     """
     subject = make_subject(optimizer, options, seed)
     verdicts: list[Verdict] = []
-
-    def note(verdict: Verdict) -> None:
+    for verdict in _verdicts(subject, bias, n_jobs):
         verdicts.append(verdict)
         if on_check is not None:
             on_check(verdict)
-
-    for verdict in check_conformance(subject):
-        note(verdict)
     made = {verdict.check for verdict in verdicts}
-    unchecked = tuple(rule.name for rule in RULES if rule.name not in made)
-    if bias and {"run", "budget"} <= {verdict.check for verdict in verdicts if verdict.passed}:
-        for verdict in _biases(subject, n_jobs):
-            note(verdict)
-    return Checkup(subject.label, tuple(verdicts), unchecked)
+    return Checkup(subject.label, tuple(verdicts), tuple(rule.name for rule in RULES if rule.name not in made))
+
+
+def _verdicts(subject: Subject, bias: bool, n_jobs: int) -> Iterator[Verdict]:
+    kept = set()
+    for verdict in check_conformance(subject):
+        yield verdict
+        kept |= {verdict.check} if verdict.passed else set()
+    if bias and {"run", "budget"} <= kept:
+        yield from _biases(subject, n_jobs)
 
 
 def _biases(subject: Subject, n_jobs: int) -> list[Verdict]:

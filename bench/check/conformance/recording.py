@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import random
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,20 +12,14 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench.execution.solve import solve
-from bench.execution.trial_process import STILL_ASKING
-from bench.objective import BudgetExhausted, Objective
+from bench.objective import Objective
 from bench.optimizer import Optimizer
-from bench.problem import Floats, FunctionProblem, Problem
+from bench.problem import Floats
 from bench.sandbox.process import Pulse
 from bench.seeds import global_states
 
-OFFERED = frozenset(
-    {"lower", "upper", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
-)  # fmt: skip
+OFFERED = {"lower", "upper", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
 """Attributes that the contract offers, and ``evaluations``, which is ``budget`` minus ``remaining``."""
-
-_MOST_REFUSALS = 10_000  # calls after the end of the budget until the process is ended
 
 
 @dataclass
@@ -56,73 +49,29 @@ class RecordedRun:
         return [crc32(point.tobytes()) for point in self.points]
 
 
-def record_run(
-    optimizer: Optimizer,
-    problem: Problem,
-    budget: int,
-    *,
-    seed: int,
-    pulse: Pulse | None = None,
-    expendable: bool = False,
-    global_seed: int = 0,
-) -> RecordedRun:
-    """Run the optimizer as a trial does and return the record.
+class ObservedOptimizer(Optimizer):
+    """An optimizer whose use of the objective and the generator is recorded.
 
     Args:
         optimizer: what is run.
-        problem: what is minimised.
-        budget: evaluations it may spend.
-        seed: the trial's.
-        pulse: called with the evaluations made and the budget after every call of the objective.
-        expendable: whether this process may be ended to stop an optimizer that calls the objective for ever.
-        global_seed: of Python's and numpy's global random states during the run.
+        run: the record.
+        pulse: called with the evaluations made and the budget after every call of the objective, if given.
     """
-    seen = RecordedRun()
-    observed = _ObservedOptimizer(optimizer, seen, pulse, expendable)
-    points: list[Floats] = []
-    with _global_states(global_seed) as changed:
-        try:
-            result = solve(_RecordingProblem(problem, points), observed, budget=budget, seed=seed)
-        except RuntimeError:
-            if points or not observed.returned:
-                raise
-        else:
-            seen.stop, seen.outside = result.stop, result.outside_box
-        seen.touched = changed()
-    seen.points = np.concatenate(points) if points else np.empty((0, problem.dimension))
-    return seen
 
-
-class _RecordingProblem(FunctionProblem):
-    """A problem that records its evaluated points."""
-
-    def __init__(self, problem: Problem, points: list[Floats]) -> None:
-        super().__init__(problem.evaluate, problem.lower, problem.upper, name=problem.name, optimum=problem.optimum,
-                         variables=problem.variables)  # fmt: skip
-        self.repair = problem.repair  # type: ignore[method-assign]
-        self._points = points
-
-    def evaluate(self, x: Floats) -> Floats:
-        self._points.append(x.copy())
-        return super().evaluate(x)
-
-
-class _ObservedOptimizer(Optimizer):
-    """The optimizer, which gets a recording objective."""
-
-    def __init__(self, optimizer: Optimizer, seen: RecordedRun, pulse: Pulse | None, expendable: bool) -> None:
-        self.optimizer, self.seen, self.pulse, self.expendable = optimizer, seen, pulse, expendable
+    def __init__(self, optimizer: Optimizer, run: RecordedRun, pulse: Pulse | None) -> None:
+        self._optimizer, self._run, self._pulse = optimizer, run, pulse
         self.returned = False
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Run the optimizer on a stand-in for the objective."""
         lower, upper, before = objective.lower.copy(), objective.upper.copy(), _state(rng)
         try:
-            self.optimizer.minimize(_ObjectiveProxy(objective, self), rng)  # type: ignore[arg-type]
+            self._optimizer.minimize(_ObjectiveProxy(objective, self._run, self._pulse), rng)  # type: ignore[arg-type]
             self.returned = True
         finally:
-            self.seen.drew = _state(rng) != before
+            self._run.drew = _state(rng) != before
             if not (np.array_equal(lower, objective.lower) and np.array_equal(upper, objective.upper)):
-                self.seen.reached.add("the values of lower and upper")
+                self._run.reached.add("the values of lower and upper")
 
 
 class _ObjectiveProxy:
@@ -131,10 +80,10 @@ class _ObjectiveProxy:
     A name that no objective has is not recorded: tools that inspect an object ask for many such names.
     """
 
-    __slots__ = ("_ends", "_objective", "_observed")
+    __slots__ = ("_objective", "_pulse", "_reached")
 
-    def __init__(self, objective: Objective, observed: _ObservedOptimizer) -> None:
-        for name, value in (("_objective", objective), ("_observed", observed), ("_ends", [])):
+    def __init__(self, objective: Objective, run: RecordedRun, pulse: Pulse | None) -> None:
+        for name, value in (("_objective", objective), ("_reached", run.reached), ("_pulse", pulse)):
             object.__setattr__(self, name, value)
 
     @property  # type: ignore[misc]
@@ -144,31 +93,18 @@ class _ObjectiveProxy:
     def __getattr__(self, name: str) -> Any:
         value = getattr(self._objective, name)
         if name not in OFFERED and not name.startswith("__"):
-            self._observed.seen.reached.add(name)
+            self._reached.add(name)
         return value
 
     def __setattr__(self, name: str, value: Any) -> None:
-        self._observed.seen.reached.add(name)
+        self._reached.add(name)
         setattr(self._objective, name, value)
 
     def __call__(self, x: ArrayLike) -> Any:
-        objective, observed = self._objective, self._observed
-        try:
-            values = objective(x)
-        except BudgetExhausted:
-            observed.seen.asked_after = len(self._ends)
-            self._ends.append(True)
-            if len(self._ends) == 1:
-                self._pulse()
-            if observed.expendable and len(self._ends) > _MOST_REFUSALS:
-                os._exit(STILL_ASKING)
-            raise
-        self._pulse()
+        values = self._objective(x)
+        if self._pulse is not None:
+            self._pulse(self._objective.evaluations, self._objective.budget)
         return values
-
-    def _pulse(self) -> None:
-        if self._observed.pulse is not None:
-            self._observed.pulse(self._objective.evaluations, self._objective.budget)
 
 
 def _state(rng: np.random.Generator) -> str:
@@ -176,18 +112,14 @@ def _state(rng: np.random.Generator) -> str:
 
 
 @contextmanager
-def _global_states(seed: int) -> Iterator[Callable[[], tuple[str, ...]]]:
+def seeded_global_states(seed: int) -> Iterator[Callable[[], tuple[str, ...]]]:
     """Seed the global random states, yield a function that names those that have changed, and restore all of them."""
     before = random.getstate(), np.random.get_state()  # noqa: NPY002
     random.seed(seed)
     np.random.seed(seed)  # noqa: NPY002
     seeded = global_states()
-
-    def changed() -> tuple[str, ...]:
-        return tuple(name for name, state in global_states().items() if state != seeded[name])
-
     try:
-        yield changed
+        yield lambda: tuple(name for name, state in global_states().items() if state != seeded[name])
     finally:
         random.setstate(before[0])
         np.random.set_state(before[1])  # noqa: NPY002

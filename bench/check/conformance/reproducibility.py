@@ -7,19 +7,19 @@ import pickle
 
 import cloudpickle
 
-from bench.check import problems
 from bench.check.conformance.subject import START_PATIENCE, Subject, pack, parameters, unpack
-from bench.check.conformance.violation import ViolationError, expect_same, expect_same_course, explain_lost_process
+from bench.check.conformance.violation import ViolationError, expect_same, explain_lost_process
+from bench.check.problems import bowl
 from bench.sandbox.process import DiedError, Process, Pulse, SilentError
 
 
 def check_repetition(subject: Subject) -> str:
     """A seed repeats the run within a process; other seeds give other runs, or the method is deterministic."""
-    run = subject.run(problems.bowl())
-    expect_same(run, subject.run(problems.bowl()), "two runs of one seed differ",
-          "draw from rng alone, start from objective.initial, and use no clock, no generator of your own and nothing "
-          "that is kept in the module or the class")  # fmt: skip
-    others = [subject.run(problems.bowl(), seed=seed, global_seed=seed) for seed in (1, 2)]
+    mend = "draw from rng alone, start from objective.initial, and use no clock, no generator of your own and nothing "
+    mend += "that is kept in the module or the class"
+    run = subject.run()
+    expect_same(run.course(), subject.run().course(), "two runs of one seed differ", mend)
+    others = [subject.run(seed=seed, global_seed=seed) for seed in (1, 2)]
     if all(other.course() == run.course() for other in others):
         return "deterministic: the seed repeats the run, and so does every other seed"
     if not any(each.drew for each in (run, *others)):
@@ -32,7 +32,7 @@ def check_processes(subject: Subject) -> str:
     mend = "do not loop over a set or use hash() or id(): their order differs from process to process; use no process "
     mend += "number, host name or environment variable, and keep nothing in the module or the class from run to run"
     seeds = [0, 1, 2]
-    here = [subject.run(problems.bowl(), seed=seed).course() for seed in seeds]
+    here = [subject.run(seed=seed).course() for seed in seeds]
     with Process(hash_seed=1, nested=subject.expendable) as process:
         try:
             there = process.call(
@@ -42,21 +42,21 @@ def check_processes(subject: Subject) -> str:
             finding, other_mend = explain_lost_process(error, process)
             raise ViolationError(f"in another process, {finding}", other_mend) from error
     for mine, other in zip(here, reversed(there), strict=True):
-        expect_same_course(mine, other, "a seed gives another run in another process, after other runs", mend)
+        expect_same(mine, other, "a seed gives another run in another process, after other runs", mend)
     return f"{len(seeds)} trials gave the same runs in two processes, in two orders"
 
 
 def courses(packed: bytes, seeds: list[int], pulse: Pulse | None = None) -> list[list[int]]:
     """Return the courses of runs with these seeds."""
     subject = dataclasses.replace(unpack(packed), pulse=pulse)
-    return [subject.run(problems.bowl(), seed=seed).course() for seed in seeds]
+    return [subject.run(seed=seed).course() for seed in seeds]
 
 
 def check_state(subject: Subject) -> str:
     """Nothing is kept in the instance from run to run."""
     used = subject.fresh()
     before = parameters(used)
-    subject.run(problems.bowl(), optimizer=used)
+    subject.run(optimizer=used)
     after = parameters(used)
     mend = "keep what changes during a run in local variables of minimize, not in self"
     changed = [name for name in before if after.get(name) != before[name]]
@@ -64,8 +64,8 @@ def check_state(subject: Subject) -> str:
         raise ViolationError(
             f"a run changes its parameter {changed[0]!r} from {before[changed[0]]} to {after[changed[0]]}", mend
         )
-    new, again = (subject.run(problems.bowl(), optimizer=each, seed=1) for each in (None, used))
-    expect_same(new, again, "a second run of one instance differs from that of a new one", mend)
+    new, again = (subject.run(optimizer=each, seed=1) for each in (None, used))
+    expect_same(new.course(), again.course(), "a second run of one instance differs from that of a new one", mend)
     return "a second run of one instance equals that of a new one"
 
 
@@ -78,8 +78,8 @@ def check_pickling(subject: Subject) -> str:
         raise ViolationError(f"its pickled copy is a {type(copy).__name__}, not a {type(optimizer).__name__}", mend)
     if parameters(copy) != parameters(optimizer) and copy != optimizer:
         raise ViolationError("its pickled copy has other parameters", mend)
-    run, other = (subject.run(problems.bowl(), optimizer=each) for each in (optimizer, copy))
-    expect_same(run, other, "its pickled copy runs differently", mend)
+    run, other = (subject.run(optimizer=each) for each in (optimizer, copy))
+    expect_same(run.course(), other.course(), "its pickled copy runs differently", mend)
     return "a pickled copy has the same parameters and gives the same run"
 
 
@@ -87,18 +87,18 @@ def check_global_states(subject: Subject) -> str:
     """Neither Python's nor numpy's global random state is used or changed."""
     mend = "draw from rng alone: no random.random(), no np.random.rand() and no seeding of them; a library that needs "
     mend += "them gets a seed drawn from rng, and the states are restored afterwards"
-    run = subject.run(problems.bowl())
+    run = subject.run()
     if run.touched:
         raise ViolationError(f"a run changes the global random state of {' and '.join(run.touched)}", mend)
-    other = subject.run(problems.bowl(), global_seed=1)
-    expect_same(run, other, "a run depends on the global random states", mend)
+    other = subject.run(global_seed=1)
+    expect_same(run.course(), other.course(), "a run depends on the global random states", mend)
     return "the global random states of Python and numpy are neither used nor changed"
 
 
 def check_anonymity(subject: Subject) -> str:
     """A problem's name, variables and known optimum change nothing."""
-    other = problems.bowl(name="other", variables=("a", "b", "c"), optimum=-1.0)
-    expect_same(subject.run(problems.bowl()), subject.run(other),
-          "its run depends on the problem's name, variables or known optimum",
-          "use nothing of the problem but the objective's values and bounds")  # fmt: skip
+    run, other = subject.run(), subject.run(bowl(name="other", variables=("a", "b", "c"), optimum=-1.0))
+    finding = "its run depends on the problem's name, variables or known optimum"
+    mend = "use nothing of the problem but the objective's values and bounds"
+    expect_same(run.course(), other.course(), finding, mend)
     return "the problem's name, variables and known optimum change nothing"

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from bench.check.conformance import budget, parameters, reproducibility, robustness, side_effects
+from bench.check.conformance import parameters, reproducibility, robustness, side_effects
 from bench.check.conformance.subject import START_PATIENCE, Subject
-from bench.check.conformance.violation import ConstructionError, ViolationError
+from bench.check.conformance.violation import ViolationError
 from bench.check.verdict import Verdict
 from bench.sandbox.messages import describe_error
 
@@ -25,14 +25,15 @@ class Rule:
 
     Attributes:
         name: the name in verdicts, such as ``"budget"``.
-        examine: returns one sentence on what it observed, or raises ViolationError.
+        examine: returns one sentence on what it observed, or raises ViolationError; None where there is nothing to
+            examine because the optimizer cannot be constructed.
         mend: how to mend an exception that the optimizer raises in this check.
         needs: the rules that an optimizer must keep before this one can be checked.
         patience: seconds without a sign of life that are allowed.
     """
 
     name: str
-    examine: Callable[[Subject], str]
+    examine: Callable[[Subject], str | None]
     mend: str
     needs: tuple[str, ...] = ("run",)
     patience: float = PATIENCE
@@ -44,9 +45,13 @@ _ROBUST = "mend what raises: any dimension, any finite value and +inf can occur"
 RULES = (
     Rule("parameters", parameters.check_parameters, "declare fields of plain types with defaults that fit", ()),
     Rule(
-        "run", budget.check_run, "mend what raises: this is an ordinary function of three variables", (), START_PATIENCE
+        "run",
+        robustness.check_run,
+        "mend what raises: this is an ordinary function of three variables",
+        (),
+        START_PATIENCE,
     ),
-    Rule("budget", budget.check_budget, "mend what raises: any budget from 1 on can occur"),
+    Rule("budget", robustness.check_budget, "mend what raises: any budget from 1 on can occur"),
     Rule("repetition", reproducibility.check_repetition, "mend what raises: this is an ordinary run with another seed"),
     Rule(
         "processes", reproducibility.check_processes, "mend what raises in a new process", _REPEATED, 2 * START_PATIENCE
@@ -72,14 +77,10 @@ def find_rule(name: str) -> Rule:
 
 
 def judge(rule: Rule, subject: Subject) -> Verdict | None:
-    """Return the verdict on one rule, None where the optimizer cannot be constructed.
-
-    Any exception of the optimizer becomes the finding.
-    """
+    """Return the verdict on one rule, None where there is nothing to examine; any exception becomes the finding."""
     try:
-        return Verdict(rule.name, "conformance", True, rule.examine(subject))
-    except ConstructionError:
-        return None
+        observed = rule.examine(subject)
+        return None if observed is None else Verdict(rule.name, "conformance", True, observed)
     except ViolationError as violation:
         return failed(rule, violation.finding, violation.mend)
     except (Exception, SystemExit) as error:

@@ -9,13 +9,13 @@ import tempfile
 import threading
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from time import monotonic, sleep
+from typing import IO
 
 import numpy as np
 
-from bench.check import problems
 from bench.check.conformance.subject import Subject
 from bench.check.conformance.violation import ViolationError
 from bench.sandbox.messages import describe_error
@@ -23,7 +23,7 @@ from bench.sandbox.messages import describe_error
 
 def check_contract(subject: Subject) -> str:
     """The optimizer uses only what the objective offers."""
-    run = subject.run(problems.bowl())
+    run = subject.run()
     if run.reached:
         raise ViolationError(
             f"it reads or sets {', '.join(sorted(run.reached))} of the objective",
@@ -35,10 +35,12 @@ def check_contract(subject: Subject) -> str:
 
 def check_silence(subject: Subject) -> str:
     """A run prints nothing: the harness shows progress, and a study makes thousands of runs."""
-    with warnings.catch_warnings(record=True) as warned, _captured() as printed:
-        warnings.simplefilter("default")
-        subject.run(problems.bowl())
-    text = "".join(printed)
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as file:
+        with warnings.catch_warnings(record=True) as warned, _output_to(file):
+            warnings.simplefilter("default")
+            subject.run()
+        file.seek(0)
+        text = file.read()
     if text.strip():
         first = next(line for line in text.splitlines() if line.strip()).strip()
         raise ViolationError(
@@ -54,9 +56,9 @@ def check_leftovers(subject: Subject) -> str:
     """A run leaves no files, threads or processes behind; what a library starts once is not counted."""
     optimizers = [subject.fresh() for _ in range(2)]  # before the folder changes: a name may be a relative path
     running = [_running()]
-    with tempfile.TemporaryDirectory() as folder, _inside(folder):
+    with tempfile.TemporaryDirectory() as folder, chdir(folder):
         for optimizer in optimizers:
-            subject.run(problems.bowl(), optimizer=optimizer)
+            subject.run(optimizer=optimizer)
             running.append(_settled(running[-1]))
         files = sorted(path.name for path in Path(folder).iterdir())
     if files:
@@ -88,32 +90,18 @@ def _settled(before: tuple[int, int]) -> tuple[int, int]:
 
 
 @contextmanager
-def _inside(folder: str) -> Iterator[None]:
-    before = Path.cwd()
-    os.chdir(folder)
-    try:
-        yield
-    finally:
-        os.chdir(before)
-
-
-@contextmanager
-def _captured() -> Iterator[list[str]]:
-    """Collect the output to the standard streams, also from outside Python; it is complete when the context ends."""
-    written: list[str] = []
+def _output_to(file: IO[str]) -> Iterator[None]:
+    """Write to a file what goes to the standard streams, also from outside Python."""
     sys.stdout.flush()
     sys.stderr.flush()
-    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as file:
-        saved = [(descriptor, os.dup(descriptor)) for descriptor in (1, 2)]
-        for descriptor, _ in saved:
-            os.dup2(file.fileno(), descriptor)
-        try:
-            with redirect_stdout(file), redirect_stderr(file):
-                yield written
-        finally:
-            for descriptor, before in saved:
-                os.dup2(before, descriptor)
-                os.close(before)
-            file.flush()
-            file.seek(0)
-            written.append(file.read())
+    saved = [(descriptor, os.dup(descriptor)) for descriptor in (1, 2)]
+    for descriptor, _ in saved:
+        os.dup2(file.fileno(), descriptor)
+    try:
+        with redirect_stdout(file), redirect_stderr(file):
+            yield
+    finally:
+        for descriptor, before in saved:
+            os.dup2(before, descriptor)
+            os.close(before)
+        file.flush()

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from bench.check.conformance.recording import RecordedRun
+from itertools import zip_longest
+
 from bench.execution.trial_process import STILL_ASKING
 from bench.sandbox.process import DiedError, Process, SilentError
 
 LET_IT_PASS = "let BudgetExhausted pass: catch Exception, never BaseException or everything (a bare except)"
-
-
-class ConstructionError(Exception):
-    """The optimizer cannot be constructed, so that there is nothing to examine."""
 
 
 class ViolationError(Exception):
@@ -21,16 +18,10 @@ class ViolationError(Exception):
         self.finding, self.mend = finding, mend
 
 
-def expect_same(run: RecordedRun, other: RecordedRun, finding: str, mend: str) -> None:
-    """Raise ViolationError, naming the first evaluation that differs, unless both runs evaluated the same points."""
-    expect_same_course(run.course(), other.course(), finding, mend)
-
-
-def expect_same_course(one: list[int], other: list[int], finding: str, mend: str) -> None:
-    """Raise ViolationError unless both courses are equal, see :meth:`RecordedRun.course`."""
+def expect_same(one: list[int], other: list[int], finding: str, mend: str) -> None:
+    """Raise ViolationError, naming the first evaluation that differs, unless both courses of runs are equal."""
     if one != other:
-        length = min(len(one), len(other))
-        first = next((i for i in range(length) if one[i] != other[i]), length) + 1
+        first = next(i for i, (a, b) in enumerate(zip_longest(one, other), 1) if a != b)
         raise ViolationError(f"{finding} (from evaluation {first} on)", mend)
 
 

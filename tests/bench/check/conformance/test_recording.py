@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from bench.check import problems
-from bench.check.conformance.recording import record_run
+from bench.check.conformance.subject import Subject
 from tests.bench.check import faulty
 
 
 def record(optimizer, budget=40, **options):
-    return record_run(optimizer, problems.bowl(), budget, seed=1, **options)
+    return Subject(optimizer, seed=1, **options).run(problems.bowl(), budget=budget)
 
 
 def test_a_sound_run_uses_its_budget_and_nothing_else():

@@ -12,7 +12,7 @@ from bench.sandbox.process import DiedError, SilentError
 
 
 def run(*points):
-    return RecordedRun(np.array(points, dtype=float).reshape(-1, 1))
+    return RecordedRun(np.array(points, dtype=float).reshape(-1, 1)).course()
 
 
 def test_equal_runs_pass():
