@@ -8,7 +8,6 @@ from __future__ import annotations
 import atexit
 import dataclasses
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import cached_property
 from typing import Any, ClassVar
 
 import pytest
@@ -71,12 +70,12 @@ class RuleCheck:
         rule: the name of the rule, such as ``"budget"``.
     """
 
-    def __init__(self, examined: _Examined, rule: Rule) -> None:
-        self.optimizer, self.rule = examined.source, rule.name
-        self._examined, self._rule = examined, rule
+    def __init__(self, optimizer: Source, rule: Rule, checker: Checker) -> None:
+        self.optimizer, self.rule = optimizer, rule.name
+        self._rule, self._checker = rule, checker
 
     def __repr__(self) -> str:
-        return f"<check of {self._examined.label}: {self.rule}>"
+        return f"<check of {_label(self.optimizer)}: {self.rule}>"
 
     def __call__(self) -> None:
         """Return where the optimizer keeps the rule, and fail the test where it breaks the rule.
@@ -88,58 +87,56 @@ class RuleCheck:
         """
         __tracebackhide__ = True
         try:
-            verdict = self._examined.checker.verdict(self._rule)
+            verdict = self._checker.verdict(self._rule)
         except UnloadableError as error:
             if self._rule is not PICKLING:
                 pytest.skip(f"not checked: {error}")
             verdict = failed(PICKLING, str(error))
         except BenchError as error:
             raise BenchError(str(error)) from None  # without the frames in which the name was looked up
+        label = _label(self.optimizer)
         if verdict is None:
-            obstacle = self._examined.checker.obstacle(self._rule)
-            pytest.skip(f"not checked, because {self._examined.label} breaks the rule {obstacle.name!r}")
+            pytest.skip(f"not checked, because {label} breaks the rule {self._checker.obstacle(self._rule).name!r}")
         if not verdict.passed:
-            finding = f"{self._examined.label} breaks the rule {self.rule!r}: {verdict.finding}"
+            finding = f"{label} breaks the rule {self.rule!r}: {verdict.finding}"
             pytest.fail(f"{finding}\nto mend it: {verdict.mend}", pytrace=False)
 
 
-class _Examined:
-    """An optimizer with its checks, which share what they find."""
+class _Judge:
+    """Judge an optimizer in a process that ends when another optimizer is judged; a name is loaded with the first rule.
 
-    _running: ClassVar[ProcessJudge | None] = None  # of all optimizers, so that one process is there at a time
+    Raises:
+        BenchError: for an argument that is no optimizer.
+    """
+
+    _running: ClassVar[ProcessJudge | None] = None
 
     def __init__(self, source: Source) -> None:
-        self.source = source
-        self._subject = None if isinstance(source, str) else make_subject(source, {}, 0)  # a name is loaded later
-        self.label = _label(source)
-        self.checker = Checker(self._ask)
+        self._source = source
+        self._judge = None if isinstance(source, str) else ProcessJudge(make_subject(source, {}, 0))
 
-    @cached_property
-    def _judge(self) -> ProcessJudge:
-        return ProcessJudge(self._subject or make_subject(self.source, {}, 0))
-
-    def _ask(self, rule: Rule) -> Verdict | None:
-        judge = self._judge
-        if _Examined._running is not judge:
+    def __call__(self, rule: Rule) -> Verdict | None:
+        self._judge = self._judge or ProcessJudge(make_subject(self._source, {}, 0))
+        if _Judge._running is not self._judge:
             self.end_process()
-            _Examined._running = judge
-        return judge(rule)
+            _Judge._running = self._judge
+        return self._judge(rule)
 
     @classmethod
     def end_process(cls) -> None:
-        """End the process of the optimizer that was checked last."""
+        """End the process of the optimizer that was judged last."""
         if cls._running is not None:
             cls._running.close()
         cls._running = None
 
 
-atexit.register(_Examined.end_process)
+atexit.register(_Judge.end_process)
 
 
 def _cases(source: Source, expected_failures: ExpectedFailures | None) -> Iterator[Any]:
     """Yield one case for every rule, with its id and, where it is expected to fail, its mark."""
     expected = expected_failures(source) if callable(expected_failures) else expected_failures or {}
-    examined, names = _Examined(source), [rule.name for rule in RULES]
+    checker, names = Checker(_Judge(source)), [rule.name for rule in RULES]
     for name, reason in expected.items():
         if name not in names:
             raise BenchError(f"expected_failures names an unknown rule {name!r}{nearest(name, names)}")
@@ -149,7 +146,8 @@ def _cases(source: Source, expected_failures: ExpectedFailures | None) -> Iterat
         marks = []
         if rule.name in expected:
             marks.append(pytest.mark.xfail(reason=expected[rule.name], strict=True, raises=pytest.fail.Exception))
-        yield pytest.param(RuleCheck(examined, rule), id=f"{examined.label}-{rule.name.replace(' ', '-')}", marks=marks)
+        name = f"{_label(source)}-{rule.name.replace(' ', '-')}"
+        yield pytest.param(RuleCheck(source, rule, checker), id=name, marks=marks)
 
 
 def _label(source: Source) -> str:

@@ -36,22 +36,18 @@ class Checker:
     def verdict(self, rule: Rule) -> Verdict | None:
         """Return the verdict on the rule, None where it cannot be checked; raises what the judge raises."""
         if rule.name not in self._verdicts:
-            self._verdicts[rule.name] = self._judge(rule) if self._broken_need(rule) is None else None
+            needed = [self.verdict(find_rule(name)) for name in rule.needs]
+            kept = all(verdict is not None and verdict.passed for verdict in needed)
+            self._verdicts[rule.name] = self._judge(rule) if kept else None
         return self._verdicts[rule.name]
 
     def obstacle(self, rule: Rule) -> Rule:
         """Return the broken rule because of which this one cannot be checked."""
-        return self._broken_need(rule) or CONSTRUCTION
-
-    def _broken_need(self, rule: Rule) -> Rule | None:
-        """Return the first rule that this one needs and that is broken, None where all of them are kept."""
         for need in map(find_rule, rule.needs):
             verdict = self.verdict(need)
-            if verdict is None:
-                return self.obstacle(need)
-            if not verdict.passed:
+            if verdict is not None and not verdict.passed:
                 return need
-        return None
+        return CONSTRUCTION
 
 
 class ProcessJudge:
@@ -65,9 +61,9 @@ class ProcessJudge:
 
     def __init__(self, subject: Subject) -> None:
         self._subject = subject
-        self._packed: bytes | None = None
+        self._packed = b""
         self._process: Process | None = None
-        self._unloadable: UnloadableError | None = None
+        self._unloadable = ""  # the finding on an optimizer that no other process can load
 
     def __call__(self, rule: Rule) -> Verdict | None:
         """Return the verdict on the rule, None where there is nothing to examine.
@@ -75,14 +71,9 @@ class ProcessJudge:
         Raises:
             UnloadableError: when no other process can load the optimizer.
         """
-        if self._unloadable is not None:
-            raise self._unloadable
+        self._process = process = self._process or self._start()
         try:
-            packed, process = self._start()
-            verdict: Verdict | None = process.call(_judge, packed, rule.name, patience=rule.patience)
-        except UnloadableError as error:
-            self._unloadable = error
-            raise
+            verdict: Verdict | None = process.call(_judge, self._packed, rule.name, patience=rule.patience)
         except RemoteError as error:  # such as KeyboardInterrupt; other exceptions are in the verdict
             verdict = failed(rule, f"it raised {error}")
         except (SilentError, DiedError) as error:
@@ -96,20 +87,22 @@ class ProcessJudge:
             self._process.close()
         self._process = None
 
-    def _start(self) -> tuple[bytes, Process]:
-        """Return the packed optimizer and a process that has loaded it."""
-        if self._packed is None:
+    def _start(self) -> Process:
+        """Return a process that has loaded the optimizer."""
+        if not self._packed and not self._unloadable:
             try:
                 self._packed = pack(self._subject)
             except Exception as error:  # the parameters of a plug-in may raise anything
-                raise UnloadableError(f"it cannot be sent to another process: {describe_error(error)}") from error
-        if self._process is None:
-            self._process = Process(hash_seed=0)
+                self._unloadable = f"it cannot be sent to another process: {describe_error(error)}"
+        if not self._unloadable:
+            process = Process(hash_seed=0)
             try:
-                self._process.call(_load, self._packed, patience=START_PATIENCE)
+                process.call(_load, self._packed, patience=START_PATIENCE)
+                return process
             except (RemoteError, SilentError, DiedError) as error:
-                raise UnloadableError(f"another process cannot load it: {error}") from error
-        return self._packed, self._process
+                process.close()
+                self._unloadable = f"another process cannot load it: {error}"
+        raise UnloadableError(self._unloadable)
 
 
 def check_conformance(subject: Subject) -> Iterator[Verdict]:
