@@ -12,10 +12,9 @@ from typing import Any, ClassVar
 
 import pytest
 
-from bench.check.conformance.checker import PICKLING, Checker, ProcessJudge, UnloadableError
-from bench.check.conformance.rules import RULES, Rule, failed
-from bench.check.conformance.subject import make_subject
-from bench.check.verdict import Verdict
+from bench.check.conformance.checker import Checker
+from bench.check.conformance.rules import RULES, Rule
+from bench.check.conformance.subject import Subject, make_subject
 from bench.errors import BenchError, nearest
 from bench.optimizer import Optimizer, is_frozen
 
@@ -70,6 +69,8 @@ class RuleCheck:
         rule: the name of the rule, such as ``"budget"``.
     """
 
+    _last: ClassVar[Checker | None] = None  # its process ends when another optimizer is checked
+
     def __init__(self, optimizer: Source, rule: Rule, checker: Checker) -> None:
         self.optimizer, self.rule = optimizer, rule.name
         self._rule, self._checker = rule, checker
@@ -86,57 +87,30 @@ class RuleCheck:
             BenchError: for an unknown name.
         """
         __tracebackhide__ = True
+        label, checker = _label(self.optimizer), self._checker
         try:
-            verdict = self._checker.verdict(self._rule)
-        except UnloadableError as error:
-            if self._rule is not PICKLING:
-                pytest.skip(f"not checked: {error}")
-            verdict = failed(PICKLING, str(error))
+            make_subject(self.optimizer, {}, 0)
         except BenchError as error:
             raise BenchError(str(error)) from None  # without the frames in which the name was looked up
-        label = _label(self.optimizer)
+        if RuleCheck._last not in (None, checker):
+            RuleCheck._last.close()
+        RuleCheck._last = checker
+        verdict = checker.verdict(self._rule)
+        if verdict is None and checker.unloadable:
+            pytest.skip(f"not checked: {checker.unloadable}")
         if verdict is None:
-            pytest.skip(f"not checked, because {label} breaks the rule {self._checker.obstacle(self._rule).name!r}")
+            pytest.skip(f"not checked, because {label} breaks the rule {checker.obstacle(self._rule).name!r}")
         if not verdict.passed:
             finding = f"{label} breaks the rule {self.rule!r}: {verdict.finding}"
             pytest.fail(f"{finding}\nto mend it: {verdict.mend}", pytrace=False)
 
 
-class _Judge:
-    """Judge an optimizer in a process that ends when another optimizer is judged; a name is loaded with the first rule.
-
-    Raises:
-        BenchError: for an argument that is no optimizer.
-    """
-
-    _running: ClassVar[ProcessJudge | None] = None
-
-    def __init__(self, source: Source) -> None:
-        self._source = source
-        self._judge = None if isinstance(source, str) else ProcessJudge(make_subject(source, {}, 0))
-
-    def __call__(self, rule: Rule) -> Verdict | None:
-        self._judge = self._judge or ProcessJudge(make_subject(self._source, {}, 0))
-        if _Judge._running is not self._judge:
-            self.end_process()
-            _Judge._running = self._judge
-        return self._judge(rule)
-
-    @classmethod
-    def end_process(cls) -> None:
-        """End the process of the optimizer that was judged last."""
-        if cls._running is not None:
-            cls._running.close()
-        cls._running = None
-
-
-atexit.register(_Judge.end_process)
-
-
 def _cases(source: Source, expected_failures: ExpectedFailures | None) -> Iterator[Any]:
     """Yield one case for every rule, with its id and, where it is expected to fail, its mark."""
     expected = expected_failures(source) if callable(expected_failures) else expected_failures or {}
-    checker, names = Checker(_Judge(source)), [rule.name for rule in RULES]
+    checker = Checker(Subject(source) if isinstance(source, str) else make_subject(source, {}, 0))
+    atexit.register(checker.close)
+    names = [rule.name for rule in RULES]
     for name, reason in expected.items():
         if name not in names:
             raise BenchError(f"expected_failures names an unknown rule {name!r}{nearest(name, names)}")

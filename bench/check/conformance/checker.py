@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import closing
 
 from bench.check.conformance.rules import RULES, Rule, failed, find_rule, judge
@@ -15,30 +15,34 @@ from bench.sandbox.process import DiedError, Process, Pulse, RemoteError, Silent
 
 CONSTRUCTION, PICKLING = find_rule("parameters"), find_rule("pickling")
 
-Judge = Callable[[Rule], Verdict | None]
-
-
-class UnloadableError(Exception):
-    """No other process can load the optimizer, so that no rule can be checked; the message is a finding."""
-
 
 class Checker:
     """Check an optimizer against rules, each at most once, and none before the rules that it needs.
 
+    A process starts with the first verdict, and a new one after the optimizer has hung or ended it.
+
     Args:
-        judge: returns the verdict on a rule, None where there is nothing to examine.
+        subject: the optimizer.
+
+    Attributes:
+        unloadable: why no other process can load the optimizer, so that no rule can be checked; "" where one can.
     """
 
-    def __init__(self, judge: Judge) -> None:
-        self._judge = judge
+    def __init__(self, subject: Subject) -> None:
+        self.unloadable = ""
+        self._subject = subject
         self._verdicts: dict[str, Verdict | None] = {}
+        self._packed = b""
+        self._process: Process | None = None
 
     def verdict(self, rule: Rule) -> Verdict | None:
-        """Return the verdict on the rule, None where it cannot be checked; raises what the judge raises."""
+        """Return the verdict on the rule, None where it cannot be checked."""
         if rule.name not in self._verdicts:
             needed = [self.verdict(find_rule(name)) for name in rule.needs]
             kept = all(verdict is not None and verdict.passed for verdict in needed)
             self._verdicts[rule.name] = self._judge(rule) if kept else None
+            if self.unloadable and rule is PICKLING:
+                self._verdicts[rule.name] = failed(rule, self.unloadable)
         return self._verdicts[rule.name]
 
     def obstacle(self, rule: Rule) -> Rule:
@@ -49,29 +53,17 @@ class Checker:
                 return need
         return CONSTRUCTION
 
+    def close(self) -> None:
+        """End the process; a later verdict starts a new one."""
+        if self._process is not None:
+            self._process.close()
+        self._process = None
 
-class ProcessJudge:
-    """Judge rules in another process, and in a new one after the optimizer has hung or ended it.
-
-    The process starts with the first verdict.
-
-    Args:
-        subject: the optimizer.
-    """
-
-    def __init__(self, subject: Subject) -> None:
-        self._subject = subject
-        self._packed = b""
-        self._process: Process | None = None
-        self._unloadable = ""  # the finding on an optimizer that no other process can load
-
-    def __call__(self, rule: Rule) -> Verdict | None:
-        """Return the verdict on the rule, None where there is nothing to examine.
-
-        Raises:
-            UnloadableError: when no other process can load the optimizer.
-        """
-        self._process = process = self._process or self._start()
+    def _judge(self, rule: Rule) -> Verdict | None:
+        """Return the verdict of the process on the rule, None where there is nothing to examine."""
+        process = self._process or self._start()
+        if process is None:
+            return None
         try:
             verdict: Verdict | None = process.call(_judge, self._packed, rule.name, patience=rule.patience)
         except RemoteError as error:  # such as KeyboardInterrupt; other exceptions are in the verdict
@@ -81,42 +73,27 @@ class ProcessJudge:
             self.close()
         return verdict
 
-    def close(self) -> None:
-        """End the process; a later verdict starts a new one."""
-        if self._process is not None:
-            self._process.close()
-        self._process = None
-
-    def _start(self) -> Process:
-        """Return a process that has loaded the optimizer."""
-        if not self._packed and not self._unloadable:
+    def _start(self) -> Process | None:
+        """Return a process that has loaded the optimizer, None where none can."""
+        if not self._packed and not self.unloadable:
             try:
                 self._packed = pack(self._subject)
             except Exception as error:  # the parameters of a plug-in may raise anything
-                self._unloadable = f"it cannot be sent to another process: {describe_error(error)}"
-        if not self._unloadable:
-            process = Process(hash_seed=0)
+                self.unloadable = f"it cannot be sent to another process: {describe_error(error)}"
+        if not self.unloadable:
+            self._process = Process(hash_seed=0)
             try:
-                process.call(_load, self._packed, patience=START_PATIENCE)
-                return process
+                self._process.call(_load, self._packed, patience=START_PATIENCE)
             except (RemoteError, SilentError, DiedError) as error:
-                process.close()
-                self._unloadable = f"another process cannot load it: {error}"
-        raise UnloadableError(self._unloadable)
+                self.close()
+                self.unloadable = f"another process cannot load it: {error}"
+        return self._process
 
 
 def check_conformance(subject: Subject) -> Iterator[Verdict]:
-    """Yield the verdicts on all rules that can be checked; see :class:`ProcessJudge`."""
-    with closing(ProcessJudge(subject)) as ask:
-        try:
-            yield from each_verdict(ask)
-        except UnloadableError as error:
-            yield failed(PICKLING, str(error))
-
-
-def each_verdict(judge: Judge, rules: Iterable[Rule] = RULES) -> Iterator[Verdict]:
-    """Yield the verdicts on these rules, without those that cannot be checked."""
-    yield from filter(None, map(Checker(judge).verdict, rules))
+    """Yield the verdicts on all rules that can be checked."""
+    with closing(Checker(subject)) as checker:
+        yield from filter(None, map(checker.verdict, RULES))
 
 
 def _load(packed: bytes, pulse: Pulse) -> None:  # noqa: ARG001 - nothing to report

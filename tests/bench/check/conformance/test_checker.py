@@ -7,7 +7,7 @@ import pytest
 
 from bench.check import check_optimizer
 from bench.check.conformance import checker
-from bench.check.conformance.checker import Checker, ProcessJudge, UnloadableError, each_verdict
+from bench.check.conformance.checker import PICKLING, Checker
 from bench.check.conformance.rules import RULES, failed, find_rule
 from bench.check.conformance.subject import Subject
 from bench.check.verdict import Verdict
@@ -38,8 +38,8 @@ HURRIED = {faulty.Hanging: 8.0, faulty.Stuck: 2.0}  # seconds, where the check w
 def test_what_hangs_crashes_or_spoils_its_process_costs_its_own_check_alone(optimizer, check, finding, mend):
     patience = HURRIED.get(optimizer, find_rule(check).patience)
     rules = [replace(rule, patience=patience) if rule.name == check else rule for rule in RULES]
-    with closing(ProcessJudge(Subject(optimizer))) as judge:
-        found = {verdict.check: verdict for verdict in each_verdict(judge, rules)}
+    with closing(Checker(Subject(optimizer))) as checker:
+        found = {verdict.check: verdict for verdict in filter(None, map(checker.verdict, rules))}
     assert [verdict.check for verdict in failures(found)] == [check]
     assert finding in found[check].finding
     assert mend in found[check].mend
@@ -69,13 +69,14 @@ def test_a_process_that_dies_while_it_loads_is_told(tmp_path, monkeypatch):
     assert "ended the process that it ran in (exit code 9)" in checkup.verdicts[0].finding
 
 
-class Judge:
-    """Fails the rules of ``broken``, has no verdict on those of ``silent``, and counts its calls."""
+class Mock(Checker):
+    """Fails the rules of ``broken``, has no verdict on those of ``silent``, and counts its judgements."""
 
     def __init__(self, broken=(), silent=()):
+        super().__init__(Subject("mock"))
         self.broken, self.silent, self.asked = broken, silent, []
 
-    def __call__(self, rule):
+    def _judge(self, rule):
         self.asked.append(rule.name)
         if rule.name in self.silent:
             return None
@@ -83,24 +84,22 @@ class Judge:
 
 
 def test_a_rule_is_judged_once_and_after_those_that_it_needs():
-    judge = Judge()
-    checker = Checker(judge)
+    checker = Mock()
     assert checker.verdict(find_rule("pickling")).passed
     assert checker.verdict(find_rule("pickling")).passed
-    assert judge.asked == ["run", "repetition", "pickling"]
-    assert len([*each_verdict(judge)]) == 16
+    assert checker.asked == ["run", "repetition", "pickling"]
+    assert len([*filter(None, map(checker.verdict, RULES))]) == 16
 
 
 @pytest.mark.parametrize(
-    ("judge", "obstacle"),
+    ("checker", "obstacle"),
     [
-        (Judge(broken=["run", "repetition"]), "run"),
-        (Judge(broken=["repetition"]), "repetition"),
-        (Judge(broken=["parameters"], silent=["run"]), "parameters"),
+        (Mock(broken=["run", "repetition"]), "run"),
+        (Mock(broken=["repetition"]), "repetition"),
+        (Mock(broken=["parameters"], silent=["run"]), "parameters"),
     ],
 )
-def test_the_obstacle_of_a_rule_is_the_first_broken_one(judge, obstacle):
-    checker = Checker(judge)
+def test_the_obstacle_of_a_rule_is_the_first_broken_one(checker, obstacle):
     assert checker.verdict(find_rule("pickling")) is None
     assert checker.obstacle(find_rule("pickling")).name == obstacle
 
@@ -113,8 +112,8 @@ def test_an_optimizer_that_cannot_be_sent_is_packed_once(monkeypatch):
         raise TypeError("cannot pickle it")
 
     monkeypatch.setattr(checker, "pack", pack)
-    judge = ProcessJudge(Subject(faulty.Sound))
-    for rule in RULES[:2]:
-        with pytest.raises(UnloadableError, match="it cannot be sent to another process: TypeError: cannot pickle it"):
-            judge(rule)
+    unsendable = Checker(Subject(faulty.Sound))
+    assert [unsendable.verdict(rule) for rule in RULES[:2]] == [None, None]
+    assert unsendable.unloadable == "it cannot be sent to another process: TypeError: cannot pickle it"
+    assert unsendable.verdict(PICKLING).finding == unsendable.unloadable
     assert len(asked) == 1
