@@ -6,9 +6,9 @@ import dataclasses
 from collections.abc import Iterator
 from contextlib import closing
 
+from bench.check.conformance.recording import explain_lost_process
 from bench.check.conformance.rules import RULES, Rule, failed, find_rule, judge
 from bench.check.conformance.subject import START_PATIENCE, Subject, pack, unpack
-from bench.check.conformance.violation import explain_lost_process
 from bench.check.verdict import Verdict
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import DiedError, Process, Pulse, RemoteError, SilentError

@@ -7,8 +7,8 @@ import pickle
 
 import cloudpickle
 
+from bench.check.conformance.recording import ViolationError, expect_same, explain_lost_process
 from bench.check.conformance.subject import START_PATIENCE, Subject, pack, parameters, unpack
-from bench.check.conformance.violation import ViolationError, expect_same, explain_lost_process
 from bench.check.problems import bowl
 from bench.sandbox.process import DiedError, Process, Pulse, SilentError
 

@@ -7,9 +7,8 @@ import dataclasses
 import numpy as np
 
 from bench.check import problems
-from bench.check.conformance.recording import RecordedRun
+from bench.check.conformance.recording import LET_IT_PASS, RecordedRun, ViolationError
 from bench.check.conformance.subject import Subject, ordinary_budget
-from bench.check.conformance.violation import LET_IT_PASS, ViolationError
 from bench.check.problems import RecordingProblem
 from bench.sandbox.messages import describe_error
 
@@ -36,9 +35,7 @@ def check_budget(subject: Subject) -> str:
     """Any budget is spent completely, or the stop is declared; the objective is not called after the end."""
     agents = subject.fresh().minimum_budget
     budgets = sorted({1, max(1, agents - 1), agents, agents + 1, 3 * agents + 3, 1000})
-    stops = set()
-    for budget in budgets:
-        stops.add(_expect_kept_budget(subject.run(budget=budget), budget))
+    stops = {_expect_kept_budget(subject.run(budget=budget), budget) for budget in budgets}
     declared = sorted(stops - {"budget"})
     kept = f"kept budgets of {', '.join(map(str, budgets))}"
     return f"{kept}; stopped early and declared: {'; '.join(declared)}" if declared else f"{kept} to the evaluation"

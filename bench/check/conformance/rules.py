@@ -1,7 +1,7 @@
 """The table of the contract's rules, which ``check_optimizer``, ``bench check`` and ``bench.testing`` share.
 
 A rule's function takes a :class:`~bench.check.conformance.subject.Subject` and returns one sentence on what it
-observed, or raises :class:`~bench.check.conformance.violation.ViolationError`. It judges one rule alone: an optimizer
+observed, or raises :class:`~bench.check.conformance.recording.ViolationError`. It judges one rule alone: an optimizer
 that breaks another rule passes it wherever possible.
 """
 
@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from bench.check.conformance import parameters, reproducibility, robustness, side_effects
+from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.subject import START_PATIENCE, Subject
-from bench.check.conformance.violation import ViolationError
 from bench.check.verdict import Verdict
 from bench.sandbox.messages import describe_error
 

@@ -10,14 +10,13 @@ import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
+from math import inf
 from pathlib import Path
 from time import monotonic, sleep
 from typing import IO
 
-import numpy as np
-
+from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.subject import Subject
-from bench.check.conformance.violation import ViolationError
 from bench.sandbox.messages import describe_error
 
 
@@ -59,7 +58,7 @@ def check_leftovers(subject: Subject) -> str:
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
         for optimizer in optimizers:
             subject.run(optimizer=optimizer)
-            running.append(_settled(running[-1]))
+            running.append(_running(running[-1]))
         files = sorted(path.name for path in Path(folder).iterdir())
     if files:
         raise ViolationError(
@@ -74,19 +73,14 @@ def check_leftovers(subject: Subject) -> str:
     return "no files, threads or processes are left"
 
 
-def _running() -> tuple[int, int]:
-    """Return the number of threads and of processes that were started."""
-    return threading.active_count(), len(multiprocessing.active_children())
-
-
-def _settled(before: tuple[int, int]) -> tuple[int, int]:
-    """Return the numbers of threads and processes, after those that are about to end have had time to."""
+def _running(before: tuple[float, float] = (inf, inf)) -> tuple[int, int]:
+    """Return the numbers of threads and processes; those about to end, if more run than before, get time to do so."""
     until = monotonic() + 0.5
-    now = _running()
-    while any(np.greater(now, before)) and monotonic() < until:
+    while True:
+        now = threading.active_count(), len(multiprocessing.active_children())
+        if (now[0] <= before[0] and now[1] <= before[1]) or monotonic() >= until:
+            return now
         sleep(0.02)
-        now = _running()
-    return now
 
 
 @contextmanager

@@ -9,6 +9,7 @@ import pickle
 import sys
 from contextlib import ExitStack
 from functools import lru_cache
+from itertools import accumulate
 from typing import Any, get_type_hints
 
 import cloudpickle
@@ -149,9 +150,8 @@ def ordinary_budget(optimizer: Optimizer) -> int:
 
 def parameters(optimizer: Optimizer) -> dict[str, str]:
     """Return the optimizer's fields as text, or all attributes where it has no fields."""
-    if dataclasses.is_dataclass(optimizer):
-        return {name: repr(value) for name, value in settings(optimizer).items()}
-    return {name: repr(value) for name, value in vars(optimizer).items()}
+    values = settings(optimizer) if dataclasses.is_dataclass(optimizer) else vars(optimizer)
+    return {name: repr(value) for name, value in values.items()}
 
 
 def pack(subject: Subject) -> bytes:
@@ -195,10 +195,9 @@ def _importable(cls: type) -> bool:
     module = sys.modules.get(cls.__module__)
     if module is None or module.__name__ == "__main__" or "<locals>" in cls.__qualname__:
         return False
-    spec, path, parts = None, None, cls.__module__.split(".")
-    for depth in range(len(parts)):
-        found = (finder.find_spec(".".join(parts[: depth + 1]), path) for finder in sys.meta_path)
-        spec = next(filter(None, found), None)
+    spec, path = None, None
+    for name in accumulate(cls.__module__.split("."), "{}.{}".format):
+        spec = next(filter(None, (finder.find_spec(name, path) for finder in sys.meta_path)), None)
         if spec is None:
             return False
         path = spec.submodule_search_locations
