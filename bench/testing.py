@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from bench.check.conformance.checker import Checker
+from bench.check.checker import Checker
 from bench.check.conformance.rules import RULES, Rule
 from bench.check.conformance.subject import Subject, make_subject
 from bench.errors import BenchError, nearest
@@ -126,10 +126,8 @@ def _cases(source: Source, expected_failures: ExpectedFailures | None) -> Iterat
 
 def _label(source: Source) -> str:
     """Return the optimizer's part of an id: a name, a class's name, or that with the parameters that were set."""
-    if isinstance(source, str):
-        return source
-    if isinstance(source, type):
-        return source.__name__
+    if isinstance(source, (str, type)):
+        return Subject(source).label
     given = []
     for field in dataclasses.fields(source) if is_frozen(type(source)) else ():  # type: ignore[arg-type]
         value = getattr(source, field.name)

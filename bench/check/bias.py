@@ -120,10 +120,7 @@ class Runs:
 def make_runs(
     optimizer: Optimizer, *, dimension: int, runs: int, noise_runs: int, n_jobs: int = 1, seed: int = 0
 ) -> Runs:
-    """Run an optimizer on every function, centred and moved, ``runs`` times each, and on noise, ``noise_runs`` a box.
-
-    See :func:`diagnose`.
-    """
+    """Run an optimizer as often as :func:`diagnose` describes, on functions and on noise."""
     tasks = [(kind, name, run) for name in FUNCTIONS for kind in ("centred", "moved") for run in range(runs)]
     tasks += [("noise", box, run) for box in BOXES for run in range(noise_runs)]
     try:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import zip_longest
@@ -74,16 +74,13 @@ def explain_lost_process(error: SilentError | DiedError, process: Process) -> tu
     if isinstance(error, DiedError) and error.code == STILL_ASKING:
         return f"it calls the objective for ever after its budget of {budget} is spent", LET_IT_PASS
     if isinstance(error, DiedError):
-        return f"it ended the process that it ran in ({error})", (
-            "raise an exception where it cannot go on; a signal means a crash in compiled code"
-        )
+        mend = "raise an exception where it cannot go on; a signal means a crash in compiled code"
+        return f"it ended the process that it ran in ({error})", mend
     if budget and made == budget:
-        return f"it did not end within {error} after its budget of {budget} was spent", (
-            f"{LET_IT_PASS}; or look for a loop that does not call the objective"
-        )
-    return f"it asked for no value for {error}, after {made} evaluations", (
-        "look for a loop that never calls the objective, or for a lock that is never released"
-    )
+        mend = f"{LET_IT_PASS}; or look for a loop that does not call the objective"
+        return f"it did not end within {error} after its budget of {budget} was spent", mend
+    mend = "look for a loop that never calls the objective, or for a lock that is never released"
+    return f"it asked for no value for {error}, after {made} evaluations", mend
 
 
 class ObservedOptimizer(Optimizer):
@@ -143,14 +140,16 @@ def _state(rng: np.random.Generator) -> str:
 
 
 @contextmanager
-def seeded_global_states(seed: int) -> Iterator[Callable[[], tuple[str, ...]]]:
-    """Seed the global random states, yield a function that names those that have changed, and restore all of them."""
+def seeded_global_states(seed: int) -> Iterator[list[str]]:
+    """Seed the global random states and restore them afterwards; the list then names those that were changed."""
+    changed: list[str] = []
     before = random.getstate(), np.random.get_state()  # noqa: NPY002
     random.seed(seed)
     np.random.seed(seed)  # noqa: NPY002
     seeded = global_states()
     try:
-        yield lambda: tuple(name for name, state in global_states().items() if state != seeded[name])
+        yield changed
     finally:
+        changed += [name for name, state in global_states().items() if state != seeded[name]]
         random.setstate(before[0])
         np.random.set_state(before[1])  # noqa: NPY002

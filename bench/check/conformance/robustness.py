@@ -78,8 +78,7 @@ def check_values(subject: Subject) -> str:
     """Any values are handled: equal, infinite, huge, tiny and negative ones; NaN reaches an optimizer as +inf."""
     for name, problem in problems.odd().items():
         run = _each(subject, problem, f" with {name}")
-        bad = int((~np.isfinite(run.points)).any(axis=1).sum())
-        if bad:
+        if bad := int((~np.isfinite(run.points)).any(axis=1).sum()):
             raise ViolationError(f"it asked for {bad} points that are not finite with {name}", GUARD)
     return f"runs with {', '.join(problems.odd())}"
 
@@ -99,11 +98,9 @@ def _each(subject: Subject, problem: RecordingProblem, where: str) -> RecordedRu
 def _expect_kept_budget(run: RecordedRun, budget: int, where: str = "") -> str:
     """Return why the run ended; raises ViolationError unless it was by the budget or by a declared stop."""
     if run.asked_after:
-        raise ViolationError(
-            f"it called the objective {run.asked_after} more time{'s' * (run.asked_after > 1)} after the "
-            f"budget of {budget} was spent{where}",
-            LET_IT_PASS,
-        )
+        times = f"{run.asked_after} more time{'s' * (run.asked_after > 1)}"
+        finding = f"it called the objective {times} after the budget of {budget} was spent{where}"
+        raise ViolationError(finding, LET_IT_PASS)
     if not len(run.points):
         raise ViolationError(
             f"it returned without a single evaluation of a budget of {budget}{where}",

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from bench.check.conformance import parameters, reproducibility, robustness, side_effects
+from bench.check.conformance import isolation, parameters, robustness
 from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.subject import START_PATIENCE, Subject
 from bench.check.verdict import Verdict
@@ -25,8 +25,7 @@ class Rule:
 
     Attributes:
         name: the name in verdicts, such as ``"budget"``.
-        examine: returns one sentence on what it observed, or raises ViolationError; None where there is nothing to
-            examine because the optimizer cannot be constructed.
+        examine: the rule's function; it may return None where the optimizer cannot be constructed.
         mend: how to mend an exception that the optimizer raises in this check.
         needs: the rules that an optimizer must keep before this one can be checked.
         patience: seconds without a sign of life that are allowed.
@@ -39,34 +38,27 @@ class Rule:
     patience: float = PATIENCE
 
 
+_ORDINARY = "mend what raises: this is an ordinary function of three variables"
 _REPEATED = ("run", "repetition")
 _ROBUST = "mend what raises: any dimension, any finite value and +inf can occur"
 
 RULES = (
     Rule("parameters", parameters.check_parameters, "declare fields of plain types with defaults that fit", ()),
-    Rule(
-        "run",
-        robustness.check_run,
-        "mend what raises: this is an ordinary function of three variables",
-        (),
-        START_PATIENCE,
-    ),
+    Rule("run", robustness.check_run, _ORDINARY, (), START_PATIENCE),
     Rule("budget", robustness.check_budget, "mend what raises: any budget from 1 on can occur"),
-    Rule("repetition", reproducibility.check_repetition, "mend what raises: this is an ordinary run with another seed"),
-    Rule(
-        "processes", reproducibility.check_processes, "mend what raises in a new process", _REPEATED, 2 * START_PATIENCE
-    ),
-    Rule("no state", reproducibility.check_state, "a second run of an instance must start as the first did", _REPEATED),
-    Rule("pickling", reproducibility.check_pickling, "keep plain values in the fields: no locks, no files", _REPEATED),
-    Rule("global states", reproducibility.check_global_states, "draw from rng alone", _REPEATED),
+    Rule("repetition", isolation.check_repetition, "mend what raises: this is an ordinary run with another seed"),
+    Rule("processes", isolation.check_processes, "mend what raises in a new process", _REPEATED, 2 * START_PATIENCE),
+    Rule("no state", isolation.check_state, "a second run of an instance must start as the first did", _REPEATED),
+    Rule("pickling", isolation.check_pickling, "keep plain values in the fields: no locks, no files", _REPEATED),
+    Rule("global states", isolation.check_global_states, "draw from rng alone", _REPEATED),
     Rule("box", robustness.check_box, _ROBUST),
     Rule("repair", robustness.check_repair, "objective.repair(x) may move points within the box"),
     Rule("dimensions", robustness.check_dimensions, _ROBUST),
     Rule("values", robustness.check_values, _ROBUST),
-    Rule("contract", side_effects.check_contract, "use nothing but what the objective offers"),
-    Rule("anonymity", reproducibility.check_anonymity, "use nothing but what the objective offers", _REPEATED),
-    Rule("silence", side_effects.check_silence, "a run must not need a terminal"),
-    Rule("leftovers", side_effects.check_leftovers, "a run must not depend on the working folder"),
+    Rule("contract", isolation.check_contract, "use nothing but what the objective offers"),
+    Rule("anonymity", isolation.check_anonymity, "use nothing but what the objective offers", _REPEATED),
+    Rule("silence", isolation.check_silence, "a run must not need a terminal"),
+    Rule("leftovers", isolation.check_leftovers, "a run must not depend on the working folder"),
 )
 """All rules, in the order in which they are checked."""
 

@@ -40,8 +40,8 @@ class Subject:
         options: its parameters, for a name or a class.
         seed: the first seed of its runs.
         packed: the bytes that :func:`pack` made before its first run, where known.
-        pulse: called with the evaluations made and the budget after every call of the objective.
-        expendable: whether this process may be ended to stop an optimizer that calls the objective for ever.
+        pulse: called with the evaluations made and the budget after every call of the objective; given only in a
+            process that may be ended to stop an optimizer that calls the objective for ever.
     """
 
     source: str | type[Optimizer] | Optimizer
@@ -49,7 +49,6 @@ class Subject:
     seed: int = 0
     packed: bytes | None = None
     pulse: Pulse | None = None
-    expendable: bool = False
 
     @property
     def label(self) -> str:
@@ -65,8 +64,7 @@ class Subject:
             return load_optimizer(self.source, **self.options)
         if isinstance(self.source, type):
             return build(self.source, self.label, self.options) if self.options else self.source()
-        copy: Optimizer = pickle.loads(cloudpickle.dumps(self.source))
-        return copy
+        return pickle.loads(cloudpickle.dumps(self.source))  # type: ignore[no-any-return]
 
     def run(
         self,
@@ -96,7 +94,7 @@ class Subject:
             run.asked_after = number - 1
             if number == 1 and self.pulse is not None:
                 self.pulse(budget, budget)
-            if self.expendable and number > _MOST_REFUSALS:
+            if number > _MOST_REFUSALS and self.pulse is not None:
                 os._exit(STILL_ASKING)
 
         with threadpool_limits(limits=1), seeded_global_states(global_seed) as changed:
@@ -106,8 +104,7 @@ class Subject:
             except RuntimeError:  # without a single evaluation
                 if not observed.returned:
                     raise
-            run.touched = changed()
-        run.points = problem.points
+        run.points, run.touched = problem.points, tuple(changed)
         return run
 
 
@@ -125,14 +122,13 @@ def make_subject(optimizer: object, options: dict[str, Any], seed: int) -> Subje
             )
         name = vars(type(optimizer)).get("plugin")  # of a class made at run time, which is loaded by its name
         return Subject(name, settings(optimizer), seed) if name else Subject(optimizer, {}, seed)
-    if isinstance(optimizer, type) and issubclass(optimizer, Optimizer):
-        subject = Subject(vars(optimizer).get("plugin", optimizer), options, seed)
-    elif isinstance(optimizer, str):
-        subject = Subject(optimizer, options, seed)
-    else:
+    is_class = isinstance(optimizer, type) and issubclass(optimizer, Optimizer)
+    if not isinstance(optimizer, str) and not is_class:
         raise BenchError(
             f"give the name of an optimizer, an Optimizer subclass or an instance of one, not {optimizer!r}"
         )
+    source: Any = vars(optimizer).get("plugin", optimizer) if is_class else optimizer
+    subject = Subject(source, options, seed)
     if options or isinstance(optimizer, str):
         try:
             subject.fresh()
@@ -155,14 +151,10 @@ def parameters(optimizer: Optimizer) -> dict[str, str]:
 
 
 def pack(subject: Subject) -> bytes:
-    """Return the subject as bytes; a class that another process cannot import is sent by value.
-
-    Raises:
-        Exception: whatever a parameter, or an object that a local class uses, raises on pickling.
-    """
+    """Return the subject as bytes, with a class that another process cannot import; raises what pickling it raises."""
     cls = subject.source if isinstance(subject.source, type) else type(subject.source)
     local = [each for each in cls.__mro__ if not _importable(each)]
-    plain = dataclasses.replace(subject, packed=None, pulse=None, expendable=False)
+    plain = dataclasses.replace(subject, packed=None, pulse=None)
     with ExitStack() as stack:
         for name in {each.__module__ for each in local} & sys.modules.keys() - {"__main__"}:
             cloudpickle.register_pickle_by_value(sys.modules[name])

@@ -137,7 +137,7 @@ def test_checking_an_optimizer_ends_by_whether_it_keeps_the_contract(bench, benc
     assert "passed: mine.py:wandering, budget:" in broken.stdout
     assert broken.stdout.rstrip().endswith("mine.py:wandering fails the contract in: box")
     found = [Verdict("centre bias", "bias", False, "errors grow", "report it", 50.0)]
-    monkeypatch.setattr("bench.check.suite._biases", lambda subject, jobs: found)
+    monkeypatch.setattr("bench.check.bias.diagnose", lambda *_, **__: found)
     biased = bench_here("check", "scatter")
     assert biased.returncode == 0
     assert "BIASED: scatter, centre bias: errors grow" in biased.stdout

@@ -1,6 +1,6 @@
 """Verdicts on faulty optimizers, made in this process."""
 
-from bench.check.conformance.checker import Checker
+from bench.check.checker import Checker
 from bench.check.conformance.rules import RULES, judge
 from bench.check.conformance.subject import make_subject
 

@@ -1,15 +1,28 @@
-"""Rules of reproducibility: a run depends on its seed and the objective's values alone."""
+"""Rules of isolation: a run depends on its seed and the objective's values alone, and leaves nothing behind."""
 
 from __future__ import annotations
 
 import dataclasses
+import multiprocessing
+import os
 import pickle
+import sys
+import tempfile
+import threading
+import warnings
+from collections.abc import Iterator
+from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
+from math import inf
+from pathlib import Path
+from time import monotonic, sleep
+from typing import IO
 
 import cloudpickle
 
 from bench.check.conformance.recording import ViolationError, expect_same, explain_lost_process
 from bench.check.conformance.subject import START_PATIENCE, Subject, pack, parameters, unpack
 from bench.check.problems import bowl
+from bench.sandbox.messages import describe_error
 from bench.sandbox.process import DiedError, Process, Pulse, SilentError
 
 
@@ -33,7 +46,7 @@ def check_processes(subject: Subject) -> str:
     mend += "number, host name or environment variable, and keep nothing in the module or the class from run to run"
     seeds = [0, 1, 2]
     here = [subject.run(seed=seed).course() for seed in seeds]
-    with Process(hash_seed=1, nested=subject.expendable) as process:
+    with Process(hash_seed=1, nested=subject.pulse is not None) as process:
         try:
             there = process.call(
                 courses, subject.packed or pack(subject), seeds[::-1], patience=START_PATIENCE, on_pulse=subject.pulse
@@ -102,3 +115,84 @@ def check_anonymity(subject: Subject) -> str:
     mend = "use nothing of the problem but the objective's values and bounds"
     expect_same(run.course(), other.course(), finding, mend)
     return "the problem's name, variables and known optimum change nothing"
+
+
+def check_contract(subject: Subject) -> str:
+    """The optimizer uses only what the objective offers."""
+    run = subject.run()
+    if run.reached:
+        raise ViolationError(
+            f"it reads or sets {', '.join(sorted(run.reached))} of the objective",
+            "use what the contract offers: objective(x), .lower, .upper, .dimension, .budget, .remaining, .repair(x), "
+            ".initial(n) and .stop(reason)",
+        )
+    return "it uses nothing of the objective but what the contract offers"
+
+
+def check_silence(subject: Subject) -> str:
+    """A run prints nothing: the harness shows progress, and a study makes thousands of runs."""
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as file:
+        with warnings.catch_warnings(record=True) as warned, _output_to(file):
+            warnings.simplefilter("default")
+            subject.run()
+        file.seek(0)
+        text = file.read()
+    if text.strip():
+        first = next(line for line in text.splitlines() if line.strip()).strip()
+        raise ViolationError(
+            f"a run printed {len(text)} characters, such as {first[:60]!r}",
+            "print and log nothing; switch off the messages of the libraries that you call",
+        )
+    if warned:
+        return f"nothing printed; warned: {describe_error(warned[0].message)}"  # type: ignore[arg-type]
+    return "nothing printed"
+
+
+def check_leftovers(subject: Subject) -> str:
+    """A run leaves no files, threads or processes behind; what a library starts once is not counted."""
+    optimizers = [subject.fresh() for _ in range(2)]  # before the folder changes: a name may be a relative path
+    running = [_running()]
+    with tempfile.TemporaryDirectory() as folder, chdir(folder):
+        for optimizer in optimizers:
+            subject.run(optimizer=optimizer)
+            running.append(_running(running[-1]))
+        files = sorted(path.name for path in Path(folder).iterdir())
+    if files:
+        raise ViolationError(
+            f"a run leaves {len(files)} file{'s' * (len(files) > 1)} in the working folder, such as {files[0]!r}",
+            "write no files; switch off the logs of the libraries that you call",
+        )
+    for kind, before, after in zip(("thread", "process"), *running[1:], strict=True):
+        if after > before:
+            raise ViolationError(
+                f"every run leaves a {kind} running", f"end every {kind} before minimize ends, in a finally"
+            )
+    return "no files, threads or processes are left"
+
+
+def _running(before: tuple[float, float] = (inf, inf)) -> tuple[int, int]:
+    """Return the numbers of threads and processes; those about to end, if more run than before, get time to do so."""
+    until = monotonic() + 0.5
+    while True:
+        now = threading.active_count(), len(multiprocessing.active_children())
+        if (now[0] <= before[0] and now[1] <= before[1]) or monotonic() >= until:
+            return now
+        sleep(0.02)
+
+
+@contextmanager
+def _output_to(file: IO[str]) -> Iterator[None]:
+    """Write to a file what goes to the standard streams, also from outside Python."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    saved = [(descriptor, os.dup(descriptor)) for descriptor in (1, 2)]
+    for descriptor, _ in saved:
+        os.dup2(file.fileno(), descriptor)
+    try:
+        with redirect_stdout(file), redirect_stderr(file):
+            yield
+    finally:
+        for descriptor, before in saved:
+            os.dup2(before, descriptor)
+            os.close(before)
+        file.flush()

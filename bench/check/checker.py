@@ -1,28 +1,85 @@
-"""Check an optimizer against the rules of the contract, in a process of its own."""
+"""Check an optimizer: the rules of the contract, in a process of its own, and the biases of its method."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
+from typing import Any
 
 from bench.check.conformance.recording import explain_lost_process
 from bench.check.conformance.rules import RULES, Rule, failed, find_rule, judge
-from bench.check.conformance.subject import START_PATIENCE, Subject, pack, unpack
-from bench.check.verdict import Verdict
+from bench.check.conformance.subject import START_PATIENCE, Subject, make_subject, pack, unpack
+from bench.check.verdict import Checkup, Verdict
+from bench.optimizer import Optimizer
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import DiedError, Process, Pulse, RemoteError, SilentError
 
 CONSTRUCTION, PICKLING = find_rule("parameters"), find_rule("pickling")
 
 
+def check_optimizer(
+    optimizer: str | type[Optimizer] | Optimizer,
+    /,
+    *,
+    bias: bool = True,
+    n_jobs: int = -1,
+    seed: int = 0,
+    on_check: Callable[[Verdict], None] | None = None,
+    **options: Any,
+) -> Checkup:
+    """Check that an optimizer keeps the contract, and look for biases of its method.
+
+    The optimizer runs in separate processes, so that hanging, printing or crashing costs a verdict and nothing else.
+
+    Example:
+        >>> assert bench.check_optimizer(HillClimber, bias=False)
+        >>> print(bench.check_optimizer("gwo", agents=300))
+
+    Args:
+        optimizer: a name (``"gwo"``, ``"mealpy:OriginalGWO"``, ``"path/file.py:Class"``), a class or an instance.
+        bias: whether to look for biases too; they are only looked for where ordinary runs keep the contract.
+        n_jobs: processes that look for biases, -1 for one a core.
+        seed: of the runs; the same one gives the same verdicts.
+        on_check: called with every verdict as soon as it is known.
+        options: parameters, for a name or a class; give an instance for a parameter named like an argument above.
+
+    Raises:
+        BenchError: for an unknown name or parameter, a value out of its range, or an argument that is no optimizer.
+    """
+    subject = make_subject(optimizer, options, seed)
+    verdicts: list[Verdict] = []
+    for verdict in _verdicts(subject, bias, n_jobs):
+        verdicts.append(verdict)
+        if on_check is not None:
+            on_check(verdict)
+    made = {verdict.check for verdict in verdicts}
+    return Checkup(subject.label, tuple(verdicts), tuple(rule.name for rule in RULES if rule.name not in made))
+
+
+def _verdicts(subject: Subject, bias: bool, n_jobs: int) -> Iterator[Verdict]:
+    """Yield the verdicts on all rules that can be checked, and on biases where ordinary runs keep the contract."""
+    with closing(Checker(subject)) as checker:
+        kept = set()
+        for verdict in filter(None, map(checker.verdict, RULES)):
+            yield verdict
+            if verdict.passed:
+                kept.add(verdict.check)
+    if not (bias and {"run", "budget"} <= kept):
+        return
+    from bench.check.bias import diagnose  # not at the top: it imports scipy.stats and joblib
+
+    try:
+        yield from diagnose(subject.fresh(), n_jobs=n_jobs, seed=subject.seed)
+    except Exception as error:  # a plug-in may raise anything, and its other verdicts stand
+        finding = f"it could not be examined: {describe_error(error)}"
+        yield Verdict("bias", "bias", False, finding, "mend what raises on ordinary functions of seven variables")
+
+
 class Checker:
     """Check an optimizer against rules, each at most once, and none before the rules that it needs.
 
     A process starts with the first verdict, and a new one after the optimizer has hung or ended it.
-
-    Args:
-        subject: the optimizer.
 
     Attributes:
         unloadable: why no other process can load the optimizer, so that no rule can be checked; "" where one can.
@@ -90,15 +147,9 @@ class Checker:
         return self._process
 
 
-def check_conformance(subject: Subject) -> Iterator[Verdict]:
-    """Yield the verdicts on all rules that can be checked."""
-    with closing(Checker(subject)) as checker:
-        yield from filter(None, map(checker.verdict, RULES))
-
-
 def _load(packed: bytes, pulse: Pulse) -> None:  # noqa: ARG001 - nothing to report
     unpack(packed)
 
 
 def _judge(packed: bytes, name: str, pulse: Pulse) -> Verdict | None:
-    return judge(find_rule(name), dataclasses.replace(unpack(packed), pulse=pulse, expendable=True))
+    return judge(find_rule(name), dataclasses.replace(unpack(packed), pulse=pulse))
