@@ -8,15 +8,13 @@ from __future__ import annotations
 import atexit
 import dataclasses
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import cached_property
 from typing import Any, ClassVar
 
 import pytest
 
-from bench.check.conformance.checker import PICKLING, Checker, ProcessJudge, UnloadableError
-from bench.check.conformance.rules import RULES, Rule, failed
-from bench.check.conformance.subject import make_subject
-from bench.check.verdict import Verdict
+from bench.check.checker import Checker
+from bench.check.conformance.rules import RULES, Rule
+from bench.check.conformance.subject import Subject, make_subject
 from bench.errors import BenchError, nearest
 from bench.optimizer import Optimizer, is_frozen
 
@@ -71,12 +69,14 @@ class RuleCheck:
         rule: the name of the rule, such as ``"budget"``.
     """
 
-    def __init__(self, examined: _Examined, rule: Rule) -> None:
-        self.optimizer, self.rule = examined.source, rule.name
-        self._examined, self._rule = examined, rule
+    _last: ClassVar[Checker | None] = None  # its process ends when another optimizer is checked
+
+    def __init__(self, optimizer: Source, rule: Rule, checker: Checker) -> None:
+        self.optimizer, self.rule = optimizer, rule.name
+        self._rule, self._checker = rule, checker
 
     def __repr__(self) -> str:
-        return f"<check of {self._examined.label}: {self.rule}>"
+        return f"<check of {_label(self.optimizer)}: {self.rule}>"
 
     def __call__(self) -> None:
         """Return where the optimizer keeps the rule, and fail the test where it breaks the rule.
@@ -87,59 +87,30 @@ class RuleCheck:
             BenchError: for an unknown name.
         """
         __tracebackhide__ = True
+        label, checker = _label(self.optimizer), self._checker
         try:
-            verdict = self._examined.checker.verdict(self._rule)
-        except UnloadableError as error:
-            if self._rule is not PICKLING:
-                pytest.skip(f"not checked: {error}")
-            verdict = failed(PICKLING, str(error))
+            make_subject(self.optimizer, {}, 0)
         except BenchError as error:
             raise BenchError(str(error)) from None  # without the frames in which the name was looked up
+        if RuleCheck._last not in (None, checker):
+            RuleCheck._last.close()
+        RuleCheck._last = checker
+        verdict = checker.verdict(self._rule)
+        if verdict is None and checker.unloadable:
+            pytest.skip(f"not checked: {checker.unloadable}")
         if verdict is None:
-            obstacle = self._examined.checker.obstacle(self._rule)
-            pytest.skip(f"not checked, because {self._examined.label} breaks the rule {obstacle.name!r}")
+            pytest.skip(f"not checked, because {label} breaks the rule {checker.obstacle(self._rule).name!r}")
         if not verdict.passed:
-            finding = f"{self._examined.label} breaks the rule {self.rule!r}: {verdict.finding}"
+            finding = f"{label} breaks the rule {self.rule!r}: {verdict.finding}"
             pytest.fail(f"{finding}\nto mend it: {verdict.mend}", pytrace=False)
-
-
-class _Examined:
-    """An optimizer with its checks, which share what they find."""
-
-    _running: ClassVar[ProcessJudge | None] = None  # of all optimizers, so that one process is there at a time
-
-    def __init__(self, source: Source) -> None:
-        self.source = source
-        self._subject = None if isinstance(source, str) else make_subject(source, {}, 0)  # a name is loaded later
-        self.label = _label(source)
-        self.checker = Checker(self._ask)
-
-    @cached_property
-    def _judge(self) -> ProcessJudge:
-        return ProcessJudge(self._subject or make_subject(self.source, {}, 0))
-
-    def _ask(self, rule: Rule) -> Verdict | None:
-        judge = self._judge
-        if _Examined._running is not judge:
-            self.end_process()
-            _Examined._running = judge
-        return judge(rule)
-
-    @classmethod
-    def end_process(cls) -> None:
-        """End the process of the optimizer that was checked last."""
-        if cls._running is not None:
-            cls._running.close()
-        cls._running = None
-
-
-atexit.register(_Examined.end_process)
 
 
 def _cases(source: Source, expected_failures: ExpectedFailures | None) -> Iterator[Any]:
     """Yield one case for every rule, with its id and, where it is expected to fail, its mark."""
     expected = expected_failures(source) if callable(expected_failures) else expected_failures or {}
-    examined, names = _Examined(source), [rule.name for rule in RULES]
+    checker = Checker(Subject(source) if isinstance(source, str) else make_subject(source, {}, 0))
+    atexit.register(checker.close)
+    names = [rule.name for rule in RULES]
     for name, reason in expected.items():
         if name not in names:
             raise BenchError(f"expected_failures names an unknown rule {name!r}{nearest(name, names)}")
@@ -149,15 +120,14 @@ def _cases(source: Source, expected_failures: ExpectedFailures | None) -> Iterat
         marks = []
         if rule.name in expected:
             marks.append(pytest.mark.xfail(reason=expected[rule.name], strict=True, raises=pytest.fail.Exception))
-        yield pytest.param(RuleCheck(examined, rule), id=f"{examined.label}-{rule.name.replace(' ', '-')}", marks=marks)
+        name = f"{_label(source)}-{rule.name.replace(' ', '-')}"
+        yield pytest.param(RuleCheck(source, rule, checker), id=name, marks=marks)
 
 
 def _label(source: Source) -> str:
     """Return the optimizer's part of an id: a name, a class's name, or that with the parameters that were set."""
-    if isinstance(source, str):
-        return source
-    if isinstance(source, type):
-        return source.__name__
+    if isinstance(source, (str, type)):
+        return Subject(source).label
     given = []
     for field in dataclasses.fields(source) if is_frozen(type(source)) else ():  # type: ignore[arg-type]
         value = getattr(source, field.name)

@@ -1,7 +1,8 @@
-"""The outcome of one check of an optimizer."""
+"""The outcomes of the checks of an optimizer."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
@@ -35,3 +36,56 @@ class Verdict:
     def as_dict(self) -> dict[str, Any]:
         """Return the verdict as a dict for JSON."""
         return asdict(self)
+
+
+@dataclass(frozen=True)
+class Checkup:
+    """The verdicts on one optimizer; true where it conforms to the contract.
+
+    Attributes:
+        label: the optimizer's name.
+        verdicts: one for each check, in order.
+        unchecked: the rules that could not be checked, because the optimizer breaks a rule that they need.
+    """
+
+    label: str
+    verdicts: tuple[Verdict, ...]
+    unchecked: tuple[str, ...] = ()
+
+    @property
+    def conforms(self) -> bool:
+        """Whether the optimizer keeps the contract, biased or not."""
+        return all(verdict.passed for verdict in self.verdicts if verdict.kind == "conformance")
+
+    @property
+    def passed(self) -> bool:
+        """Whether it keeps the contract and no bias was found."""
+        return all(verdict.passed for verdict in self.verdicts)
+
+    @property
+    def summary(self) -> str:
+        """One sentence on the outcome."""
+        failed = {
+            kind: ", ".join(verdict.check for verdict in self.verdicts if verdict.kind == kind and not verdict.passed)
+            for kind in ("conformance", "bias")
+        }
+        contract = f"fails the contract in: {failed['conformance']}" if failed["conformance"] else "keeps the contract"
+        left = f"; not checked until that is mended: {', '.join(self.unchecked)}" if self.unchecked else ""
+        biased = f"; biased: fails the checks of {failed['bias']}" if failed["bias"] else ""
+        free = not biased and any(verdict.kind == "bias" for verdict in self.verdicts)
+        return f"{self.label} {contract}{left}{biased}{'; no bias was found' if free else ''}"
+
+    def __bool__(self) -> bool:
+        return self.conforms
+
+    def __iter__(self) -> Iterator[Verdict]:
+        return iter(self.verdicts)
+
+    def __str__(self) -> str:
+        width = max((len(verdict.check) for verdict in self.verdicts), default=0)
+        lines = [self.label]
+        for verdict in self.verdicts:
+            lines.append(f"  {verdict.outcome}  {verdict.check:{width}}  {verdict.finding}")
+            if verdict.mend:
+                lines.append(f"  {'':6}  {'':{width}}  mend: {verdict.mend}")
+        return "\n".join([*lines, self.summary])

@@ -51,7 +51,7 @@ def check(
 
 def check_folder(path: Path, console: Console, jobs: int) -> bool:
     """Check the optimizers of a study's folder; return whether all could be checked, biased or not."""
-    from bench.check.bias.folder import diagnose_folder
+    from bench.check.bias import diagnose_folder
     from bench.storage.folder import Folder
 
     found, failed = diagnose_folder(Folder(path), jobs)

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-import bench.check.conformance.checker
+import bench.check.checker
 from bench import Optimizer
 from bench.testing import parametrize_with_checks
 
@@ -140,7 +140,7 @@ def test_an_unknown_name_is_no_expected_failure(author):
 
 
 def test_nothing_runs_and_no_name_is_loaded_while_tests_are_collected(author):
-    refuse = "bench.check.conformance.checker.Process = bench.plugins.loading.load_optimizer = None"
+    refuse = "bench.check.checker.Process = bench.plugins.loading.load_optimizer = None"
     outcomes, printed = author("@parametrize_with_checks([Sound, 'gwp'])", "--collect-only", "-q", setup=refuse)
     assert list(outcomes) == []
     assert "32 tests collected" in printed

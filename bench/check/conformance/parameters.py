@@ -8,8 +8,8 @@ import types
 from collections.abc import Iterator
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
+from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.subject import Subject
-from bench.check.conformance.violation import ViolationError
 from bench.errors import BenchError
 from bench.optimizer import Optimizer, is_frozen
 from bench.sandbox.messages import describe_error
@@ -23,19 +23,20 @@ def check_parameters(subject: Subject) -> str:
         raise ViolationError(f"{cls.__name__} is no frozen dataclass", "put @dataclass(frozen=True) above the class")
     if cls.__abstractmethods__:
         raise ViolationError("it has no method minimize", "write minimize(self, objective, rng)")
-    fields = {field.name: field for field in dataclasses.fields(cls)}  # type: ignore[arg-type]
+    fields = dataclasses.fields(cls)  # type: ignore[arg-type]
+    names = [field.name for field in fields]
     for base in (base for base in cls.__mro__ if base is not Optimizer):
         for name, kind in inspect.get_annotations(base).items():
-            if name not in fields and not name.startswith("_") and "ClassVar" not in str(kind):
+            if name not in names and not name.startswith("_") and "ClassVar" not in str(kind):
                 raise ViolationError(
                     f"{name!r} of {base.__name__} looks like a parameter but is none",
                     f"put @dataclass(frozen=True) above {base.__name__} too, or annotate {name!r} as a ClassVar",
                 )
-    for field in fields.values():
+    for field in fields:
         if field.init and field.default is field.default_factory is dataclasses.MISSING:
             raise ViolationError(f"its parameter {field.name!r} has no default", "give every parameter a default")
     cls()
-    for name, wrong in _wrong_values(cls, fields):
+    for name, wrong in _wrong_values(cls, [field.name for field in fields if field.init]):
         try:
             cls(**{name: wrong})
         except BenchError:
@@ -54,14 +55,13 @@ def check_parameters(subject: Subject) -> str:
             "call super().__post_init__() in __post_init__: it checks every parameter",
         )
     subject.fresh()
-    count = len(fields)
-    return f"{count} parameter{'' if count == 1 else 's'} with defaults, and wrong values are refused"
+    return f"{len(fields)} parameter{'' if len(fields) == 1 else 's'} with defaults, and wrong values are refused"
 
 
-def _wrong_values(cls: type[Optimizer], fields: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+def _wrong_values(cls: type[Optimizer], names: list[str]) -> Iterator[tuple[str, Any]]:
     """Yield values that do not fit a parameter's declared type, and population sizes below 1."""
     hints = get_type_hints(cls)
-    for name in (name for name, field in fields.items() if field.init):
+    for name in names:
         if _is_plain(hints[name]):
             yield name, object()
         if name == "agents":

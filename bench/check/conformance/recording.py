@@ -1,32 +1,29 @@
-"""Record a run: its points, its use of the objective, and the global random states that it changed."""
+"""Record a run (its points, its use of the objective, changed global random states) and state how it breaks a rule."""
 
 from __future__ import annotations
 
-import os
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from typing import Any
 from zlib import crc32
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench.execution.solve import solve
 from bench.execution.trial_process import STILL_ASKING
-from bench.objective import BudgetExhausted, Objective
+from bench.objective import Objective
 from bench.optimizer import Optimizer
-from bench.problem import Floats, FunctionProblem, Problem
-from bench.sandbox.process import Pulse
+from bench.problem import Floats
+from bench.sandbox.process import DiedError, Process, Pulse, SilentError
 from bench.seeds import global_states
 
-OFFERED = frozenset(
-    {"lower", "upper", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
-)  # fmt: skip
+OFFERED = {"lower", "upper", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
 """Attributes that the contract offers, and ``evaluations``, which is ``budget`` minus ``remaining``."""
 
-_MOST_REFUSALS = 10_000  # calls after the end of the budget until the process is ended
+LET_IT_PASS = "let BudgetExhausted pass: catch Exception, never BaseException or everything (a bare except)"
 
 
 @dataclass
@@ -56,73 +53,53 @@ class RecordedRun:
         return [crc32(point.tobytes()) for point in self.points]
 
 
-def record_run(
-    optimizer: Optimizer,
-    problem: Problem,
-    budget: int,
-    *,
-    seed: int,
-    pulse: Pulse | None = None,
-    expendable: bool = False,
-    global_seed: int = 0,
-) -> RecordedRun:
-    """Run the optimizer as a trial does and return the record.
+class ViolationError(Exception):
+    """The optimizer breaks the rule: what was observed, and how to mend it."""
 
-    Args:
-        optimizer: what is run.
-        problem: what is minimised.
-        budget: evaluations it may spend.
-        seed: the trial's.
-        pulse: called with the evaluations made and the budget after every call of the objective.
-        expendable: whether this process may be ended to stop an optimizer that calls the objective for ever.
-        global_seed: of Python's and numpy's global random states during the run.
-    """
-    seen = RecordedRun()
-    observed = _ObservedOptimizer(optimizer, seen, pulse, expendable)
-    points: list[Floats] = []
-    with _global_states(global_seed) as changed:
-        try:
-            result = solve(_RecordingProblem(problem, points), observed, budget=budget, seed=seed)
-        except RuntimeError:
-            if points or not observed.returned:
-                raise
-        else:
-            seen.stop, seen.outside = result.stop, result.outside_box
-        seen.touched = changed()
-    seen.points = np.concatenate(points) if points else np.empty((0, problem.dimension))
-    return seen
+    def __init__(self, finding: str, mend: str) -> None:
+        super().__init__(finding)
+        self.finding, self.mend = finding, mend
 
 
-class _RecordingProblem(FunctionProblem):
-    """A problem that records its evaluated points."""
-
-    def __init__(self, problem: Problem, points: list[Floats]) -> None:
-        super().__init__(problem.evaluate, problem.lower, problem.upper, name=problem.name, optimum=problem.optimum,
-                         variables=problem.variables)  # fmt: skip
-        self.repair = problem.repair  # type: ignore[method-assign]
-        self._points = points
-
-    def evaluate(self, x: Floats) -> Floats:
-        self._points.append(x.copy())
-        return super().evaluate(x)
+def expect_same(one: list[int], other: list[int], finding: str, mend: str) -> None:
+    """Raise ViolationError, naming the first evaluation that differs, unless both courses of runs are equal."""
+    if one != other:
+        first = next(i for i, (a, b) in enumerate(zip_longest(one, other), 1) if a != b)
+        raise ViolationError(f"{finding} (from evaluation {first} on)", mend)
 
 
-class _ObservedOptimizer(Optimizer):
-    """The optimizer, which gets a recording objective."""
+def explain_lost_process(error: SilentError | DiedError, process: Process) -> tuple[str, str]:
+    """Return the finding on an optimizer that hung or ended its process, and how to mend it."""
+    made, budget = process.pulse or (0, 0)
+    if isinstance(error, DiedError) and error.code == STILL_ASKING:
+        return f"it calls the objective for ever after its budget of {budget} is spent", LET_IT_PASS
+    if isinstance(error, DiedError):
+        mend = "raise an exception where it cannot go on; a signal means a crash in compiled code"
+        return f"it ended the process that it ran in ({error})", mend
+    if budget and made == budget:
+        mend = f"{LET_IT_PASS}; or look for a loop that does not call the objective"
+        return f"it did not end within {error} after its budget of {budget} was spent", mend
+    mend = "look for a loop that never calls the objective, or for a lock that is never released"
+    return f"it asked for no value for {error}, after {made} evaluations", mend
 
-    def __init__(self, optimizer: Optimizer, seen: RecordedRun, pulse: Pulse | None, expendable: bool) -> None:
-        self.optimizer, self.seen, self.pulse, self.expendable = optimizer, seen, pulse, expendable
+
+class ObservedOptimizer(Optimizer):
+    """An optimizer whose use of the objective and the generator is recorded in ``run``."""
+
+    def __init__(self, optimizer: Optimizer, run: RecordedRun, pulse: Pulse | None) -> None:
+        self._optimizer, self._run, self._pulse = optimizer, run, pulse
         self.returned = False
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Run the optimizer on a stand-in for the objective."""
         lower, upper, before = objective.lower.copy(), objective.upper.copy(), _state(rng)
         try:
-            self.optimizer.minimize(_ObjectiveProxy(objective, self), rng)  # type: ignore[arg-type]
+            self._optimizer.minimize(_ObjectiveProxy(objective, self._run, self._pulse), rng)  # type: ignore[arg-type]
             self.returned = True
         finally:
-            self.seen.drew = _state(rng) != before
+            self._run.drew = _state(rng) != before
             if not (np.array_equal(lower, objective.lower) and np.array_equal(upper, objective.upper)):
-                self.seen.reached.add("the values of lower and upper")
+                self._run.reached.add("the values of lower and upper")
 
 
 class _ObjectiveProxy:
@@ -131,10 +108,10 @@ class _ObjectiveProxy:
     A name that no objective has is not recorded: tools that inspect an object ask for many such names.
     """
 
-    __slots__ = ("_ends", "_objective", "_observed")
+    __slots__ = ("_objective", "_pulse", "_reached")
 
-    def __init__(self, objective: Objective, observed: _ObservedOptimizer) -> None:
-        for name, value in (("_objective", objective), ("_observed", observed), ("_ends", [])):
+    def __init__(self, objective: Objective, run: RecordedRun, pulse: Pulse | None) -> None:
+        for name, value in (("_objective", objective), ("_reached", run.reached), ("_pulse", pulse)):
             object.__setattr__(self, name, value)
 
     @property  # type: ignore[misc]
@@ -144,31 +121,18 @@ class _ObjectiveProxy:
     def __getattr__(self, name: str) -> Any:
         value = getattr(self._objective, name)
         if name not in OFFERED and not name.startswith("__"):
-            self._observed.seen.reached.add(name)
+            self._reached.add(name)
         return value
 
     def __setattr__(self, name: str, value: Any) -> None:
-        self._observed.seen.reached.add(name)
+        self._reached.add(name)
         setattr(self._objective, name, value)
 
     def __call__(self, x: ArrayLike) -> Any:
-        objective, observed = self._objective, self._observed
-        try:
-            values = objective(x)
-        except BudgetExhausted:
-            observed.seen.asked_after = len(self._ends)
-            self._ends.append(True)
-            if len(self._ends) == 1:
-                self._pulse()
-            if observed.expendable and len(self._ends) > _MOST_REFUSALS:
-                os._exit(STILL_ASKING)
-            raise
-        self._pulse()
+        values = self._objective(x)
+        if self._pulse is not None:
+            self._pulse(self._objective.evaluations, self._objective.budget)
         return values
-
-    def _pulse(self) -> None:
-        if self._observed.pulse is not None:
-            self._observed.pulse(self._objective.evaluations, self._objective.budget)
 
 
 def _state(rng: np.random.Generator) -> str:
@@ -176,18 +140,16 @@ def _state(rng: np.random.Generator) -> str:
 
 
 @contextmanager
-def _global_states(seed: int) -> Iterator[Callable[[], tuple[str, ...]]]:
-    """Seed the global random states, yield a function that names those that have changed, and restore all of them."""
+def seeded_global_states(seed: int) -> Iterator[list[str]]:
+    """Seed the global random states and restore them afterwards; the list then names those that were changed."""
+    changed: list[str] = []
     before = random.getstate(), np.random.get_state()  # noqa: NPY002
     random.seed(seed)
     np.random.seed(seed)  # noqa: NPY002
     seeded = global_states()
-
-    def changed() -> tuple[str, ...]:
-        return tuple(name for name, state in global_states().items() if state != seeded[name])
-
     try:
         yield changed
     finally:
+        changed += [name for name, state in global_states().items() if state != seeded[name]]
         random.setstate(before[0])
         np.random.set_state(before[1])  # noqa: NPY002

@@ -1,4 +1,4 @@
-"""Rules of robustness: runs handle any box, any number of variables and any objective values."""
+"""Rules of robustness: a run comes to its end with any budget, box, number of variables and objective values."""
 
 from __future__ import annotations
 
@@ -6,12 +6,10 @@ import dataclasses
 
 import numpy as np
 
-from bench.check.conformance import problems
-from bench.check.conformance.budget import expect_kept_budget
-from bench.check.conformance.recording import RecordedRun
+from bench.check import problems
+from bench.check.conformance.recording import LET_IT_PASS, RecordedRun, ViolationError
 from bench.check.conformance.subject import Subject, ordinary_budget
-from bench.check.conformance.violation import ViolationError
-from bench.problem import FunctionProblem
+from bench.check.problems import RecordingProblem
 from bench.sandbox.messages import describe_error
 
 CLIP = (
@@ -19,6 +17,28 @@ CLIP = (
     "mapping points back from a unit cube can leave the box by rounding"
 )
 GUARD = "guard divisions by ranges or sums of values: they can be zero or infinite"
+
+
+def check_run(subject: Subject) -> str | None:
+    """One ordinary run comes to its end."""
+    try:
+        subject.fresh()
+    except Exception:  # the rule of the parameters reports it
+        return None
+    run = subject.run()
+    if not len(run.points):
+        raise ViolationError("it returned without a single evaluation", "ask objective(x) for the values of points")
+    return f"{len(run.points)} evaluations of a function of three variables, ended by: {run.stop}"
+
+
+def check_budget(subject: Subject) -> str:
+    """Any budget is spent completely, or the stop is declared; the objective is not called after the end."""
+    agents = subject.fresh().minimum_budget
+    budgets = sorted({1, max(1, agents - 1), agents, agents + 1, 3 * agents + 3, 1000})
+    stops = {_expect_kept_budget(subject.run(budget=budget), budget) for budget in budgets}
+    declared = sorted(stops - {"budget"})
+    kept = f"kept budgets of {', '.join(map(str, budgets))}"
+    return f"{kept}; stopped early and declared: {'; '.join(declared)}" if declared else f"{kept} to the evaluation"
 
 
 def check_box(subject: Subject) -> str:
@@ -58,22 +78,38 @@ def check_values(subject: Subject) -> str:
     """Any values are handled: equal, infinite, huge, tiny and negative ones; NaN reaches an optimizer as +inf."""
     for name, problem in problems.odd().items():
         run = _each(subject, problem, f" with {name}")
-        bad = int((~np.isfinite(run.points)).any(axis=1).sum())
-        if bad:
-            raise ViolationError(
-                f"it asked for {bad} points that are not finite with {name}",
-                GUARD,
-            )
+        if bad := int((~np.isfinite(run.points)).any(axis=1).sum()):
+            raise ViolationError(f"it asked for {bad} points that are not finite with {name}", GUARD)
     return f"runs with {', '.join(problems.odd())}"
 
 
-def _each(subject: Subject, problem: FunctionProblem, where: str) -> RecordedRun:
+def _each(subject: Subject, problem: RecordingProblem, where: str) -> RecordedRun:
     """Return a run that kept its budget; raises ViolationError, saying where, for one that did not or that raised."""
     optimizer = subject.fresh()
     try:
         run = subject.run(problem, optimizer=optimizer)
     except (Exception, SystemExit) as error:
         raise ViolationError(f"it raised {describe_error(error)}{where}", "") from error
-    if run.stop == "undeclared" and subject.run(problems.bowl()).stop != run.stop:  # else the budget's rule reports it
-        expect_kept_budget(dataclasses.replace(run, asked_after=0), ordinary_budget(optimizer), where)
+    if run.stop == "undeclared" and subject.run().stop != run.stop:  # else the budget's rule reports it
+        _expect_kept_budget(dataclasses.replace(run, asked_after=0), ordinary_budget(optimizer), where)
     return run
+
+
+def _expect_kept_budget(run: RecordedRun, budget: int, where: str = "") -> str:
+    """Return why the run ended; raises ViolationError unless it was by the budget or by a declared stop."""
+    if run.asked_after:
+        times = f"{run.asked_after} more time{'s' * (run.asked_after > 1)}"
+        finding = f"it called the objective {times} after the budget of {budget} was spent{where}"
+        raise ViolationError(finding, LET_IT_PASS)
+    if not len(run.points):
+        raise ViolationError(
+            f"it returned without a single evaluation of a budget of {budget}{where}",
+            "evaluate also where the budget is below one generation: loop until the budget ends the run",
+        )
+    if run.stop == "undeclared":
+        raise ViolationError(
+            f"it returned after {len(run.points)} of {budget} evaluations{where} and declared no reason",
+            "loop until the budget ends the run, or draw the last batch from objective.remaining; declare a "
+            'criterion of your own with objective.stop("reason")',
+        )
+    return run.stop

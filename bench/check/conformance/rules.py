@@ -1,7 +1,7 @@
 """The table of the contract's rules, which ``check_optimizer``, ``bench check`` and ``bench.testing`` share.
 
 A rule's function takes a :class:`~bench.check.conformance.subject.Subject` and returns one sentence on what it
-observed, or raises :class:`~bench.check.conformance.violation.ViolationError`. It judges one rule alone: an optimizer
+observed, or raises :class:`~bench.check.conformance.recording.ViolationError`. It judges one rule alone: an optimizer
 that breaks another rule passes it wherever possible.
 """
 
@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from bench.check.conformance import budget, parameters, reproducibility, robustness, side_effects
+from bench.check.conformance import isolation, parameters, robustness
+from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.subject import START_PATIENCE, Subject
-from bench.check.conformance.violation import ConstructionError, ViolationError
 from bench.check.verdict import Verdict
 from bench.sandbox.messages import describe_error
 
@@ -25,43 +25,40 @@ class Rule:
 
     Attributes:
         name: the name in verdicts, such as ``"budget"``.
-        examine: returns one sentence on what it observed, or raises ViolationError.
+        examine: the rule's function; it may return None where the optimizer cannot be constructed.
         mend: how to mend an exception that the optimizer raises in this check.
         needs: the rules that an optimizer must keep before this one can be checked.
         patience: seconds without a sign of life that are allowed.
     """
 
     name: str
-    examine: Callable[[Subject], str]
+    examine: Callable[[Subject], str | None]
     mend: str
     needs: tuple[str, ...] = ("run",)
     patience: float = PATIENCE
 
 
+_ORDINARY = "mend what raises: this is an ordinary function of three variables"
 _REPEATED = ("run", "repetition")
 _ROBUST = "mend what raises: any dimension, any finite value and +inf can occur"
 
 RULES = (
     Rule("parameters", parameters.check_parameters, "declare fields of plain types with defaults that fit", ()),
-    Rule(
-        "run", budget.check_run, "mend what raises: this is an ordinary function of three variables", (), START_PATIENCE
-    ),
-    Rule("budget", budget.check_budget, "mend what raises: any budget from 1 on can occur"),
-    Rule("repetition", reproducibility.check_repetition, "mend what raises: this is an ordinary run with another seed"),
-    Rule(
-        "processes", reproducibility.check_processes, "mend what raises in a new process", _REPEATED, 2 * START_PATIENCE
-    ),
-    Rule("no state", reproducibility.check_state, "a second run of an instance must start as the first did", _REPEATED),
-    Rule("pickling", reproducibility.check_pickling, "keep plain values in the fields: no locks, no files", _REPEATED),
-    Rule("global states", reproducibility.check_global_states, "draw from rng alone", _REPEATED),
+    Rule("run", robustness.check_run, _ORDINARY, (), START_PATIENCE),
+    Rule("budget", robustness.check_budget, "mend what raises: any budget from 1 on can occur"),
+    Rule("repetition", isolation.check_repetition, "mend what raises: this is an ordinary run with another seed"),
+    Rule("processes", isolation.check_processes, "mend what raises in a new process", _REPEATED, 2 * START_PATIENCE),
+    Rule("no state", isolation.check_state, "a second run of an instance must start as the first did", _REPEATED),
+    Rule("pickling", isolation.check_pickling, "keep plain values in the fields: no locks, no files", _REPEATED),
+    Rule("global states", isolation.check_global_states, "draw from rng alone", _REPEATED),
     Rule("box", robustness.check_box, _ROBUST),
     Rule("repair", robustness.check_repair, "objective.repair(x) may move points within the box"),
     Rule("dimensions", robustness.check_dimensions, _ROBUST),
     Rule("values", robustness.check_values, _ROBUST),
-    Rule("contract", side_effects.check_contract, "use nothing but what the objective offers"),
-    Rule("anonymity", reproducibility.check_anonymity, "use nothing but what the objective offers", _REPEATED),
-    Rule("silence", side_effects.check_silence, "a run must not need a terminal"),
-    Rule("leftovers", side_effects.check_leftovers, "a run must not depend on the working folder"),
+    Rule("contract", isolation.check_contract, "use nothing but what the objective offers"),
+    Rule("anonymity", isolation.check_anonymity, "use nothing but what the objective offers", _REPEATED),
+    Rule("silence", isolation.check_silence, "a run must not need a terminal"),
+    Rule("leftovers", isolation.check_leftovers, "a run must not depend on the working folder"),
 )
 """All rules, in the order in which they are checked."""
 
@@ -72,14 +69,10 @@ def find_rule(name: str) -> Rule:
 
 
 def judge(rule: Rule, subject: Subject) -> Verdict | None:
-    """Return the verdict on one rule, None where the optimizer cannot be constructed.
-
-    Any exception of the optimizer becomes the finding.
-    """
+    """Return the verdict on one rule, None where there is nothing to examine; any exception becomes the finding."""
     try:
-        return Verdict(rule.name, "conformance", True, rule.examine(subject))
-    except ConstructionError:
-        return None
+        observed = rule.examine(subject)
+        return None if observed is None else Verdict(rule.name, "conformance", True, observed)
     except ViolationError as violation:
         return failed(rule, violation.finding, violation.mend)
     except (Exception, SystemExit) as error:

@@ -4,25 +4,31 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import os
 import pickle
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack
 from functools import lru_cache
+from itertools import accumulate
 from typing import Any, get_type_hints
 
 import cloudpickle
+from threadpoolctl import threadpool_limits
 
-from bench.check.conformance.recording import RecordedRun, record_run
+from bench.check.conformance.recording import ObservedOptimizer, RecordedRun, seeded_global_states
+from bench.check.problems import RecordingProblem, bowl
 from bench.errors import BenchError
+from bench.execution.trial_process import STILL_ASKING
 from bench.optimizer import Optimizer, build, settings
 from bench.plugins.loading import load_optimizer
-from bench.problem import Problem
 from bench.sandbox.process import Pulse
 from bench.seeds import check_seed
+from bench.trial import search
 
 START_PATIENCE = 120.0
 """Seconds without a sign of life that are allowed while a process imports, compiles and makes its first run."""
+
+_MOST_REFUSALS = 10_000  # calls after the end of the budget until the process is ended
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,8 +40,8 @@ class Subject:
         options: its parameters, for a name or a class.
         seed: the first seed of its runs.
         packed: the bytes that :func:`pack` made before its first run, where known.
-        pulse: see :func:`bench.check.conformance.recording.record_run`.
-        expendable: likewise.
+        pulse: called with the evaluations made and the budget after every call of the objective; given only in a
+            process that may be ended to stop an optimizer that calls the objective for ever.
     """
 
     source: str | type[Optimizer] | Optimizer
@@ -43,7 +49,6 @@ class Subject:
     seed: int = 0
     packed: bytes | None = None
     pulse: Pulse | None = None
-    expendable: bool = False
 
     @property
     def label(self) -> str:
@@ -58,38 +63,49 @@ class Subject:
         if isinstance(self.source, str):
             return load_optimizer(self.source, **self.options)
         if isinstance(self.source, type):
-            return self.source(**self.options)
-        copy: Optimizer = pickle.loads(cloudpickle.dumps(self.source))
-        return copy
+            return build(self.source, self.label, self.options) if self.options else self.source()
+        return pickle.loads(cloudpickle.dumps(self.source))  # type: ignore[no-any-return]
 
     def run(
         self,
-        problem: Problem,
+        problem: RecordingProblem | None = None,
         *,
         optimizer: Optimizer | None = None,
         budget: int | None = None,
         seed: int = 0,
         global_seed: int = 0,
     ) -> RecordedRun:
-        """Run a new instance, or ``optimizer``; see :func:`bench.check.conformance.recording.record_run`.
+        """Run a new instance, or ``optimizer``, as a trial does and return the record.
 
         Args:
-            problem: what is minimised.
+            problem: what is minimised, a new one for every run; by default the ordinary problem.
             optimizer: an instance to run instead of a new one.
             budget: evaluations it may spend; by default those of an ordinary run.
             seed: added to the subject's own.
-            global_seed: of the global random states.
+            global_seed: of Python's and numpy's global random states during the run.
         """
+        problem = problem if problem is not None else bowl()
         optimizer = optimizer if optimizer is not None else self.fresh()
-        return record_run(
-            optimizer,
-            problem,
-            budget if budget is not None else ordinary_budget(optimizer),
-            seed=self.seed + seed,
-            pulse=self.pulse,
-            expendable=self.expendable,
-            global_seed=global_seed,
-        )
+        budget = budget if budget is not None else ordinary_budget(optimizer)
+        run = RecordedRun()
+        observed = ObservedOptimizer(optimizer, run, self.pulse)
+
+        def on_refusal(number: int) -> None:
+            run.asked_after = number - 1
+            if number == 1 and self.pulse is not None:
+                self.pulse(budget, budget)
+            if number > _MOST_REFUSALS and self.pulse is not None:
+                os._exit(STILL_ASKING)
+
+        with threadpool_limits(limits=1), seeded_global_states(global_seed) as changed:
+            try:
+                result = search(problem, observed, budget, self.seed + seed, on_refusal)
+                run.stop, run.outside = result.stop, result.outside_box
+            except RuntimeError:  # without a single evaluation
+                if not observed.returned:
+                    raise
+        run.points, run.touched = problem.points, tuple(changed)
+        return run
 
 
 def make_subject(optimizer: object, options: dict[str, Any], seed: int) -> Subject:
@@ -99,35 +115,28 @@ def make_subject(optimizer: object, options: dict[str, Any], seed: int) -> Subje
         BenchError: for anything else, for an unknown name, for options of an instance, and for a seed below 0.
     """
     check_seed(seed)
-    if isinstance(optimizer, str):
-        _refuse(lambda: load_optimizer(optimizer, **options))
-        return Subject(optimizer, options, seed)
-    if isinstance(optimizer, type) and issubclass(optimizer, Optimizer):
+    if isinstance(optimizer, Optimizer):
         if options:
-            _refuse(lambda: build(optimizer, optimizer.__name__, options))
-        return Subject(vars(optimizer).get("plugin", optimizer), options, seed)
-    if not isinstance(optimizer, Optimizer):
+            raise BenchError(
+                f"{next(iter(options))!r} cannot be set: the optimizer is made already; give its class or name"
+            )
+        name = vars(type(optimizer)).get("plugin")  # of a class made at run time, which is loaded by its name
+        return Subject(name, settings(optimizer), seed) if name else Subject(optimizer, {}, seed)
+    is_class = isinstance(optimizer, type) and issubclass(optimizer, Optimizer)
+    if not isinstance(optimizer, str) and not is_class:
         raise BenchError(
             f"give the name of an optimizer, an Optimizer subclass or an instance of one, not {optimizer!r}"
         )
-    if options:
-        raise BenchError(
-            f"{next(iter(options))!r} cannot be set: the optimizer is made already; give its class or name"
-        )
-    if "plugin" in vars(type(optimizer)):  # a class made at run time is loaded by its name
-        own = settings(optimizer)
-        return Subject(vars(type(optimizer))["plugin"], own, seed)
-    return Subject(optimizer, {}, seed)
-
-
-def _refuse(make: Callable[[], Optimizer]) -> None:
-    """Raise BenchError for bad input; other exceptions of a plug-in are for the rule of the parameters to report."""
-    try:
-        make()
-    except BenchError:
-        raise
-    except Exception:
-        return
+    source: Any = vars(optimizer).get("plugin", optimizer) if is_class else optimizer
+    subject = Subject(source, options, seed)
+    if options or isinstance(optimizer, str):
+        try:
+            subject.fresh()
+        except BenchError:
+            raise
+        except Exception:  # the rule of the parameters reports it
+            return subject
+    return subject
 
 
 def ordinary_budget(optimizer: Optimizer) -> int:
@@ -137,21 +146,19 @@ def ordinary_budget(optimizer: Optimizer) -> int:
 
 def parameters(optimizer: Optimizer) -> dict[str, str]:
     """Return the optimizer's fields as text, or all attributes where it has no fields."""
-    if dataclasses.is_dataclass(optimizer):
-        return {name: repr(value) for name, value in settings(optimizer).items()}
-    return {name: repr(value) for name, value in vars(optimizer).items()}
+    values = settings(optimizer) if dataclasses.is_dataclass(optimizer) else vars(optimizer)
+    return {name: repr(value) for name, value in values.items()}
 
 
 def pack(subject: Subject) -> bytes:
-    """Return the subject as bytes; a class that another process cannot import is sent by value.
-
-    Raises:
-        Exception: whatever a parameter, or an object that a local class uses, raises on pickling.
-    """
+    """Return the subject as bytes, with a class that another process cannot import; raises what pickling it raises."""
     cls = subject.source if isinstance(subject.source, type) else type(subject.source)
     local = [each for each in cls.__mro__ if not _importable(each)]
-    with _by_value({each.__module__ for each in local}):
-        plain = dataclasses.replace(subject, packed=None, pulse=None, expendable=False)
+    plain = dataclasses.replace(subject, packed=None, pulse=None)
+    with ExitStack() as stack:
+        for name in {each.__module__ for each in local} & sys.modules.keys() - {"__main__"}:
+            cloudpickle.register_pickle_by_value(sys.modules[name])
+            stack.callback(cloudpickle.unregister_pickle_by_value, sys.modules[name])
         return bytes(cloudpickle.dumps((plain, [(each, _annotations(each)) for each in local])))
 
 
@@ -180,23 +187,10 @@ def _importable(cls: type) -> bool:
     module = sys.modules.get(cls.__module__)
     if module is None or module.__name__ == "__main__" or "<locals>" in cls.__qualname__:
         return False
-    spec, path, parts = None, None, cls.__module__.split(".")
-    for depth in range(len(parts)):
-        found = (finder.find_spec(".".join(parts[: depth + 1]), path) for finder in sys.meta_path)
-        spec = next(filter(None, found), None)
+    spec, path = None, None
+    for name in accumulate(cls.__module__.split("."), "{}.{}".format):
+        spec = next(filter(None, (finder.find_spec(name, path) for finder in sys.meta_path)), None)
         if spec is None:
             return False
         path = spec.submodule_search_locations
     return spec is not None and spec.origin in ("built-in", "frozen", getattr(module, "__file__", None))
-
-
-@contextmanager
-def _by_value(modules: set[str]) -> Iterator[None]:
-    chosen = [sys.modules[name] for name in modules - {"__main__"} if name in sys.modules]
-    for module in chosen:
-        cloudpickle.register_pickle_by_value(module)
-    try:
-        yield
-    finally:
-        for module in chosen:
-            cloudpickle.unregister_pickle_by_value(module)

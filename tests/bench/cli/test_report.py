@@ -10,7 +10,7 @@ import pytest
 
 from bench import BenchError, Study, run, write_report
 from bench.check.bias import diagnose
-from bench.check.bias.functions import FUNCTIONS
+from bench.check.problems import FUNCTIONS
 from bench.check.verdict import Verdict
 
 ENTRIES = [{"name": "scatter", "agents": 7}, {"name": "early"}]
@@ -104,8 +104,8 @@ def test_a_process_of_its_own_says_and_ends_the_same(bench, bench_here, folders,
 
 def test_checking_a_folder_says_and_notes_what_was_found(bench_here, folders, tmp_path, monkeypatch):
     folder = shutil.copytree(folders / "old", tmp_path / "old")
-    monkeypatch.setattr("bench.check.bias.runs.FUNCTIONS", {"sphere": FUNCTIONS["sphere"]})
-    monkeypatch.setattr("bench.check.bias.folder.diagnose", partial(diagnose, dimension=2, runs=2, noise_runs=3))
+    monkeypatch.setattr("bench.check.bias.FUNCTIONS", {"sphere": FUNCTIONS["sphere"]})
+    monkeypatch.setattr("bench.check.bias.diagnose", partial(diagnose, dimension=2, runs=2, noise_runs=3))
     with joblib.parallel_config("threading"):  # another process would not see the one function
         done = bench_here("check", folder)
     assert done.returncode == 0, done.stderr
@@ -140,7 +140,7 @@ def test_checking_an_optimizer_ends_by_whether_it_keeps_the_contract(bench, benc
     assert "passed: mine.py:wandering, budget:" in broken.stdout
     assert broken.stdout.rstrip().endswith("mine.py:wandering fails the contract in: box")
     found = [Verdict("centre bias", "bias", False, "errors grow", "report it", 50.0)]
-    monkeypatch.setattr("bench.check.suite._biases", lambda subject, jobs: found)
+    monkeypatch.setattr("bench.check.bias.diagnose", lambda *_, **__: found)
     biased = bench_here("check", "scatter")
     assert biased.returncode == 0
     assert "BIASED: scatter, centre bias: errors grow" in biased.stdout

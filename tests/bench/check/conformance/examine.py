@@ -1,8 +1,6 @@
 """Verdicts on faulty optimizers, made in this process."""
 
-import pytest
-
-from bench.check.conformance.checker import each_verdict
+from bench.check.checker import Checker
 from bench.check.conformance.rules import RULES, judge
 from bench.check.conformance.subject import make_subject
 
@@ -10,20 +8,19 @@ ALL = {rule.name for rule in RULES}
 IN_ONE_PROCESS = [rule for rule in RULES if rule.name != "processes"]
 
 
+class InThisProcess(Checker):
+    def _judge(self, rule):
+        return judge(rule, self._subject)
+
+
 def verdicts(optimizer, rules=IN_ONE_PROCESS, **options):
     """Return the verdicts by rule."""
-    subject = make_subject(optimizer, options, seed=0)
-    return {verdict.check: verdict for verdict in each_verdict(lambda rule: judge(rule, subject), rules)}
+    checker = InThisProcess(make_subject(optimizer, options, seed=0))
+    return {verdict.check: verdict for verdict in filter(None, map(checker.verdict, rules))}
 
 
 def failures(found):
     return [verdict for verdict in found.values() if not verdict.passed]
-
-
-def each_fault(faults):
-    """Give a test one faulty optimizer after another, with the rule that it breaks, a finding and advice."""
-    names = ("optimizer", "rule", "finding", "mend")
-    return pytest.mark.parametrize(names, faults, ids=lambda each: getattr(each, "__name__", ""))
 
 
 def expect_broken(optimizer, rule, finding, mend):

@@ -1,4 +1,4 @@
-"""The rules of reproducibility."""
+"""The rules of isolation."""
 
 import pytest
 
@@ -20,6 +20,12 @@ FAULTS = [
         "depends on the problem's name, variables or known optimum",
         "nothing of the problem",
     ),
+    (faulty.Spying, "contract", "it reads or sets _problem of the objective", ".initial(n)"),
+    (faulty.Boasting, "contract", "it reads or sets best_value of the objective", ".initial(n)"),
+    (faulty.Stretching, "contract", "it reads or sets upper of the objective", ".initial(n)"),
+    (faulty.Chatty, "silence", "such as 'generation ", "print and log nothing"),
+    (faulty.Loud, "silence", "such as 'iterating'", "print and log nothing"),
+    (faulty.Littering, "leftovers", "1 file in the working folder, such as 'outwalker.log'", "write no files"),
 ]
 
 

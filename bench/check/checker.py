@@ -1,0 +1,155 @@
+"""Check an optimizer: the rules of the contract, in a process of its own, and the biases of its method."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from typing import Any
+
+from bench.check.conformance.recording import explain_lost_process
+from bench.check.conformance.rules import RULES, Rule, failed, find_rule, judge
+from bench.check.conformance.subject import START_PATIENCE, Subject, make_subject, pack, unpack
+from bench.check.verdict import Checkup, Verdict
+from bench.optimizer import Optimizer
+from bench.sandbox.messages import describe_error
+from bench.sandbox.process import DiedError, Process, Pulse, RemoteError, SilentError
+
+CONSTRUCTION, PICKLING = find_rule("parameters"), find_rule("pickling")
+
+
+def check_optimizer(
+    optimizer: str | type[Optimizer] | Optimizer,
+    /,
+    *,
+    bias: bool = True,
+    n_jobs: int = -1,
+    seed: int = 0,
+    on_check: Callable[[Verdict], None] | None = None,
+    **options: Any,
+) -> Checkup:
+    """Check that an optimizer keeps the contract, and look for biases of its method.
+
+    The optimizer runs in separate processes, so that hanging, printing or crashing costs a verdict and nothing else.
+
+    Example:
+        >>> assert bench.check_optimizer(HillClimber, bias=False)
+        >>> print(bench.check_optimizer("gwo", agents=300))
+
+    Args:
+        optimizer: a name (``"gwo"``, ``"mealpy:OriginalGWO"``, ``"path/file.py:Class"``), a class or an instance.
+        bias: whether to look for biases too; they are only looked for where ordinary runs keep the contract.
+        n_jobs: processes that look for biases, -1 for one a core.
+        seed: of the runs; the same one gives the same verdicts.
+        on_check: called with every verdict as soon as it is known.
+        options: parameters, for a name or a class; give an instance for a parameter named like an argument above.
+
+    Raises:
+        BenchError: for an unknown name or parameter, a value out of its range, or an argument that is no optimizer.
+    """
+    subject = make_subject(optimizer, options, seed)
+    verdicts: list[Verdict] = []
+    for verdict in _verdicts(subject, bias, n_jobs):
+        verdicts.append(verdict)
+        if on_check is not None:
+            on_check(verdict)
+    made = {verdict.check for verdict in verdicts}
+    return Checkup(subject.label, tuple(verdicts), tuple(rule.name for rule in RULES if rule.name not in made))
+
+
+def _verdicts(subject: Subject, bias: bool, n_jobs: int) -> Iterator[Verdict]:
+    """Yield the verdicts on all rules that can be checked, and on biases where ordinary runs keep the contract."""
+    with closing(Checker(subject)) as checker:
+        kept = set()
+        for verdict in filter(None, map(checker.verdict, RULES)):
+            yield verdict
+            if verdict.passed:
+                kept.add(verdict.check)
+    if not (bias and {"run", "budget"} <= kept):
+        return
+    from bench.check.bias import diagnose  # not at the top: it imports scipy.stats and joblib
+
+    try:
+        yield from diagnose(subject.fresh(), n_jobs=n_jobs, seed=subject.seed)
+    except Exception as error:  # a plug-in may raise anything, and its other verdicts stand
+        finding = f"it could not be examined: {describe_error(error)}"
+        yield Verdict("bias", "bias", False, finding, "mend what raises on ordinary functions of seven variables")
+
+
+class Checker:
+    """Check an optimizer against rules, each at most once, and none before the rules that it needs.
+
+    A process starts with the first verdict, and a new one after the optimizer has hung or ended it.
+
+    Attributes:
+        unloadable: why no other process can load the optimizer, so that no rule can be checked; "" where one can.
+    """
+
+    def __init__(self, subject: Subject) -> None:
+        self.unloadable = ""
+        self._subject = subject
+        self._verdicts: dict[str, Verdict | None] = {}
+        self._packed = b""
+        self._process: Process | None = None
+
+    def verdict(self, rule: Rule) -> Verdict | None:
+        """Return the verdict on the rule, None where it cannot be checked."""
+        if rule.name not in self._verdicts:
+            needed = [self.verdict(find_rule(name)) for name in rule.needs]
+            kept = all(verdict is not None and verdict.passed for verdict in needed)
+            self._verdicts[rule.name] = self._judge(rule) if kept else None
+            if self.unloadable and rule is PICKLING:
+                self._verdicts[rule.name] = failed(rule, self.unloadable)
+        return self._verdicts[rule.name]
+
+    def obstacle(self, rule: Rule) -> Rule:
+        """Return the broken rule because of which this one cannot be checked."""
+        for need in map(find_rule, rule.needs):
+            verdict = self.verdict(need)
+            if verdict is not None and not verdict.passed:
+                return need
+        return CONSTRUCTION
+
+    def close(self) -> None:
+        """End the process; a later verdict starts a new one."""
+        if self._process is not None:
+            self._process.close()
+        self._process = None
+
+    def _judge(self, rule: Rule) -> Verdict | None:
+        """Return the verdict of the process on the rule, None where there is nothing to examine."""
+        process = self._process or self._start()
+        if process is None:
+            return None
+        try:
+            verdict: Verdict | None = process.call(_judge, self._packed, rule.name, patience=rule.patience)
+        except RemoteError as error:  # such as KeyboardInterrupt; other exceptions are in the verdict
+            verdict = failed(rule, f"it raised {error}")
+        except (SilentError, DiedError) as error:
+            verdict = failed(rule, *explain_lost_process(error, process))
+            self.close()
+        return verdict
+
+    def _start(self) -> Process | None:
+        """Return a process that has loaded the optimizer, None where none can."""
+        if not self._packed and not self.unloadable:
+            try:
+                self._packed = pack(self._subject)
+            except Exception as error:  # the parameters of a plug-in may raise anything
+                self.unloadable = f"it cannot be sent to another process: {describe_error(error)}"
+        if not self.unloadable:
+            self._process = Process(hash_seed=0)
+            try:
+                self._process.call(_load, self._packed, patience=START_PATIENCE)
+            except (RemoteError, SilentError, DiedError) as error:
+                self.close()
+                self.unloadable = f"another process cannot load it: {error}"
+        return self._process
+
+
+def _load(packed: bytes, pulse: Pulse) -> None:  # noqa: ARG001 - nothing to report
+    unpack(packed)
+
+
+def _judge(packed: bytes, name: str, pulse: Pulse) -> Verdict | None:
+    return judge(find_rule(name), dataclasses.replace(unpack(packed), pulse=pulse))

@@ -1,0 +1,198 @@
+"""Rules of isolation: a run depends on its seed and the objective's values alone, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import dataclasses
+import multiprocessing
+import os
+import pickle
+import sys
+import tempfile
+import threading
+import warnings
+from collections.abc import Iterator
+from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
+from math import inf
+from pathlib import Path
+from time import monotonic, sleep
+from typing import IO
+
+import cloudpickle
+
+from bench.check.conformance.recording import ViolationError, expect_same, explain_lost_process
+from bench.check.conformance.subject import START_PATIENCE, Subject, pack, parameters, unpack
+from bench.check.problems import bowl
+from bench.sandbox.messages import describe_error
+from bench.sandbox.process import DiedError, Process, Pulse, SilentError
+
+
+def check_repetition(subject: Subject) -> str:
+    """A seed repeats the run within a process; other seeds give other runs, or the method is deterministic."""
+    mend = "draw from rng alone, start from objective.initial, and use no clock, no generator of your own and nothing "
+    mend += "that is kept in the module or the class"
+    run = subject.run()
+    expect_same(run.course(), subject.run().course(), "two runs of one seed differ", mend)
+    others = [subject.run(seed=seed, global_seed=seed) for seed in (1, 2)]
+    if all(other.course() == run.course() for other in others):
+        return "deterministic: the seed repeats the run, and so does every other seed"
+    if not any(each.drew for each in (run, *others)):
+        return "a seed repeats its run, other seeds give others; nothing is drawn from rng"
+    return "a seed repeats its run, other seeds give others"
+
+
+def check_processes(subject: Subject) -> str:
+    """Trials in another process, in another order and with other hashes, give the same runs."""
+    mend = "do not loop over a set or use hash() or id(): their order differs from process to process; use no process "
+    mend += "number, host name or environment variable, and keep nothing in the module or the class from run to run"
+    seeds = [0, 1, 2]
+    here = [subject.run(seed=seed).course() for seed in seeds]
+    with Process(hash_seed=1, nested=subject.pulse is not None) as process:
+        try:
+            there = process.call(
+                courses, subject.packed or pack(subject), seeds[::-1], patience=START_PATIENCE, on_pulse=subject.pulse
+            )
+        except (SilentError, DiedError) as error:
+            finding, other_mend = explain_lost_process(error, process)
+            raise ViolationError(f"in another process, {finding}", other_mend) from error
+    for mine, other in zip(here, reversed(there), strict=True):
+        expect_same(mine, other, "a seed gives another run in another process, after other runs", mend)
+    return f"{len(seeds)} trials gave the same runs in two processes, in two orders"
+
+
+def courses(packed: bytes, seeds: list[int], pulse: Pulse | None = None) -> list[list[int]]:
+    """Return the courses of runs with these seeds."""
+    subject = dataclasses.replace(unpack(packed), pulse=pulse)
+    return [subject.run(seed=seed).course() for seed in seeds]
+
+
+def check_state(subject: Subject) -> str:
+    """Nothing is kept in the instance from run to run."""
+    used = subject.fresh()
+    before = parameters(used)
+    subject.run(optimizer=used)
+    after = parameters(used)
+    mend = "keep what changes during a run in local variables of minimize, not in self"
+    changed = [name for name in before if after.get(name) != before[name]]
+    if changed:
+        raise ViolationError(
+            f"a run changes its parameter {changed[0]!r} from {before[changed[0]]} to {after[changed[0]]}", mend
+        )
+    new, again = (subject.run(optimizer=each, seed=1) for each in (None, used))
+    expect_same(new.course(), again.course(), "a second run of one instance differs from that of a new one", mend)
+    return "a second run of one instance equals that of a new one"
+
+
+def check_pickling(subject: Subject) -> str:
+    """Workers get their optimizer by pickle."""
+    optimizer = subject.fresh()
+    copy = pickle.loads(cloudpickle.dumps(optimizer))
+    mend = "keep the whole configuration of the optimizer in its fields, as plain values"
+    if type(copy).__qualname__ != type(optimizer).__qualname__:
+        raise ViolationError(f"its pickled copy is a {type(copy).__name__}, not a {type(optimizer).__name__}", mend)
+    if parameters(copy) != parameters(optimizer) and copy != optimizer:
+        raise ViolationError("its pickled copy has other parameters", mend)
+    run, other = (subject.run(optimizer=each) for each in (optimizer, copy))
+    expect_same(run.course(), other.course(), "its pickled copy runs differently", mend)
+    return "a pickled copy has the same parameters and gives the same run"
+
+
+def check_global_states(subject: Subject) -> str:
+    """Neither Python's nor numpy's global random state is used or changed."""
+    mend = "draw from rng alone: no random.random(), no np.random.rand() and no seeding of them; a library that needs "
+    mend += "them gets a seed drawn from rng, and the states are restored afterwards"
+    run = subject.run()
+    if run.touched:
+        raise ViolationError(f"a run changes the global random state of {' and '.join(run.touched)}", mend)
+    other = subject.run(global_seed=1)
+    expect_same(run.course(), other.course(), "a run depends on the global random states", mend)
+    return "the global random states of Python and numpy are neither used nor changed"
+
+
+def check_anonymity(subject: Subject) -> str:
+    """A problem's name, variables and known optimum change nothing."""
+    run, other = subject.run(), subject.run(bowl(name="other", variables=("a", "b", "c"), optimum=-1.0))
+    finding = "its run depends on the problem's name, variables or known optimum"
+    mend = "use nothing of the problem but the objective's values and bounds"
+    expect_same(run.course(), other.course(), finding, mend)
+    return "the problem's name, variables and known optimum change nothing"
+
+
+def check_contract(subject: Subject) -> str:
+    """The optimizer uses only what the objective offers."""
+    run = subject.run()
+    if run.reached:
+        raise ViolationError(
+            f"it reads or sets {', '.join(sorted(run.reached))} of the objective",
+            "use what the contract offers: objective(x), .lower, .upper, .dimension, .budget, .remaining, .repair(x), "
+            ".initial(n) and .stop(reason)",
+        )
+    return "it uses nothing of the objective but what the contract offers"
+
+
+def check_silence(subject: Subject) -> str:
+    """A run prints nothing: the harness shows progress, and a study makes thousands of runs."""
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as file:
+        with warnings.catch_warnings(record=True) as warned, _output_to(file):
+            warnings.simplefilter("default")
+            subject.run()
+        file.seek(0)
+        text = file.read()
+    if text.strip():
+        first = next(line for line in text.splitlines() if line.strip()).strip()
+        raise ViolationError(
+            f"a run printed {len(text)} characters, such as {first[:60]!r}",
+            "print and log nothing; switch off the messages of the libraries that you call",
+        )
+    if warned:
+        return f"nothing printed; warned: {describe_error(warned[0].message)}"  # type: ignore[arg-type]
+    return "nothing printed"
+
+
+def check_leftovers(subject: Subject) -> str:
+    """A run leaves no files, threads or processes behind; what a library starts once is not counted."""
+    optimizers = [subject.fresh() for _ in range(2)]  # before the folder changes: a name may be a relative path
+    running = [_running()]
+    with tempfile.TemporaryDirectory() as folder, chdir(folder):
+        for optimizer in optimizers:
+            subject.run(optimizer=optimizer)
+            running.append(_running(running[-1]))
+        files = sorted(path.name for path in Path(folder).iterdir())
+    if files:
+        raise ViolationError(
+            f"a run leaves {len(files)} file{'s' * (len(files) > 1)} in the working folder, such as {files[0]!r}",
+            "write no files; switch off the logs of the libraries that you call",
+        )
+    for kind, before, after in zip(("thread", "process"), *running[1:], strict=True):
+        if after > before:
+            raise ViolationError(
+                f"every run leaves a {kind} running", f"end every {kind} before minimize ends, in a finally"
+            )
+    return "no files, threads or processes are left"
+
+
+def _running(before: tuple[float, float] = (inf, inf)) -> tuple[int, int]:
+    """Return the numbers of threads and processes; those about to end, if more run than before, get time to do so."""
+    until = monotonic() + 0.5
+    while True:
+        now = threading.active_count(), len(multiprocessing.active_children())
+        if (now[0] <= before[0] and now[1] <= before[1]) or monotonic() >= until:
+            return now
+        sleep(0.02)
+
+
+@contextmanager
+def _output_to(file: IO[str]) -> Iterator[None]:
+    """Write to a file what goes to the standard streams, also from outside Python."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    saved = [(descriptor, os.dup(descriptor)) for descriptor in (1, 2)]
+    for descriptor, _ in saved:
+        os.dup2(file.fileno(), descriptor)
+    try:
+        with redirect_stdout(file), redirect_stderr(file):
+            yield
+    finally:
+        for descriptor, before in saved:
+            os.dup2(before, descriptor)
+            os.close(before)
+        file.flush()
