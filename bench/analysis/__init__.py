@@ -20,12 +20,25 @@ from bench.analysis.across import (
     cliques,
     critical_difference,
     friedman,
+    interquartile_mean,
     nemenyi,
+    normalised_errors,
+    probability_of_improvement,
     relative_medians,
     wilcoxon_tests,
 )
-from bench.analysis.aggregate import interquartile_mean, normalised_errors, probability_of_improvement
-from bench.analysis.anytime import best_so_far, convergence, evaluation_grid
+from bench.analysis.anytime import (
+    best_so_far,
+    convergence,
+    data_profiles,
+    ecdf,
+    evaluation_grid,
+    expected_running_time,
+    fractions,
+    hitting_times,
+    success_rates,
+    targets,
+)
 from bench.analysis.cells import (
     NEAR,
     ReferenceValue,
@@ -41,19 +54,21 @@ from bench.analysis.cells import (
     summarise,
     variables,
 )
-from bench.analysis.compare import comparison_matrix, medians, ranking, table
+from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
 from bench.analysis.integrity import integrity
-from bench.analysis.letters import compact_letters
-from bench.analysis.pairwise import ALPHA, CUTOFFS, RESAMPLES, TIED, a12, effect_size, holm, pairwise_tests, tied_share
-from bench.analysis.power import critical_distance, detectable_shift, power_table
-from bench.analysis.targets import (
-    data_profiles,
-    ecdf,
-    expected_running_time,
-    fractions,
-    hitting_times,
-    success_rates,
-    targets,
+from bench.analysis.pairwise import (
+    ALPHA,
+    CUTOFFS,
+    RESAMPLES,
+    TIED,
+    a12,
+    critical_distance,
+    detectable_shift,
+    effect_size,
+    holm,
+    pairwise_tests,
+    power_table,
+    tied_share,
 )
 from bench.analysis.timing import CONTENTION, HIDDEN_THREADS, timing
 
