@@ -94,17 +94,14 @@ def export(results: Results, kind: str, folder: Path) -> Export:
 def _empty(folder: Path, title: str) -> None:
     """Remove an earlier export; raises BenchError when the folder holds anything else."""
     content = list(folder.iterdir()) if folder.exists() else []
-    if content and not _begins_with(folder / README, title):
+    readme = folder / README
+    if content and not (readme.is_file() and readme.read_bytes().startswith(title.encode())):
         raise BenchError(f"{folder} holds something other than an earlier export of this format; give another folder")
     for path in content:
         if path.is_dir() and not path.is_symlink():
             shutil.rmtree(path)
         else:
             path.unlink()
-
-
-def _begins_with(path: Path, line: str) -> bool:
-    return path.is_file() and path.read_bytes().startswith(line.encode())
 
 
 def _write(path: Path, content: str | bytes) -> None:

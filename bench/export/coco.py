@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from bench import analysis
 from bench.errors import BenchError
+from bench.export import trials
 from bench.export.trials import ExportedCell, ExportedTrial, exported_cells
 from bench.problem import Floats
 from bench.storage.results import Results
-from bench.text import file_name, unique
 
 SUITE = "bbob-constrained"
 FUNCTIONS = 54
@@ -94,9 +94,7 @@ def optimizer_folders(results: Results) -> dict[str, str]:
     cocopp names an algorithm after its folder, without the words ``data`` and ``noiseless``. A hyphen within these
     words keeps them, so that different names stay different.
     """
-    labels = [entry.label for entry in results.study.optimizers]
-    names = (re.sub("(?<=dat)(?=a)|(?<=noiseles)(?=s)", "-", file_name(label)) for label in labels)
-    return dict(zip(labels, unique(names), strict=True))
+    return trials.optimizer_folders(results, lambda name: re.sub("(?<=dat)(?=a)|(?<=noiseles)(?=s)", "-", name))
 
 
 def assumed_optima(results: Results) -> dict[str, AssumedOptimum]:

@@ -15,9 +15,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from bench.errors import BenchError
-from bench.export.trials import ExportedCell, ExportedTrial, exported_cells
+from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, optimizer_folders
 from bench.storage.results import Results
-from bench.text import file_name, unique
+from bench.text import file_name
 
 VERSION = "0.3.22"  # of the format
 LARGEST_FUNCTION = 2**16 - 1  # readers store a function's number in 16 bits
@@ -58,22 +58,10 @@ def about(results: Results) -> list[str]:
     ]
 
 
-def optimizer_folders(results: Results) -> dict[str, str]:
-    """Return the folder of each optimizer, by label."""
-    labels = [entry.label for entry in results.study.optimizers]
-    return dict(zip(labels, unique(map(file_name, labels)), strict=True))
-
-
 def _cell_files(cell: ExportedCell, suite: str, attributes: list[dict[str, str]]) -> Iterator[tuple[str, str]]:
     name = f"f{cell.function}_{file_name(cell.problem)}"
     data = f"data_{name}/IOHprofiler_f{cell.function}_DIM{cell.dimension}.dat"
-    head = _head(cell, suite, attributes, data)
-    yield f"IOHprofiler_{name}.json", json.dumps(head, indent=1, allow_nan=False) + "\n"
-    yield data, "".join(_log(trial) for trial in cell.trials)
-
-
-def _head(cell: ExportedCell, suite: str, attributes: list[dict[str, str]], data: str) -> dict[str, Any]:
-    return {
+    head = {
         "version": VERSION,
         "suite": suite,
         "function_id": cell.function,
@@ -85,6 +73,8 @@ def _head(cell: ExportedCell, suite: str, attributes: list[dict[str, str]], data
         "attributes": COLUMNS,
         "scenarios": [{"dimension": cell.dimension, "path": data, "runs": [_run(trial) for trial in cell.trials]}],
     }
+    yield f"IOHprofiler_{name}.json", json.dumps(head, indent=1, allow_nan=False) + "\n"
+    yield data, "".join(_log(trial) for trial in cell.trials)
 
 
 def _run(trial: ExportedTrial) -> dict[str, Any]:
@@ -100,7 +90,7 @@ def _run(trial: ExportedTrial) -> dict[str, Any]:
 
 def _log(trial: ExportedTrial) -> str:
     """Return the rows of a trial under their header; Python's shortest exact decimals lose no digit."""
-    rows = zip(trial.evaluations.tolist(), trial.values.tolist(), strict=True)
+    rows = zip(trial.evaluations.tolist(), trial.trace.at(trial.evaluations).tolist(), strict=True)
     return "".join([f"{' '.join(COLUMNS)}\n", *(f"{evaluation} {value!r}\n" for evaluation, value in rows)])
 
 

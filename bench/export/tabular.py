@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Callable, Iterator
 
@@ -10,10 +9,12 @@ import numpy as np
 import pandas as pd
 
 from bench.errors import require
+from bench.objective import Trace
 from bench.storage.results import Results
 
 TEXTS = ("study", "problem", "optimizer", "status", "stop", "error")
 COUNTS = ("trial", "seed", "nfev", "outside_box")
+NO_TRACE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
 
 
 def csv_files(results: Results) -> Iterator[tuple[str, str | bytes]]:
@@ -28,7 +29,7 @@ def parquet_files(results: Results) -> Iterator[tuple[str, str | bytes]]:
         BenchError: when pyarrow is not installed.
     """
     require("pyarrow", "parquet", "the parquet format needs")
-    return _files(results, "parquet", _parquet)
+    return _files(results, "parquet", lambda frame: frame.to_parquet(engine="pyarrow", index=False))
 
 
 def about(results: Results) -> list[str]:
@@ -59,19 +60,13 @@ def trials(results: Results) -> pd.DataFrame:
 
 def improvements(results: Results) -> pd.DataFrame:
     """Return one row an improvement: problem, optimizer, trial, evaluations (from 1) and the best-so-far value."""
-    order = results.frame[["problem", "optimizer", "trial"]].itertuples(index=False, name=None)
-    keys = [key for key in order if key in results.traces]
-    traces = [results.traces[key] for key in keys]
-    lengths = [len(trace.values) for trace in traces]
-    columns = {
-        name: np.repeat(np.array([key[place] for key in keys], dtype=kind), lengths)
-        for place, (name, kind) in enumerate((("problem", object), ("optimizer", object), ("trial", np.int64)))
-    }
-    return pd.DataFrame(columns).assign(
-        problem=lambda frame: frame["problem"].astype("string"),
-        optimizer=lambda frame: frame["optimizer"].astype("string"),
-        evaluations=np.concatenate([np.empty(0, np.int64), *(trace.evaluations for trace in traces)]),
-        value=np.concatenate([np.empty(0), *(trace.values for trace in traces)]),
+    keys = results.frame[["problem", "optimizer", "trial"]]
+    traces = [results.traces.get(key, NO_TRACE) for key in keys.itertuples(index=False, name=None)]
+    rows = np.repeat(np.arange(len(keys)), [len(trace.values) for trace in traces])
+    improved = keys.iloc[rows].astype({"problem": "string", "optimizer": "string", "trial": np.int64})
+    return improved.assign(
+        evaluations=np.concatenate([trace.evaluations for trace in traces]),
+        value=np.concatenate([trace.values for trace in traces]),
     )
 
 
@@ -81,9 +76,3 @@ def _files(
     yield f"trials.{extension}", write(trials(results))
     yield f"improvements.{extension}", write(improvements(results))
     yield "environment.json", json.dumps(results.environments, indent=1) + "\n"
-
-
-def _parquet(frame: pd.DataFrame) -> bytes:
-    buffer = io.BytesIO()
-    frame.to_parquet(buffer, engine="pyarrow", index=False)
-    return buffer.getvalue()
