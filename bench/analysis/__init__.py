@@ -6,6 +6,11 @@ Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise
 evaluations: :func:`convergence`, :func:`targets`, :func:`hitting_times`, :func:`expected_running_time`, :func:`ecdf`,
 :func:`data_profiles`, :func:`success_rates`. And :func:`timing`, :func:`power_table`, :func:`integrity`.
 
+Arguments mean the same everywhere: ``frame`` is the tidy frame, ``traces`` are those of its trials, by (problem,
+optimizer, trial); ``optima`` the best known objective values, by problem, of the problems where one is known;
+``summary`` comes from :func:`summarise`, ``pairs`` from :func:`pairwise_tests`, ``hits`` from :func:`hitting_times`;
+``alpha`` is the level of a test, ``tau`` a target, and ``seed`` repeats the resamples of a bootstrap.
+
 Example:
     >>> results = bench.Results("results/runs/thesis")
     >>> frame = in_study_order(results.frame, results.study)
@@ -40,6 +45,8 @@ from bench.analysis.anytime import (
     targets,
 )
 from bench.analysis.cells import (
+    CONTENTION,
+    HIDDEN_THREADS,
     NEAR,
     ReferenceValue,
     Traces,
@@ -52,6 +59,7 @@ from bench.analysis.cells import (
     scores,
     stopped_early,
     summarise,
+    timing,
     variables,
 )
 from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
@@ -70,7 +78,6 @@ from bench.analysis.pairwise import (
     power_table,
     tied_share,
 )
-from bench.analysis.timing import CONTENTION, HIDDEN_THREADS, timing
 
 __all__ = [
     "ALPHA",

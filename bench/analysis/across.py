@@ -192,10 +192,6 @@ def normalised_errors(frame: pd.DataFrame, optima: Mapping[str, float] | None = 
     or beaten (:func:`bench.analysis.reference_values`). 1 is the median error of all trials of all optimizers on the
     problem, or the largest finite error where that median is 0 or infinite. A failed trial has +inf; near-ties are
     ties. The scale depends on the optimizers compared.
-
-    Args:
-        frame: the tidy frame.
-        optima: the best known objective value, by problem, where one is known.
     """
     by_problem = scores(frame).groupby(frame["problem"].astype(object))
     zero = reference_values({str(problem): least for problem, least in by_problem.min().items()}, optima)

@@ -57,12 +57,8 @@ def best_so_far(traces: Sequence[Trace], evaluations: NDArray[np.int64], failed:
 def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int64]) -> pd.DataFrame:
     """Return the :func:`best_so_far` of every cell: problem, optimizer, evaluations, median, q1 and q3.
 
-    A failed trial counts as +inf, and so does one without a trace. No rows for a cell without trials.
-
-    Args:
-        frame: the tidy frame.
-        traces: by (problem, optimizer, trial).
-        evaluations: the counts to look at, such as an :func:`evaluation_grid`.
+    A failed trial counts as +inf, and so does one without a trace. No rows for a cell without trials. ``evaluations``
+    are the counts to look at, such as an :func:`evaluation_grid`.
     """
     found: dict[tuple[str, str], list[Trace | None]] = {}
     for problem, optimizer, trace in zip(frame["problem"], frame["optimizer"], _traces_of(frame, traces), strict=True):
@@ -90,12 +86,8 @@ def targets(traces: Traces, optima: Mapping[str, float] | None = None) -> pd.Dat
     trial found where the optimum is unknown or beaten (:func:`bench.analysis.reference_values`); targets then depend on
     the optimizers compared, and the ladder is the short one.
 
-    Where f_0 is not above f_L, the only target is f_L itself, with tau = 0. A
-    problem on which no trial found a finite value has no target.
-
-    Args:
-        traces: by (problem, optimizer, trial); the table is in the order in which problems appear here.
-        optima: the best known objective value, by problem, where one is known.
+    Where f_0 is not above f_L, the only target is f_L itself, with tau = 0. A problem on which no trial found a finite
+    value has no target. The table is in the order in which problems appear in ``traces``.
     """
     ends: dict[str, list[tuple[float, float]]] = {}
     for (problem, _, _), trace in traces.items():
@@ -119,12 +111,7 @@ def hitting_times(frame: pd.DataFrame, traces: Traces, targets: pd.DataFrame, bu
     ``evaluations`` is when the trial first reached the target, +inf where it never did. ``spent`` is what the trial
     used in all. A failed trial reached nothing and spent the whole budget, whatever it found before, so that a
     crash is not cheaper than an unsuccessful search. Problem and optimizer stay categories where they are in ``frame``.
-
-    Args:
-        frame: the tidy frame.
-        traces: by (problem, optimizer, trial); a trial without a trace reached nothing.
-        targets: from :func:`targets`; trials of a problem without targets have no row.
-        budget: evaluations that each trial was allowed.
+    A trial without a trace reached nothing; trials of a problem without ``targets`` have no row.
     """
     ladders = {
         problem: rungs[["tau", "target"]].to_numpy(dtype=float).T
@@ -200,11 +187,8 @@ def data_profiles(
     the d of each problem, the unit is groups of d + 1 evaluations, the cost of a simplex gradient; the column is
     then ``groups``. Missing for an optimizer without trials.
 
-    Args:
-        hits: from :func:`hitting_times`.
-        tau: as in :func:`success_rates`.
-        grid: increasing numbers of evaluations, or of groups.
-        dimensions: by problem.
+    A tau between two targets counts as in :func:`success_rates`; ``grid`` holds increasing numbers of evaluations, or
+    of groups.
 
     Raises:
         KeyError: when ``dimensions`` lacks a problem.

@@ -26,11 +26,8 @@ def comparison_matrix(
     the raw p > ``alpha``; an untestable pair (p = 1) counts as alike. The letters of
     :func:`compact_letters` summarise all pairs after Holm's adjustment; merge them with this table.
 
-    Args:
-        summary: from :func:`bench.analysis.summarise`.
-        pairs: from :func:`bench.analysis.pairwise_tests`, of at least the summary's optimizers.
-        statistic: "median", or "mean" as in the thesis, which is missing after a single failed trial.
-        alpha: the level.
+    The ``statistic`` is "median", or "mean" as in the thesis, which is missing after a single failed trial. ``pairs``
+    hold at least the optimizers of ``summary``.
     """
     values = table(summary, statistic)
     best = _lowest(values) & (values.notna().sum(axis=1) > 1).to_numpy()[:, np.newaxis]
@@ -54,12 +51,7 @@ def compact_letters(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = A
 
     Two optimizers share a letter where they are not separable: p_holm > ``alpha``. Letters are assigned from the lowest
     median up, so the best has an "a". "" stands for a cell without trials, "?" for every cell of a problem that needs
-    more than 52 letters.
-
-    Args:
-        summary: from :func:`bench.analysis.summarise`; only its optimizers get letters.
-        pairs: from :func:`bench.analysis.pairwise_tests`.
-        alpha: the level.
+    more than 52 letters. Only the optimizers of ``summary`` get letters.
     """
     letters = {
         (problem, optimizer): text

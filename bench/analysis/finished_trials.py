@@ -11,8 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.analysis.cells import Traces, scores, stopped_early, variables
-from bench.analysis.timing import CONTENTION, HIDDEN_THREADS, timing
+from bench.analysis.cells import CONTENTION, HIDDEN_THREADS, Traces, scores, stopped_early, timing, variables
 from bench.objective import Trace
 
 UNUSED = 0.01  # share of the budget that may be left without a reason

@@ -50,12 +50,8 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA, seed: int = 0) -> 
     optimizer that a12 favours, "" where the interval holds 0.5: the test also rejects where two optimizers differ in
     spread alone, and then none is the lower one.
 
-    Assumptions: trials are independent. Failed trials count as +inf, near-ties as ties.
-
-    Args:
-        frame: the tidy frame.
-        alpha: the level of every decision.
-        seed: of the resamples, which are the same for every pair of as many trials.
+    Assumptions: trials are independent. Failed trials count as +inf, near-ties as ties. The resamples of a ``seed``
+    are the same for every pair of as many trials.
     """
     found = cells(frame, merge=True)
     rows = []

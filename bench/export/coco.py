@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 
 from bench import analysis
 from bench.errors import BenchError
-from bench.export import trials
-from bench.export.trials import ExportedCell, ExportedTrial, exported_cells
+from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of
 from bench.problem import Floats
 from bench.storage.results import Results
 
@@ -94,7 +93,7 @@ def optimizer_folders(results: Results) -> dict[str, str]:
     cocopp names an algorithm after its folder, without the words ``data`` and ``noiseless``. A hyphen within these
     words keeps them, so that different names stay different.
     """
-    return trials.optimizer_folders(results, lambda name: re.sub("(?<=dat)(?=a)|(?<=noiseles)(?=s)", "-", name))
+    return folders_of(results, lambda name: re.sub("(?<=dat)(?=a)|(?<=noiseles)(?=s)", "-", name))
 
 
 def assumed_optima(results: Results) -> dict[str, AssumedOptimum]:

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from bench.errors import BenchError
-from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, optimizer_folders
+from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of
 from bench.storage.results import Results
 from bench.text import file_name
 
@@ -32,7 +32,7 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
     """
     if len(results.study.problems) > LARGEST_FUNCTION:
         raise BenchError(f"the ioh format holds at most {LARGEST_FUNCTION:,} problems; export fewer of them at a time")
-    folders = optimizer_folders(results)
+    folders = folders_of(results)
     attributes = _experiment_attributes(results.environments)
     return (
         (f"{folders[cell.optimizer]}/{path}", text)
@@ -54,7 +54,7 @@ def about(results: Results) -> list[str]:
         *(f"    {number}  {entry.label}" for number, entry in enumerate(results.study.problems, start=1)),
         "",
         "Optimizers, by folder:",
-        *(f"    {folder}  {label}" for label, folder in optimizer_folders(results).items()),
+        *(f"    {folder}  {label}" for label, folder in folders_of(results).items()),
     ]
 
 

@@ -86,7 +86,7 @@ def exported_cells(results: Results) -> list[ExportedCell]:
     return cells
 
 
-def optimizer_folders(results: Results, rename: Callable[[str], str] = str) -> dict[str, str]:
+def folders_of(results: Results, rename: Callable[[str], str] = str) -> dict[str, str]:
     """Return the folder of each optimizer, by label: its file name, changed by ``rename`` and made unique."""
     labels = [entry.label for entry in results.study.optimizers]
     return dict(zip(labels, unique(rename(file_name(label)) for label in labels), strict=True))

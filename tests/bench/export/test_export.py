@@ -5,14 +5,15 @@ import re
 import pytest
 
 from bench import BenchError, Results
-from bench.export import FORMATS, coco, export, ioh
+from bench.export import FORMATS, coco, export
+from bench.export.trials import folders_of
 from bench.storage.folder import Folder
 from bench.study import Study
 from bench.text import file_name
 from tests.bench.export.made import FAILED, HOSTILE, contents, make, needs, some_fail
 
 
-@pytest.mark.parametrize("folders", [ioh.optimizer_folders, coco.optimizer_folders])
+@pytest.mark.parametrize("folders", [folders_of, coco.optimizer_folders])
 def test_no_two_optimizers_share_a_folder(folders, tmp_path):
     labels = (*HOSTILE, file_name("GWO"))  # the last is what another label's folder is called
     found = folders(make(tmp_path, optimizers=labels, trials=1))
