@@ -32,12 +32,12 @@ class Format:
     Attributes:
         files: returns the path, within the export's folder, and the content of every file; raises BenchError at the
             call, not during iteration, for results that the format cannot hold.
-        about: returns the lines of the README that describe the files.
+        about: returns the part of the README that describes the files.
         holds_failures: whether the files contain failed trials.
     """
 
     files: Callable[[Results], Iterator[tuple[str, str | bytes]]]
-    about: Callable[[Results], list[str]]
+    about: Callable[[Results], str]
     holds_failures: bool
 
 
@@ -79,10 +79,10 @@ def export(results: Results, kind: str, folder: Path) -> Export:
     files = chosen.files(results)
     notes = [] if chosen.holds_failures else omission_notes(results.frame)
     title = f"An export in the format {kind}. The next export into this folder replaces everything in it."
-    head = [title, "", f"Study: {results.study.title or results.study.name}", "", *chosen.about(results)]
+    readme = f"{title}\n\nStudy: {results.study.title or results.study.name}\n\n{chosen.about(results)}"
     try:
         _empty(folder, title)
-        _write(folder / README, "\n".join([*head, *(["", *notes] if notes else []), ""]))
+        _write(folder / README, "\n".join([readme, *notes, ""] if notes else [readme]))
         _write(folder / "study.toml", results.study.to_toml())
         for path, content in files:
             _write(folder / path, content)

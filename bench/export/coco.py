@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from bench import analysis
 from bench.errors import BenchError
-from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of
+from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of, readme
 from bench.problem import Floats
 from bench.storage.results import Results
 
@@ -62,29 +62,12 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
     )
 
 
-def about(results: Results) -> list[str]:
-    """Return the lines of the export's README."""
+def about(results: Results) -> str:
+    """Return the export's README."""
     optima = assumed_optima(results)
-    return [
-        "One folder an optimizer, to be read by cocopp:",
-        "    python -m cocopp FOLDER/OPTIMIZER [FOLDER/OPTIMIZER ...]",
-        "",
-        f"cocopp reads only COCO's own suites, so each problem takes the place of a function of {SUITE}. Ignore",
-        "the function names that cocopp prints; its numbers are those below. Constraint evaluations are always 0.",
-        "",
-        "The reference of a function is subtracted from its values. As cocopp takes logarithms, a difference below",
-        f"{SMALLEST:g} is written as {SMALLEST:g}, and one above {INFINITE:g}, or infinite, as {INFINITE:g}.",
-        "cocopp's targets run from 1e2 to 1e-6. The measured values are best-so-far values; points are not recorded.",
-        "",
-        "Functions, by funcId, with their reference:",
-        *(
-            f"    {number}  {entry.label}: {optima[entry.label].value!r}, {optima[entry.label].source}"
-            for number, entry in enumerate(results.study.problems, start=1)
-        ),
-        "",
-        "Optimizers, by folder:",
-        *(f"    {folder}  {label}" for label, folder in optimizer_folders(results).items()),
-    ]
+    functions = [f"{label}: {optima[label].value!r}, {optima[label].source}" for label in optima]
+    values = {"suite": SUITE, "smallest": SMALLEST, "infinite": INFINITE}
+    return readme("coco", functions, optimizer_folders(results), **values)
 
 
 def optimizer_folders(results: Results) -> dict[str, str]:

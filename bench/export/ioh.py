@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from bench.errors import BenchError
-from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of
+from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of, readme
 from bench.storage.results import Results
 from bench.text import file_name
 
@@ -41,21 +41,9 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
     )
 
 
-def about(results: Results) -> list[str]:
-    """Return the lines of the export's README."""
-    return [
-        "One folder an optimizer, to be read by IOHanalyzer or, in Python, iohinspector:",
-        "    manager = iohinspector.DataManager(); manager.add_folder(FOLDER)",
-        "",
-        "A run is logged at its first evaluation, at every improvement and at its last evaluation. raw_y is the best",
-        "objective value so far, inf before the first finite one.",
-        "",
-        "Functions, by function_id:",
-        *(f"    {number}  {entry.label}" for number, entry in enumerate(results.study.problems, start=1)),
-        "",
-        "Optimizers, by folder:",
-        *(f"    {folder}  {label}" for label, folder in folders_of(results).items()),
-    ]
+def about(results: Results) -> str:
+    """Return the export's README."""
+    return readme("ioh", [entry.label for entry in results.study.problems], folders_of(results))
 
 
 def _cell_files(cell: ExportedCell, suite: str, attributes: list[dict[str, str]]) -> Iterator[tuple[str, str]]:

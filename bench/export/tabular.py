@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from bench.errors import require
+from bench.export.trials import readme
 from bench.objective import Trace
 from bench.storage.results import Results
 
@@ -32,20 +33,9 @@ def parquet_files(results: Results) -> Iterator[tuple[str, str | bytes]]:
     return _files(results, "parquet", lambda frame: frame.to_parquet(engine="pyarrow", index=False))
 
 
-def about(results: Results) -> list[str]:
-    """Return the lines of the export's README."""
-    return [
-        "trials: one row a trial. status is ok, failed or timeout; a trial that is not ok has an error and no values.",
-        "    fun is the best objective value, nfev the evaluations made, *_s are seconds, x_* is the best point;",
-        "    the columns after it are the problem's domain metrics of that point.",
-        "improvements: one row an improvement of a trial: the evaluation that found it, counted from 1, and its value.",
-        f"    Trials that are not ok have none. Every trial had a budget of {results.study.budget} evaluations.",
-        "study.toml: the study that was run. environment.json: versions, commit and machine of every run.",
-        "",
-        "In CSV, only an empty field is a missing value; a label may be NA. With pandas:",
-        '    pandas.read_csv("trials.csv", keep_default_na=False, na_values=[""])',
-        "Numbers have all their digits; a reader that rounds correctly restores the same floats.",
-    ]
+def about(results: Results) -> str:
+    """Return the export's README."""
+    return readme("tables", budget=results.study.budget)
 
 
 def trials(results: Results) -> pd.DataFrame:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -90,6 +91,23 @@ def folders_of(results: Results, rename: Callable[[str], str] = str) -> dict[str
     """Return the folder of each optimizer, by label: its file name, changed by ``rename`` and made unique."""
     labels = [entry.label for entry in results.study.optimizers]
     return dict(zip(labels, unique(rename(file_name(label)) for label in labels), strict=True))
+
+
+def readme(kind: str, functions: Sequence[str] = (), folders: Mapping[str, str] | None = None, **values: object) -> str:
+    """Return the README of a kind of files, its functions numbered from 1 and its optimizers by folder.
+
+    Args:
+        kind: the name of a template in the folder ``readme``.
+        functions: a line for each problem, in the study's order.
+        folders: the folder of each optimizer, by label.
+        values: what else the template names.
+    """
+    template = Path(__file__).with_name("readme") / f"{kind}.txt"
+    return template.read_text(encoding="utf-8").format(
+        functions="\n".join(f"    {number}  {line}" for number, line in enumerate(functions, start=1)),
+        folders="\n".join(f"    {folder}  {label}" for label, folder in (folders or {}).items()),
+        **values,
+    )
 
 
 def omission_notes(frame: pd.DataFrame) -> list[str]:
