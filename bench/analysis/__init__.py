@@ -48,8 +48,6 @@ from bench.analysis.cells import (
     CONTENTION,
     HIDDEN_THREADS,
     NEAR,
-    ReferenceValue,
-    Traces,
     cells,
     coverage,
     in_study_order,
@@ -67,7 +65,6 @@ from bench.analysis.integrity import integrity
 from bench.analysis.pairwise import (
     ALPHA,
     CUTOFFS,
-    RESAMPLES,
     TIED,
     a12,
     critical_distance,
@@ -76,7 +73,6 @@ from bench.analysis.pairwise import (
     holm,
     pairwise_tests,
     power_table,
-    tied_share,
 )
 
 __all__ = [
@@ -85,10 +81,7 @@ __all__ = [
     "CUTOFFS",
     "HIDDEN_THREADS",
     "NEAR",
-    "RESAMPLES",
     "TIED",
-    "ReferenceValue",
-    "Traces",
     "a12",
     "average_ranks",
     "best_so_far",
@@ -130,7 +123,6 @@ __all__ = [
     "summarise",
     "table",
     "targets",
-    "tied_share",
     "timing",
     "variables",
     "wilcoxon_tests",

@@ -41,12 +41,10 @@ def in_study_order(frame: pd.DataFrame, study: Study) -> pd.DataFrame:
 
     Every function of this package then includes cells without any trial; without categories it cannot know them.
     """
-    kinds = {"problem": study.problems, "optimizer": study.optimizers}
-    columns = {
-        column: pd.Categorical(frame[column], categories=[entry.label for entry in entries])
-        for column, entries in kinds.items()
-    }
-    return frame.assign(**columns)
+    return frame.assign(
+        problem=pd.Categorical(frame["problem"], categories=[entry.label for entry in study.problems]),
+        optimizer=pd.Categorical(frame["optimizer"], categories=[entry.label for entry in study.optimizers]),
+    )
 
 
 def labels(frame: pd.DataFrame, column: str) -> list[str]:

@@ -9,7 +9,6 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bench.analysis.cells import CONTENTION, HIDDEN_THREADS, Traces, scores, stopped_early, timing, variables
 from bench.objective import Trace
@@ -60,13 +59,7 @@ class Evidence:
 
 
 def judge(
-    trials: pd.DataFrame,
-    bad: pd.Series[bool] | NDArray[np.bool_],
-    verdict: Verdict,
-    did: str,
-    meaning: str = "",
-    *,
-    well: str,
+    trials: pd.DataFrame, bad: pd.Series[bool], verdict: Verdict, did: str, meaning: str = "", *, well: str
 ) -> Finding:
     """Return a finding on what the ``bad`` trials ``did``, where, and what it means, or a pass if no trial is bad."""
     if not bad.any():
@@ -217,15 +210,12 @@ def _same_algorithm(evidence: Evidence) -> Finding:
     if not evidence.traces:
         return NO_TRACES
     same = trials[trials.duplicated(["problem", *point], keep=False)]
-    same = same.assign(
-        found=[trace.values.tobytes() for trace in same["trace"]],
-        when=[trace.evaluations.tobytes() for trace in same["trace"]],
-    )
-    equal = same.groupby(["problem", *point, "found", "when"], sort=False, dropna=False)
+    same = same.assign(course=[trace.values.tobytes() + trace.evaluations.tobytes() for trace in same["trace"]])
+    equal = same.groupby(["problem", *point, "course"], sort=False, dropna=False)
     optimizers = equal["optimizer"].transform("nunique")
     return judge(
         trials,
-        trials.index.isin(same.index[optimizers > 1]),
+        trials.index.to_series().isin(same.index[optimizers > 1]),
         "warning",
         "equal a trial of another optimizer in point and trace",
         "An algorithm may be compared with itself.",
@@ -291,7 +281,7 @@ def _random_streams(evidence: Evidence) -> Finding:
     drawn = starts[varied & ~starts.duplicated([*CELL, "first"], keep=False)]
     return judge(
         trials,
-        trials.index.isin(drawn.index[drawn.duplicated(["problem", "trial", "first"], keep=False)]),
+        trials.index.to_series().isin(drawn.index[drawn.duplicated(["problem", "trial", "first"], keep=False)]),
         "warning",
         "start at exactly the same value as the same trial of another optimizer",
         "The optimizers may share a random stream.",

@@ -89,10 +89,8 @@ def integrity(
     sentence; ``cells`` names every "optimizer on problem" concerned, separated by semicolons.
 
     Args:
-        frame: the tidy frame.
         study_budget: evaluations that each trial was allowed.
         planned_trials: trials that each cell should hold.
-        traces: by (problem, optimizer, trial).
         boxes: the lower and upper bound of each variable, by problem and by variable.
         diagnoses: the results of ``bench check`` for each optimizer, by label: check, passed and, where there is one,
             figure (the number that decided).
@@ -133,7 +131,7 @@ def _completeness(frame: pd.DataFrame, planned: int) -> Finding:
 def _failures(frame: pd.DataFrame) -> Finding:
     if frame.empty:
         return Finding("not checked", "There is no trial.")
-    failed = (frame["status"] != "ok").to_numpy()
+    failed = frame["status"] != "ok"
     kinds = [f"{kind} {count:,}" for kind, count in frame.loc[failed, "status"].value_counts().items()]
     did = f"did not finish ({enumerated(kinds)})"
     return judge(frame, failed, "error", did, "They count as +inf.", well=f"All {len(frame):,} trials finished.")

@@ -13,6 +13,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from bench.errors import BenchError, nearest
@@ -20,7 +21,7 @@ from bench.export import coco, ioh, tabular
 from bench.export.trials import omission_notes
 from bench.storage.results import Results
 
-__all__ = ["FORMATS", "Export", "Format", "export"]
+__all__ = ["FORMATS", "Format", "export"]
 
 README = "README.txt"
 
@@ -44,28 +45,16 @@ class Format:
 FORMATS = {
     "ioh": Format(ioh.files, ioh.about, holds_failures=False),
     "coco": Format(coco.files, coco.about, holds_failures=False),
-    "csv": Format(tabular.csv_files, tabular.about, holds_failures=True),
-    "parquet": Format(tabular.parquet_files, tabular.about, holds_failures=True),
+    "csv": Format(partial(tabular.files, kind="csv"), tabular.about, holds_failures=True),
+    "parquet": Format(partial(tabular.files, kind="parquet"), tabular.about, holds_failures=True),
 }
 
 
-@dataclass(frozen=True)
-class Export:
-    """A finished export.
-
-    Attributes:
-        folder: the folder written.
-        notes: sentences on what the format could not hold; the folder's README has them too.
-    """
-
-    folder: Path
-    notes: list[str]
-
-
-def export(results: Results, kind: str, folder: Path) -> Export:
+def export(results: Results, kind: str, folder: Path) -> list[str]:
     """Write the results into ``folder`` in one of :data:`FORMATS`; the same results give the same bytes.
 
-    An earlier export of the same format is replaced as a whole.
+    An earlier export of the same format is replaced as a whole. Returns sentences on what the format could not hold,
+    which the folder's README has too.
 
     Raises:
         BenchError: for an unknown format, for a study without trials or one that the format cannot hold, and for a
@@ -88,7 +77,7 @@ def export(results: Results, kind: str, folder: Path) -> Export:
             _write(folder / path, content)
     except OSError as error:
         raise BenchError(f"the export cannot be written into {folder}: {error.strerror}") from error
-    return Export(folder, notes)
+    return notes
 
 
 def _empty(folder: Path, title: str) -> None:

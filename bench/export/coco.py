@@ -30,6 +30,8 @@ FUNCTIONS = 54
 PRECISION = 1e-8  # cocopp distinguishes no smaller difference
 SMALLEST = 1e-12  # cocopp takes logarithms: a difference must be positive
 INFINITE = 3e21  # COCO writes this value for infinity
+SOURCES = {True: "the problem's best known value", False: "the lowest value found by any trial"}
+NOTHING_FOUND = "no trial found a finite value"
 COLUMNS = (
     "f evaluations | g evaluations | best noise-free fitness - Fopt ({}) | measured fitness | best measured fitness"
 )
@@ -89,15 +91,10 @@ def assumed_optima(results: Results) -> dict[str, AssumedOptimum]:
         lowest[problem] = min([lowest[problem], *trace.values[-1:].tolist()])
     known_optima = {label: known for label in lowest if (known := results.facts(label).optimum) is not None}
     found = analysis.reference_values(lowest, known_optima)
-    return {label: _assumed_optimum(*reference) for label, reference in found.items()}
-
-
-def _assumed_optimum(value: float, known: bool) -> AssumedOptimum:
-    if known:
-        return AssumedOptimum(value, "the problem's best known value")
-    if np.isfinite(value):
-        return AssumedOptimum(value, "the lowest value found by any trial")
-    return AssumedOptimum(0.0, "no trial found a finite value")
+    return {
+        label: AssumedOptimum(value, SOURCES[known]) if np.isfinite(value) else AssumedOptimum(0.0, NOTHING_FOUND)
+        for label, (value, known) in found.items()
+    }
 
 
 def _cell_files(cell: ExportedCell, algorithm: str, optimum: float) -> Iterator[tuple[str, str]]:

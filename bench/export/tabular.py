@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
+from itertools import chain
 
 import numpy as np
 import pandas as pd
@@ -15,22 +16,26 @@ from bench.storage.results import Results
 
 TEXTS = ("study", "problem", "optimizer", "status", "stop", "error")
 COUNTS = ("trial", "seed", "nfev", "outside_box")
+WRITERS: dict[str, Callable[[pd.DataFrame], str | bytes]] = {
+    "csv": lambda frame: frame.to_csv(index=False, lineterminator="\n"),
+    "parquet": lambda frame: frame.to_parquet(engine="pyarrow", index=False),
+}
 NO_TRACE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
 
 
-def csv_files(results: Results) -> Iterator[tuple[str, str | bytes]]:
-    """Return the path and the content of every file; a number keeps all its digits."""
-    return _files(results, "csv", lambda frame: frame.to_csv(index=False, lineterminator="\n"))
-
-
-def parquet_files(results: Results) -> Iterator[tuple[str, str | bytes]]:
-    """Return the path and the content of every file.
+def files(results: Results, kind: str) -> Iterator[tuple[str, str | bytes]]:
+    """Return the path and the content of every file of the ``kind`` csv or parquet; a number keeps all its digits.
 
     Raises:
-        BenchError: when pyarrow is not installed.
+        BenchError: for parquet when pyarrow is not installed.
     """
-    require("pyarrow", "parquet", "the parquet format needs")
-    return _files(results, "parquet", lambda frame: frame.to_parquet(engine="pyarrow", index=False))
+    if kind == "parquet":
+        require("pyarrow", "parquet", "the parquet format needs")
+    tables = {"trials": trials, "improvements": improvements}
+    return chain(
+        ((f"{name}.{kind}", WRITERS[kind](table(results))) for name, table in tables.items()),
+        [("environment.json", json.dumps(results.environments, indent=1) + "\n")],
+    )
 
 
 def about(results: Results) -> str:
@@ -58,11 +63,3 @@ def improvements(results: Results) -> pd.DataFrame:
         evaluations=np.concatenate([trace.evaluations for trace in traces]),
         value=np.concatenate([trace.values for trace in traces]),
     )
-
-
-def _files(
-    results: Results, extension: str, write: Callable[[pd.DataFrame], str | bytes]
-) -> Iterator[tuple[str, str | bytes]]:
-    yield f"trials.{extension}", write(trials(results))
-    yield f"improvements.{extension}", write(improvements(results))
-    yield "environment.json", json.dumps(results.environments, indent=1) + "\n"

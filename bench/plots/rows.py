@@ -50,7 +50,12 @@ def box_plot(
     if optimum is not None:
         _line(ax, optimum, "optimum")
     if expected is not None:
-        _expected(ax, expected, tolerance)
+        _line(ax, expected, "expected")
+    if expected is not None and tolerance is not None:
+        ax.axvspan(
+            expected - tolerance, expected + tolerance, facecolor="none", edgecolor=style.BAND, hatch="/////",
+            linewidth=0.0, zorder=1, label=f"± {tolerance:.3g}",
+        )  # fmt: skip
     style.name_rows(ax, list(style.names(optimizers).values()))
     ax.set_xlabel(OBJECTIVE if column == "fun" else style.plain(column))
     ax.set_title(style.plain(problem, 18), loc="left")
@@ -131,12 +136,3 @@ def _line(ax: Axes, value: float, name: str) -> None:
         ax.plot([], [], color=style.REFERENCE, linewidth=1.0, label=f"{label} (off the axis)")
     else:
         ax.axvline(value, color=style.REFERENCE, linewidth=1.0, zorder=1.5, label=label)
-
-
-def _expected(ax: Axes, expected: float, tolerance: float | None) -> None:
-    _line(ax, expected, "expected")
-    if tolerance is not None:
-        ax.axvspan(
-            expected - tolerance, expected + tolerance, facecolor="none", edgecolor=style.BAND, hatch="/////",
-            linewidth=0.0, zorder=1, label=f"± {tolerance:.3g}",
-        )  # fmt: skip
