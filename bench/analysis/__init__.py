@@ -6,6 +6,11 @@ Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise
 evaluations: :func:`convergence`, :func:`targets`, :func:`hitting_times`, :func:`expected_running_time`, :func:`ecdf`,
 :func:`data_profiles`, :func:`success_rates`. And :func:`timing`, :func:`power_table`, :func:`integrity`.
 
+Arguments mean the same everywhere: ``frame`` is the tidy frame, ``traces`` are those of its trials, by (problem,
+optimizer, trial); ``optima`` the best known objective values, by problem, of the problems where one is known;
+``summary`` comes from :func:`summarise`, ``pairs`` from :func:`pairwise_tests`, ``hits`` from :func:`hitting_times`;
+``alpha`` is the level of a test, ``tau`` a target, and ``seed`` repeats the resamples of a bootstrap.
+
 Example:
     >>> results = bench.Results("results/runs/thesis")
     >>> frame = in_study_order(results.frame, results.study)
@@ -20,16 +25,29 @@ from bench.analysis.across import (
     cliques,
     critical_difference,
     friedman,
+    interquartile_mean,
     nemenyi,
+    normalised_errors,
+    probability_of_improvement,
     relative_medians,
     wilcoxon_tests,
 )
-from bench.analysis.aggregate import interquartile_mean, normalised_errors, probability_of_improvement
-from bench.analysis.anytime import best_so_far, convergence, evaluation_grid
+from bench.analysis.anytime import (
+    best_so_far,
+    convergence,
+    data_profiles,
+    ecdf,
+    evaluation_grid,
+    expected_running_time,
+    fractions,
+    hitting_times,
+    success_rates,
+    targets,
+)
 from bench.analysis.cells import (
+    CONTENTION,
+    HIDDEN_THREADS,
     NEAR,
-    ReferenceValue,
-    Traces,
     cells,
     coverage,
     in_study_order,
@@ -39,23 +57,23 @@ from bench.analysis.cells import (
     scores,
     stopped_early,
     summarise,
+    timing,
     variables,
 )
-from bench.analysis.compare import comparison_matrix, medians, ranking, table
+from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
 from bench.analysis.integrity import integrity
-from bench.analysis.letters import compact_letters
-from bench.analysis.pairwise import ALPHA, CUTOFFS, RESAMPLES, TIED, a12, effect_size, holm, pairwise_tests, tied_share
-from bench.analysis.power import critical_distance, detectable_shift, power_table
-from bench.analysis.targets import (
-    data_profiles,
-    ecdf,
-    expected_running_time,
-    fractions,
-    hitting_times,
-    success_rates,
-    targets,
+from bench.analysis.pairwise import (
+    ALPHA,
+    CUTOFFS,
+    TIED,
+    a12,
+    critical_distance,
+    detectable_shift,
+    effect_size,
+    holm,
+    pairwise_tests,
+    power_table,
 )
-from bench.analysis.timing import CONTENTION, HIDDEN_THREADS, timing
 
 __all__ = [
     "ALPHA",
@@ -63,10 +81,7 @@ __all__ = [
     "CUTOFFS",
     "HIDDEN_THREADS",
     "NEAR",
-    "RESAMPLES",
     "TIED",
-    "ReferenceValue",
-    "Traces",
     "a12",
     "average_ranks",
     "best_so_far",
@@ -108,7 +123,6 @@ __all__ = [
     "summarise",
     "table",
     "targets",
-    "tied_share",
     "timing",
     "variables",
     "wilcoxon_tests",

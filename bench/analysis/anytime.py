@@ -1,17 +1,33 @@
-"""Best-so-far values over evaluations."""
+"""The search over its evaluations: best-so-far values, targets on the way to the optimum, and the time to reach them.
+
+Every problem has one ladder of targets, the objective values f_L + tau (f_0 - f_L) for falling tau (Moré and Wild
+2009, SIAM Journal on Optimization 20); ERT, success rates, ECDF and data profiles derive from its hitting times.
+Expected running time and ECDF are those of COCO (Hansen, Auger, Brockhoff, Tušar and Tušar 2016, arXiv:1605.03560).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from itertools import product
+from math import prod
+from statistics import median
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.stats import binomtest
 
-from bench.analysis.cells import Traces, labels
+from bench.analysis.cells import Traces, labels, reference_values
 from bench.objective import Trace
+from bench.problem import Floats
 
+Counts = Floats | NDArray[np.int64]  # of evaluations
+
+PER_DECADE = 10
+DECADES_KNOWN = 8  # to 1e-8, the last target of COCO
+DECADES_FOUND = 3  # a harder target only distinguishes the trial that found f_L from the rest
+_LADDER = 10.0 ** (-np.arange(PER_DECADE * DECADES_KNOWN + 1) / PER_DECADE)
 CURVE = ("evaluations", "median", "q1", "q3")
 
 
@@ -41,18 +57,11 @@ def best_so_far(traces: Sequence[Trace], evaluations: NDArray[np.int64], failed:
 def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int64]) -> pd.DataFrame:
     """Return the :func:`best_so_far` of every cell: problem, optimizer, evaluations, median, q1 and q3.
 
-    A failed trial counts as +inf, and so does one without a trace. No rows for a cell without trials.
-
-    Args:
-        frame: the tidy frame.
-        traces: by (problem, optimizer, trial).
-        evaluations: the counts to look at, such as an :func:`evaluation_grid`.
+    A failed trial counts as +inf, and so does one without a trace. No rows for a cell without trials. ``evaluations``
+    are the counts to look at, such as an :func:`evaluation_grid`.
     """
     found: dict[tuple[str, str], list[Trace | None]] = {}
-    for problem, optimizer, trial, status in zip(
-        frame["problem"], frame["optimizer"], frame["trial"], frame["status"], strict=True
-    ):
-        trace = traces.get((problem, optimizer, trial)) if status == "ok" else None
+    for problem, optimizer, trace in zip(frame["problem"], frame["optimizer"], _traces_of(frame, traces), strict=True):
         found.setdefault((problem, optimizer), []).append(trace)
     curves = []
     for problem, optimizer in product(labels(frame, "problem"), labels(frame, "optimizer")):
@@ -61,4 +70,207 @@ def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int
             curve = best_so_far(known, evaluations, failed=len(trials) - len(known))
             curves.append(curve.assign(problem=problem, optimizer=optimizer))
     columns = ["problem", "optimizer", *CURVE]
-    return pd.concat(curves, ignore_index=True)[columns] if curves else pd.DataFrame(columns=columns)
+    return _stacked(curves, columns)[columns]
+
+
+def fractions(known: bool) -> Floats:
+    """Return the ladder of tau, falling from 1, ten a decade: to 1e-8 where the optimum is known, else to 1e-3."""
+    return _LADDER[: PER_DECADE * (DECADES_KNOWN if known else DECADES_FOUND) + 1]
+
+
+def targets(traces: Traces, optima: Mapping[str, float] | None = None) -> pd.DataFrame:
+    """Return the ladder of targets of each problem: problem, tau, target, reference and known.
+
+    A target is f_L + tau (f_0 - f_L). f_0 is the median, over all trials of the problem, of the first finite value
+    in a trial's trace. f_L, the ``reference``, is the optimum where that is ``known``, or the lowest value that any
+    trial found where the optimum is unknown or beaten (:func:`bench.analysis.reference_values`); targets then depend on
+    the optimizers compared, and the ladder is the short one.
+
+    Where f_0 is not above f_L, the only target is f_L itself, with tau = 0. A problem on which no trial found a finite
+    value has no target. The table is in the order in which problems appear in ``traces``.
+    """
+    ends: dict[str, list[tuple[float, float]]] = {}
+    for (problem, _, _), trace in traces.items():
+        if len(trace.values):
+            ends.setdefault(problem, []).append((float(trace.values[0]), float(trace.values[-1])))
+    lowest = {problem: min(last for _, last in pairs) for problem, pairs in ends.items()}
+    tables = []
+    for problem, (reference, known) in reference_values(lowest, optima).items():
+        distance = median(first for first, _ in ends[problem]) - reference
+        tau = fractions(known) if distance > 0 else np.zeros(1)
+        target = reference + tau * max(distance, 0.0)
+        tables.append(
+            pd.DataFrame({"problem": problem, "tau": tau, "target": target, "reference": reference, "known": known})
+        )
+    return _stacked(tables, ["problem", "tau", "target", "reference", "known"])
+
+
+def hitting_times(frame: pd.DataFrame, traces: Traces, targets: pd.DataFrame, budget: int) -> pd.DataFrame:
+    """Return one row a trial and target: problem, optimizer, trial, tau, target, evaluations and spent.
+
+    ``evaluations`` is when the trial first reached the target, +inf where it never did. ``spent`` is what the trial
+    used in all. A failed trial reached nothing and spent the whole budget, whatever it found before, so that a
+    crash is not cheaper than an unsuccessful search. Problem and optimizer stay categories where they are in ``frame``.
+    A trial without a trace reached nothing; trials of a problem without ``targets`` have no row.
+    """
+    ladders = {
+        problem: rungs[["tau", "target"]].to_numpy(dtype=float).T
+        for problem, rungs in targets.groupby("problem", sort=False, observed=True)
+    }
+    spent = pd.to_numeric(frame["nfev"], errors="coerce").astype(float).where(frame["status"] == "ok").fillna(budget)
+    blocks = [np.empty((3, 0))]
+    for problem, trace in zip(frame["problem"], _traces_of(frame, traces), strict=True):
+        tau, target = ladders.get(problem, np.empty((2, 0)))
+        reached = np.full(len(target), np.inf) if trace is None else _first_reached(trace, target)
+        blocks.append(np.array([tau, target, reached]))
+    tau, target, reached = np.concatenate(blocks, axis=1)
+    rows = np.repeat(np.arange(len(frame)), [block.shape[1] for block in blocks[1:]])
+    hits = frame[["problem", "optimizer", "trial"]].iloc[rows].reset_index(drop=True)
+    return hits.assign(tau=tau, target=target, evaluations=reached, spent=spent.to_numpy()[rows])
+
+
+def expected_running_time(hits: pd.DataFrame) -> pd.DataFrame:
+    """Return one row a cell and target: problem, optimizer, tau, target, trials, successes and ert.
+
+    ERT is the sum of the evaluations spent until the target was reached, including those of unsuccessful trials, over
+    the number of successes (Hansen et al. 2016): infinite without a success, missing without a trial. It estimates
+    the cost of restarts until the first success.
+    """
+    table = _counts(hits)
+    ert = (table["paid"] / table["successes"].where(table["successes"] > 0)).fillna(np.inf)
+    return table.drop(columns="paid").assign(ert=ert.where(table["trials"] > 0))
+
+
+def success_rates(hits: pd.DataFrame, taus: Iterable[float] = (1e-1, 1e-2, 1e-3)) -> pd.DataFrame:
+    """Return the share of trials that reached a target: problem, optimizer, tau, successes, trials, rate, low, high.
+
+    ``low`` and ``high`` are the 95 % interval of Wilson (1927): all of 0 to 1 without a trial, where ``rate`` is
+    missing. A tau between two targets stands for the next harder one; below a problem's last target there is no row.
+    """
+    counts = _counts(hits)
+    table = pd.concat([_at(counts, tau).assign(tau=tau) for tau in taus], ignore_index=True)
+    intervals = [_wilson(*pair) for pair in zip(table["successes"], table["trials"], strict=True)]
+    low, high = np.array(intervals, dtype=float).reshape(-1, 2).T
+    rate = table["successes"] / table["trials"].where(table["trials"] > 0)
+    columns = ["problem", "optimizer", "tau", "successes", "trials"]
+    return table[columns].assign(rate=rate, low=low, high=high)
+
+
+def ecdf(hits: pd.DataFrame, grid: Counts) -> pd.DataFrame:
+    """Return the runtime distribution of each optimizer over all problems: optimizer, evaluations, fraction.
+
+    ``fraction`` is the share of all (target, problem, trial) reached within that many evaluations (Hansen et al. 2016,
+    without simulated restarts). Every trial weighs the same, also where problems have ladders of different lengths.
+    Compare optimizers only where they have trials on the same problems. Missing for an optimizer without trials.
+    """
+    tables = []
+    for optimizer in labels(hits, "optimizer"):
+        own = hits[hits["optimizer"] == optimizer]
+        groups = [group for _, group in own.groupby("problem", sort=False, observed=True)]
+        trials = np.array([group["trial"].nunique() for group in groups], dtype=float)
+        shares = np.array([_share_within(group["evaluations"], grid) for group in groups]).reshape(-1, len(grid))
+        # A plain sum, not a matrix product: its rounding is the same everywhere, so that no curve ever falls.
+        fraction = (trials[:, np.newaxis] * shares).sum(axis=0) / trials.sum() if groups else np.nan
+        tables.append(pd.DataFrame({"optimizer": optimizer, "evaluations": grid, "fraction": fraction}))
+    return _stacked(tables, ["optimizer", "evaluations", "fraction"])
+
+
+def data_profiles(
+    hits: pd.DataFrame,
+    tau: float,
+    grid: Counts,
+    dimensions: Mapping[str, int] | None = None,
+) -> pd.DataFrame:
+    """Return the data profile of each optimizer (Moré and Wild 2009): optimizer, evaluations or groups, fraction.
+
+    ``fraction`` is the share of (problem, trial) solved to ``tau`` within that many evaluations. With ``dimensions``,
+    the d of each problem, the unit is groups of d + 1 evaluations, the cost of a simplex gradient; the column is
+    then ``groups``. Missing for an optimizer without trials.
+
+    A tau between two targets counts as in :func:`success_rates`; ``grid`` holds increasing numbers of evaluations, or
+    of groups.
+
+    Raises:
+        KeyError: when ``dimensions`` lacks a problem.
+    """
+    solved = _at(hits, tau)
+    unit = "evaluations" if dimensions is None else "groups"
+    cost = [1 if dimensions is None else dimensions[problem] + 1 for problem in solved["problem"]]
+    times = solved["evaluations"] / np.array(cost, dtype=float)
+    tables = []
+    for optimizer in labels(hits, "optimizer"):
+        own = times[solved["optimizer"] == optimizer]
+        fraction = _share_within(own, grid) if len(own) else np.nan
+        tables.append(pd.DataFrame({"optimizer": optimizer, unit: grid, "fraction": fraction}))
+    return _stacked(tables, ["optimizer", unit, "fraction"])
+
+
+def _traces_of(frame: pd.DataFrame, traces: Traces) -> list[Trace | None]:
+    """Return the trace of each trial, None where it failed or has none."""
+    keys = zip(frame["problem"], frame["optimizer"], frame["trial"], strict=True)
+    return [traces.get(key) if status == "ok" else None for key, status in zip(keys, frame["status"], strict=True)]
+
+
+def _first_reached(trace: Trace, ladder: Floats) -> Floats:
+    """Return the evaluation at which each target of a falling ladder was first reached, +inf where never."""
+    found = np.searchsorted(-trace.values, -ladder)
+    return np.append(trace.evaluations, np.inf)[found]
+
+
+def _counts(hits: pd.DataFrame) -> pd.DataFrame:
+    """Return problem, optimizer, tau, target, trials, successes and paid of every cell, also of those without trials.
+
+    ``paid`` is the sum of the evaluations until the target, or of all that were spent where it was not reached.
+    """
+    problems, optimizers = labels(hits, "problem"), labels(hits, "optimizer")
+    problem, optimizer = (
+        pd.Categorical(hits[column], categories=known).codes.astype(np.intp)
+        for column, known in (("problem", problems), ("optimizer", optimizers))
+    )
+    rung, taus = pd.factorize(hits["tau"].to_numpy(dtype=float))
+    shape = len(problems), len(optimizers), len(taus)
+    cell = (problem * len(optimizers) + optimizer) * len(taus) + rung
+    evaluations, spent = (hits[column].to_numpy(dtype=float) for column in ("evaluations", "spent"))
+    reached = np.isfinite(evaluations)
+    paid = np.where(reached, evaluations, spent)
+    trials, successes, sums = (
+        np.bincount(cell, weights, minlength=prod(shape)).reshape(shape) for weights in (None, reached, paid)
+    )
+    target = np.full((len(problems), len(taus)), np.nan)
+    target[problem, rung] = hits["target"]
+    on_ladder = trials.any(axis=1, keepdims=True)  # of the problem, whichever optimizer has trials
+    at = np.nonzero(np.broadcast_to(on_ladder, shape))
+    return pd.DataFrame(
+        {
+            "problem": np.array(problems, dtype=object)[at[0]],
+            "optimizer": np.array(optimizers, dtype=object)[at[1]],
+            "tau": taus[at[2]],
+            "target": target[at[0], at[2]],
+            "trials": trials[at],
+            "successes": successes[at].astype(int),
+            "paid": sums[at],
+        }
+    ).astype({"problem": object, "optimizer": object})
+
+
+def _at(table: pd.DataFrame, tau: float) -> pd.DataFrame:
+    """Return the rows at each problem's easiest target that is at least as hard as ``tau``."""
+    harder = table[table["tau"] <= tau * (1 + 1e-9)]  # the ladder's powers of ten are rounded
+    return harder[harder["tau"] == harder.groupby("problem", observed=True)["tau"].transform("max")]
+
+
+def _share_within(times: pd.Series[float], grid: Counts) -> Floats:
+    """Return the share of hitting times that are no larger than each value of the grid."""
+    return np.searchsorted(np.sort(times.to_numpy()), grid, side="right") / len(times)
+
+
+@cache
+def _wilson(successes: int, trials: int) -> tuple[float, float]:
+    if trials == 0:
+        return 0.0, 1.0
+    interval = binomtest(successes, trials).proportion_ci(method="wilson")
+    return float(interval.low), float(interval.high)
+
+
+def _stacked(tables: list[pd.DataFrame], columns: list[str]) -> pd.DataFrame:
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)

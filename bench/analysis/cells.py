@@ -1,4 +1,4 @@
-"""The cells of a study, one a problem and optimizer: their scores, their completeness and their summary.
+"""The trials of a study: scores, completeness and summary of each cell (a problem and optimizer), and times.
 
 A failed or non-finite trial scores +inf: it is the worst that can happen, and leaving it out would reward failing.
 """
@@ -19,7 +19,14 @@ from bench.study import Study
 Traces = Mapping[tuple[str, str, int], Trace]  # by (problem, optimizer, trial); failed trials have none
 
 NEAR = 1e-10  # relative: far above rounding, far below any meaningful difference
+CONTENTION = 1.2  # wall / CPU above this: the trial waited for its core
+HIDDEN_THREADS = 1.1  # CPU / wall above this: it used more than one
 STATISTICS = ("mean", "sd", "median", "median_low", "median_high", "q1", "q3", "best", "worst")
+TIMES = (
+    "optimizer", "trials", "evaluations_median", "wall_mean", "wall_median", "wall_q1", "wall_q3", "cpu_median",
+    "cpu_q1", "cpu_q3", "objective_mean", "objective_share", "speed_median", "speed_q1", "speed_q3",
+    "wall_per_cpu", "contention", "hidden_threads",
+)  # fmt: skip
 
 
 class ReferenceValue(NamedTuple):
@@ -34,12 +41,10 @@ def in_study_order(frame: pd.DataFrame, study: Study) -> pd.DataFrame:
 
     Every function of this package then includes cells without any trial; without categories it cannot know them.
     """
-    kinds = {"problem": study.problems, "optimizer": study.optimizers}
-    columns = {
-        column: pd.Categorical(frame[column], categories=[entry.label for entry in entries])
-        for column, entries in kinds.items()
-    }
-    return frame.assign(**columns)
+    return frame.assign(
+        problem=pd.Categorical(frame["problem"], categories=[entry.label for entry in study.problems]),
+        optimizer=pd.Categorical(frame["optimizer"], categories=[entry.label for entry in study.optimizers]),
+    )
 
 
 def labels(frame: pd.DataFrame, column: str) -> list[str]:
@@ -113,10 +118,8 @@ def reference_values(
     That is the known optimum, or the lowest value that any trial found where no optimum is known or a trial found
     less: a value that is beaten is no optimum. An optimum beaten only by rounding (a near-tie) still counts.
 
-    Args:
-        lowest: the lowest value that any trial of any optimizer found, by problem; +inf where none is finite, which
-            is then the reference value of a problem without an optimum.
-        optima: the best known objective value, by problem, where one is known.
+    ``lowest`` is the lowest value that any trial of any optimizer found, by problem; +inf where none is finite, which
+    is then the reference value of a problem without an optimum.
     """
     return {problem: _reference_value(found, (optima or {}).get(problem, np.inf)) for problem, found in lowest.items()}
 
@@ -125,12 +128,7 @@ def regret(table: pd.DataFrame, optima: Mapping[str, float], columns: Sequence[s
     """Return the rows of the problems of ``optima``, with their optimum subtracted from ``columns``.
 
     A difference within rounding (a near-tie) becomes 0. Quantiles carry over: the median regret of trials is the
-    regret of their median.
-
-    Args:
-        table: a frame with a column problem, such as that of :func:`summarise`.
-        optima: the optimum of each problem where one is known.
-        columns: the columns that hold objective values.
+    regret of their median. ``table`` is a frame with a column problem, such as that of :func:`summarise`.
     """
     own = table[table["problem"].isin(optima)]
     optimum = own["problem"].astype(object).map(optima).astype(float)
@@ -169,6 +167,42 @@ def summarise(frame: pd.DataFrame) -> pd.DataFrame:
     return table.astype(dict.fromkeys(STATISTICS, float))
 
 
+def timing(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return one row an optimizer over its finished trials on all problems.
+
+    Columns: evaluations_median, those of a trial; wall_mean (thesis Fig. 7.5), and median and quartiles of wall and
+    CPU seconds a trial and of evaluations a second (speed); objective_mean, the mean wall seconds inside the problem;
+    objective_share, the median share of the wall time spent there; wall_per_cpu, the median ratio; contention and
+    hidden_threads, whether that ratio shows that trials waited for a core or used more than one. Assumes one trial a
+    core.
+    """
+    finished = frame[frame["status"] == "ok"]
+    rows = []
+    for optimizer in labels(frame, "optimizer"):
+        own = finished[finished["optimizer"] == optimizer]
+        numbers = own[["wall_s", "cpu_s", "objective_s", "nfev"]].astype(float)
+        wall, cpu = numbers["wall_s"], numbers["cpu_s"]
+        speed = numbers["nfev"] / wall.where(wall > 0)
+        ratio = (wall / cpu.where(cpu > 0)).dropna().median()
+        rows.append(
+            {
+                "optimizer": optimizer,
+                "trials": len(numbers),
+                "evaluations_median": numbers["nfev"].median(),
+                "wall_mean": wall.mean(),
+                **_spread("wall", wall),
+                **_spread("cpu", cpu),
+                "objective_mean": numbers["objective_s"].mean(),
+                "objective_share": (numbers["objective_s"] / wall.where(wall > 0)).dropna().median(),
+                **_spread("speed", speed),
+                "wall_per_cpu": ratio,
+                "contention": bool(ratio > CONTENTION),
+                "hidden_threads": bool(ratio < 1 / HIDDEN_THREADS),
+            }
+        )
+    return pd.DataFrame(rows, columns=list(TIMES))
+
+
 def _reference_value(lowest: float, optimum: float) -> ReferenceValue:
     least = merge_near_ties(np.array([lowest, optimum]))
     known = bool(np.isfinite(optimum) and least[1] <= least[0])
@@ -200,3 +234,8 @@ def _deviation(values: Floats) -> float:
     """Return the standard deviation, also of values whose squares exceed float64."""
     size = float(np.abs(values).max())
     return float((values / size).std(ddof=1) * size) if size else 0.0
+
+
+def _spread(name: str, values: pd.Series[float]) -> dict[str, float]:
+    q1, median, q3 = values.quantile([0.25, 0.5, 0.75])
+    return {f"{name}_median": median, f"{name}_q1": q1, f"{name}_q3": q3}

@@ -1,4 +1,4 @@
-"""Summaries of cells and pairs: the thesis's comparison matrix, and how often each optimizer is ranked first."""
+"""Summaries of cells and pairs: the thesis's comparison matrix, compact letters, and the number of first ranks."""
 
 from __future__ import annotations
 
@@ -24,13 +24,10 @@ def comparison_matrix(
     value of a problem, each of them where several tie, in problems with at least two values. ``alike`` (italics)
     marks a known value that is not best, where the test cannot tell its cell from a best one: as in the thesis, by
     the raw p > ``alpha``; an untestable pair (p = 1) counts as alike. The letters of
-    :func:`bench.analysis.compact_letters` summarise all pairs after Holm's adjustment; merge them with this table.
+    :func:`compact_letters` summarise all pairs after Holm's adjustment; merge them with this table.
 
-    Args:
-        summary: from :func:`bench.analysis.summarise`.
-        pairs: from :func:`bench.analysis.pairwise_tests`, of at least the summary's optimizers.
-        statistic: "median", or "mean" as in the thesis, which is missing after a single failed trial.
-        alpha: the level.
+    The ``statistic`` is "median", or "mean" as in the thesis, which is missing after a single failed trial. ``pairs``
+    hold at least the optimizers of ``summary``.
     """
     values = table(summary, statistic)
     best = _lowest(values) & (values.notna().sum(axis=1) > 1).to_numpy()[:, np.newaxis]
@@ -49,6 +46,41 @@ def comparison_matrix(
     )
 
 
+def compact_letters(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
+    """Return problem, optimizer and letters of every cell (Piepho 2004, J. Comput. Graph. Stat. 13).
+
+    Two optimizers share a letter where they are not separable: p_holm > ``alpha``. Letters are assigned from the lowest
+    median up, so the best has an "a". "" stands for a cell without trials, "?" for every cell of a problem that needs
+    more than 52 letters. Only the optimizers of ``summary`` get letters.
+    """
+    letters = {
+        (problem, optimizer): text
+        for problem, own in summary[summary["n"] > 0].groupby("problem", sort=False)
+        for optimizer, text in _letters(
+            list(own.sort_values("median", kind="stable")["optimizer"]), pairs[pairs["problem"] == problem], alpha
+        ).items()
+    }
+    cells = summary[["problem", "optimizer"]]
+    return cells.assign(letters=[letters.get(cell, "") for cell in cells.itertuples(index=False, name=None)])
+
+
+def _letters(optimizers: list[str], pairs: pd.DataFrame, alpha: float) -> dict[str, str]:
+    """Return the letters of each optimizer of one problem, the first one's from "a" on."""
+    from scikit_posthocs import compact_letter_display  # slow: it imports the drawing libraries
+
+    place = {optimizer: i for i, optimizer in enumerate(optimizers)}
+    alike = np.ones((len(place), len(place)))
+    for first, second, p in zip(pairs["first"], pairs["second"], pairs["p_holm"], strict=True):
+        if first in place and second in place:
+            i, j = place[first], place[second]
+            alike[i, j] = alike[j, i] = p > alpha  # the library's own rule differs at p = alpha
+    try:
+        shown = compact_letter_display(alike, alpha=0.5, names=optimizers)
+    except ValueError:  # more groups than letters
+        return dict.fromkeys(optimizers, "?")
+    return {optimizer: text.replace(" ", "") for optimizer, text in shown.items()}
+
+
 def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     """Return one row an optimizer: problems, first, separable and mean_rank.
 
@@ -58,10 +90,10 @@ def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) ->
     """
     median = medians(summary)
     first = _lowest(median)
-    beats = _beats(pairs, alpha)
+    beats = pairs[(pairs["p_holm"] <= alpha) & (pairs["lower"] != "")].groupby(["problem", "lower"]).size().to_dict()
     rivals = max(len(median.columns) - 1, 1)  # with no rival at all nothing is separable
     separable = [
-        sum(len(beats.get((problem, optimizer), ())) == rivals for problem in median.index[first[optimizer]])
+        sum(beats.get((problem, optimizer)) == rivals for problem in median.index[first[optimizer]])
         for optimizer in median.columns
     ]
     return pd.DataFrame(
@@ -102,12 +134,3 @@ def _lowest(values: pd.DataFrame) -> pd.DataFrame:
     tied = _tied(values)
     lowest = tied.min(axis=1)
     return tied.eq(lowest.where(np.isfinite(lowest)), axis=0)
-
-
-def _beats(pairs: pd.DataFrame, alpha: float) -> dict[tuple[str, str], set[str]]:
-    """Return by (problem, optimizer) the rivals that the optimizer is separable from and tends to be lower than."""
-    beaten: dict[tuple[str, str], set[str]] = {}
-    for pair in pairs[(pairs["p_holm"] <= alpha) & (pairs["lower"] != "")].itertuples():
-        winner, one, other = str(pair.lower), str(pair.first), str(pair.second)
-        beaten.setdefault((str(pair.problem), winner), set()).add(other if winner == one else one)
-    return beaten

@@ -2,36 +2,106 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Literal, NamedTuple
 
-from bench.analysis.cells import scores, stopped_early
-from bench.analysis.evidence import (
-    CELL,
-    Check,
-    Evidence,
-    Finding,
-    cell_names,
-    enumerated,
-    floats,
-    judge,
-    on_bound,
-    percentages,
-)
-from bench.analysis.timing import CONTENTION, HIDDEN_THREADS
-from bench.analysis.traits import percent
+import numpy as np
+import pandas as pd
+
+from bench.analysis.cells import CONTENTION, HIDDEN_THREADS, Traces, scores, stopped_early, timing, variables
+from bench.objective import Trace
 
 UNUSED = 0.01  # share of the budget that may be left without a reason
 UNIQUE = 0.5  # share of different final values below which a cell has hit a ceiling
 CLAMPED = 0.01  # share of final coordinates that may lie on a bound
+ON_BOUND = 1e-12  # of the box's width: a clipped point that is scaled back is rounded
+NAMED = 5  # names in a sentence; the column ``cells`` holds all
+
+Verdict = Literal["pass", "note", "warning", "error", "not checked"]
+Boxes = Mapping[str, Mapping[str, tuple[float, float]]]
+CELL = ["problem", "optimizer"]
+NUMBERS = ["fun", "nfev", "outside_box"]
+NO_TRACE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
+
+
+class Finding(NamedTuple):
+    """The result of one check: its verdict, one or two short sentences, and the cells concerned."""
+
+    verdict: Verdict
+    text: str
+    cells: Sequence[str] = ()
+
 
 NO_TRACES = Finding("not checked", "The traces are unknown here.")
 NO_POINTS = Finding("not checked", "The final points are unknown here.")
 
 
+@dataclass(frozen=True)
+class Evidence:
+    """The trials that the checks look at and what is known about them; see :func:`bench.analysis.integrity`."""
+
+    frame: pd.DataFrame
+    budget: int
+    traces: Traces
+    boxes: Boxes
+
+    @cached_property
+    def finished(self) -> pd.DataFrame:
+        """The trials that finished: plain labels, numbers as float64, and ``trace``, empty where none is known."""
+        finished = self.frame[self.frame["status"] == "ok"]
+        finished = finished.astype(dict.fromkeys(CELL, object)).reset_index(drop=True)
+        numbers = finished[NUMBERS].apply(pd.to_numeric, errors="coerce").astype(float)
+        keys = zip(finished["problem"], finished["optimizer"], finished["trial"], strict=True)
+        traces = pd.Series([self.traces.get(key, NO_TRACE) for key in keys], dtype=object)
+        return finished.assign(**numbers, trace=traces)
+
+
+def judge(
+    trials: pd.DataFrame, bad: pd.Series[bool], verdict: Verdict, did: str, meaning: str = "", *, well: str
+) -> Finding:
+    """Return a finding on what the ``bad`` trials ``did``, where, and what it means, or a pass if no trial is bad."""
+    if not bad.any():
+        return Finding("pass", well)
+    text = f"{bad.sum():,} of {len(trials):,} trials {did}, in {where(trials[bad])}. {meaning}"
+    return Finding(verdict, text.strip(), cell_names(trials[bad]))
+
+
+def cell_names(rows: pd.DataFrame) -> list[str]:
+    """Return the cells of the rows, each as "optimizer on problem"."""
+    pairs = rows[["optimizer", "problem"]].astype(object).drop_duplicates()
+    return [f"{optimizer} on {problem}" for optimizer, problem in pairs.to_numpy()]
+
+
+def where(rows: pd.DataFrame) -> str:
+    """Return the cells of the rows in short: "a on p, b on 18 problems"."""
+    problems = rows.astype(dict.fromkeys(CELL, object)).groupby("optimizer", sort=False)["problem"].unique()
+    return enumerated(
+        [f"{o} on {each[0] if len(each) == 1 else f'{len(each):,} problems'}" for o, each in problems.items()]
+    )
+
+
+def enumerated(names: Sequence[str]) -> str:
+    """Return the names with commas, shortened to the first five and the number of the others."""
+    more = len(names) - NAMED
+    return ", ".join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")
+
+
+def percent(share: float) -> str:
+    """Return a share as a percentage of three digits."""
+    return f"{100 * share:.3g}%"
+
+
+def _percentages(shares: pd.Series[float]) -> str:
+    """Return shares as "a 1%, b 2.5%"."""
+    return enumerated([f"{name} {percent(share)}" for name, share in shares.items()])
+
+
 def _finite(evidence: Evidence) -> Finding:
     return judge(
         evidence.finished,
-        ~np.isfinite(floats(evidence.finished, "fun")),
+        ~np.isfinite(evidence.finished["fun"]),
         "warning",
         "ended without a finite value",
         "They count as +inf.",
@@ -42,7 +112,7 @@ def _finite(evidence: Evidence) -> Finding:
 def _budget(evidence: Evidence) -> Finding:
     return judge(
         evidence.finished,
-        floats(evidence.finished, "nfev") > evidence.budget,
+        evidence.finished["nfev"] > evidence.budget,
         "error",
         f"record more evaluations than the budget of {evidence.budget:,}",
         "The harness prevents this, so the results were changed.",
@@ -53,14 +123,12 @@ def _budget(evidence: Evidence) -> Finding:
 def _records(evidence: Evidence) -> Finding:
     if not evidence.traces:
         return NO_TRACES
-    finished = evidence.finished
-    traces = evidence.traces_of(finished)
-    value = np.array([trace.values[-1] if len(trace.values) else np.inf for trace in traces])
-    evaluation = np.array([trace.evaluations[-1] if len(trace.values) else 0 for trace in traces])
-    found = floats(finished, "fun")
+    trials = evidence.finished
+    value = np.array([trace.values[-1] if len(trace.values) else np.inf for trace in trials["trace"]])
+    evaluation = np.array([trace.evaluations[-1] if len(trace.values) else 0 for trace in trials["trace"]])
     return judge(
-        finished,
-        (np.isfinite(found) & (found != value)) | (evaluation > floats(finished, "nfev")),
+        trials,
+        (np.isfinite(trials["fun"]) & (trials["fun"] != value)) | (evaluation > trials["nfev"]),
         "error",
         "have no trace, or one that ends at another value or after more evaluations",
         "The results were changed.",
@@ -69,10 +137,10 @@ def _records(evidence: Evidence) -> Finding:
 
 
 def _undeclared_stops(evidence: Evidence) -> Finding:
-    early = floats(evidence.finished, "nfev") < (1 - UNUSED) * evidence.budget
+    trials = evidence.finished
     return judge(
-        evidence.finished,
-        early & ~stopped_early(evidence.finished).to_numpy(),
+        trials,
+        (trials["nfev"] < (1 - UNUSED) * evidence.budget) & ~stopped_early(trials),
         "warning",
         f"left more than {percent(UNUSED)} of the budget unused without a declared reason",
         well=f"Every trial used at least {percent(1 - UNUSED)} of its budget or declared why it stopped.",
@@ -80,39 +148,39 @@ def _undeclared_stops(evidence: Evidence) -> Finding:
 
 
 def _declared_stops(evidence: Evidence) -> Finding:
-    declared = stopped_early(evidence.finished).to_numpy()
-    stops = evidence.finished.loc[declared, "optimizer"] + ": " + evidence.finished.loc[declared, "stop"]
+    trials, declared = evidence.finished, stopped_early(evidence.finished)
+    stops = (trials["optimizer"] + ": " + trials["stop"])[declared].value_counts()
     return judge(
-        evidence.finished,
+        trials,
         declared,
         "note",
         "ended by a stopping criterion of the optimizer",
-        f"Reasons: {enumerated([f'{stop} ({count:,})' for stop, count in stops.value_counts().items()])}.",
+        f"Reasons: {enumerated([f'{stop} ({count:,})' for stop, count in stops.items()])}.",
         well="No trial ended by a stopping criterion of the optimizer.",
     )
 
 
 def _outside_box(evidence: Evidence) -> Finding:
-    outside = floats(evidence.finished, "outside_box")
-    sums = evidence.finished.assign(outside=outside).groupby("optimizer", sort=False)[["outside", "nfev"]].sum()
-    share = (sums["outside"] / sums["nfev"])[sums["outside"] > 0]
+    sums = evidence.finished.groupby("optimizer", sort=False)[["outside_box", "nfev"]].sum()
+    share = (sums["outside_box"] / sums["nfev"])[sums["outside_box"] > 0]
     return judge(
         evidence.finished,
-        outside > 0,
+        evidence.finished["outside_box"] > 0,
         "note",
         "evaluated points outside the box, which count against the budget",
-        f"Shares of the evaluations: {percentages(share)}.",
+        f"Shares of the evaluations: {_percentages(share)}.",
         well="Every evaluation lay inside the box.",
     )
 
 
 def _repeated_points(evidence: Evidence) -> Finding:
-    if not evidence.variables:
-        return NO_POINTS
     once = evidence.finished.drop_duplicates([*CELL, "seed"])  # equal seeds are another check's finding
+    point = variables(once)
+    if not point:
+        return NO_POINTS
     return judge(
         once,
-        once.duplicated([*CELL, *evidence.variables], keep=False).to_numpy(),
+        once.duplicated([*CELL, *point], keep=False),
         "error",
         "ended at exactly the same point as a trial of the same cell with another seed",
         "Two trials meet by chance only in a corner of the box.",
@@ -121,14 +189,13 @@ def _repeated_points(evidence: Evidence) -> Finding:
 
 
 def _ceiling(evidence: Evidence) -> Finding:
-    finals = evidence.finished[np.isfinite(floats(evidence.finished, "fun"))]
+    finals = evidence.finished[np.isfinite(evidence.finished["fun"])]
     if finals.empty:
         return Finding("not checked", "No trial ended with a finite value.")
     cells = finals.assign(fun=scores(finals, merge=True)).groupby(CELL, sort=False)["fun"]
-    share = cells.transform("nunique") / cells.transform("size")
     return judge(
         finals,
-        (share < UNIQUE).to_numpy(),
+        cells.transform("nunique") / cells.transform("size") < UNIQUE,
         "warning",
         f"belong to cells where fewer than {percent(UNIQUE)} of the final values differ by more than rounding",
         "Such cells have hit a ceiling, and their trials cannot be distinguished.",
@@ -137,20 +204,18 @@ def _ceiling(evidence: Evidence) -> Finding:
 
 
 def _same_algorithm(evidence: Evidence) -> Finding:
-    if not evidence.variables:
+    trials, point = evidence.finished, variables(evidence.finished)
+    if not point:
         return NO_POINTS
     if not evidence.traces:
         return NO_TRACES
-    finished, place = evidence.finished, ["problem", *evidence.variables]
-    same = finished[finished.duplicated(place, keep=False)]
-    traces = evidence.traces_of(same)
-    same = same.assign(
-        found=[trace.values.tobytes() for trace in traces], when=[trace.evaluations.tobytes() for trace in traces]
-    )
-    optimizers = same.groupby([*place, "found", "when"], sort=False, dropna=False)["optimizer"].transform("nunique")
+    same = trials[trials.duplicated(["problem", *point], keep=False)]
+    same = same.assign(course=[trace.values.tobytes() + trace.evaluations.tobytes() for trace in same["trace"]])
+    equal = same.groupby(["problem", *point, "course"], sort=False, dropna=False)
+    optimizers = equal["optimizer"].transform("nunique")
     return judge(
-        finished,
-        finished.index.isin(same.index[optimizers > 1]),
+        trials,
+        trials.index.to_series().isin(same.index[optimizers > 1]),
         "warning",
         "equal a trial of another optimizer in point and trace",
         "An algorithm may be compared with itself.",
@@ -159,36 +224,45 @@ def _same_algorithm(evidence: Evidence) -> Finding:
 
 
 def _clamping(evidence: Evidence) -> Finding:
-    bound = on_bound(evidence.finished, evidence.boxes)
+    trials, bound = evidence.finished, _on_bound(evidence.finished, evidence.boxes)
     if not bound.notna().to_numpy().any():
         return Finding("not checked", "The boxes of the problems are unknown here.")
-    by_optimizer = bound.groupby(evidence.finished["optimizer"], sort=False)
+    by_optimizer = bound.groupby(trials["optimizer"], sort=False)
     share = by_optimizer.sum().sum(axis=1) / by_optimizer.count().sum(axis=1)
     high = share[share > CLAMPED]
-    unknown = sorted(set(evidence.finished["problem"]) - set(evidence.boxes))
+    unknown = sorted(set(trials["problem"]) - set(evidence.boxes))
     rest = f" The box is unknown for {enumerated(unknown)}." if unknown else ""
     if high.empty:
-        text = (
-            f"At most {percent(share.max())} of the final coordinates of any optimizer lie on a bound of the box.{rest}"
-        )
-        return Finding("pass", text)
-    worst = {name: percentages(each[each > 0].nlargest(2)) for name, each in by_optimizer.mean().T.items()}
+        least = f"At most {percent(share.max())} of the final coordinates of any optimizer lie on a bound of the box."
+        return Finding("pass", least + rest)
+    worst = {name: _percentages(each[each > 0].nlargest(2)) for name, each in by_optimizer.mean().T.items()}
     named = [f"{name} {percent(value)} ({worst[name]})" for name, value in high.items()]
-    clamped = evidence.finished["optimizer"].isin(high.index) & (bound.sum(axis=1) > 0)
     return Finding(
         "warning",
         f"Final coordinates on a bound of the box: {enumerated(named)}. The optimum may lie there, or a repair may "
         f"move points there.{rest}",
-        cell_names(evidence.finished[clamped]),
+        cell_names(trials[trials["optimizer"].isin(high.index) & (bound.sum(axis=1) > 0)]),
     )
+
+
+def _on_bound(trials: pd.DataFrame, boxes: Boxes) -> pd.DataFrame:
+    """Return 1 or 0 for each trial and variable, NaN where the trial's problem has no such variable or no known box."""
+    table = pd.DataFrame(index=trials.index)
+    for name in dict.fromkeys(name for box in boxes.values() for name in box):
+        if f"x_{name}" in trials:
+            ends = [boxes.get(problem, {}).get(name, (np.nan, np.nan)) for problem in trials["problem"]]
+            lower, upper = np.array(ends, dtype=float).T
+            x, near = pd.to_numeric(trials[f"x_{name}"], errors="coerce"), ON_BOUND * (upper - lower)
+            table[name] = ((x <= lower + near) | (x >= upper - near)).astype(float).where((x - lower).notna())
+    return table
 
 
 def _seeds(evidence: Evidence) -> Finding:
     known = evidence.finished[evidence.finished["seed"].notna()]
-    own = known.duplicated(["optimizer", "seed"], keep=False).to_numpy()
+    own = known.duplicated(["optimizer", "seed"], keep=False)
     return judge(
         known,
-        own if own.any() else known.duplicated("seed", keep=False).to_numpy(),
+        own if own.any() else known.duplicated("seed", keep=False),
         "error" if own.any() else "warning",
         f"share their seed with a trial of {'the same' if own.any() else 'another'} optimizer",
         "Such trials are not independent; run one of the optimizers or versions with another study seed.",
@@ -199,15 +273,15 @@ def _seeds(evidence: Evidence) -> Finding:
 def _random_streams(evidence: Evidence) -> Finding:
     if not evidence.traces:
         return NO_TRACES
-    traces = evidence.traces_of(evidence.finished)
-    starts = evidence.finished.assign(first=[trace.values[0] if len(trace.values) else np.nan for trace in traces])
+    trials = evidence.finished
+    starts = trials.assign(first=[trace.values[0] if len(trace.values) else np.nan for trace in trials["trace"]])
     starts = starts[starts["first"].notna()]
     # Trials of one optimizer that all start at one point, or on a plateau, do not show its random stream.
     varied = starts.groupby(CELL)["first"].transform("nunique") > 1
     drawn = starts[varied & ~starts.duplicated([*CELL, "first"], keep=False)]
     return judge(
-        evidence.finished,
-        evidence.finished.index.isin(drawn.index[drawn.duplicated(["problem", "trial", "first"], keep=False)]),
+        trials,
+        trials.index.to_series().isin(drawn.index[drawn.duplicated(["problem", "trial", "first"], keep=False)]),
         "warning",
         "start at exactly the same value as the same trial of another optimizer",
         "The optimizers may share a random stream.",
@@ -215,34 +289,21 @@ def _random_streams(evidence: Evidence) -> Finding:
     )
 
 
-def _contention(evidence: Evidence) -> Finding:
-    return _disturbed(
-        evidence,
-        "contention",
-        f"Trials waited for a core (median wall time above {CONTENTION:g} times CPU time)",
-        well=f"Median wall time is at most {CONTENTION:g} times CPU time.",
-    )
-
-
-def _hidden_threads(evidence: Evidence) -> Finding:
-    return _disturbed(
-        evidence,
-        "hidden_threads",
-        f"Trials used more than one core (median CPU time above {HIDDEN_THREADS:g} times wall time)",
-        well=f"Median CPU time is at most {HIDDEN_THREADS:g} times wall time.",
-    )
-
-
-def _disturbed(evidence: Evidence, flag: str, trouble: str, *, well: str) -> Finding:
-    table = evidence.times
+def _disturbed(flag: str, trouble: str, limit: str, evidence: Evidence) -> Finding:
+    """Return the optimizers that have a ``flag`` of :func:`bench.analysis.timing`."""
+    table = timing(evidence.frame)
     if not table["wall_per_cpu"].notna().any():
         return Finding("not checked", "No processor time was measured.")
-    disturbed = table[table[flag]]
-    ratios = [f"{name} {ratio:.2f}" for name, ratio in disturbed[["optimizer", "wall_per_cpu"]].to_numpy()]
-    return Finding("warning", f"{trouble}; wall/CPU: {enumerated(ratios)}.") if ratios else Finding("pass", well)
+    ratios = [f"{name} {ratio:.2f}" for name, ratio in table.loc[table[flag], ["optimizer", "wall_per_cpu"]].to_numpy()]
+    if not ratios:
+        return Finding("pass", f"Median {limit.format('is at most')}.")
+    return Finding("warning", f"{trouble} (median {limit.format('above')}); wall/CPU: {enumerated(ratios)}.")
 
 
-OF_FINISHED: dict[str, Check] = {
+WAITED = f"wall time {{}} {CONTENTION:g} times CPU time"
+THREADED = f"CPU time {{}} {HIDDEN_THREADS:g} times wall time"
+
+CHECKS: dict[str, Callable[[Evidence], Finding]] = {
     "finite values": _finite,
     "budget": _budget,
     "records": _records,
@@ -255,6 +316,6 @@ OF_FINISHED: dict[str, Check] = {
     "clamping": _clamping,
     "seeds": _seeds,
     "random streams": _random_streams,
-    "contention": _contention,
-    "hidden threads": _hidden_threads,
+    "contention": partial(_disturbed, "contention", "Trials waited for a core", WAITED),
+    "hidden threads": partial(_disturbed, "hidden_threads", "Trials used more than one core", THREADED),
 }

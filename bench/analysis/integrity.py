@@ -6,26 +6,69 @@ them and records what it finds in the study's folder.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import partial
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import pandas as pd
 
 from bench.analysis.cells import Traces, coverage
-from bench.analysis.evidence import (
+from bench.analysis.finished_trials import (
+    CHECKS,
     Boxes,
-    Check,
-    Diagnoses,
     Evidence,
     Finding,
     cell_names,
     enumerated,
     judge,
+    percent,
     where,
 )
-from bench.analysis.finished_trials import OF_FINISHED
-from bench.analysis.traits import TRAITS
+
+Diagnoses = Mapping[str, Sequence[Mapping[str, Any]]]
+
+
+class Trait(NamedTuple):
+    """The parts of a sentence on a trait of optimizers that ``bench check`` looks for.
+
+    Attributes:
+        trouble: what was observed of the optimizers that have the trait.
+        meaning: the consequence for conclusions.
+        shown: formats the number that decided about an optimizer.
+        well: what no optimizer does where none has the trait.
+    """
+
+    trouble: str
+    meaning: str
+    shown: Callable[[float], str]
+    well: str
+
+
+TRAITS = {
+    "centre bias": Trait(  # Kudela 2022
+        "Errors are higher when the optimum is moved away from the centre of the box",
+        "Results on problems with a central optimum flatter these optimizers.",
+        lambda ratio: f"{ratio:.2g} times",
+        "is better where the optimum is at the centre",
+    ),
+    "structural bias": Trait(  # Kononova et al. 2015
+        "On pure noise, where no point is better than another, the best points are not uniform in the box",
+        "Results depend on where in the box the optimum lies.",
+        lambda p: f"p = {p:.1g}",
+        "favours a part of the box on pure noise",
+    ),
+    "boundary clamping": Trait(
+        "Best points have coordinates on a bound of the box where no optimum lies there",
+        "Results on problems with an optimum on a bound flatter these optimizers.",
+        lambda share: f"{percent(share)} of them",
+        "is drawn to the bounds of the box",
+    ),
+    "starts and seeds": Trait(
+        "Starting points are not uniform and independent in the box, or runs with different seeds are equal",
+        "Trials may not be independent.",
+        lambda p: f"p = {p:.1g}",
+        "repeats a run with another seed or starts elsewhere than uniformly in the box",
+    ),
+}
 
 
 def integrity(
@@ -46,27 +89,30 @@ def integrity(
     sentence; ``cells`` names every "optimizer on problem" concerned, separated by semicolons.
 
     Args:
-        frame: the tidy frame.
         study_budget: evaluations that each trial was allowed.
         planned_trials: trials that each cell should hold.
-        traces: by (problem, optimizer, trial).
         boxes: the lower and upper bound of each variable, by problem and by variable.
         diagnoses: the results of ``bench check`` for each optimizer, by label: check, passed and, where there is one,
             figure (the number that decided).
         verifications: the record of ``bench verify`` in each folder
             (:meth:`bench.storage.folder.Folder.verification`), empty where there is none.
     """
-    evidence = Evidence(frame, study_budget, planned_trials, traces or {}, boxes or {}, diagnoses or {}, verifications)
-    findings = {name: check(evidence) for name, check in OF_ALL.items()}
-    for name, check in OF_FINISHED.items():
-        none = evidence.finished.empty
-        findings[name] = Finding("not checked", "There is no finished trial.") if none else check(evidence)
+    findings = {
+        "completeness": _completeness(frame, planned_trials),
+        "failures": _failures(frame),
+        "repeatability": _repeatability(verifications),
+        **{name: _trait(name, diagnoses or {}) for name in TRAITS},
+    }
+    evidence = Evidence(frame, study_budget, traces or {}, boxes or {})
+    none = Finding("not checked", "There is no finished trial.")
+    finished = bool((frame["status"] == "ok").any())
+    findings |= {name: check(evidence) if finished else none for name, check in CHECKS.items()}
     rows = [(name, found.verdict, found.text, "; ".join(found.cells)) for name, found in findings.items()]
     return pd.DataFrame(rows, columns=["check", "verdict", "finding", "cells"])
 
 
-def _completeness(evidence: Evidence) -> Finding:
-    table = coverage(evidence.frame, evidence.planned)
+def _completeness(frame: pd.DataFrame, planned: int) -> Finding:
+    table = coverage(frame, planned)
     stored, missing = table["stored"], table["missing"]
     if not stored.sum():
         return Finding("warning", "There is no trial.")
@@ -74,7 +120,7 @@ def _completeness(evidence: Evidence) -> Finding:
         return Finding("pass", f"All planned trials are stored: {stored.sum():,}, {stored.max():,} in each cell.")
     short = table[stored < stored.max()]
     text = (
-        f"{missing.sum():,} of {evidence.planned * len(table):,} planned trials are missing and "
+        f"{missing.sum():,} of {planned * len(table):,} planned trials are missing and "
         f"{(stored == 0).sum():,} of {len(table):,} cells are empty."
     )
     if not short.empty:
@@ -82,27 +128,20 @@ def _completeness(evidence: Evidence) -> Finding:
     return Finding("warning", text, cell_names(table[(missing > 0) | (stored < stored.max())]))
 
 
-def _failures(evidence: Evidence) -> Finding:
-    total = len(evidence.frame)
-    if not total:
+def _failures(frame: pd.DataFrame) -> Finding:
+    if frame.empty:
         return Finding("not checked", "There is no trial.")
-    status = evidence.frame["status"]
-    kinds = status[status != "ok"].value_counts()
-    return judge(
-        evidence.frame,
-        (status != "ok").to_numpy(),
-        "error",
-        f"did not finish ({enumerated([f'{kind} {count:,}' for kind, count in kinds.items()])})",
-        "They count as +inf.",
-        well=f"All {total:,} trials finished.",
-    )
+    failed = frame["status"] != "ok"
+    kinds = [f"{kind} {count:,}" for kind, count in frame.loc[failed, "status"].value_counts().items()]
+    did = f"did not finish ({enumerated(kinds)})"
+    return judge(frame, failed, "error", did, "They count as +inf.", well=f"All {len(frame):,} trials finished.")
 
 
-def _repeatability(evidence: Evidence) -> Finding:
-    if not evidence.verifications or not all(evidence.verifications):
+def _repeatability(verifications: Sequence[Mapping[str, Any]]) -> Finding:
+    if not verifications or not all(verifications):
         return Finding("not checked", "Run 'bench verify' with this folder to repeat trials of each cell.")
-    different = [str(line) for noted in evidence.verifications for line in noted.get("different") or ()]
-    summary = "; ".join(str(noted.get("sentence")) for noted in evidence.verifications)
+    different = [str(line) for noted in verifications for line in noted.get("different") or ()]
+    summary = "; ".join(str(noted.get("sentence")) for noted in verifications)
     if different:
         return Finding(
             "error", f"{summary}. Not repeated: {enumerated(different)}. Results depend on more than their seeds."
@@ -110,10 +149,10 @@ def _repeatability(evidence: Evidence) -> Finding:
     return Finding("pass", f"Repeated trials: {summary}.")
 
 
-def _trait(name: str, evidence: Evidence) -> Finding:
+def _trait(name: str, diagnoses: Diagnoses) -> Finding:
     """Return which optimizers have a trait that ``bench check`` looks for."""
     trait = TRAITS[name]
-    found = [(label, each) for label, checks in evidence.diagnoses.items() for each in checks if each["check"] == name]
+    found = [(label, each) for label, checks in diagnoses.items() for each in checks if each["check"] == name]
     if not found:
         return Finding("not checked", "Run 'bench check' with this folder to check the optimizers for it.")
     numbers = [(label, each.get("figure")) for label, each in found if not each["passed"]]
@@ -121,11 +160,3 @@ def _trait(name: str, evidence: Evidence) -> Finding:
         return Finding("pass", f"None of {len(found):,} optimizers {trait.well}.")
     named = [label if number is None else f"{label} {trait.shown(number)}" for label, number in numbers]
     return Finding("warning", f"{trait.trouble}: {enumerated(named)}. {trait.meaning}")
-
-
-OF_ALL: dict[str, Check] = {
-    "completeness": _completeness,
-    "failures": _failures,
-    "repeatability": _repeatability,
-    **{name: partial(_trait, name) for name in TRAITS},
-}

@@ -21,7 +21,7 @@ def export(
     from bench.export import export as export_results
     from bench.storage.results import Results
 
-    made = export_results(Results(output), kind, folder or output / "export" / kind)
-    for note in made.notes:
+    folder = folder or output / "export" / kind
+    for note in export_results(Results(output), kind, folder):
         print_line(f"note: {note}", "yellow")
-    print_line(f"export: {made.folder}")
+    print_line(f"export: {folder}")

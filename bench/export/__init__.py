@@ -13,6 +13,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from bench.errors import BenchError, nearest
@@ -20,7 +21,7 @@ from bench.export import coco, ioh, tabular
 from bench.export.trials import omission_notes
 from bench.storage.results import Results
 
-__all__ = ["FORMATS", "Export", "Format", "export"]
+__all__ = ["FORMATS", "Format", "export"]
 
 README = "README.txt"
 
@@ -32,40 +33,28 @@ class Format:
     Attributes:
         files: returns the path, within the export's folder, and the content of every file; raises BenchError at the
             call, not during iteration, for results that the format cannot hold.
-        about: returns the lines of the README that describe the files.
+        about: returns the part of the README that describes the files.
         holds_failures: whether the files contain failed trials.
     """
 
     files: Callable[[Results], Iterator[tuple[str, str | bytes]]]
-    about: Callable[[Results], list[str]]
+    about: Callable[[Results], str]
     holds_failures: bool
 
 
 FORMATS = {
     "ioh": Format(ioh.files, ioh.about, holds_failures=False),
     "coco": Format(coco.files, coco.about, holds_failures=False),
-    "csv": Format(tabular.csv_files, tabular.about, holds_failures=True),
-    "parquet": Format(tabular.parquet_files, tabular.about, holds_failures=True),
+    "csv": Format(partial(tabular.files, kind="csv"), tabular.about, holds_failures=True),
+    "parquet": Format(partial(tabular.files, kind="parquet"), tabular.about, holds_failures=True),
 }
 
 
-@dataclass(frozen=True)
-class Export:
-    """A finished export.
-
-    Attributes:
-        folder: the folder written.
-        notes: sentences on what the format could not hold; the folder's README has them too.
-    """
-
-    folder: Path
-    notes: list[str]
-
-
-def export(results: Results, kind: str, folder: Path) -> Export:
+def export(results: Results, kind: str, folder: Path) -> list[str]:
     """Write the results into ``folder`` in one of :data:`FORMATS`; the same results give the same bytes.
 
-    An earlier export of the same format is replaced as a whole.
+    An earlier export of the same format is replaced as a whole. Returns sentences on what the format could not hold,
+    which the folder's README has too.
 
     Raises:
         BenchError: for an unknown format, for a study without trials or one that the format cannot hold, and for a
@@ -79,32 +68,29 @@ def export(results: Results, kind: str, folder: Path) -> Export:
     files = chosen.files(results)
     notes = [] if chosen.holds_failures else omission_notes(results.frame)
     title = f"An export in the format {kind}. The next export into this folder replaces everything in it."
-    head = [title, "", f"Study: {results.study.title or results.study.name}", "", *chosen.about(results)]
+    readme = f"{title}\n\nStudy: {results.study.title or results.study.name}\n\n{chosen.about(results)}"
     try:
         _empty(folder, title)
-        _write(folder / README, "\n".join([*head, *(["", *notes] if notes else []), ""]))
+        _write(folder / README, "\n".join([readme, *notes, ""] if notes else [readme]))
         _write(folder / "study.toml", results.study.to_toml())
         for path, content in files:
             _write(folder / path, content)
     except OSError as error:
         raise BenchError(f"the export cannot be written into {folder}: {error.strerror}") from error
-    return Export(folder, notes)
+    return notes
 
 
 def _empty(folder: Path, title: str) -> None:
     """Remove an earlier export; raises BenchError when the folder holds anything else."""
     content = list(folder.iterdir()) if folder.exists() else []
-    if content and not _begins_with(folder / README, title):
+    readme = folder / README
+    if content and not (readme.is_file() and readme.read_bytes().startswith(title.encode())):
         raise BenchError(f"{folder} holds something other than an earlier export of this format; give another folder")
     for path in content:
         if path.is_dir() and not path.is_symlink():
             shutil.rmtree(path)
         else:
             path.unlink()
-
-
-def _begins_with(path: Path, line: str) -> bool:
-    return path.is_file() and path.read_bytes().startswith(line.encode())
 
 
 def _write(path: Path, content: str | bytes) -> None:

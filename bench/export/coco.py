@@ -21,16 +21,17 @@ from numpy.typing import NDArray
 
 from bench import analysis
 from bench.errors import BenchError
-from bench.export.trials import ExportedCell, ExportedTrial, exported_cells
+from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of, readme
 from bench.problem import Floats
 from bench.storage.results import Results
-from bench.text import file_name, unique
 
 SUITE = "bbob-constrained"
 FUNCTIONS = 54
 PRECISION = 1e-8  # cocopp distinguishes no smaller difference
 SMALLEST = 1e-12  # cocopp takes logarithms: a difference must be positive
 INFINITE = 3e21  # COCO writes this value for infinity
+SOURCES = {True: "the problem's best known value", False: "the lowest value found by any trial"}
+NOTHING_FOUND = "no trial found a finite value"
 COLUMNS = (
     "f evaluations | g evaluations | best noise-free fitness - Fopt ({}) | measured fitness | best measured fitness"
 )
@@ -63,29 +64,12 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
     )
 
 
-def about(results: Results) -> list[str]:
-    """Return the lines of the export's README."""
+def about(results: Results) -> str:
+    """Return the export's README."""
     optima = assumed_optima(results)
-    return [
-        "One folder an optimizer, to be read by cocopp:",
-        "    python -m cocopp FOLDER/OPTIMIZER [FOLDER/OPTIMIZER ...]",
-        "",
-        f"cocopp reads only COCO's own suites, so each problem takes the place of a function of {SUITE}. Ignore",
-        "the function names that cocopp prints; its numbers are those below. Constraint evaluations are always 0.",
-        "",
-        "The reference of a function is subtracted from its values. As cocopp takes logarithms, a difference below",
-        f"{SMALLEST:g} is written as {SMALLEST:g}, and one above {INFINITE:g}, or infinite, as {INFINITE:g}.",
-        "cocopp's targets run from 1e2 to 1e-6. The measured values are best-so-far values; points are not recorded.",
-        "",
-        "Functions, by funcId, with their reference:",
-        *(
-            f"    {number}  {entry.label}: {optima[entry.label].value!r}, {optima[entry.label].source}"
-            for number, entry in enumerate(results.study.problems, start=1)
-        ),
-        "",
-        "Optimizers, by folder:",
-        *(f"    {folder}  {label}" for label, folder in optimizer_folders(results).items()),
-    ]
+    functions = [f"{label}: {optima[label].value!r}, {optima[label].source}" for label in optima]
+    values = {"suite": SUITE, "smallest": SMALLEST, "infinite": INFINITE}
+    return readme("coco", functions, optimizer_folders(results), **values)
 
 
 def optimizer_folders(results: Results) -> dict[str, str]:
@@ -94,9 +78,7 @@ def optimizer_folders(results: Results) -> dict[str, str]:
     cocopp names an algorithm after its folder, without the words ``data`` and ``noiseless``. A hyphen within these
     words keeps them, so that different names stay different.
     """
-    labels = [entry.label for entry in results.study.optimizers]
-    names = (re.sub("(?<=dat)(?=a)|(?<=noiseles)(?=s)", "-", file_name(label)) for label in labels)
-    return dict(zip(labels, unique(names), strict=True))
+    return folders_of(results, lambda name: re.sub("(?<=dat)(?=a)|(?<=noiseles)(?=s)", "-", name))
 
 
 def assumed_optima(results: Results) -> dict[str, AssumedOptimum]:
@@ -109,15 +91,10 @@ def assumed_optima(results: Results) -> dict[str, AssumedOptimum]:
         lowest[problem] = min([lowest[problem], *trace.values[-1:].tolist()])
     known_optima = {label: known for label in lowest if (known := results.facts(label).optimum) is not None}
     found = analysis.reference_values(lowest, known_optima)
-    return {label: _assumed_optimum(*reference) for label, reference in found.items()}
-
-
-def _assumed_optimum(value: float, known: bool) -> AssumedOptimum:
-    if known:
-        return AssumedOptimum(value, "the problem's best known value")
-    if np.isfinite(value):
-        return AssumedOptimum(value, "the lowest value found by any trial")
-    return AssumedOptimum(0.0, "no trial found a finite value")
+    return {
+        label: AssumedOptimum(value, SOURCES[known]) if np.isfinite(value) else AssumedOptimum(0.0, NOTHING_FOUND)
+        for label, (value, known) in found.items()
+    }
 
 
 def _cell_files(cell: ExportedCell, algorithm: str, optimum: float) -> Iterator[tuple[str, str]]:

@@ -15,9 +15,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from bench.errors import BenchError
-from bench.export.trials import ExportedCell, ExportedTrial, exported_cells
+from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of, readme
 from bench.storage.results import Results
-from bench.text import file_name, unique
+from bench.text import file_name
 
 VERSION = "0.3.22"  # of the format
 LARGEST_FUNCTION = 2**16 - 1  # readers store a function's number in 16 bits
@@ -32,7 +32,7 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
     """
     if len(results.study.problems) > LARGEST_FUNCTION:
         raise BenchError(f"the ioh format holds at most {LARGEST_FUNCTION:,} problems; export fewer of them at a time")
-    folders = optimizer_folders(results)
+    folders = folders_of(results)
     attributes = _experiment_attributes(results.environments)
     return (
         (f"{folders[cell.optimizer]}/{path}", text)
@@ -41,39 +41,15 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
     )
 
 
-def about(results: Results) -> list[str]:
-    """Return the lines of the export's README."""
-    return [
-        "One folder an optimizer, to be read by IOHanalyzer or, in Python, iohinspector:",
-        "    manager = iohinspector.DataManager(); manager.add_folder(FOLDER)",
-        "",
-        "A run is logged at its first evaluation, at every improvement and at its last evaluation. raw_y is the best",
-        "objective value so far, inf before the first finite one.",
-        "",
-        "Functions, by function_id:",
-        *(f"    {number}  {entry.label}" for number, entry in enumerate(results.study.problems, start=1)),
-        "",
-        "Optimizers, by folder:",
-        *(f"    {folder}  {label}" for label, folder in optimizer_folders(results).items()),
-    ]
-
-
-def optimizer_folders(results: Results) -> dict[str, str]:
-    """Return the folder of each optimizer, by label."""
-    labels = [entry.label for entry in results.study.optimizers]
-    return dict(zip(labels, unique(map(file_name, labels)), strict=True))
+def about(results: Results) -> str:
+    """Return the export's README."""
+    return readme("ioh", [entry.label for entry in results.study.problems], folders_of(results))
 
 
 def _cell_files(cell: ExportedCell, suite: str, attributes: list[dict[str, str]]) -> Iterator[tuple[str, str]]:
     name = f"f{cell.function}_{file_name(cell.problem)}"
     data = f"data_{name}/IOHprofiler_f{cell.function}_DIM{cell.dimension}.dat"
-    head = _head(cell, suite, attributes, data)
-    yield f"IOHprofiler_{name}.json", json.dumps(head, indent=1, allow_nan=False) + "\n"
-    yield data, "".join(_log(trial) for trial in cell.trials)
-
-
-def _head(cell: ExportedCell, suite: str, attributes: list[dict[str, str]], data: str) -> dict[str, Any]:
-    return {
+    head = {
         "version": VERSION,
         "suite": suite,
         "function_id": cell.function,
@@ -85,6 +61,8 @@ def _head(cell: ExportedCell, suite: str, attributes: list[dict[str, str]], data
         "attributes": COLUMNS,
         "scenarios": [{"dimension": cell.dimension, "path": data, "runs": [_run(trial) for trial in cell.trials]}],
     }
+    yield f"IOHprofiler_{name}.json", json.dumps(head, indent=1, allow_nan=False) + "\n"
+    yield data, "".join(_log(trial) for trial in cell.trials)
 
 
 def _run(trial: ExportedTrial) -> dict[str, Any]:
@@ -100,7 +78,7 @@ def _run(trial: ExportedTrial) -> dict[str, Any]:
 
 def _log(trial: ExportedTrial) -> str:
     """Return the rows of a trial under their header; Python's shortest exact decimals lose no digit."""
-    rows = zip(trial.evaluations.tolist(), trial.values.tolist(), strict=True)
+    rows = zip(trial.evaluations.tolist(), trial.trace.at(trial.evaluations).tolist(), strict=True)
     return "".join([f"{' '.join(COLUMNS)}\n", *(f"{evaluation} {value!r}\n" for evaluation, value in rows)])
 
 

@@ -2,49 +2,45 @@
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Callable, Iterator
+from itertools import chain
 
 import numpy as np
 import pandas as pd
 
 from bench.errors import require
+from bench.export.trials import readme
+from bench.objective import Trace
 from bench.storage.results import Results
 
 TEXTS = ("study", "problem", "optimizer", "status", "stop", "error")
 COUNTS = ("trial", "seed", "nfev", "outside_box")
+WRITERS: dict[str, Callable[[pd.DataFrame], str | bytes]] = {
+    "csv": lambda frame: frame.to_csv(index=False, lineterminator="\n"),
+    "parquet": lambda frame: frame.to_parquet(engine="pyarrow", index=False),
+}
+NO_TRACE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
 
 
-def csv_files(results: Results) -> Iterator[tuple[str, str | bytes]]:
-    """Return the path and the content of every file; a number keeps all its digits."""
-    return _files(results, "csv", lambda frame: frame.to_csv(index=False, lineterminator="\n"))
-
-
-def parquet_files(results: Results) -> Iterator[tuple[str, str | bytes]]:
-    """Return the path and the content of every file.
+def files(results: Results, kind: str) -> Iterator[tuple[str, str | bytes]]:
+    """Return the path and the content of every file of the ``kind`` csv or parquet; a number keeps all its digits.
 
     Raises:
-        BenchError: when pyarrow is not installed.
+        BenchError: for parquet when pyarrow is not installed.
     """
-    require("pyarrow", "parquet", "the parquet format needs")
-    return _files(results, "parquet", _parquet)
+    if kind == "parquet":
+        require("pyarrow", "parquet", "the parquet format needs")
+    tables = {"trials": trials, "improvements": improvements}
+    return chain(
+        ((f"{name}.{kind}", WRITERS[kind](table(results))) for name, table in tables.items()),
+        [("environment.json", json.dumps(results.environments, indent=1) + "\n")],
+    )
 
 
-def about(results: Results) -> list[str]:
-    """Return the lines of the export's README."""
-    return [
-        "trials: one row a trial. status is ok, failed or timeout; a trial that is not ok has an error and no values.",
-        "    fun is the best objective value, nfev the evaluations made, *_s are seconds, x_* is the best point;",
-        "    the columns after it are the problem's domain metrics of that point.",
-        "improvements: one row an improvement of a trial: the evaluation that found it, counted from 1, and its value.",
-        f"    Trials that are not ok have none. Every trial had a budget of {results.study.budget} evaluations.",
-        "study.toml: the study that was run. environment.json: versions, commit and machine of every run.",
-        "",
-        "In CSV, only an empty field is a missing value; a label may be NA. With pandas:",
-        '    pandas.read_csv("trials.csv", keep_default_na=False, na_values=[""])',
-        "Numbers have all their digits; a reader that rounds correctly restores the same floats.",
-    ]
+def about(results: Results) -> str:
+    """Return the export's README."""
+    return readme("tables", budget=results.study.budget)
 
 
 def trials(results: Results) -> pd.DataFrame:
@@ -59,31 +55,11 @@ def trials(results: Results) -> pd.DataFrame:
 
 def improvements(results: Results) -> pd.DataFrame:
     """Return one row an improvement: problem, optimizer, trial, evaluations (from 1) and the best-so-far value."""
-    order = results.frame[["problem", "optimizer", "trial"]].itertuples(index=False, name=None)
-    keys = [key for key in order if key in results.traces]
-    traces = [results.traces[key] for key in keys]
-    lengths = [len(trace.values) for trace in traces]
-    columns = {
-        name: np.repeat(np.array([key[place] for key in keys], dtype=kind), lengths)
-        for place, (name, kind) in enumerate((("problem", object), ("optimizer", object), ("trial", np.int64)))
-    }
-    return pd.DataFrame(columns).assign(
-        problem=lambda frame: frame["problem"].astype("string"),
-        optimizer=lambda frame: frame["optimizer"].astype("string"),
-        evaluations=np.concatenate([np.empty(0, np.int64), *(trace.evaluations for trace in traces)]),
-        value=np.concatenate([np.empty(0), *(trace.values for trace in traces)]),
+    keys = results.frame[["problem", "optimizer", "trial"]]
+    traces = [results.traces.get(key, NO_TRACE) for key in keys.itertuples(index=False, name=None)]
+    rows = np.repeat(np.arange(len(keys)), [len(trace.values) for trace in traces])
+    improved = keys.iloc[rows].astype({"problem": "string", "optimizer": "string", "trial": np.int64})
+    return improved.assign(
+        evaluations=np.concatenate([trace.evaluations for trace in traces]),
+        value=np.concatenate([trace.values for trace in traces]),
     )
-
-
-def _files(
-    results: Results, extension: str, write: Callable[[pd.DataFrame], str | bytes]
-) -> Iterator[tuple[str, str | bytes]]:
-    yield f"trials.{extension}", write(trials(results))
-    yield f"improvements.{extension}", write(improvements(results))
-    yield "environment.json", json.dumps(results.environments, indent=1) + "\n"
-
-
-def _parquet(frame: pd.DataFrame) -> bytes:
-    buffer = io.BytesIO()
-    frame.to_parquet(buffer, engine="pyarrow", index=False)
-    return buffer.getvalue()

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.analysis.cells import Traces, variables
+from bench.analysis.cells import variables
 from bench.errors import BenchError
 from bench.objective import Trace
 from bench.problem import Floats
 from bench.storage.results import Results
+from bench.text import file_name, unique
 
 
 @dataclass(frozen=True)
@@ -39,11 +40,6 @@ class ExportedTrial:
     def evaluations(self) -> NDArray[np.int64]:
         """(m,) int64: evaluation 1, every improvement and the last evaluation, increasing."""
         return np.union1d(self.trace.evaluations, [1, self.nfev]).astype(np.int64)
-
-    @property
-    def values(self) -> Floats:
-        """(m,) float64: the best-so-far value after each of :attr:`evaluations`, +inf before the first finite one."""
-        return self.trace.at(self.evaluations)
 
 
 @dataclass(frozen=True)
@@ -75,22 +71,43 @@ def exported_cells(results: Results) -> list[ExportedCell]:
     finished = frame[frame["status"] == "ok"]
     if finished.empty:
         raise BenchError("no trial of this study finished, and this format holds no others; csv and parquet hold all")
-    cells = []
+    cells, traces = [], results.traces
     for optimizer in results.study.optimizers:
         for number, problem in enumerate(results.study.problems, start=1):
             here = finished[finished["problem"] == problem.label]
             names = variables(here)
-            rows = here[here["optimizer"] == optimizer.label].to_dict("records")
-            trials = tuple(_trial(row, names, results.traces) for row in rows)
+            own = here[here["optimizer"] == optimizer.label]
+            numbers = own["trial"].tolist(), own["seed"].tolist(), own["nfev"], own[names].to_numpy(dtype=np.float64)
+            trials = tuple(
+                ExportedTrial(number, seed, int(nfev), x, traces[problem.label, optimizer.label, number])
+                for number, seed, nfev, x in zip(*numbers, strict=True)
+            )
             if trials:
                 cells.append(ExportedCell(number, problem.label, optimizer.label, len(names), trials))
     return cells
 
 
-def _trial(row: Mapping[Hashable, Any], names: list[str], traces: Traces) -> ExportedTrial:
-    point = np.array([row[name] for name in names], dtype=np.float64)
-    trace = traces[row["problem"], row["optimizer"], row["trial"]]
-    return ExportedTrial(row["trial"], row["seed"], int(row["nfev"]), point, trace)
+def folders_of(results: Results, rename: Callable[[str], str] = str) -> dict[str, str]:
+    """Return the folder of each optimizer, by label: its file name, changed by ``rename`` and made unique."""
+    labels = [entry.label for entry in results.study.optimizers]
+    return dict(zip(labels, unique(rename(file_name(label)) for label in labels), strict=True))
+
+
+def readme(kind: str, functions: Sequence[str] = (), folders: Mapping[str, str] | None = None, **values: object) -> str:
+    """Return the README of a kind of files, its functions numbered from 1 and its optimizers by folder.
+
+    Args:
+        kind: the name of a template in the folder ``readme``.
+        functions: a line for each problem, in the study's order.
+        folders: the folder of each optimizer, by label.
+        values: what else the template names.
+    """
+    template = Path(__file__).with_name("readme") / f"{kind}.txt"
+    return template.read_text(encoding="utf-8").format(
+        functions="\n".join(f"    {number}  {line}" for number, line in enumerate(functions, start=1)),
+        folders="\n".join(f"    {folder}  {label}" for label, folder in (folders or {}).items()),
+        **values,
+    )
 
 
 def omission_notes(frame: pd.DataFrame) -> list[str]:

@@ -1,6 +1,8 @@
 """Plots for notebooks and papers: each function draws one frame of :mod:`bench.analysis` on one matplotlib Axes.
 
-Each function draws on ``ax``, or on new Axes without it, and returns the Axes.
+Each function returns the Axes. Its parameters mean the same everywhere: ``problem`` is the label of the problem to
+draw, ``looks`` the look of each optimizer, by default by its place in the frame, ``legend`` whether to add one, and
+``ax`` where to draw, by default new axes.
 
 Example:
     >>> frame = bench.load_results("results/runs/thesis")
@@ -10,11 +12,9 @@ Example:
 """
 
 from bench.plots import style
-from bench.plots.convergence import convergence, regret
-from bench.plots.distributions import box_plot
+from bench.plots.curves import convergence, data_profile, ecdf, ert, regret
 from bench.plots.ranks import a12_forest, cd_diagram
-from bench.plots.targets import data_profile, ecdf, ert
-from bench.plots.timing import timing
+from bench.plots.rows import box_plot, timing
 
 __all__ = [
     "a12_forest",

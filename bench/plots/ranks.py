@@ -105,7 +105,6 @@ def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | No
         pairs: columns first, second, probability, low and high (:func:`bench.analysis.probability_of_improvement`),
             or a12, a12_low and a12_high with the column problem (:func:`bench.analysis.pairwise_tests`).
         problem: the label of the problem to draw, where ``pairs`` has several.
-        ax: where to draw; by default new axes.
     """
     rows = pairs if problem is None else style.rows_of(pairs, problem)
     ax = style.own_axes(ax, height=style.rows_height(len(rows)) + 0.6)

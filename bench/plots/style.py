@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import partial
 from math import ceil
 from os.path import commonprefix
+from pathlib import Path
 from typing import Any, Literal
 
 import matplotlib
@@ -30,11 +31,13 @@ from numpy.typing import ArrayLike, NDArray
 from bench.analysis.cells import labels
 from bench.errors import BenchError, nearest
 
+RC = matplotlib.rc_params_from_file(Path(__file__).with_name("report.mplstyle"), use_default_template=False)
+
 COLUMN, TEXT = 3.5, 7.16  # inches: one column and the whole width of a two-column page
 TALLEST = 8.0  # inches that the rows of a figure may take together: a page
 ROW = 0.2  # inches, a row of a figure with a label on its left
 LEGEND_ROW = 0.145  # inches, a row of a legend
-POINTS, SMALL = 8.0, 6.67  # the size of text, and of numbers on axes ("small" is 0.833 of the size)
+POINTS, SMALL = float(RC["font.size"]), 6.67  # of text, and of numbers on axes ("small" is 0.833 of the size)
 
 # Okabe and Ito (2008), safe for colour-blind readers; yellow last, as it is faint on white.
 PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000", "#F0E442")
@@ -48,38 +51,6 @@ MANY_POINTS = 20_000  # a plot with more markers keeps them as an image, or the 
 HUGE = 1e100  # above it matplotlib's margins may overflow
 WIDE = 30.0  # the ratio of the largest to the least value above which a log axis reads better
 MANY_NAMES = 30  # nobody can read a longer legend
-
-RC: dict[str, Any] = {
-    "font.family": "sans-serif",
-    "font.size": POINTS,
-    "axes.titlesize": "medium",
-    "axes.titlepad": 4.0,
-    "axes.labelsize": "medium",
-    "axes.labelpad": 2.5,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.axisbelow": True,
-    "axes.grid": True,
-    "grid.color": "#DDDDDD",
-    "grid.linewidth": 0.5,
-    "xtick.labelsize": "small",
-    "ytick.labelsize": "small",
-    "xtick.major.size": 2.5,
-    "ytick.major.size": 2.5,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.major.pad": 2.0,
-    "ytick.major.pad": 2.0,
-    "hatch.linewidth": 0.6,
-    "legend.frameon": False,
-    "legend.fontsize": "small",
-    "figure.facecolor": "white",
-    "savefig.dpi": 300,
-    "svg.hashsalt": "backlash-bench",  # the same figure must give the same bytes
-    "svg.fonttype": "none",  # text stays text: small, searchable, read aloud
-    "pdf.fonttype": 42,  # TrueType, which journals ask for
-}
 
 # A user's own settings must not change a report, except the backend: a report opens no window.
 DEFAULTS: dict[str, Any] = {key: value for key, value in matplotlib.rcParamsDefault.items() if "backend" not in key}
@@ -217,21 +188,6 @@ def handles(looks: Looks) -> list[Line2D]:
     return entries
 
 
-def finish(ax: Axes, x: str, y: str, looks: Looks | None, problem: str = "") -> Axes:
-    """Write the problem and the labels on an Axes of curves, with a legend at its right if there are ``looks``."""
-    ax.set_title(plain(problem), loc="left")
-    ax.set_xlabel(x)
-    ax.set_ylabel(y)
-    if looks is not None:
-        legend_beside(ax, looks)
-    return ax
-
-
-def legend_beside(ax: Axes, looks: Looks) -> None:
-    """Put a legend of optimizers to the right of an Axes."""
-    ax.legend(handles=handles(looks), loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
-
-
 def legend_above(figure: matplotlib.figure.Figure, entries: Sequence[Any]) -> None:
     """Put a legend of labelled artists above all panels of a figure that is as wide as the text."""
     columns = _legend_columns([str(entry.get_label()) for entry in entries])
@@ -259,13 +215,6 @@ def drawable(values: ArrayLike) -> NDArray[np.bool_]:
     return sizes < HUGE
 
 
-def is_wide(values: ArrayLike, ratio: float = WIDE) -> bool:
-    """Return whether the values that can be drawn are positive and span a factor of more than ``ratio``."""
-    shown = np.asarray(values, dtype=float)
-    shown = shown[drawable(shown)]
-    return bool(len(shown) and shown.min() > 0 and shown.max() > ratio * shown.min())
-
-
 def log_scale(ax: Axes, which: Literal["x", "y"]) -> None:
     """Make an axis logarithmic after drawing, with plain numbers, and ticks also at 2 and 5 where it spans little."""
     getattr(ax, f"set_{which}scale")("log")
@@ -290,8 +239,11 @@ def linear_scale(ax: Axes, which: Literal["x", "y"]) -> None:
 
 
 def fitting_scale(ax: Axes, which: Literal["x", "y"], values: ArrayLike, ratio: float = WIDE) -> None:
-    """Make an axis logarithmic where the values on it are positive and span much, else linear with few ticks."""
-    (log_scale if is_wide(values, ratio) else linear_scale)(ax, which)
+    """Make an axis logarithmic where its values are positive and span a factor above ``ratio``, else linear."""
+    shown = np.asarray(values, dtype=float)
+    shown = shown[drawable(shown)]
+    wide = len(shown) and shown.min() > 0 and shown.max() > ratio * shown.min()
+    (log_scale if wide else linear_scale)(ax, which)
 
 
 def _number(value: float, _: int | None, largest: float) -> str:

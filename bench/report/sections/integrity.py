@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from bench.analysis.traits import TRAITS
+from bench.analysis.integrity import TRAITS
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
 from bench.report.wording import count, listing, unfinished_trials

@@ -1,15 +1,30 @@
-"""Best-so-far curves, by hand."""
+"""Best-so-far curves, targets, hitting times and what follows: by hand on tiny traces, and as properties."""
 
 import warnings
 
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from statsmodels.stats.proportion import proportion_confint
 
-from bench.analysis.anytime import best_so_far, convergence, evaluation_grid
+from bench.analysis.anytime import (
+    best_so_far,
+    convergence,
+    data_profiles,
+    ecdf,
+    evaluation_grid,
+    expected_running_time,
+    fractions,
+    hitting_times,
+    success_rates,
+    targets,
+)
 from bench.objective import Trace
 
 INF = float("inf")
+BUDGET = 100
 
 
 def trace(*steps):
@@ -18,7 +33,15 @@ def trace(*steps):
 
 
 def trials(*rows):
-    return pd.DataFrame(rows, columns=["problem", "optimizer", "trial", "status"])
+    return pd.DataFrame(rows, columns=["problem", "optimizer", "trial", "status", "nfev"])
+
+
+def one(table, **where):
+    for column, value in where.items():
+        same = np.isclose(table[column], value) if isinstance(value, float) else table[column] == value
+        table = table[same]
+    assert len(table) == 1
+    return table.iloc[0]
 
 
 @pytest.fixture(autouse=True)
@@ -26,6 +49,287 @@ def _quiet():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         yield
+
+
+# f_0 is 10, the lowest value 0: the target of tau is 10 tau. "a" has one success at 0.1 and one failed trial.
+TRACES = {
+    ("p", "a", 0): trace((1, 10.0), (5, 1.0), (20, 0.0)),
+    ("p", "a", 1): trace((1, 12.0), (50, 5.0)),
+    ("p", "b", 0): trace((2, 10.0), (40, 0.5)),
+    ("p", "b", 1): trace((1, 9.0), (8, 1.0)),
+}
+FRAME = trials(
+    ("p", "a", 0, "ok", 100.0),
+    ("p", "a", 1, "ok", 60.0),
+    ("p", "a", 2, "failed", None),
+    ("p", "b", 0, "ok", 100.0),
+    ("p", "b", 1, "ok", 100.0),
+)
+HITS = hitting_times(FRAME, TRACES, targets(TRACES), BUDGET)
+
+
+class TestTargets:
+    def test_the_ladder_falls_by_ten_steps_a_decade(self):
+        assert (len(fractions(known=False)), len(fractions(known=True))) == (31, 81)
+        assert fractions(known=True)[[0, 10, 30, 80]].tolist() == [1.0, 0.1, 0.001, 1e-8]
+        np.testing.assert_allclose(np.diff(np.log10(fractions(known=True))), -0.1)
+
+    def test_where_no_optimum_is_known_the_lowest_value_found_stands_in(self):
+        ladder = targets(TRACES)
+        assert list(ladder) == ["problem", "tau", "target", "reference", "known"]
+        assert len(ladder) == 31
+        assert not ladder["known"].any()
+        assert set(ladder["reference"]) == {0.0}
+        np.testing.assert_allclose(ladder["target"], 10 * ladder["tau"])
+
+    def test_a_known_optimum_is_the_reference_of_a_longer_ladder(self):
+        ladder = targets(TRACES, {"p": -90.0})
+        assert (len(ladder), ladder["known"].all(), set(ladder["reference"])) == (81, True, {-90.0})
+        assert ladder["target"].iloc[[0, 10]].tolist() == [10.0, -80.0]
+
+    def test_an_optimum_of_zero_is_known(self):
+        assert targets({("p", "a", 0): trace((1, 5.0), (2, 1.0))}, {"p": 0.0})["reference"].eq(0).all()
+
+    @pytest.mark.parametrize("optima", [None, {"p": 3.0}, {"p": 4.0}])
+    def test_where_trials_start_at_the_reference_it_is_the_only_target(self, optima):
+        ladder = targets({("p", "a", 0): trace((1, 3.0)), ("p", "a", 1): trace((1, 3.0))}, optima)
+        assert ladder[["tau", "target"]].to_numpy().tolist() == [[0.0, 3.0]]
+        assert ladder["known"].tolist() == [optima == {"p": 3.0}]
+
+    def test_no_finite_value_no_target(self):
+        traces = {("q", "a", 0): trace(), **TRACES}
+        assert set(targets(traces)["problem"]) == {"p"}
+        nothing = targets({("q", "a", 0): trace()})
+        assert nothing.empty
+        assert list(nothing) == list(targets(TRACES))
+
+    def test_an_optimum_that_a_trial_beat_gives_way_to_what_was_found(self):
+        ladder = targets(TRACES, {"p": 0.5})
+        assert (len(ladder), ladder["known"].any(), set(ladder["reference"])) == (31, False, {0.0})
+        near = targets({("p", "a", 0): trace((1, 5.0), (2, 1 - 1e-13))}, {"p": 1.0})
+        assert (len(near), near["known"].all(), set(near["reference"])) == (81, True, {1.0})
+
+    def test_problems_in_the_order_of_the_traces(self):
+        traces = {(name, "a", 0): trace((1, 2.0), (2, 1.0)) for name in "rps"}
+        assert list(dict.fromkeys(targets(traces)["problem"])) == ["r", "p", "s"]
+
+    def test_values_of_any_size(self):
+        ladder = targets({("p", "a", i): trace((1, 1.7e308), (2, -1.7e308)) for i in range(2)})
+        assert len(ladder) == 31
+
+
+class TestHittingTimes:
+    def test_by_hand(self):
+        assert list(HITS) == ["problem", "optimizer", "trial", "tau", "target", "evaluations", "spent"]
+        assert len(HITS) == 5 * 31
+        times = HITS[np.isclose(HITS["tau"], 0.1)].set_index(["optimizer", "trial"])["evaluations"]
+        assert times.to_dict() == {("a", 0): 5, ("a", 1): INF, ("a", 2): INF, ("b", 0): 40, ("b", 1): 8}
+        assert one(HITS, optimizer="a", trial=1, tau=1.0)["evaluations"] == 50
+        assert one(HITS, optimizer="b", trial=0, tau=1.0)["evaluations"] == 2
+
+    def test_a_failed_trial_reached_nothing_and_spent_the_budget(self):
+        traces = {**TRACES, ("p", "a", 2): trace((1, 0.0))}
+        hits = hitting_times(FRAME.assign(nfev=3.0), traces, targets(TRACES), BUDGET)
+        failed = hits[hits["trial"] == 2]
+        assert np.isinf(failed["evaluations"]).all()
+        assert set(failed["spent"]) == {BUDGET}
+        assert set(hits.loc[hits["trial"] != 2, "spent"]) == {3.0}
+
+    def test_problems_of_different_ladders_and_of_none(self):
+        frame = trials(("p", "a", 0, "ok", 9), ("q", "a", 0, "ok", 9), ("r", "a", 0, "ok", 9))
+        traces = {("p", "a", 0): trace((1, 2.0), (3, 1.0)), ("q", "a", 0): trace((1, 2.0), (4, 0.5))}
+        hits = hitting_times(frame, traces, targets(traces, {"q": 0.0}), BUDGET)
+        assert hits.groupby("problem").size().to_dict() == {"p": 31, "q": 81}
+        assert one(hits, problem="p", tau=0.001)["evaluations"] == 3
+        assert one(hits, problem="q", tau=fractions(known=True)[6])["evaluations"] == 4
+        assert one(hits, problem="q", tau=0.1)["evaluations"] == INF
+
+    def test_no_trials(self):
+        hits = hitting_times(trials(), {}, targets({}), BUDGET)
+        assert hits.empty
+        assert expected_running_time(hits).empty
+        assert success_rates(hits).empty
+        assert ecdf(hits, np.array([1])).empty
+        assert data_profiles(hits, 0.1, np.array([1])).empty
+        assert "rate" in success_rates(hits)
+
+
+class TestExpectedRunningTime:
+    def test_by_hand(self):
+        ert = expected_running_time(HITS)
+        assert list(ert) == ["problem", "optimizer", "tau", "target", "trials", "successes", "ert"]
+        a = one(ert, optimizer="a", tau=0.1)
+        assert (a.target, a.trials, a.successes, a.ert) == (1.0, 3, 1, 5 + 60 + 100)
+        b = one(ert, optimizer="b", tau=0.1)
+        assert (b.trials, b.successes, b.ert) == (2, 2, (40 + 8) / 2)
+        assert one(ert, optimizer="b", tau=0.001).ert == INF
+
+    def test_a_cell_without_trials_has_none(self):
+        frame = FRAME.assign(optimizer=pd.Categorical(FRAME["optimizer"], categories=["c", "a", "b"]))
+        hits = hitting_times(frame, TRACES, targets(TRACES), BUDGET)
+        ert = expected_running_time(hits)
+        assert list(dict.fromkeys(ert["optimizer"])) == ["c", "a", "b"]
+        missing = ert[ert["optimizer"] == "c"]
+        assert (len(missing), missing["trials"].sum(), missing["ert"].isna().all()) == (31, 0, True)
+        pd.testing.assert_frame_equal(
+            ert[ert["optimizer"] != "c"].reset_index(drop=True), expected_running_time(HITS), check_dtype=False
+        )
+
+    def test_problems_of_different_ladders_and_a_plateau(self):
+        traces = {("r", "b", 0): trace((1, 3.0)), ("p", "a", 0): trace((1, 2.0), (3, 1.0)),
+                  ("q", "b", 0): trace((1, 2.0), (4, 0.5)), ("q", "a", 1): trace((2, 2.0))}  # fmt: skip
+        frame = trials(*((*key, "ok", 9) for key in traces))
+        ladders = targets(traces, {"q": 0.0})
+        ert = expected_running_time(hitting_times(frame, traces, ladders, BUDGET))
+        cells = ert[["problem", "optimizer"]].drop_duplicates().to_numpy().tolist()
+        assert cells == [[problem, optimizer] for problem in "rpq" for optimizer in "ba"]
+        for (problem, _), own in ert.groupby(["problem", "optimizer"]):
+            ladder = ladders[ladders["problem"] == problem]
+            assert own[["tau", "target"]].to_numpy().tolist() == ladder[["tau", "target"]].to_numpy().tolist()
+        assert one(ert, problem="r", optimizer="b").ert == 1
+        assert np.isnan(one(ert, problem="r", optimizer="a").ert)
+        q = one(ert, problem="q", optimizer="b", tau=fractions(known=True)[6])
+        assert (q.trials, q.successes, q.ert) == (1, 1, 4)
+
+    @pytest.mark.parametrize("categorical", [False, True])
+    def test_in_any_order_of_the_rows_against_a_plain_sum(self, categorical):
+        rng = np.random.default_rng(8)
+        hits = HITS.assign(evaluations=rng.choice([3.0, 7.0, INF], len(HITS))).sample(frac=1, random_state=1)
+        if categorical:
+            hits["optimizer"] = pd.Categorical(hits["optimizer"], ["b", "a"])
+        for row in expected_running_time(hits).itertuples():
+            own = hits[(hits["optimizer"] == row.optimizer) & (hits["tau"] == row.tau)]
+            reached = np.isfinite(own["evaluations"])
+            paid = own["evaluations"].where(reached, own["spent"]).sum()
+            assert (row.trials, row.successes) == (len(own), reached.sum())
+            assert row.ert == pytest.approx(paid / reached.sum() if reached.any() else INF)
+
+
+class TestSuccessRates:
+    def test_by_hand_and_against_statsmodels(self):
+        rates = success_rates(HITS, taus=(0.1, 0.01))
+        assert list(rates) == ["problem", "optimizer", "tau", "successes", "trials", "rate", "low", "high"]
+        a, b = one(rates, optimizer="a", tau=0.1), one(rates, optimizer="b", tau=0.1)
+        assert (a.successes, a.trials, a.rate) == (1, 3, pytest.approx(1 / 3))
+        assert (b.successes, b.trials, b.rate) == (2, 2, 1.0)
+        for row in rates.itertuples():
+            expected = proportion_confint(row.successes, row.trials, method="wilson")
+            assert (row.low, row.high) == pytest.approx(expected, abs=1e-12)
+
+    def test_a_tau_between_targets_means_the_harder_one(self):
+        times = {0: trace((1, 1.0), (2, 0.09), (3, 0.0)), 1: trace((1, 1.0), (9, 0.05))}
+        traces = {("p", "a", trial): each for trial, each in times.items()}
+        frame = trials(("p", "a", 0, "ok", 10), ("p", "a", 1, "ok", 10))
+        hits = hitting_times(frame, traces, targets(traces), BUDGET)
+        assert success_rates(hits, taus=(0.06,))["successes"].tolist() == [2]
+        assert success_rates(hits, taus=(0.0500,))["successes"].tolist() == [1]
+
+    def test_no_row_below_the_last_target(self):
+        assert success_rates(HITS, taus=(1e-5,)).empty
+        known = hitting_times(FRAME, TRACES, targets(TRACES, {"p": 0.0}), BUDGET)
+        assert one(success_rates(known, taus=(1e-5,)), optimizer="a").successes == 1
+
+    def test_where_trials_start_at_the_reference_each_tau_means_it(self):
+        traces = {("p", "a", 0): trace((1, 3.0)), ("p", "a", 1): trace((1, 3.0)), ("p", "a", 2): trace((1, 4.0))}
+        frame = trials(*(("p", "a", i, "ok", 10) for i in range(3)))
+        hits = hitting_times(frame, traces, targets(traces), BUDGET)
+        assert success_rates(hits)["successes"].tolist() == [2, 2, 2]
+
+    def test_without_trials_nothing_is_known_of_the_rate(self):
+        frame = FRAME.assign(optimizer=pd.Categorical(FRAME["optimizer"], categories=["a", "b", "c"]))
+        rates = success_rates(hitting_times(frame, TRACES, targets(TRACES), BUDGET), taus=(0.1,))
+        c = one(rates, optimizer="c")
+        assert (c.successes, c.trials, c.low, c.high) == (0, 0, 0.0, 1.0)
+        assert np.isnan(c.rate)
+
+
+class TestShares:
+    grid = np.array([1, 5, 20, 100])
+
+    def test_ecdf_by_hand(self):
+        table = ecdf(HITS, self.grid)
+        assert list(table) == ["optimizer", "evaluations", "fraction"]
+        # Of 3 x 31 pairs, "a" reached in trial 0 one target at once, those down to tau = 0.1 by 5 and all by 20
+        # evaluations, and in trial 1 those down to tau = 0.5012 by 50.
+        a = table.loc[table["optimizer"] == "a", "fraction"] * 93
+        np.testing.assert_allclose(a, [1, 11, 31, 31 + 4])
+
+    def test_every_trial_weighs_the_same_whatever_the_ladder(self):
+        frame = trials(("p", "a", 0, "ok", 9), ("p", "a", 1, "ok", 9), ("q", "a", 0, "ok", 9))
+        traces = {
+            ("p", "a", 0): trace((1, 2.0), (3, 1.0)),
+            ("p", "a", 1): trace((1, 2.0), (3, 1.0)),
+            ("q", "a", 0): trace((1, 3.0)),
+        }
+        hits = hitting_times(frame, traces, targets(traces, {"q": 0.0}), BUDGET)
+        assert ecdf(hits, np.array([9]))["fraction"].item() == pytest.approx((1 + 1 + 1 / 81) / 3)
+
+    def test_data_profile_by_hand(self):
+        profile = data_profiles(HITS, 0.1, self.grid)
+        assert list(profile) == ["optimizer", "evaluations", "fraction"]
+        shares = {name: group["fraction"].tolist() for name, group in profile.groupby("optimizer")}
+        assert shares == {"a": pytest.approx([0, 1 / 3, 1 / 3, 1 / 3]), "b": [0, 0, 0.5, 1]}
+
+    def test_simplex_gradients(self):
+        profile = data_profiles(HITS, 0.1, np.array([2.0, 10.0]), {"p": 3})
+        assert list(profile) == ["optimizer", "groups", "fraction"]
+        assert profile.loc[profile["optimizer"] == "b", "fraction"].tolist() == [0.5, 1.0]
+        with pytest.raises(KeyError, match="p"):
+            data_profiles(HITS, 0.1, self.grid, {"q": 3})
+
+    def test_an_optimizer_without_trials_has_no_share(self):
+        frame = FRAME.assign(optimizer=pd.Categorical(FRAME["optimizer"], categories=["a", "b", "c"]))
+        hits = hitting_times(frame, TRACES, targets(TRACES), BUDGET)
+        for table in (ecdf(hits, self.grid), data_profiles(hits, 0.1, self.grid)):
+            assert table.groupby("optimizer")["fraction"].count().to_dict() == {"a": 4, "b": 4, "c": 0}
+
+
+@st.composite
+def studies(draw):
+    """A frame and traces of two problems and two optimizers, failures and empty cells included."""
+    rows, traces = [], {}
+    for problem in "pq":
+        for optimizer in "ab":
+            for trial in range(draw(st.integers(0, 3))):
+                steps = draw(st.integers(0, 5))
+                at = sorted(draw(st.sets(st.integers(1, BUDGET), min_size=steps, max_size=steps)))
+                values = sorted(draw(st.sets(st.floats(-1e6, 1e6), min_size=steps, max_size=steps)), reverse=True)
+                status = draw(st.sampled_from(["ok", "ok", "ok", "failed"]))
+                nfev = draw(st.integers(max(at, default=1), BUDGET))
+                rows.append((problem, optimizer, trial, status, nfev if status == "ok" else None))
+                if status == "ok":
+                    traces[problem, optimizer, trial] = trace(*zip(at, values, strict=True))
+    return trials(*rows), traces, draw(st.sampled_from([{}, {"p": -1e6}]))
+
+
+class TestProperties:
+    @settings(max_examples=25)
+    @given(studies())
+    def test_of_every_study(self, study):
+        frame, traces, optima = study
+        hits = hitting_times(frame, traces, targets(traces, optima), BUDGET)
+        for (problem, optimizer, trial), own in hits.groupby(["problem", "optimizer", "trial"]):
+            assert own["tau"].is_monotonic_decreasing
+            assert own["evaluations"].is_monotonic_increasing
+            found = traces.get((problem, optimizer, trial), trace())
+            reached = own[np.isfinite(own["evaluations"])]
+            assert (found.at(reached["evaluations"]) <= reached["target"]).all()
+            assert (found.at(reached["evaluations"] - 1) > reached["target"]).all()
+        ert = expected_running_time(hits)
+        fastest = hits.groupby(["problem", "optimizer", "tau"])["evaluations"].min()
+        for row in ert[ert["trials"] > 0].itertuples():
+            assert row.ert >= fastest[row.problem, row.optimizer, row.tau]
+            assert np.isinf(row.ert) == (row.successes == 0)
+        rates = success_rates(hits)
+        assert ((rates["low"] <= rates["rate"]) | rates["rate"].isna()).all()
+        assert ((rates["rate"] <= rates["high"]) | rates["rate"].isna()).all()
+        curves = ecdf(hits, np.arange(BUDGET + 1))
+        for optimizer, curve in curves.groupby("optimizer"):
+            own = hits[hits["optimizer"] == optimizer]
+            share = np.isfinite(own["evaluations"]).groupby([own["problem"], own["trial"]]).mean().mean()
+            assert curve["fraction"].is_monotonic_increasing
+            assert curve["fraction"].iloc[0] == 0
+            assert curve["fraction"].iloc[-1] == pytest.approx(share)
 
 
 class TestBestSoFar:
@@ -51,17 +355,21 @@ class TestBestSoFar:
         assert best_so_far([], np.array([1])).empty
 
 
-TRACES = {
+CURVES = {
     ("p", "a", 0): trace((1, 8.0), (10, 2.0)),
     ("p", "a", 1): trace((1, 4.0), (100, 0.0)),
     ("p", "b", 0): trace((3, 1.0)),
 }
 
 
+def ended(*rows):
+    return trials(*((*row, None) for row in rows))
+
+
 class TestConvergence:
     def test_every_cell_by_hand(self):
-        frame = trials(("p", "a", 0, "ok"), ("p", "a", 1, "ok"), ("p", "b", 0, "ok"))
-        curves = convergence(frame, TRACES, evaluation_grid(100, 3))
+        frame = ended(("p", "a", 0, "ok"), ("p", "a", 1, "ok"), ("p", "b", 0, "ok"))
+        curves = convergence(frame, CURVES, evaluation_grid(100, 3))
         assert list(curves) == ["problem", "optimizer", "evaluations", "median", "q1", "q3"]
         a, b = (curves[curves["optimizer"] == name] for name in "ab")
         assert a["evaluations"].tolist() == [1, 10, 100]
@@ -69,22 +377,22 @@ class TestConvergence:
         assert b["median"].tolist() == b["q1"].tolist() == [INF, 1.0, 1.0]
 
     def test_a_failed_trial_counts_as_infinite_whatever_its_trace(self):
-        frame = trials(("p", "a", 0, "ok"), ("p", "a", 1, "ok"), ("p", "a", 2, "timeout"))
-        curves = convergence(frame, {**TRACES, ("p", "a", 2): trace((1, -1.0))}, evaluation_grid(100, 3))
+        frame = ended(("p", "a", 0, "ok"), ("p", "a", 1, "ok"), ("p", "a", 2, "timeout"))
+        curves = convergence(frame, {**CURVES, ("p", "a", 2): trace((1, -1.0))}, evaluation_grid(100, 3))
         assert curves["median"].tolist() == [8.0, 4.0, 2.0]
         assert curves["q3"].tolist() == [INF] * 3
 
     def test_a_trial_without_a_trace_counts_as_infinite(self):
-        frame = trials(("p", "b", 0, "ok"), ("p", "b", 1, "ok"))
-        assert convergence(frame, TRACES, evaluation_grid(100, 3))["q1"].tolist() == [INF] * 3
+        frame = ended(("p", "b", 0, "ok"), ("p", "b", 1, "ok"))
+        assert convergence(frame, CURVES, evaluation_grid(100, 3))["q1"].tolist() == [INF] * 3
 
     def test_the_studys_order_and_its_empty_cells(self):
-        frame = trials(("p", "a", 0, "ok"), ("p", "b", 0, "ok"))
+        frame = ended(("p", "a", 0, "ok"), ("p", "b", 0, "ok"))
         categories = pd.Categorical(frame["optimizer"], categories=["c", "b", "a"])
-        curves = convergence(frame.assign(optimizer=categories), TRACES, evaluation_grid(100))
+        curves = convergence(frame.assign(optimizer=categories), CURVES, evaluation_grid(100))
         assert list(dict.fromkeys(curves["optimizer"])) == ["b", "a"]
 
     def test_nothing_at_all(self):
-        assert convergence(trials(), {}, evaluation_grid(100)).empty
-        curves = convergence(trials(("p", "a", 0, "failed")), {}, evaluation_grid(100, 3))
+        assert convergence(ended(), {}, evaluation_grid(100)).empty
+        curves = convergence(ended(("p", "a", 0, "failed")), {}, evaluation_grid(100, 3))
         assert curves["median"].tolist() == [INF] * 3

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from bench import Results, Trace
+from bench.export import export
 from bench.storage.folder import Folder
 from bench.study import Entry, Study
 
@@ -68,6 +69,12 @@ def make(folder, problems=None, optimizers=("a", "b"), trials=4, row=None):
             given = row(trial, values) if row else None
             writer.add(trial, given or record(values, problems[trial.problem]))
     return Results(folder)
+
+
+def exported(results, kind, folder):
+    """Export the results and return the folder."""
+    export(results, kind, folder)
+    return folder
 
 
 def contents(folder):

@@ -9,7 +9,7 @@ import pytest
 
 from bench import BenchError
 from bench.export import coco, export
-from tests.bench.export.made import HOSTILE, make, read, record, some_fail
+from tests.bench.export.made import HOSTILE, exported, make, read, record, some_fail
 
 READ_COCO = """
 with warnings.catch_warnings():
@@ -38,7 +38,7 @@ TRIGGERS = sorted({math.floor(10 ** (i / 20) + 1e-9) for i in range(62)})  # to 
 def coco_read(tmp_path_factory):
     place = tmp_path_factory.mktemp("coco")
     results = make(place / "s", {"sphere-2": 2, "../../p": 7, "never": 2}, (*HOSTILE, "a"), row=some_fail)
-    folder = export(results, "coco", place / "out").folder
+    folder = exported(results, "coco", place / "out")
     return results, read(READ_COCO, folder, place, json.dumps(TARGETS))
 
 
@@ -104,13 +104,13 @@ class TestCOCOFiles:
             lowest["p"], "the lowest value found by any trial"
         )
         assert coco.assumed_optima(below)["sphere-2"].value == -1.0
-        readme = (export(above, "coco", tmp_path / "out").folder / "README.txt").read_text()
+        readme = (exported(above, "coco", tmp_path / "out") / "README.txt").read_text()
         assert "1  sphere-2: 0.0, the problem's best known value" in readme
         assert f"2  p: {lowest['p']!r}, the lowest value found by any trial" in readme
 
     def test_the_best_value_of_all_is_written_as_a_positive_difference(self, tmp_path):
         results = make(tmp_path / "s", {"p": 2}, row=lambda trial, values: record([1e10 + 1, 1e10], 2))
-        folder = export(results, "coco", tmp_path / "out").folder
+        folder = exported(results, "coco", tmp_path / "out")
         paths = sorted(folder.rglob("*dat"))
         assert len(paths) == 4
         for path in paths:
@@ -120,7 +120,7 @@ class TestCOCOFiles:
     def test_evaluations_are_triggered_twenty_times_a_decade(self, tmp_path):
         values = np.linspace(2, 1, 1234)
         results = make(tmp_path / "s", trials=1, row=lambda *_: record(values.tolist(), 2))
-        folder = export(results, "coco", tmp_path / "out").folder
+        folder = exported(results, "coco", tmp_path / "out")
         lines = (folder / "a" / "data_f2" / "bbobexp_f2_DIM2.tdat").read_text().splitlines()[1:]
         expected = [*TRIGGERS, 1234]
         assert [int(line.split()[0]) for line in lines] == expected

@@ -5,14 +5,15 @@ import re
 import pytest
 
 from bench import BenchError, Results
-from bench.export import FORMATS, coco, export, ioh
+from bench.export import FORMATS, coco, export
+from bench.export.trials import folders_of
 from bench.storage.folder import Folder
 from bench.study import Study
 from bench.text import file_name
-from tests.bench.export.made import FAILED, HOSTILE, contents, make, needs, some_fail
+from tests.bench.export.made import FAILED, HOSTILE, contents, exported, make, needs, some_fail
 
 
-@pytest.mark.parametrize("folders", [ioh.optimizer_folders, coco.optimizer_folders])
+@pytest.mark.parametrize("folders", [folders_of, coco.optimizer_folders])
 def test_no_two_optimizers_share_a_folder(folders, tmp_path):
     labels = (*HOSTILE, file_name("GWO"))  # the last is what another label's folder is called
     found = folders(make(tmp_path, optimizers=labels, trials=1))
@@ -27,7 +28,7 @@ class TestEveryFormat:
         needs(kind)
         results = make(tmp_path / "s", {"../../p": 2, "<b>": 2}, HOSTILE, trials=1)
         before = contents(tmp_path)
-        folder = export(results, kind, tmp_path / "deep" / "er" / "out").folder
+        folder = exported(results, kind, tmp_path / "deep" / "er" / "out")
         after = contents(tmp_path)
         assert {path for path in after if not path.startswith("deep/er/out/")} == set(before)
         readme = (folder / "README.txt").read_text(encoding="utf-8")
@@ -36,19 +37,19 @@ class TestEveryFormat:
     def test_the_same_results_give_the_same_bytes(self, kind, tmp_path):
         needs(kind)
         make(tmp_path / "s", row=some_fail)
-        first, second = (export(Results(tmp_path / "s"), kind, tmp_path / name).folder for name in ("one", "two"))
+        first, second = (exported(Results(tmp_path / "s"), kind, tmp_path / name) for name in ("one", "two"))
         assert contents(first) == contents(second)
         assert Study.load(first / "study.toml") == Results(tmp_path / "s").study
 
     def test_an_earlier_export_is_replaced_and_nothing_else_is(self, kind, tmp_path):
         needs(kind)
         results = make(tmp_path / "s")
-        folder = export(results, kind, tmp_path / "out").folder
+        folder = exported(results, kind, tmp_path / "out")
         (folder / "stale").mkdir()
         (folder / "stale" / "old.info").write_text("x")
-        fresh = contents(export(results, kind, tmp_path / "other").folder)
-        assert contents(export(results, kind, folder).folder) == fresh
-        for other in (tmp_path / "s", export(results, "csv" if kind == "ioh" else "ioh", tmp_path / "third").folder):
+        fresh = contents(exported(results, kind, tmp_path / "other"))
+        assert contents(exported(results, kind, folder)) == fresh
+        for other in (tmp_path / "s", exported(results, "csv" if kind == "ioh" else "ioh", tmp_path / "third")):
             before = contents(other)
             with pytest.raises(BenchError, match="something other than an earlier export"):
                 export(results, kind, other)
@@ -57,20 +58,20 @@ class TestEveryFormat:
     def test_failures_are_said(self, kind, tmp_path):
         needs(kind)
         results = make(tmp_path / "s", row=some_fail)
-        done = export(results, kind, tmp_path / "out")
-        readme = (done.folder / "README.txt").read_text(encoding="utf-8")
+        notes = export(results, kind, tmp_path / "out")
+        readme = (tmp_path / "out" / "README.txt").read_text(encoding="utf-8")
         if FORMATS[kind].holds_failures:
-            assert done.notes == []
+            assert notes == []
         else:
-            assert len(done.notes) == 1
-            assert "4 of the trials of a (2 on sphere-2, 2 on p)" in done.notes[0]
-            assert done.notes[0] in readme
+            assert len(notes) == 1
+            assert "4 of the trials of a (2 on sphere-2, 2 on p)" in notes[0]
+            assert notes[0] in readme
 
     def test_a_study_of_nothing_but_failures(self, kind, tmp_path):
         needs(kind)
         results = make(tmp_path / "s", row=lambda *_: FAILED)
         if FORMATS[kind].holds_failures:
-            assert export(results, kind, tmp_path / "out").notes == []
+            assert export(results, kind, tmp_path / "out") == []
         else:
             with pytest.raises(BenchError, match="no trial of this study finished"):
                 export(results, kind, tmp_path / "out")

@@ -8,7 +8,7 @@ import pytest
 
 from bench import BenchError
 from bench.export import export, ioh
-from tests.bench.export.made import HOSTILE, make, read, some_fail
+from tests.bench.export.made import HOSTILE, exported, make, read, some_fail
 
 READ_IOH = """
 from types import ModuleType
@@ -30,7 +30,7 @@ print(json.dumps({"overview": manager.overview.to_dicts(), "rows": rows}))
 def ioh_read(tmp_path_factory):
     place = tmp_path_factory.mktemp("ioh")
     results = make(place / "s", {"sphere-2": 2, "../../p": 3, "never": 2}, (*HOSTILE, "a"), row=some_fail)
-    folder = export(results, "ioh", place / "out").folder
+    folder = exported(results, "ioh", place / "out")
     return results, read(READ_IOH, folder, place)
 
 
@@ -71,7 +71,7 @@ class TestIOH:
             *({"git": {"commit": "0a1", "dirty": dirty}} for dirty in (False, True, False)),
         ]
         results.environments[:] = environments
-        folder = export(results, "ioh", tmp_path / "out").folder
+        folder = exported(results, "ioh", tmp_path / "out")
         head = json.loads(next(folder.glob("a/*.json")).read_text())
         assert head["experiment_attributes"] == [{"git_sha": "0a1+0a1-dirty"}]
 

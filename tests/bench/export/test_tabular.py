@@ -13,7 +13,7 @@ import pytest
 import bench
 from bench import BenchError, Results
 from bench.export import export, tabular
-from tests.bench.export.made import FAILED, make, needs, some_fail
+from tests.bench.export.made import FAILED, exported, make, needs, some_fail
 
 
 class TestTables:
@@ -21,7 +21,7 @@ class TestTables:
     def test_everything_comes_back(self, kind, tmp_path):
         needs(kind)
         results = make(tmp_path / "s", {"sphere-2": 2, "never": 2}, ("NA", "a"), row=some_fail)
-        folder = export(results, kind, tmp_path / "out").folder
+        folder = exported(results, kind, tmp_path / "out")
         if kind == "csv":  # every float by Python's own reader, which rounds correctly in every version
             trials, improvements = (
                 pd.read_csv(folder / f"{name}.csv", dtype=str, keep_default_na=False).replace({"": None})
@@ -53,7 +53,7 @@ class TestTables:
             assert groups[key]["value"].tolist() == trace.values.tolist()
 
     def test_counts_are_whole_numbers_beside_failures(self, tmp_path):
-        folder = export(make(tmp_path / "s", row=some_fail), "csv", tmp_path / "out").folder
+        folder = exported(make(tmp_path / "s", row=some_fail), "csv", tmp_path / "out")
         text = pd.read_csv(folder / "trials.csv", dtype=str)
         assert text["nfev"].dropna().str.fullmatch(r"\d+").all()
         assert text["nfev"].isna().sum() == 4
@@ -62,7 +62,7 @@ class TestTables:
         needs("parquet")
         import pyarrow.parquet as pq
 
-        folder = export(make(tmp_path / "s", row=lambda *_: FAILED), "parquet", tmp_path / "out").folder
+        folder = exported(make(tmp_path / "s", row=lambda *_: FAILED), "parquet", tmp_path / "out")
         types = {field.name: str(field.type) for field in pq.read_schema(folder / "trials.parquet")}
         assert types["stop"].removeprefix("large_") == "string"
         assert types["nfev"] == types["seed"] == "int64"
@@ -75,7 +75,7 @@ class TestTables:
     def test_a_real_run(self, small_study, tmp_path):
         bench.run(replace(small_study, trials=1), tmp_path / "s", n_jobs=1)
         results = Results(tmp_path / "s")
-        folder = export(results, "csv", tmp_path / "out").folder
+        folder = exported(results, "csv", tmp_path / "out")
         texts = pd.read_csv(folder / "trials.csv", dtype=str)
         for name in ("fun", "wall_s", "x_x1", "radius"):
             assert [float(text) for text in texts[name]] == results.frame[name].tolist()

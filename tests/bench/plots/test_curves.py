@@ -1,10 +1,10 @@
-"""Curves over evaluations: scales, and where they end."""
+"""Curves over evaluations and targets: scales, where they end, and the axes of shares."""
 
 import numpy as np
 import pytest
 
 from bench import plots
-from tests.bench.plots.frames import GRID, axes, curves, svg
+from tests.bench.plots.frames import GRID, axes, curves, fractions, svg, times
 
 
 def test_an_infinite_median_is_not_drawn():
@@ -35,3 +35,26 @@ def test_regret_of_none_but_trials_at_the_optimum_has_axes_all_the_same():
     ax = plots.regret(curves(["p"], ["a"]).assign(median=0.0, q1=0.0, q3=0.0), "p", ax=axes())
     svg(ax.figure)
     assert [len(line.get_xdata()) for line in ax.lines] == [0]
+
+
+def test_a_curve_ends_in_an_open_marker_where_targets_are_left():
+    ax = plots.ert(times(["p"], ["a", "b"], unreached=["b"]), "p", ax=axes())
+    full, short, end = ax.lines
+    assert full.get_xdata().tolist() == [1.0, 0.5, 0.1, 0.01, 0.001]
+    assert short.get_xdata().tolist() == [1.0, 0.5, 0.1]
+    assert (end.get_xdata()[0], end.get_markerfacecolor()) == (0.1, "white")
+    left, right = ax.get_xlim()
+    assert left > 1.0 > 0.001 > right
+
+
+def test_a_problem_on_which_no_target_was_reached_has_axes_all_the_same():
+    ax = plots.ert(times(["p"], ["a"]).assign(ert=np.inf), "p", ax=axes())
+    svg(ax.figure)
+    assert [len(line.get_xdata()) for line in ax.lines] == [0]
+
+
+def test_shares_go_from_none_to_all():
+    ax = plots.data_profile(fractions(["a"], "groups"), ax=axes())
+    assert ax.get_xlabel() == "groups of d + 1 evaluations"
+    assert ax.get_ylim() == (-0.02, 1.02)
+    assert plots.data_profile(fractions(["a"]), ax=axes()).get_xlabel() == "evaluations"

@@ -1,4 +1,4 @@
-"""Box plots that also show every trial."""
+"""Plots with a row per optimizer: box plots that also show every trial, and bars of the mean wall time."""
 
 from __future__ import annotations
 
@@ -28,13 +28,10 @@ def box_plot(
 
     Args:
         frame: the tidy frame (:func:`bench.load_results`).
-        problem: the label of the problem to draw.
         column: "fun", the objective value, or the name of a domain metric.
         expected: the true value of the metric, drawn as a line.
         tolerance: the accepted distance from ``expected``, drawn as a band.
         optimum: the best known objective value, drawn as a line.
-        looks: the look of each optimizer; by default by its place in the frame.
-        ax: where to draw; by default new axes.
     """
     optimizers = labels(frame, "optimizer")
     ax = style.own_axes(ax, height=style.rows_height(len(optimizers)) + 0.6)
@@ -53,7 +50,12 @@ def box_plot(
     if optimum is not None:
         _line(ax, optimum, "optimum")
     if expected is not None:
-        _expected(ax, expected, tolerance)
+        _line(ax, expected, "expected")
+    if expected is not None and tolerance is not None:
+        ax.axvspan(
+            expected - tolerance, expected + tolerance, facecolor="none", edgecolor=style.BAND, hatch="/////",
+            linewidth=0.0, zorder=1, label=f"± {tolerance:.3g}",
+        )  # fmt: skip
     style.name_rows(ax, list(style.names(optimizers).values()))
     ax.set_xlabel(OBJECTIVE if column == "fun" else style.plain(column))
     ax.set_title(style.plain(problem, 18), loc="left")
@@ -62,6 +64,30 @@ def box_plot(
             loc="lower right", bbox_to_anchor=(1.02, 0.99), borderaxespad=0.0, borderpad=0.2, ncols=2,
             handlelength=1.4, columnspacing=1.0,
         )  # fmt: skip
+    return ax
+
+
+def timing(table: pd.DataFrame, *, legend: bool = True, ax: Axes | None = None) -> Axes:
+    """Draw the mean wall time of one trial of each optimizer, split into the objective and the rest.
+
+    ``table`` is that of :func:`bench.analysis.timing`, in seconds. The row of an optimizer without a finished trial has
+    a note instead.
+    """
+    ax = style.own_axes(ax, height=style.rows_height(len(table)) + 0.7)
+    rows = np.arange(len(table))
+    wall, objective = table[["wall_mean", "objective_mean"]].fillna(0.0).to_numpy(dtype=float).T
+    parts = (("in the objective", 0.0 * wall, objective), ("in the optimizer", objective, wall - objective))
+    for (name, start, width), color, hatch in zip(parts, style.PALETTE, style.HATCHES, strict=False):
+        ax.barh(rows, width, left=start, height=0.62, color=color, hatch=hatch, edgecolor="white", label=name)
+    for row in style.name_rows(ax, list(style.names(table["optimizer"]).values())):
+        text = f"{wall[row]:.3g}" if table["trials"].iloc[row] else "none finished"
+        ax.annotate(text, (wall[row], row), (3, 0), textcoords="offset points", va="center", fontsize="small")
+    style.linear_scale(ax, "x")
+    ax.margins(x=0.12)
+    ax.set_xlim(left=0.0)
+    ax.set_xlabel("mean wall time in s")
+    if legend:
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
     return ax
 
 
@@ -110,12 +136,3 @@ def _line(ax: Axes, value: float, name: str) -> None:
         ax.plot([], [], color=style.REFERENCE, linewidth=1.0, label=f"{label} (off the axis)")
     else:
         ax.axvline(value, color=style.REFERENCE, linewidth=1.0, zorder=1.5, label=label)
-
-
-def _expected(ax: Axes, expected: float, tolerance: float | None) -> None:
-    _line(ax, expected, "expected")
-    if tolerance is not None:
-        ax.axvspan(
-            expected - tolerance, expected + tolerance, facecolor="none", edgecolor=style.BAND, hatch="/////",
-            linewidth=0.0, zorder=1, label=f"± {tolerance:.3g}",
-        )  # fmt: skip

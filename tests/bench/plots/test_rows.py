@@ -1,4 +1,4 @@
-"""Box plots: what they draw, and what they say of the rest."""
+"""Box plots and bars of times: what they draw, and what they say of the rest."""
 
 import numpy as np
 import pandas as pd
@@ -6,7 +6,7 @@ import pytest
 from matplotlib.collections import LineCollection
 
 from bench import plots
-from tests.bench.plots.frames import axes, texts, trials
+from tests.bench.plots.frames import axes, clock, texts, trials
 
 
 def test_boxes_are_quartiles_and_every_trial_is_a_point():
@@ -45,3 +45,11 @@ def test_an_optimum_that_a_log_axis_cannot_show_is_said(optimum, text):
     ax = plots.box_plot(trials({("p", "a"): [1.0, 100.0]}), "p", optimum=optimum, ax=axes())
     assert ax.get_xscale() == "log"
     assert [each.get_text() for each in ax.get_legend().texts] == [text]
+
+
+def test_bars_are_split_and_unknown_times_said():
+    table = clock(["a", "b"])
+    table.loc[1, ["trials", "wall_mean", "objective_mean"]] = [0, np.nan, np.nan]
+    ax = plots.timing(table, ax=axes())
+    assert [bar.get_width() for bar in ax.patches] == [0.5, 0.0, 1.5, 0.0]
+    assert texts(ax) == ["2", "none finished"]

@@ -1,0 +1,139 @@
+"""Plot curves: best-so-far values, regret and shares of targets over evaluations, and running times over targets."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.ticker import FixedLocator
+
+from bench.plots import style
+
+EVALUATIONS = "evaluations"
+AXES = {"evaluations": EVALUATIONS, "groups": "groups of d + 1 evaluations"}
+
+
+def convergence(
+    curves: pd.DataFrame, problem: str, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Draw the median best-so-far value of each optimizer on a problem over evaluations, its quartiles as a band.
+
+    ``curves`` are those of :func:`bench.analysis.convergence`. The axis of evaluations is logarithmic; so is that of
+    the values where they are positive and span a factor of more than 3. A median or quartile that is infinite, because
+    trials failed, is not drawn.
+    """
+    ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
+    own = style.rows_of(curves, problem)
+    _quartiles(ax, own, looks)
+    style.log_scale(ax, "x")
+    style.fitting_scale(ax, "y", own["median"], ratio=3)
+    return _finish(ax, EVALUATIONS, "best value so far", looks if legend else None, problem)
+
+
+def regret(
+    curves: pd.DataFrame, problem: str, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Draw the median regret of each optimizer on a problem over evaluations, its quartiles as a band, on log axes.
+
+    ``curves`` are those of :func:`bench.analysis.convergence`, less the optimum (:func:`bench.analysis.regret`). A log
+    axis cannot show a regret of 0: a curve ends where its median reaches the optimum, and where its lower quartile is
+    at the optimum its band begins at the lowest value drawn.
+    """
+    ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
+    own = style.rows_of(curves, problem)
+    positive = own[own["median"] > 0]
+    least = float(positive[["median", "q1"]].where(positive[["median", "q1"]] > 0).min().min())
+    _quartiles(ax, positive.assign(q1=positive["q1"].clip(lower=least)), looks)
+    style.log_scale(ax, "x")
+    style.log_scale(ax, "y")
+    return _finish(ax, EVALUATIONS, "regret", looks if legend else None, problem)
+
+
+def ecdf(
+    curves: pd.DataFrame, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Draw the share of all targets that each optimizer reached, over evaluations (Hansen et al. 2022).
+
+    ``curves`` are those of :func:`bench.analysis.ecdf`.
+    """
+    return _fractions(curves, "share of targets reached", looks, legend, ax)
+
+
+def data_profile(
+    curves: pd.DataFrame, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Draw the share of trials in which each optimizer reached a target, over evaluations (Moré and Wild 2009).
+
+    ``curves`` are those of :func:`bench.analysis.data_profiles`, over evaluations or over groups of d + 1 of them
+    ("simplex gradients").
+    """
+    return _fractions(curves, "share of trials solved", looks, legend, ax)
+
+
+def ert(
+    table: pd.DataFrame, problem: str, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Draw the expected running time of each optimizer on a problem over targets, harder ones to the right.
+
+    ``table`` is that of :func:`bench.analysis.expected_running_time`. Both axes are logarithmic. A curve ends at the
+    hardest target that any trial reached, in an open marker where no trial reached the harder ones. A log axis cannot
+    show tau = 0: the axes of a problem whose trials start at its reference, which then has no other target, stay empty.
+    """
+    ax, looks = style.own_axes(ax), style.looks_of(table, looks)
+    own = style.rows_of(table, problem)
+    own = own[own["tau"] > 0].sort_values("tau", ascending=False, kind="stable")
+    for place, (optimizer, look) in enumerate(looks.items()):
+        tau, times = own.loc[own["optimizer"] == optimizer, ["tau", "ert"]].to_numpy(dtype=float).T
+        reached = style.drawable(times)
+        _curve(ax, tau[reached], times[reached], look, place)
+        if reached.any() and not reached.all():
+            last = np.flatnonzero(reached)[-1]
+            ax.plot(tau[last], times[last], look.marker, color=look.color, markersize=5.0, markerfacecolor="white")
+    style.log_scale(ax, "x")
+    style.log_scale(ax, "y")
+    if len(own):
+        ax.set_xlim(own["tau"].max() * 1.2, own["tau"].min() / 1.2)
+    return _finish(ax, "target tau", f"ERT in {EVALUATIONS}", looks if legend else None, problem)
+
+
+def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:
+    """Draw the medians and quartile bands of a problem, where an axis can show them."""
+    drawn = own[style.drawable(own["median"])]
+    for place, (optimizer, look) in enumerate(looks.items()):
+        one = drawn[drawn["optimizer"] == optimizer]
+        at, median, q1, q3 = one[["evaluations", "median", "q1", "q3"]].to_numpy(dtype=float).T
+        banded = style.drawable(q3)
+        ax.fill_between(at[banded], q1[banded], q3[banded], color=look.color, alpha=0.18, linewidth=0)
+        _curve(ax, at, median, look, place)
+
+
+def _fractions(curves: pd.DataFrame, share: str, looks: style.Looks | None, legend: bool, ax: Axes | None) -> Axes:
+    ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
+    along = "groups" if "groups" in curves else "evaluations"
+    for place, (optimizer, look) in enumerate(looks.items()):
+        x, fraction = curves.loc[curves["optimizer"] == optimizer, [along, "fraction"]].to_numpy(dtype=float).T
+        _curve(ax, x, fraction, look, place, steps=True)
+    style.span(ax, curves[along])
+    style.log_scale(ax, "x")
+    ax.set_ylim(-0.02, 1.02)
+    ax.yaxis.set_major_locator(FixedLocator([0.0, 0.25, 0.5, 0.75, 1.0]))
+    return _finish(ax, AXES[along], share, looks if legend else None)
+
+
+def _curve(ax: Axes, x: np.ndarray, y: np.ndarray, look: style.Look, place: int, steps: bool = False) -> None:
+    """Draw the curve of one optimizer with few markers, at other places than those of the previous optimizer."""
+    every = max(len(x) // 5, 1)
+    ax.plot(
+        x, y, color=look.color, linestyle=look.line, linewidth=1.1, marker=look.marker, markersize=3.0,
+        markevery=(2 * place % every, every), drawstyle="steps-post" if steps else "default",
+    )  # fmt: skip
+
+
+def _finish(ax: Axes, x: str, y: str, looks: style.Looks | None, problem: str = "") -> Axes:
+    """Write the problem and the labels on the axes, with a legend at their right if there are ``looks``."""
+    ax.set_title(style.plain(problem), loc="left")
+    ax.set_xlabel(x)
+    ax.set_ylabel(y)
+    if looks is not None:
+        ax.legend(handles=style.handles(looks), loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
+    return ax
