@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from bench.bibtex import parse
 from bench.plugins import registry
-from bench.report.methods import SCALES, MethodsFacts, methods
-from bench.report.references import library
+from bench.report.methods import SCALES, MethodsFacts, library, merge_works, methods
 from bench.study import Entry, Study
 
 ENVIRONMENT = {
@@ -157,6 +156,13 @@ class TestMethods:
             assert all("doi = {10." in work.fields for work in parse(optimizer.bibtex))
             assert optimizer() == optimizer()
             assert "bibtex" not in [field.name for field in fields(optimizer)]
+
+
+def test_works_under_one_key_are_told_apart():
+    ours = parse("@misc{a, year=1} @misc{b, year=2}")
+    works, named = merge_works(ours, parse("@misc{a, year=1} @misc{A, year=3} @misc{c, year=4}"))
+    assert [work.key for work in named] == ["a", "A-2", "c"]
+    assert [work.key for work in works] == ["a", "b", "A-2", "c"]
 
 
 def run(folder, *command):
