@@ -24,6 +24,7 @@ from bench.storage.results import Results
 from bench.text import file_name, free
 
 PAGE, MANIFEST = "report.html", ".report.json"
+ANCHOR = "part"  # of the sections, part.1 and so on; a figure of this name would have ids like these
 COMPARISONS = Path("results") / "comparisons"
 WHOLE = {
     "trials": "All trials, one row a trial.",
@@ -100,7 +101,7 @@ class _Report:
         self.folder = folder
         self.views: list[View] = []
         self.files: dict[str, str] = {}
-        self.names = set(WHOLE)
+        self.names = {*WHOLE, ANCHOR}
         self._on_progress = on_progress
         self._done = 0
         self._steps = 0
@@ -133,7 +134,7 @@ class _Report:
         self.append(part.section(self.findings))
 
     def append(self, section: Section) -> None:
-        self.views.append(self.view(section, f"part.{len(self.views) + 1}"))
+        self.views.append(self.view(section, f"{ANCHOR}.{len(self.views) + 1}"))
 
     def add_plugin(self, name: str) -> None:
         """Add the sections of a plug-in, or a warning where it raises, which costs no other part."""
@@ -169,7 +170,7 @@ class _Report:
         )
         section = Section("Downloads", (text,))
         self.step(section.title)
-        self.views.append(View(f"part.{len(self.views) + 1}", section, [], [], sorted(self.files.items())))
+        self.views.append(View(f"{ANCHOR}.{len(self.views) + 1}", section, [], [], sorted(self.files.items())))
 
     def view(self, section: Section, anchor: str) -> View:
         items = [self.item(part) for part in section.items]
