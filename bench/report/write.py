@@ -185,10 +185,10 @@ class _Report:
         name = self.unique(part.name)
         if isinstance(part, Table):
             files = save_table(part, self.folder, name)
-            item = Item(name, files, table=part)
+            item = Item(name, files, part)
         else:
             svg, files = save_figure(part, self.folder, name)
-            item = Item(name, files, figure=part, svg=inline(svg, name, part.caption))
+            item = Item(name, files, part, inline(svg, name, part.caption))
         self.files |= dict.fromkeys(files, re.split(r"(?<!Fig)\. ", part.caption)[0].rstrip(".") + ".")
         _ = item.grid  # a frame that the page cannot show raises here, within its own section
         return item
