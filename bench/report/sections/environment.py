@@ -87,20 +87,17 @@ class _Origins:
     @cached_property
     def groups(self) -> dict[str, list[int]]:
         """The positions of the records that are alike, by letter."""
-        found: list[list[int]] = []
+        found: dict[str, list[int]] = {}
         for place, record in enumerate(self.records):
-            alike = next((group for group in found if not differences(self.records[group[0]], record)), None)
-            if alike is None:
-                found.append([place])
-            else:
-                alike.append(place)
-        return {_letter(number): group for number, group in enumerate(found)}
+            alike = (letter for letter, group in found.items() if not differences(self.records[group[0]], record))
+            found.setdefault(next(alike, _letter(len(found))), []).append(place)
+        return found
 
     @cached_property
     def letters(self) -> list[str]:
         """The letter of each record's environment."""
         found = {place: letter for letter, group in self.groups.items() for place in group}
-        return [found[place] for place in range(len(self.records))]
+        return [found[place] for place in sorted(found)]
 
     def warnings(self) -> Iterator[str]:
         """Yield a warning where trials, or runs whose trials are unknown, belong to several environments."""
