@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 import string
+import tomllib
 import unicodedata
 from collections.abc import Iterable, Sequence
 from functools import cache
+from importlib.resources import files
 
 from jinja2 import Environment, PackageLoader, Template
 
@@ -20,31 +22,15 @@ WORD = 12  # letters after which a longer word in such a paragraph may break
 CAPTION = 2_000  # characters; TeX first measures a caption on one line, and a longer one exceeds its largest dimension
 PAGE = 45  # rows that fit on a page with their caption
 
-SPECIAL = {
-    "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
-    "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}", ">": r"\textgreater{}",
-    "|": r"\textbar{}", '"': "''", "`": r"\`{}",
-}  # fmt: skip
-"""The ASCII characters with a special meaning in LaTeX."""
 
-_GREEK = "αβγδεζηθικλμνξπρστυφχψωΓΔΘΛΞΠΣΥΦΨΩ"
-_GREEK_NAMES = (
-    "alpha beta gamma delta varepsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon varphi chi "
-    "psi omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega"
-)
-_MATH = {
-    "−": "-", "±": r"\pm", "×": r"\times", "·": r"\cdot", "÷": r"\div", "∞": r"\infty", "≤": r"\leq", "≥": r"\geq",
-    "≠": r"\neq", "≈": r"\approx", "∝": r"\propto", "√": r"\surd", "∑": r"\sum", "∈": r"\in", "→": r"\rightarrow",
-    "←": r"\leftarrow", "↑": r"\uparrow", "↓": r"\downarrow", "°": r"^\circ", "µ": r"\mu", "ϵ": r"\epsilon",
-    **{letter: f"\\{name}" for letter, name in zip(_GREEK, _GREEK_NAMES.split(), strict=True)},
-    **{sign: f"^{digit}" for digit, sign in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")},
-    **{sign: f"_{digit}" for digit, sign in enumerate("₀₁₂₃₄₅₆₇₈₉")},
-}  # fmt: skip
-_PUNCTUATION = {
-    "–": "--", "—": "---", "‘": "`", "’": "'", "“": "``", "”": "''", "…": r"\ldots{}", "•": r"\textbullet{}",
-    "§": r"\S{}", "©": r"\copyright{}", "€": r"\texteuro{}", "£": r"\pounds{}", "‐": "-", "‑": "-",
-}  # fmt: skip
-SYMBOLS = SPECIAL | LETTERS | _PUNCTUATION | {sign: f"${command}$" for sign, command in _MATH.items()}
+def _symbols() -> dict[str, str]:
+    tables = tomllib.loads((files("bench.report") / "characters.toml").read_text(encoding="utf-8"))
+    math = {sign: f"${command}$" for sign, command in tables["math"].items()}
+    return {**LETTERS, **tables["ascii"], **tables["punctuation"], **math}
+
+
+SYMBOLS = _symbols()
+"""The characters that LaTeX needs as commands, which every installation knows in every font encoding."""
 
 _TOKEN = re.compile("[A-Za-z][\u0300-\u036f]+|-+|.")
 _POWER = re.compile(r"(-?[\d.]+)e([+-]\d+)")
