@@ -6,7 +6,14 @@ from typing import Any
 
 import pandas as pd
 
-from bench.analysis import ALPHA, average_ranks, cliques, critical_difference
+from bench.analysis import (
+    ALPHA,
+    average_ranks,
+    cliques,
+    critical_difference,
+    interquartile_mean,
+    probability_of_improvement,
+)
 from bench.report.findings import Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import forest_figure, rank_figure
@@ -37,7 +44,8 @@ def section(findings: Findings) -> Section:
             f"problems differ by less than {difference:.2f}, the critical difference of Nemenyi’s test at {ALPHA:g}. "
             "The diagram illustrates the ranks; rely on the Wilcoxon tests below it."
         )
-    items += [forest_figure(findings.improvement), _wilcoxon(findings.wilcoxon), _aggregate(findings.aggregate)]
+    items.append(forest_figure(probability_of_improvement(findings.frame)))
+    items += [_wilcoxon(findings.wilcoxon), _aggregate(interquartile_mean(findings.frame, findings.optima))]
     return Section(TITLE, tuple(text), tuple(items))
 
 

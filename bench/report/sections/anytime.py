@@ -16,6 +16,7 @@ from bench.analysis import (
     fractions,
     regret,
     table,
+    variables,
 )
 from bench.report.findings import Findings
 from bench.report.parts import Part, Section, Table
@@ -32,11 +33,13 @@ def section(findings: Findings) -> Section:
         return Section(TITLE, ("No trial left a trace, so there is nothing to draw.",))
     budget, hits = findings.results.study.budget, findings.hits
     grid = evaluation_grid(budget)
-    groups = evaluation_grid(ceil(budget / (1 + min(findings.dimensions.values()))))
-    profiles = data_profiles(hits, PROFILE, groups, findings.dimensions)
-    above = regret(findings.curves, findings.unbeaten, ("median", "q1", "q3"))
+    dimensions = {str(label): len(variables(own)) for label, own in findings.frame.groupby("problem", observed=True)}
+    groups = evaluation_grid(ceil(budget / (1 + min(dimensions.values()))))
+    profiles = data_profiles(hits, PROFILE, groups, dimensions)
+    curves = convergence(findings.frame, findings.results.traces, grid)
+    above = regret(curves, findings.unbeaten, ("median", "q1", "q3"))
     items: tuple[Part, ...] = (
-        convergence_figure(findings.curves, findings.optimizers),
+        convergence_figure(curves, findings.optimizers),
         *([regret_figure(above, findings.optimizers)] if len(above) else []),
         ecdf_figure(ecdf(hits, grid), profiles, findings.optimizers, tau=PROFILE),
         ert_figure(expected_running_time(hits), findings.optimizers),
@@ -89,13 +92,9 @@ def _ladder(targets: pd.DataFrame, problems: int) -> list[str]:
 
 
 def _success(rates: pd.DataFrame) -> Table:
-    overall = (
-        rates.groupby(["optimizer", "tau"], sort=False, observed=True)[["successes", "trials"]].sum().reset_index()
-    )
-    shown = overall.assign(share=100 * overall["successes"] / overall["trials"].where(overall["trials"] > 0))
-    wide = shown.pivot(index="optimizer", columns="tau", values="share")
-    order = list(dict.fromkeys(shown["optimizer"])), sorted(set(shown["tau"]), reverse=True)
-    wide = wide.reindex(index=order[0], columns=order[1]).rename_axis(index="optimizer", columns=None)
+    overall = rates.groupby(["optimizer", "tau"], sort=False, observed=True)[["successes", "trials"]].sum()
+    share = 100 * overall["successes"] / overall["trials"].where(overall["trials"] > 0)
+    wide = share.unstack(sort=False).sort_index(axis=1, ascending=False).rename_axis(columns=None)
     return Table(
         "success-rates",
         "Percentage of trials over all problems that reached a target, by tau.",
