@@ -13,7 +13,6 @@ from os import PathLike
 from pathlib import Path
 from types import ModuleType
 
-import matplotlib.figure
 import pandas as pd
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -240,25 +239,19 @@ def save_figure(figure: Figure, folder: Path, name: str) -> tuple[str, list[str]
     """Write a figure as SVG and PDF and its data as CSV; return the SVG's text and the paths relative to ``folder``."""
     (folder / FIGURES).mkdir(exist_ok=True)
     paths = [f"{FIGURES}/{name}.{kind}" for kind in ("svg", "pdf", "csv")]
-    svg, pdf = _draw(figure.figure)
-    (folder / paths[0]).write_bytes(svg)
-    (folder / paths[1]).write_bytes(pdf)
-    save_csv(figure.data, folder / paths[2], index=False)
-    return svg.decode(), paths
-
-
-def _draw(figure: matplotlib.figure.Figure) -> tuple[bytes, bytes]:
-    """Return a figure as SVG and as PDF without dates; its layout is computed once."""
-    svg, pdf = io.BytesIO(), io.BytesIO()
+    drawn, svg, pdf = figure.figure, io.BytesIO(), io.BytesIO()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # the font may lack letters of a label
-        canvas = FigureCanvasSVG(figure)
-        if (engine := figure.get_layout_engine()) is not None:
-            engine.execute(figure)
-            figure.set_layout_engine("none")
+        canvas = FigureCanvasSVG(drawn)
+        if (engine := drawn.get_layout_engine()) is not None:  # compute the layout once for both formats
+            engine.execute(drawn)
+            drawn.set_layout_engine("none")
         canvas.print_svg(svg, metadata={"Date": None})  # type: ignore[no-untyped-call]
-        FigureCanvasPdf(figure).print_pdf(pdf, metadata={"CreationDate": None})  # type: ignore[no-untyped-call]
-    return svg.getvalue(), pdf.getvalue()
+        FigureCanvasPdf(drawn).print_pdf(pdf, metadata={"CreationDate": None})  # type: ignore[no-untyped-call]
+    (folder / paths[0]).write_bytes(svg.getvalue())
+    (folder / paths[1]).write_bytes(pdf.getvalue())
+    save_csv(figure.data, folder / paths[2], index=False)
+    return svg.getvalue().decode(), paths
 
 
 def save_csv(frame: pd.DataFrame, path: Path, *, index: bool) -> None:

@@ -127,11 +127,8 @@ class _Origins:
 
     def _items(self, group: list[int]) -> dict[str, str]:
         """Return the items of an environment; machines of one environment may differ, for example in cores."""
-        values: dict[str, dict[str, None]] = {}
-        for place in group:
-            for item, value in _items(self.records[place]):
-                values.setdefault(item, {})[value] = None
-        return {item: listing(list(found), at_most=4) for item, found in values.items()}
+        found = pd.DataFrame([_items(self.records[place]) for place in group])
+        return {str(item): listing(list(values.dropna().unique()), at_most=4) for item, values in found.items()}
 
     def runs(self) -> Table:
         """Return a table of every run on every machine that took part."""
@@ -171,8 +168,8 @@ def _letter(number: int) -> str:
     return (_letter(number // 26 - 1) if number >= 26 else "") + chr(ord("A") + number % 26)
 
 
-def _items(record: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield the name and the value of what a record holds of machine, versions and code."""
+def _items(record: Mapping[str, Any]) -> dict[str, str]:
+    """Return what a record holds of machine, versions and code, by name."""
     memory = record.get("memory_gb")
     known = {
         "processor": record.get("processor"),
@@ -185,7 +182,7 @@ def _items(record: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         "commit": _state(record.get("git")),
         **{f"commit of {name}": _state(git) for name, git in (record.get("checkouts") or {}).items()},
     }
-    yield from ((item, str(value)) for item, value in known.items() if value)
+    return {item: str(value) for item, value in known.items() if value}
 
 
 def _blas(noted: Mapping[str, Any]) -> str:
