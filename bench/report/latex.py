@@ -53,9 +53,7 @@ def to_latex(table: Table, label: str) -> str:
     ``table*``, which spans both columns of a two-column paper. Columns of long texts are set in paragraphs. A table
     longer than a page is a ``longtable``, which breaks across pages; LaTeX allows it only in one-column text.
 
-    Args:
-        table: the table, with its bold and italic cells.
-        label: for references to ``tab:<label>``; a character other than a letter, a digit or ``.:_-`` becomes ``-``.
+    References name it ``tab:<label>``; a character other than a letter, a digit or ``.:_-`` becomes ``-``.
     """
     titles, numeric = [title for title, _ in table.header], [number for _, number in table.header]
     rows = table.rows

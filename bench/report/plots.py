@@ -29,11 +29,7 @@ def distribution_figure(
 ) -> Figure:
     """Return box plots of one problem: the objective value, and each domain metric whose true value is known.
 
-    Args:
-        frame: the tidy frame.
-        problem: the label of the problem.
-        optimum: the best known objective value, where there is one.
-        expected: the true value and the tolerance of domain metrics, by name.
+    ``expected`` holds the true value and the tolerance of domain metrics, by name.
     """
     known = {name: value for name, value in expected.items() if name in frame}
     optimizers, own = labels(frame, "optimizer"), frame[frame["problem"] == problem]

@@ -62,17 +62,11 @@ def _entries(study: Study) -> Table:
 
 @dataclass(frozen=True)
 class _Origins:
-    """The records of the runs, grouped into environments A, B and so on where alike, and the trials of each run.
+    """The records of the runs, grouped into environments A, B and so on where alike, and the trials of each run."""
 
-    Attributes:
-        records: what each run recorded on each machine.
-        frame: the tidy frame.
-        numbers: the record that each trial belongs to, counted from 1; missing in older folders.
-    """
-
-    records: Sequence[Mapping[str, Any]]
+    records: Sequence[Mapping[str, Any]]  # what each run recorded on each machine
     frame: pd.DataFrame
-    numbers: pd.Series[Any]
+    numbers: pd.Series[Any]  # the record that each trial belongs to, counted from 1; missing in older folders
 
     @property
     def known(self) -> bool:
