@@ -29,13 +29,7 @@ _NO_ENTRIES = ("comment", "preamble", "string")
 
 @dataclass(frozen=True)
 class Work:
-    """A BibTeX entry.
-
-    Attributes:
-        key: the citation key.
-        kind: the entry type, such as ``article``.
-        fields: the text of its fields, as written.
-    """
+    """A BibTeX entry: its citation key, its type, such as ``article``, and the text of its fields as written."""
 
     key: str
     kind: str

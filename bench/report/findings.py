@@ -105,35 +105,12 @@ class Findings:
         """Wilcoxon's signed-rank test of each pair of optimizers across problems."""
         return analysis.wilcoxon_tests(self.medians, self.optima)
 
-    @cached_property
-    def improvement(self) -> pd.DataFrame:
-        """The probability of improvement of each pair over all problems."""
-        return analysis.probability_of_improvement(self.frame)
-
-    @cached_property
-    def aggregate(self) -> pd.DataFrame:
-        """The interquartile mean of the normalised errors of each optimizer."""
-        return analysis.interquartile_mean(self.frame, self.optima)
-
     # over the evaluations
-
-    @cached_property
-    def curves(self) -> pd.DataFrame:
-        """The median best-so-far value and its quartiles."""
-        grid = analysis.evaluation_grid(self.results.study.budget)
-        return analysis.convergence(self.frame, self.results.traces, grid)
 
     @cached_property
     def targets(self) -> pd.DataFrame:
         """The ladder of targets of each problem."""
         return analysis.targets(self.results.traces, self.optima)
-
-    @cached_property
-    def dimensions(self) -> dict[str, int]:
-        """The number of search variables of each problem, as in its trials."""
-        return {
-            str(problem): len(analysis.variables(own)) for problem, own in self.frame.groupby("problem", observed=True)
-        }
 
     @cached_property
     def hits(self) -> pd.DataFrame:
@@ -146,11 +123,6 @@ class Findings:
         return analysis.success_rates(self.hits)
 
     # time and soundness
-
-    @cached_property
-    def timing(self) -> pd.DataFrame:
-        """The times of a trial of each optimizer."""
-        return analysis.timing(self.frame)
 
     @cached_property
     def integrity(self) -> pd.DataFrame:
@@ -168,7 +140,7 @@ class Findings:
     @cached_property
     def methods(self) -> Methods:
         """The methods section of a paper about this run."""
-        study, pairs = self.results.study, self.pairs
+        study, pairs, early = self.results.study, self.pairs, analysis.stopped_early(self.frame)
         return methods(
             MethodsFacts(
                 study=study,
@@ -183,7 +155,7 @@ class Findings:
                 scale="".join(self.wilcoxon["scale"].unique()),
                 known_optima=int(self.targets.drop_duplicates("problem")["known"].sum()),
                 targets=self.targets["problem"].nunique(),
-                early=self._early,
+                early={label: int((early & (self.frame["optimizer"] == label)).sum()) for label in self.optimizers},
                 centre_bias=self._biased("centre bias"),
                 structural_bias=self._biased("structural bias"),
             )
@@ -197,12 +169,6 @@ class Findings:
             for each in checks
             if each["check"] == check
         }
-
-    @property
-    def _early(self) -> dict[str, int]:
-        """The number of trials of each optimizer that stopped by the optimizer's own criterion."""
-        own = analysis.stopped_early(self.frame)
-        return {label: int((own & (self.frame["optimizer"] == label)).sum()) for label in self.optimizers}
 
 
 def _bibtex(study: Study, label: str) -> str:

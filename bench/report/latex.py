@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import re
 import string
+import tomllib
 import unicodedata
 from collections.abc import Iterable, Sequence
+from functools import cache
+from importlib.resources import files
+
+from jinja2 import Environment, PackageLoader, Template
 
 from bench.bibtex import ACCENTS, LETTERS
 from bench.report.parts import Table, TableCell
@@ -17,31 +22,15 @@ WORD = 12  # letters after which a longer word in such a paragraph may break
 CAPTION = 2_000  # characters; TeX first measures a caption on one line, and a longer one exceeds its largest dimension
 PAGE = 45  # rows that fit on a page with their caption
 
-SPECIAL = {
-    "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
-    "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}", ">": r"\textgreater{}",
-    "|": r"\textbar{}", '"': "''", "`": r"\`{}",
-}  # fmt: skip
-"""The ASCII characters with a special meaning in LaTeX."""
 
-_GREEK = "αβγδεζηθικλμνξπρστυφχψωΓΔΘΛΞΠΣΥΦΨΩ"
-_GREEK_NAMES = (
-    "alpha beta gamma delta varepsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon varphi chi "
-    "psi omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega"
-)
-_MATH = {
-    "−": "-", "±": r"\pm", "×": r"\times", "·": r"\cdot", "÷": r"\div", "∞": r"\infty", "≤": r"\leq", "≥": r"\geq",
-    "≠": r"\neq", "≈": r"\approx", "∝": r"\propto", "√": r"\surd", "∑": r"\sum", "∈": r"\in", "→": r"\rightarrow",
-    "←": r"\leftarrow", "↑": r"\uparrow", "↓": r"\downarrow", "°": r"^\circ", "µ": r"\mu", "ϵ": r"\epsilon",
-    **{letter: f"\\{name}" for letter, name in zip(_GREEK, _GREEK_NAMES.split(), strict=True)},
-    **{sign: f"^{digit}" for digit, sign in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")},
-    **{sign: f"_{digit}" for digit, sign in enumerate("₀₁₂₃₄₅₆₇₈₉")},
-}  # fmt: skip
-_PUNCTUATION = {
-    "–": "--", "—": "---", "‘": "`", "’": "'", "“": "``", "”": "''", "…": r"\ldots{}", "•": r"\textbullet{}",
-    "§": r"\S{}", "©": r"\copyright{}", "€": r"\texteuro{}", "£": r"\pounds{}", "‐": "-", "‑": "-",
-}  # fmt: skip
-SYMBOLS = SPECIAL | LETTERS | _PUNCTUATION | {sign: f"${command}$" for sign, command in _MATH.items()}
+def _symbols() -> dict[str, str]:
+    tables = tomllib.loads((files("bench.report") / "characters.toml").read_text(encoding="utf-8"))
+    math = {sign: f"${command}$" for sign, command in tables["math"].items()}
+    return {**LETTERS, **tables["ascii"], **tables["punctuation"], **math}
+
+
+SYMBOLS = _symbols()
+"""The characters that LaTeX needs as commands, which every installation knows in every font encoding."""
 
 _TOKEN = re.compile("[A-Za-z][\u0300-\u036f]+|-+|.")
 _POWER = re.compile(r"(-?[\d.]+)e([+-]\d+)")
@@ -64,63 +53,41 @@ def to_latex(table: Table, label: str) -> str:
     ``table*``, which spans both columns of a two-column paper. Columns of long texts are set in paragraphs. A table
     longer than a page is a ``longtable``, which breaks across pages; LaTeX allows it only in one-column text.
 
-    Args:
-        table: the table, with its bold and italic cells.
-        label: for references to ``tab:<label>``; a character other than a letter, a digit or ``.:_-`` becomes ``-``.
+    References name it ``tab:<label>``; a character other than a letter, a digit or ``.:_-`` becomes ``-``.
     """
     titles, numeric = [title for title, _ in table.header], [number for _, number in table.header]
     rows = table.rows
     texts = [titles, *([cell.text for cell in row] for row in rows)]
     widths = [min(max(map(len, column)), 2 * LINE) for column in zip(*texts, strict=True)]
     wrapped = [width > WRAP for width in widths]
-    header = _row(_text(title, wrap) for title, wrap in zip(titles, wrapped, strict=True))
-    body = [_row(map(_cell, row, numeric, wrapped)) for row in rows]
-    columns = _columns(widths, numeric, wrapped) or "l"
+    width, long = sum(widths) + 2 * len(widths), len(rows) > PAGE
+    needed = {"array": any(wrapped), "longtable": long, "graphicx": width > COLUMN and not long}
+    caption = escape(table.caption)
+    if len(caption) > CAPTION:
+        caption = escape(table.caption[: CAPTION // 10] + "…")  # a code point takes ten letters
     safe = re.sub(r"[^A-Za-z0-9.:_-]+", "-", label)
-    words = escape(table.caption)
-    if len(words) > CAPTION:
-        words = escape(table.caption[: CAPTION // 10] + "…")  # a code point takes ten letters
-    caption = f"\\caption{{{words}}}\\label{{tab:{safe}}}"
-    packages = ["booktabs", *(["array"] if any(wrapped) else [])]
-    if len(body) > PAGE:
-        packages.append("longtable")
-        lines = _long(columns, header, body, caption, escape(table.note))
-    else:
-        width = sum(widths) + 2 * len(widths)
-        packages += ["graphicx"] if width > COLUMN else []
-        lines = _float(columns, header, body, caption, escape(table.note), width)
-    return "\n".join([f"% needs \\usepackage{{{','.join(packages)}}}", *lines, ""])
+    return _template().render(
+        packages=",".join(["booktabs", *(name for name, need in needed.items() if need)]),
+        long=long,
+        wide=width > COLUMN,
+        float="table*" if width > LINE else "table",
+        columns=_columns(widths, numeric, wrapped) or "l",
+        caption=f"\\caption{{{caption}}}\\label{{tab:{safe}}}",
+        header=_row(map(_text, titles, wrapped)),
+        body=[_row(map(_cell, row, numeric, wrapped)) for row in rows],
+        note=escape(table.note),
+    )
 
 
-def _float(columns: str, header: str, body: Sequence[str], caption: str, note: str, width: int) -> list[str]:
-    table, wide = "table*" if width > LINE else "table", width > COLUMN
-    shrink = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"  # unchanged where it fits
-    return [
-        f"\\begin{{{table}}}[htbp]",
-        r"\centering",
-        caption,
-        r"\par\smallskip",  # some classes put no space below a caption
-        *([r"\setlength{\tabcolsep}{4pt}", shrink] if wide else []),
-        f"\\begin{{tabular}}{{{columns}}}",
-        *(r"\toprule", header, r"\midrule", *body, r"\bottomrule"),
-        r"\end{tabular}" + ("}" if wide else ""),
-        *([f"\\par\\smallskip\\parbox{{\\linewidth}}{{\\footnotesize {note}}}"] if note else []),
-        f"\\end{{{table}}}",
-    ]
-
-
-def _long(columns: str, header: str, body: Sequence[str], caption: str, note: str) -> list[str]:
-    head = (r"\toprule", header, r"\midrule")
-    return [
-        r"{\footnotesize\setlength{\tabcolsep}{3pt}",
-        f"\\begin{{longtable}}{{{columns}}}",
-        caption + r"\\",
-        *(*head, r"\endfirsthead", r"\caption[]{(continued)}\\", *head, r"\endhead", r"\bottomrule", r"\endfoot"),
-        *body,
-        r"\end{longtable}",
-        *([f"\\noindent {note}\\par"] if note else []),
-        "}",
-    ]
+@cache
+def _template() -> Template:
+    environment = Environment(
+        loader=PackageLoader("bench.report", ""),
+        block_start_string="<%", block_end_string="%>", variable_start_string="<<", variable_end_string=">>",
+        comment_start_string="<#", comment_end_string="#>",
+        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
+    )  # fmt: skip
+    return environment.get_template("table.tex.j2")
 
 
 def _columns(widths: Sequence[int], numeric: Sequence[bool], wrapped: Sequence[bool]) -> str:

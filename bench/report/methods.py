@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from importlib.resources import files
 from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
 
 from bench.analysis import ALPHA
 from bench.analysis.cells import NEAR
 from bench.analysis.pairwise import RESAMPLES, TIED
 from bench.bibtex import Work, parse
 from bench.errors import BenchError
-from bench.report.prose import LATEX, MARKDOWN, TEXT, Cite, Sentence, cited_keys, sentence, series
-from bench.report.references import library, merge_works
-from bench.report.software import software
+from bench.report.latex import escape
 from bench.report.wording import count, listing, options
-from bench.study import Entry, Study
+from bench.study import Study
 
 BIBLIOGRAPHY = "references.bib"  # the file of the cited works, beside the methods
 
@@ -27,12 +31,10 @@ SCALES = {
 }
 """What the paired tests across problems compare, by the names of :func:`bench.analysis.across.relative_medians`."""
 
-CENTRE_BIAS = "a bias towards the centre of the search space [@kudela2022]"
-STRUCTURAL_BIAS = (
-    "structural bias, a preference for parts of the search space that shows on pure noise [@kononova2015; "
-    "@vermetten2022],"
-)
-"""The traits that optimizers are tested for."""
+NEUTRAL = ("joblib", "matplotlib", "pandas", "seaborn")
+"""Packages on which no trial's result depends: they schedule trials, keep tables and draw."""
+
+_CITATION = re.compile(r" \[@([^]]+)\]")
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,6 @@ class MethodsFacts:
         environments: what each run recorded of itself and its machine (:mod:`bench.storage.provenance`).
         tests: pairs of optimizers compared by a test, over all problems.
         permutation_tests: those of them that use the permutation distribution given the ties.
-        alpha: the significance level.
         ranked_problems: problems that entered the comparison across problems.
         scale: what the paired tests across problems compare, one of ``SCALES``.
         known_optima: problems whose optimum is known.
@@ -66,7 +67,6 @@ class MethodsFacts:
     environments: Sequence[Mapping[str, Any]] = ()
     tests: int = 0
     permutation_tests: int = 0
-    alpha: float = ALPHA
     ranked_problems: int = 0
     scale: str = "log10 median"
     known_optima: int = 0
@@ -98,169 +98,76 @@ class Methods:
 def methods(facts: MethodsFacts) -> Methods:
     """Return the methods section of a run; every sentence in it holds for that run."""
     works, own, warnings = _bibliography(facts)
-    parts = (_experiment(facts, own), _each_problem(facts), [*_across_problems(facts), *_targets(facts)])
-    paragraphs = [paragraph for part in parts if (paragraph := list(part))]
+    prose = paragraphs(templates().get_template("methods.j2").render(_context(facts), own=own))
     title = json.dumps(MARKDOWN.plain(f"Methods: {facts.study.title or facts.study.name}"), ensure_ascii=False)
     front = f"---\ntitle: {title}\nbibliography: {BIBLIOGRAPHY}\n---"
     comment = f"% {BIBLIOGRAPHY} has the works cited"
     return Methods(
-        text=tuple(TEXT.write(paragraph, works) for paragraph in paragraphs),
-        markdown="\n\n".join([front, *(MARKDOWN.write(paragraph, works) for paragraph in paragraphs)]) + "\n",
-        latex="\n\n".join([comment, *(LATEX.write(paragraph, works) for paragraph in paragraphs)]) + "\n",
-        bibtex="\n".join(works[key].bibtex + "\n" for key in cited_keys(paragraphs)),
+        text=tuple(TEXT.write(each, works) for each in prose),
+        markdown="\n\n".join([front, *(MARKDOWN.write(each, works) for each in prose)]) + "\n",
+        latex="\n\n".join([comment, *(LATEX.write(each, works) for each in prose)]) + "\n",
+        bibtex="\n".join(works[key].bibtex + "\n" for key in cited_keys(prose)),
         warnings=warnings,
     )
 
 
-def _experiment(facts: MethodsFacts, own: Mapping[str, tuple[str, ...]]) -> Iterator[Sentence]:
-    """Yield the sentences on what was run on what, how often and with which software."""
-    study = facts.study
-    several = len(study.optimizers) > 1
-    labels = [entry.label for entry in study.problems]
-    yield sentence(
-        "We compared {number} on {problems}: {optimizers}." if several else "We ran {optimizers} on {problems}.",
-        number=count(len(study.optimizers), "optimizer"),
-        problems=f"{count(len(labels), 'problem')} ({listing(labels, at_most=20)})",
-        optimizers=series([[_name(entry), Cite(own[entry.label])] for entry in study.optimizers]),
-    )
+def _context(facts: MethodsFacts) -> dict[str, Any]:
+    """Return what the template refers to by name."""
     alike: dict[str, list[str]] = {}
-    for entry in study.optimizers:
+    for entry in facts.study.optimizers:
         alike.setdefault(options(entry.options), []).append(entry.label)
-    if alike.keys() != {""}:
-        given = [f"{listing(names, at_most=len(names))} with {text}" for text, names in alike.items() if text]
-        yield sentence("We ran {given}; all other parameters have their default values.", given="; ".join(given))
-    else:
-        yield sentence("All parameters have their default values.")
-    fewest, most = facts.trials
-    yield sentence(
-        "We ran {trials}{planned}{optimizer}{problem}, {each}with a budget of {budget} of the objective function.",
-        trials=count(most, "independent trial") if fewest == most else f"{fewest:,} to {most:,} independent trials",
-        planned="" if fewest == most == study.trials else f" (of {study.trials:,} planned)",
-        optimizer=" of each optimizer" if several else "",
-        problem=" on each problem" if len(labels) > 1 else "",
-        each="" if most == 1 and not several and len(labels) == 1 else "each ",
-        budget=count(study.budget, "evaluation"),
-    )
-    if facts.empty:
-        yield sentence("{cells} of problem and optimizer had no trial.", cells=count(facts.empty, "combination"))
-    if early := {label: number for label, number in facts.early.items() if number}:
-        yield sentence(
-            "{stopped} met a stopping criterion of the optimizer before the budget was spent.",
-            stopped=listing([f"{count(number, 'trial')} of {label}" for label, number in early.items()]),
-        )
-    yield sentence("The score of a trial is the lowest objective value that it found.")
-    if facts.failed:
-        yield sentence(
-            "{failed} failed or found no finite value; such trials are included and score worse than any other.",
-            failed=count(facts.failed, "trial"),
-        )
-    yield sentence(
-        "Every trial draws its random numbers from a separate stream, determined by the seed of the study ({seed}), "
-        "the problem, the optimizer and the number of the trial.",
-        seed=str(study.seed),
-    )
-    for tested, trait in ((facts.centre_bias, CENTRE_BIAS), (facts.structural_bias, STRUCTURAL_BIAS)):
-        if tested:
-            biased = [label for label, found in tested.items() if found]
-            yield sentence(
-                f"We tested {{which}} for {trait} and found it in {{biased}}.",
-                which="the optimizers" if len(tested) == len(study.optimizers) else listing([*tested]),
-                biased=listing(biased) if biased else "none of them",
-            )
-    yield from software(facts.environments)
+    return vars(facts) | {
+        "count": count,
+        "listing": listing,
+        "alpha": ALPHA,
+        "near": NEAR,
+        "tied": TIED,
+        "resamples": RESAMPLES,
+        "given": [f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text],
+        "early": [f"{count(number, 'trial')} of {label}" for label, number in facts.early.items() if number],
+        "scales": SCALES,
+        "versions": _versions(facts.environments),
+        "commits": _commits(facts.environments),
+        "processors": _distinct(environment.get("processor") for environment in facts.environments),
+    }
 
 
-def _each_problem(facts: MethodsFacts) -> Iterator[Sentence]:
-    """Yield the sentences on how pairs of optimizers are compared on one problem."""
-    if not facts.tests:
-        return
-    several, pairs = len(facts.study.problems) > 1, len(facts.study.optimizers) > 2
-    tests, level = count(facts.tests, "test"), f"{facts.alpha:g}"
-    yield sentence(
-        "{where} compare {who} by the two-sample Kolmogorov–Smirnov test with its exact p-value [@hodges1958]; "
-        "values within a relative difference of {near} count as equal.",
-        where="On each problem we" if several else "We",
-        who="every pair of optimizers" if pairs else "the two optimizers",
-        near=f"{NEAR:g}",
-    )
-    if facts.permutation_tests:
-        yield sentence(
-            "In {some} of {tests}, where more than {tied} of the values are tied, we use the exact permutation "
-            "distribution given the ties instead [@schroer1995].",
-            some=f"{facts.permutation_tests:,}",
-            tests=tests,
-            tied=f"{TIED:.0%}",
-        )
-    if pairs:
-        yield sentence(
-            "Holm’s method [@holm1979] controls the family-wise error rate{where} at {level}; optimizers that share a "
-            "letter do not differ significantly [@piepho2004].",
-            where=" on each problem" if several else "",
-            level=level,
-        )
-    if several:
-        yield sentence(
-            "For claims about the whole study, the Benjamini–Yekutieli procedure [@benjamini2001] controls the false "
-            "discovery rate over all {tests} at {level}.",
-            tests=tests,
-            level=level,
-        )
-    yield sentence(
-        "As effect sizes we report A12, the probability that a trial of one optimizer ends lower than a trial of the "
-        "other, ties counted half [@vargha2000], with 95 % percentile intervals from {resamples} bootstrap resamples "
-        "[@efron1979], and Cliff’s delta, 2 A12 − 1 [@cliff1993], with the Mann–Whitney test [@mann1947].",
-        resamples=f"{RESAMPLES:,}",
-    )
-    yield sentence("We state that an optimizer tends to lower values only where the interval of A12 excludes 0.5.")
+def _versions(environments: Sequence[Mapping[str, Any]]) -> dict[str, list[str]]:
+    """Return the versions that made the trials, by package."""
+    found: dict[str, list[str]] = {}
+    for environment in environments:
+        for name, version in {"Python": environment.get("python"), **(environment.get("packages") or {})}.items():
+            if version and name not in NEUTRAL:
+                found[name] = _distinct([*found.get(name, []), str(version)])
+    return found
 
 
-def _across_problems(facts: MethodsFacts) -> Iterator[Sentence]:
-    """Yield the sentences on how optimizers are compared across problems."""
-    optimizers, problems, ranked = len(facts.study.optimizers), len(facts.study.problems), facts.ranked_problems
-    if optimizers < 2 or ranked < 2:
-        return
-    yield sentence(
-        "Across problems{only} the unit of analysis is the problem; its value for an optimizer is the median score.",
-        only="" if ranked == problems else f" ({ranked:,} of {problems:,}, on which every optimizer has a trial)",
-    )
-    if optimizers > 2:
-        yield sentence(
-            "We compare the average ranks of the optimizers by Friedman’s test [@friedman1937] with the correction of "
-            "Iman and Davenport [@iman1980], and show them with the critical difference of Nemenyi’s test "
-            "[@nemenyi1963; @demsar2006]."
-        )
-    yield sentence(
-        "We compare {who} by Wilcoxon’s signed-rank test [@wilcoxon1945] on {scale}{adjusted}.",
-        who="pairs of optimizers" if optimizers > 2 else "the two optimizers",
-        scale=SCALES[facts.scale],
-        adjusted=", with p-values adjusted by Holm’s method" if optimizers > 2 else "",
-    )
-    yield sentence(
-        "The probability of improvement and the interquartile mean of the normalised errors summarise all trials, with "
-        "95 % intervals from a bootstrap stratified by problem and optimizer [@agarwal2021]."
-    )
+def _commits(environments: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return a clause on the commits of each checkout that has any."""
+    states: dict[str, list[Mapping[str, Any]]] = {}
+    for environment in environments:
+        for name, git in {"source code": environment.get("git"), **(environment.get("checkouts") or {})}.items():
+            states.setdefault(name, []).extend([git] if git else [])
+    clauses = []
+    for name, found in states.items():
+        if commits := _distinct(str(state.get("commit") or "")[:10] for state in found):
+            changed = ", with local changes" if any(state.get("dirty") for state in found) else ""
+            clauses.append(f"{name} at commit {listing(commits)}{changed}")
+    return clauses
 
 
-def _targets(facts: MethodsFacts) -> Iterator[Sentence]:
-    """Yield the sentences on how progress over the evaluations is measured."""
-    if not facts.targets:
-        return
-    known, found = "the known optimum", "the lowest value that any trial found"
-    if 0 < facts.known_optima < facts.targets:
-        reference = f"{known} on {count(facts.known_optima, 'problem')} and {found} on the others"
-    else:
-        reference = known if facts.known_optima else found
-    yield sentence(
-        "We measure progress by targets between the median first value of the trials and {reference} [@more2009].",
-        reference=reference,
-    )
-    yield sentence(
-        "We report the expected running time to a target and the empirical distribution of running times [@hansen2016; "
-        "@hansen2021], data profiles [@more2009], and success rates with Wilson’s 95 % intervals [@wilson1927]."
-    )
+def _distinct(values: Iterable[Any]) -> list[str]:
+    return list(dict.fromkeys(filter(None, values)))
 
 
-def _bibliography(facts: MethodsFacts) -> tuple[dict[str, Work], dict[str, tuple[str, ...]], tuple[str, ...]]:
+@cache
+def library() -> dict[str, Work]:
+    """Return the works whose methods the reports use, by key."""
+    text = (files("bench.report") / BIBLIOGRAPHY).read_text(encoding="utf-8")
+    return {work.key: work for work in parse(text)}
+
+
+def _bibliography(facts: MethodsFacts) -> tuple[dict[str, Work], dict[str, list[str]], tuple[str, ...]]:
     """Return all works by key, the keys of each optimizer's works by label, and warnings."""
     works, own, warnings = list(library().values()), {}, []
     for entry in facts.study.optimizers:
@@ -270,9 +177,77 @@ def _bibliography(facts: MethodsFacts) -> tuple[dict[str, Work], dict[str, tuple
             references = []
             warnings.append(f"{entry.label} is not cited: {error}.")
         works, named = merge_works(works, references)
-        own[entry.label] = tuple(reference.key for reference in named)
-    return {reference.key: reference for reference in works}, own, tuple(warnings)
+        own[entry.label] = [work.key for work in named]
+    return {work.key: work for work in works}, own, tuple(warnings)
 
 
-def _name(entry: Entry) -> str:
-    return entry.label if entry.label == entry.name else f"{entry.label} (the optimizer {entry.name})"
+def merge_works(works: list[Work], others: list[Work]) -> tuple[list[Work], list[Work]]:
+    """Return ``works`` with those of ``others`` that they lack, and ``others`` under their keys in that list.
+
+    BibTeX ignores the case of keys, so a number is appended to the key of another work whose key is taken.
+    """
+    taken = {work.key.lower(): work for work in works}
+    named = []
+    for other in others:
+        number, each = 1, other
+        while not taken.get(each.key.lower(), each).is_same(each):
+            number += 1
+            each = replace(other, key=f"{other.key}-{number}")
+        taken[each.key.lower()] = each
+        named.append(each)
+    return list(taken.values()), named
+
+
+@cache
+def templates() -> Environment:
+    """Return the templates of prose; ``[@key; @key]`` after a space in their text cites works."""
+    return Environment(
+        loader=PackageLoader("bench.report", ""),
+        undefined=StrictUndefined,
+        finalize=_data,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
+def _data(value: Any) -> str:
+    """Return a value for a template such that no part of it reads as a citation or ends the paragraph."""
+    return value if isinstance(value, Markup) else _one_line(str(value)).replace("[", "[[")
+
+
+def paragraphs(filled: str) -> list[str]:
+    """Return the paragraphs of a filled template, each as one line; blank lines separate them."""
+    return [" ".join(each.split()) for each in re.split(r"\n\s*\n", filled) if each.strip()]
+
+
+def cited_keys(prose: Sequence[str]) -> list[str]:
+    """Return the keys that the paragraphs cite, in alphabetical order."""
+    return sorted({key for each in prose for keys in _CITATION.findall(each) for key in keys.split("; @")})
+
+
+@dataclass(frozen=True)
+class Style:
+    """A way to write prose: how plain text is escaped and how one or more works are cited."""
+
+    plain: Callable[[str], str]
+    cite: Callable[[list[Work]], str]
+
+    def write(self, prose: str, works: Mapping[str, Work]) -> str:
+        """Return a paragraph of a filled template; ``works`` are those it may cite, by key."""
+        pieces = _CITATION.split(prose)  # every second piece holds keys
+        pieces[::2] = [self.plain(piece.replace("[[", "[")) for piece in pieces[::2]]
+        pieces[1::2] = [self.cite([works[key] for key in keys.split("; @")]) for keys in pieces[1::2]]
+        return "".join(pieces)
+
+
+def _one_line(text: str) -> str:
+    return re.sub(r"\s+", " ", text)
+
+
+def _escape_markdown(text: str) -> str:
+    return re.sub(r"([\\`*_{}\[\]<>#@~^$|&\"'])", r"\\\1", _one_line(text))
+
+
+TEXT = Style(str, lambda works: f" ({'; '.join(work.author_year for work in works)})")
+MARKDOWN = Style(_escape_markdown, lambda works: f" [{'; '.join(f'@{work.key}' for work in works)}]")
+LATEX = Style(escape, lambda works: f"~\\cite{{{','.join(work.key for work in works)}}}")

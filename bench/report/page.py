@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from bench.report.parts import Figure, Section, Table, TableCell
+from bench.report.parts import Figure, Part, Section, Table, TableCell
 
 MOST_ROWS = 400  # of a table on the page; the CSV file has the rest
 PRINTED_ROWS = 40  # a longer data table of a figure is not printed
@@ -33,17 +33,13 @@ class Item:
 
     anchor: str
     files: list[str]
-    table: Table | None = None
-    figure: Figure | None = None
+    part: Part
     svg: Markup | None = None
 
     @cached_property
     def grid(self) -> Grid:
         """The cells of the table or of the figure's data; raises for a frame that the page cannot show."""
-        part = self.figure.table if self.figure is not None else self.table
-        if part is None:
-            raise TypeError("an item is a table or a figure")
-        return grid(part)
+        return grid(self.part.table if isinstance(self.part, Figure) else self.part)
 
 
 @dataclass(frozen=True)

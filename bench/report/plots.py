@@ -1,4 +1,8 @@
-"""The figures of the report: :mod:`bench.plots` in panels, sized for papers, with the data behind them."""
+"""The figures of the report: :mod:`bench.plots` in panels, sized for papers, with the data behind them.
+
+Frames come from the function of :mod:`bench.analysis` of the same purpose. ``optimizers`` are all optimizers of the
+study, in its order, so that each has the same look in every figure.
+"""
 
 from __future__ import annotations
 
@@ -25,11 +29,7 @@ def distribution_figure(
 ) -> Figure:
     """Return box plots of one problem: the objective value, and each domain metric whose true value is known.
 
-    Args:
-        frame: the tidy frame.
-        problem: the label of the problem.
-        optimum: the best known objective value, where there is one.
-        expected: the true value and the tolerance of domain metrics, by name.
+    ``expected`` holds the true value and the tolerance of domain metrics, by name.
     """
     known = {name: value for name, value in expected.items() if name in frame}
     optimizers, own = labels(frame, "optimizer"), frame[frame["problem"] == problem]
@@ -60,12 +60,7 @@ def distribution_figure(
 
 
 def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
-    """Return the median best-so-far value over evaluations with its quartiles, a panel a problem.
-
-    Args:
-        curves: of :func:`bench.analysis.convergence`.
-        optimizers: all optimizers of the study, in its order, so that each has the same look in every figure.
-    """
+    """Return the median best-so-far value over evaluations with its quartiles, a panel a problem."""
     caption = (
         "Median best-so-far objective value over evaluations, with the quartiles as a band (log axes where the "
         "values are positive and wide). A trial that ended early keeps its last value; failed trials count as infinite."
@@ -74,12 +69,7 @@ def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figur
 
 
 def regret_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
-    """Return the median regret over evaluations with its quartiles, a panel a problem whose optimum is known.
-
-    Args:
-        curves: of :func:`bench.analysis.convergence`, less the optimum (:func:`bench.analysis.regret`).
-        optimizers: all optimizers of the study, in its order.
-    """
+    """Return the median regret over evaluations with its quartiles, a panel a problem whose optimum is known."""
     caption = (
         "Median regret, the best-so-far objective value less the optimum of the problem, over evaluations, with the "
         f"quartiles as a band (log axes). A curve ends where its median reaches the optimum, to a relative {NEAR:g}."
@@ -90,11 +80,7 @@ def regret_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
 def _over_evaluations(
     name: str, caption: str, draw: Callable[..., Axes], curves: pd.DataFrame, optimizers: Sequence[str]
 ) -> Figure:
-    """Return medians over evaluations, a panel a problem, each drawn by ``draw``."""
-    looks = style.looks(optimizers)
-    figure, axes = _multiples(
-        curves, looks, lambda problem, ax: draw(curves, problem, looks=looks, legend=False, ax=ax), across=0.46
-    )
+    figure, axes = _multiples(curves, style.looks(optimizers), draw, across=0.46)
     for ax in axes:
         style.span(ax, curves["evaluations"])
     shown = _at_round_numbers(curves, ["problem", "evaluations"], "median", (1, 2, 5))
@@ -102,16 +88,8 @@ def _over_evaluations(
 
 
 def ert_figure(table: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
-    """Return the expected running time over targets, a panel a problem, all on the same axes.
-
-    Args:
-        table: of :func:`bench.analysis.expected_running_time`.
-        optimizers: all optimizers of the study, in its order.
-    """
-    looks = style.looks(optimizers)
-    figure, axes = _multiples(
-        table, looks, lambda problem, ax: ert(table, problem, looks=looks, legend=False, ax=ax), across=0.12
-    )
+    """Return the expected running time over targets, a panel a problem, all on the same axes."""
+    figure, axes = _multiples(table, style.looks(optimizers), ert, across=0.12)
     drawn = table[table["tau"] > 0]
     times = drawn["ert"].to_numpy(dtype=float)
     shown = times[style.drawable(times)]
@@ -134,14 +112,7 @@ def ert_figure(table: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
 
 
 def ecdf_figure(reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequence[str], *, tau: float) -> Figure:
-    """Return two panels over evaluations: the share of targets reached, and the data profile at one target.
-
-    Args:
-        reached: of :func:`bench.analysis.ecdf`.
-        profile: of :func:`bench.analysis.data_profiles`.
-        optimizers: all optimizers of the study, in its order.
-        tau: the target of the profile.
-    """
+    """Return two panels over evaluations: the share of targets reached, and the data profile at the target tau."""
     looks = style.looks(optimizers)
     figure, (left, right) = style.grid(2, height=1.8, left=0.5, across=0.55, top=_legend_height(looks) + 0.1)
     ecdf(reached, looks=looks, legend=False, ax=left)
@@ -203,7 +174,7 @@ def timing_figure(table: pd.DataFrame) -> Figure:
 
 
 def _multiples(
-    frame: pd.DataFrame, looks: style.Looks, draw: Callable[[str, Axes], Axes], *, across: float
+    frame: pd.DataFrame, looks: style.Looks, draw: Callable[..., Axes], *, across: float
 ) -> tuple[matplotlib.figure.Figure, list[Axes]]:
     """Draw a panel for each problem that has rows, axis labels at the edges only, and the legend above all."""
     problems = [problem for problem in labels(frame, "problem") if (frame["problem"] == problem).any()]
@@ -212,7 +183,7 @@ def _multiples(
         top=_legend_height(looks) + 0.25,
     )  # fmt: skip
     for place, (problem, ax) in enumerate(zip(problems, axes, strict=True)):
-        draw(problem, ax)
+        draw(frame, problem, looks=looks, legend=False, ax=ax)
         if place % COLUMNS:
             ax.set_ylabel("")
         if place + COLUMNS < len(problems):

@@ -3,27 +3,35 @@
 from __future__ import annotations
 
 import gc
+import io
 import json
 import re
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from types import ModuleType
 
+import pandas as pd
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+
 from bench.errors import BenchError
 from bench.plots import style
 from bench.plugins import registry
 from bench.report.findings import Findings
-from bench.report.output import FIGURES, TABLES, save_csv, save_figure, save_table
+from bench.report.latex import to_latex
 from bench.report.page import Item, View, inline, render
-from bench.report.parts import Part, Section, Table
+from bench.report.parts import Figure, Part, Section, Table
 from bench.report.sections import CLOSING, OPENING
 from bench.report.wording import count
 from bench.storage.results import Results
 from bench.text import file_name, free
 
 PAGE, MANIFEST = "report.html", ".report.json"
+TABLES, FIGURES = "tables", "figures"
+ANCHOR = "part"  # of the sections, part.1 and so on; a figure of this name would have ids like these
 COMPARISONS = Path("results") / "comparisons"
 WHOLE = {
     "trials": "All trials, one row a trial.",
@@ -100,7 +108,7 @@ class _Report:
         self.folder = folder
         self.views: list[View] = []
         self.files: dict[str, str] = {}
-        self.names = set(WHOLE)
+        self.names = {*WHOLE, ANCHOR}
         self._on_progress = on_progress
         self._done = 0
         self._steps = 0
@@ -133,7 +141,7 @@ class _Report:
         self.append(part.section(self.findings))
 
     def append(self, section: Section) -> None:
-        self.views.append(self.view(section, f"part.{len(self.views) + 1}"))
+        self.views.append(self.view(section, f"{ANCHOR}.{len(self.views) + 1}"))
 
     def add_plugin(self, name: str) -> None:
         """Add the sections of a plug-in, or a warning where it raises, which costs no other part."""
@@ -169,25 +177,24 @@ class _Report:
         )
         section = Section("Downloads", (text,))
         self.step(section.title)
-        self.views.append(View(f"part.{len(self.views) + 1}", section, [], [], sorted(self.files.items())))
+        self.views.append(View(f"{ANCHOR}.{len(self.views) + 1}", section, [], [], sorted(self.files.items())))
 
     def view(self, section: Section, anchor: str) -> View:
-        items = [self.item(part) for part in section.items]
-        return View(anchor, section, items, list(self.inner(section, anchor)), [])
-
-    def inner(self, section: Section, anchor: str) -> Iterator[View]:
+        view = View(anchor, section, [self.item(part) for part in section.items], [], [])
         for number, each in enumerate(section.sections, 1):
             self.step(f"{section.title}: {each.title}")
-            yield self.view(each, f"{anchor}.{number}")
+            view.views.append(self.view(each, f"{anchor}.{number}"))
+        return view
 
     def item(self, part: Part) -> Item:
-        name = self.unique(part.name)
+        name = free(file_name(part.name), self.names)
+        self.names.add(name)
         if isinstance(part, Table):
             files = save_table(part, self.folder, name)
-            item = Item(name, files, table=part)
+            item = Item(name, files, part)
         else:
             svg, files = save_figure(part, self.folder, name)
-            item = Item(name, files, figure=part, svg=inline(svg, name, part.caption))
+            item = Item(name, files, part, inline(svg, name, part.caption))
         self.files |= dict.fromkeys(files, re.split(r"(?<!Fig)\. ", part.caption)[0].rstrip(".") + ".")
         _ = item.grid  # a frame that the page cannot show raises here, within its own section
         return item
@@ -215,8 +222,38 @@ class _Report:
                 path.unlink()
         manifest.write_text(json.dumps(sorted(self.files), indent=0), encoding="utf-8")
 
-    def unique(self, name: str) -> str:
-        """Return a safe file name that no other part of this report has."""
-        safe = free(file_name(name), self.names)
-        self.names.add(safe)
-        return safe
+
+def save_table(table: Table, folder: Path, name: str) -> list[str]:
+    """Write a table as CSV (full precision) and LaTeX; return the paths relative to ``folder``."""
+    (folder / TABLES).mkdir(exist_ok=True)
+    paths = [f"{TABLES}/{name}.csv", f"{TABLES}/{name}.tex"]
+    if table.data is None:
+        save_csv(table.frame, folder / paths[0], index=table.has_index)
+    else:
+        save_csv(table.data, folder / paths[0], index=False)
+    (folder / paths[1]).write_text(to_latex(table, name), encoding="utf-8", newline="\n")
+    return paths
+
+
+def save_figure(figure: Figure, folder: Path, name: str) -> tuple[str, list[str]]:
+    """Write a figure as SVG and PDF and its data as CSV; return the SVG's text and the paths relative to ``folder``."""
+    (folder / FIGURES).mkdir(exist_ok=True)
+    paths = [f"{FIGURES}/{name}.{kind}" for kind in ("svg", "pdf", "csv")]
+    drawn, svg, pdf = figure.figure, io.BytesIO(), io.BytesIO()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # the font may lack letters of a label
+        canvas = FigureCanvasSVG(drawn)
+        if (engine := drawn.get_layout_engine()) is not None:  # compute the layout once for both formats
+            engine.execute(drawn)
+            drawn.set_layout_engine("none")
+        canvas.print_svg(svg, metadata={"Date": None})  # type: ignore[no-untyped-call]
+        FigureCanvasPdf(drawn).print_pdf(pdf, metadata={"CreationDate": None})  # type: ignore[no-untyped-call]
+    (folder / paths[0]).write_bytes(svg.getvalue())
+    (folder / paths[1]).write_bytes(pdf.getvalue())
+    save_csv(figure.data, folder / paths[2], index=False)
+    return svg.getvalue().decode(), paths
+
+
+def save_csv(frame: pd.DataFrame, path: Path, *, index: bool) -> None:
+    """Write a frame as CSV with every digit, the same bytes on every system."""
+    frame.to_csv(path, index=index, lineterminator="\n", encoding="utf-8")

@@ -6,7 +6,8 @@ from typing import Any
 
 import pandas as pd
 
-from bench.analysis import ALPHA, average_ranks, cliques, critical_difference
+from bench import analysis
+from bench.analysis import ALPHA
 from bench.report.findings import Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import forest_figure, rank_figure
@@ -30,14 +31,15 @@ def section(findings: Findings) -> Section:
         )
     items: list[Part] = []
     if len(medians) > 1 and len(optimizers) > 2:
-        ranks, difference = average_ranks(medians), critical_difference(len(optimizers), len(medians))
-        items.append(rank_figure(ranks, cliques(ranks, difference), difference))
+        ranks, difference = analysis.average_ranks(medians), analysis.critical_difference(len(optimizers), len(medians))
+        items.append(rank_figure(ranks, analysis.cliques(ranks, difference), difference))
         text.append(
             f"In the critical-difference diagram a bar joins optimizers whose average ranks over {len(medians)} "
             f"problems differ by less than {difference:.2f}, the critical difference of Nemenyi’s test at {ALPHA:g}. "
             "The diagram illustrates the ranks; rely on the Wilcoxon tests below it."
         )
-    items += [forest_figure(findings.improvement), _wilcoxon(findings.wilcoxon), _aggregate(findings.aggregate)]
+    items.append(forest_figure(analysis.probability_of_improvement(findings.frame)))
+    items += [_wilcoxon(findings.wilcoxon), _aggregate(analysis.interquartile_mean(findings.frame, findings.optima))]
     return Section(TITLE, tuple(text), tuple(items))
 
 

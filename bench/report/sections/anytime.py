@@ -7,16 +7,7 @@ from math import ceil
 import numpy as np
 import pandas as pd
 
-from bench.analysis import (
-    convergence,
-    data_profiles,
-    ecdf,
-    evaluation_grid,
-    expected_running_time,
-    fractions,
-    regret,
-    table,
-)
+from bench import analysis
 from bench.report.findings import Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import convergence_figure, ecdf_figure, ert_figure, regret_figure
@@ -31,15 +22,19 @@ def section(findings: Findings) -> Section:
     if not findings.results.traces:
         return Section(TITLE, ("No trial left a trace, so there is nothing to draw.",))
     budget, hits = findings.results.study.budget, findings.hits
-    grid = evaluation_grid(budget)
-    groups = evaluation_grid(ceil(budget / (1 + min(findings.dimensions.values()))))
-    profiles = data_profiles(hits, PROFILE, groups, findings.dimensions)
-    above = regret(findings.curves, findings.unbeaten, ("median", "q1", "q3"))
+    grid = analysis.evaluation_grid(budget)
+    dimensions = {
+        str(label): len(analysis.variables(own)) for label, own in findings.frame.groupby("problem", observed=True)
+    }
+    groups = analysis.evaluation_grid(ceil(budget / (1 + min(dimensions.values()))))
+    profiles = analysis.data_profiles(hits, PROFILE, groups, dimensions)
+    curves = analysis.convergence(findings.frame, findings.results.traces, grid)
+    above = analysis.regret(curves, findings.unbeaten, ("median", "q1", "q3"))
     items: tuple[Part, ...] = (
-        convergence_figure(findings.curves, findings.optimizers),
+        convergence_figure(curves, findings.optimizers),
         *([regret_figure(above, findings.optimizers)] if len(above) else []),
-        ecdf_figure(ecdf(hits, grid), profiles, findings.optimizers, tau=PROFILE),
-        ert_figure(expected_running_time(hits), findings.optimizers),
+        ecdf_figure(analysis.ecdf(hits, grid), profiles, findings.optimizers, tau=PROFILE),
+        ert_figure(analysis.expected_running_time(hits), findings.optimizers),
         _success(findings.success),
     )
     text = (*_leaders(findings, budget), *_ladder(findings.targets, len(findings.problems)))
@@ -50,10 +45,10 @@ def _leaders(findings: Findings, budget: int) -> list[str]:
     if len(findings.optimizers) < 2:
         return []
     stages = np.unique([max(round(share * budget), 1) for share in (0.01, 0.1, 1.0)])
-    curves = convergence(findings.frame, findings.results.traces, stages)
+    curves = analysis.convergence(findings.frame, findings.results.traces, stages)
     sentences = []
     for spent, reached in curves.groupby("evaluations"):
-        median = table(reached, "median")
+        median = analysis.table(reached, "median")
         finite = median.where(np.isfinite(median.to_numpy(dtype=float)))
         lowest = leaders(finite.eq(finite.min(axis=1), axis=0), "the lowest median")
         sentences.append(f"After {count(int(str(spent)), 'evaluation')} {lowest}.")
@@ -62,7 +57,7 @@ def _leaders(findings: Findings, budget: int) -> list[str]:
 
 def _ladder(targets: pd.DataFrame, problems: int) -> list[str]:
     known = targets.drop_duplicates("problem")["known"].astype(bool)
-    deep, short = (f"{fractions(each)[-1]:g}" for each in (True, False))
+    deep, short = (f"{analysis.fractions(each)[-1]:g}" for each in (True, False))
     reference, last = (
         ("the known optimum", deep)
         if known.all()
@@ -89,13 +84,9 @@ def _ladder(targets: pd.DataFrame, problems: int) -> list[str]:
 
 
 def _success(rates: pd.DataFrame) -> Table:
-    overall = (
-        rates.groupby(["optimizer", "tau"], sort=False, observed=True)[["successes", "trials"]].sum().reset_index()
-    )
-    shown = overall.assign(share=100 * overall["successes"] / overall["trials"].where(overall["trials"] > 0))
-    wide = shown.pivot(index="optimizer", columns="tau", values="share")
-    order = list(dict.fromkeys(shown["optimizer"])), sorted(set(shown["tau"]), reverse=True)
-    wide = wide.reindex(index=order[0], columns=order[1]).rename_axis(index="optimizer", columns=None)
+    overall = rates.groupby(["optimizer", "tau"], sort=False, observed=True)[["successes", "trials"]].sum()
+    share = 100 * overall["successes"] / overall["trials"].where(overall["trials"] > 0)
+    wide = share.unstack(sort=False).sort_index(axis=1, ascending=False).rename_axis(columns=None)
     return Table(
         "success-rates",
         "Percentage of trials over all problems that reached a target, by tau.",

@@ -29,7 +29,7 @@ def section(findings: Findings) -> Section:
             "all others on each of these problems."
         )
         lowest = f"{leaders(best, 'the lowest median')}. {test}"
-        text = [lowest, *_means(findings), *_gaps(findings)]
+        text = [lowest, *filter(None, (_means(findings), _gaps(findings)))]
     values = table(matrix, "value")
     shown = Table(
         "comparison",
@@ -77,29 +77,27 @@ def _regret(findings: Findings, regrets: pd.DataFrame) -> Table:
     )
 
 
-def _gaps(findings: Findings) -> list[str]:
-    """Return a caveat where the optimizers were not run on the same problems."""
+def _gaps(findings: Findings) -> str:
+    """Return a caveat where the optimizers were not run on the same problems, else ""."""
     empty = findings.coverage[findings.coverage["stored"] == 0]
     gaps = empty.loc[empty["problem"].isin(findings.problems), "problem"].nunique()
     if not gaps:
-        return []
-    sentence = (
+        return ""
+    return (
         f"On {count(gaps, 'problem')} at least one optimizer has no trial. The marks there compare the others only, "
         "and the summaries over evaluations and times below cover different problems for different optimizers."
     )
-    return [sentence]
 
 
-def _means(findings: Findings) -> list[str]:
-    """Return a caveat where the lowest mean and the lowest median disagree: a few bad trials sway a mean."""
+def _means(findings: Findings) -> str:
+    """Return a caveat where the lowest mean and the lowest median disagree: a few bad trials sway a mean; else ""."""
     best = table(findings.matrix, "best").astype(bool)
     by_mean = table(comparison_matrix(findings.summary, findings.pairs, statistic="mean"), "best").astype(bool)
     known = findings.summary.pivot(index="problem", columns="optimizer", values="mean").notna().all(axis=1)
     differ = int((known.loc[best.index] & best.any(axis=1) & ~(best & by_mean).any(axis=1)).sum())
     if not differ:
-        return []
-    sentence = (
+        return ""
+    return (
         f"On {count(differ, 'problem')} the optimizer with the lowest mean does not have the lowest median: a few "
         "trials sway the mean there, so look at the distributions."
     )
-    return [sentence]

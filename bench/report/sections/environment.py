@@ -62,17 +62,11 @@ def _entries(study: Study) -> Table:
 
 @dataclass(frozen=True)
 class _Origins:
-    """The records of the runs, grouped into environments A, B and so on where alike, and the trials of each run.
+    """The records of the runs, grouped into environments A, B and so on where alike, and the trials of each run."""
 
-    Attributes:
-        records: what each run recorded on each machine.
-        frame: the tidy frame.
-        numbers: the record that each trial belongs to, counted from 1; missing in older folders.
-    """
-
-    records: Sequence[Mapping[str, Any]]
+    records: Sequence[Mapping[str, Any]]  # what each run recorded on each machine
     frame: pd.DataFrame
-    numbers: pd.Series[Any]
+    numbers: pd.Series[Any]  # the record that each trial belongs to, counted from 1; missing in older folders
 
     @property
     def known(self) -> bool:
@@ -87,20 +81,17 @@ class _Origins:
     @cached_property
     def groups(self) -> dict[str, list[int]]:
         """The positions of the records that are alike, by letter."""
-        found: list[list[int]] = []
+        found: dict[str, list[int]] = {}
         for place, record in enumerate(self.records):
-            alike = next((group for group in found if not differences(self.records[group[0]], record)), None)
-            if alike is None:
-                found.append([place])
-            else:
-                alike.append(place)
-        return {_letter(number): group for number, group in enumerate(found)}
+            alike = (letter for letter, group in found.items() if not differences(self.records[group[0]], record))
+            found.setdefault(next(alike, _letter(len(found))), []).append(place)
+        return found
 
     @cached_property
     def letters(self) -> list[str]:
         """The letter of each record's environment."""
         found = {place: letter for letter, group in self.groups.items() for place in group}
-        return [found[place] for place in range(len(self.records))]
+        return [found[place] for place in sorted(found)]
 
     def warnings(self) -> Iterator[str]:
         """Yield a warning where trials, or runs whose trials are unknown, belong to several environments."""
@@ -130,11 +121,8 @@ class _Origins:
 
     def _items(self, group: list[int]) -> dict[str, str]:
         """Return the items of an environment; machines of one environment may differ, for example in cores."""
-        values: dict[str, dict[str, None]] = {}
-        for place in group:
-            for item, value in _items(self.records[place]):
-                values.setdefault(item, {})[value] = None
-        return {item: listing(list(found), at_most=4) for item, found in values.items()}
+        found = pd.DataFrame([_items(self.records[place]) for place in group])
+        return {str(item): listing(list(values.dropna().unique()), at_most=4) for item, values in found.items()}
 
     def runs(self) -> Table:
         """Return a table of every run on every machine that took part."""
@@ -174,8 +162,8 @@ def _letter(number: int) -> str:
     return (_letter(number // 26 - 1) if number >= 26 else "") + chr(ord("A") + number % 26)
 
 
-def _items(record: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield the name and the value of what a record holds of machine, versions and code."""
+def _items(record: Mapping[str, Any]) -> dict[str, str]:
+    """Return what a record holds of machine, versions and code, by name."""
     memory = record.get("memory_gb")
     known = {
         "processor": record.get("processor"),
@@ -188,7 +176,7 @@ def _items(record: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         "commit": _state(record.get("git")),
         **{f"commit of {name}": _state(git) for name, git in (record.get("checkouts") or {}).items()},
     }
-    yield from ((item, str(value)) for item, value in known.items() if value)
+    return {item: str(value) for item, value in known.items() if value}
 
 
 def _blas(noted: Mapping[str, Any]) -> str:

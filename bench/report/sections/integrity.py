@@ -51,16 +51,12 @@ def warnings(findings: Findings) -> tuple[str, ...]:
         f"{'Error: ' if row.verdict == 'error' else ''}{str(row.check).capitalize()}: {row.finding}"
         for row in checks[checks["verdict"].isin(TROUBLE)].itertuples()
     ]
-    reasons = {label: each.reason for label, each in findings.known.items() if each.reason}
-    return (*found, _unloaded(reasons)) if reasons else tuple(found)
-
-
-def _unloaded(reasons: dict[str, str]) -> str:
-    labels, first = list(reasons), next(iter(reasons.values()))
-    return (
-        f"{count(len(labels), 'problem')} cannot be loaded here, so the optimum, the bounds and the expected values "
-        f"are unknown: {listing(labels, at_most=5)} ({first})."
-    )
+    if reasons := {label: each.reason for label, each in findings.known.items() if each.reason}:
+        found.append(
+            f"{count(len(reasons), 'problem')} cannot be loaded here, so the optimum, the bounds and the expected "
+            f"values are unknown: {listing([*reasons], at_most=5)} ({next(iter(reasons.values()))})."
+        )
+    return tuple(found)
 
 
 def _incomplete(findings: Findings) -> list[Table]:

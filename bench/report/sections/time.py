@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from bench import analysis
 from bench.analysis import CONTENTION, HIDDEN_THREADS
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
@@ -17,7 +18,7 @@ TITLE = "Time"
 
 def section(findings: Findings) -> Section:
     """Return the wall and processor time of a trial, the objective's share, and signs of a disturbed measurement."""
-    timing = findings.timing
+    timing = analysis.timing(findings.frame)
     known = timing[timing["trials"] > 0].sort_values("wall_mean", kind="stable")
     if known.empty:
         return Section(TITLE, ("No trial finished, so there are no times.",))

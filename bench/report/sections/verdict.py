@@ -26,7 +26,7 @@ def section(findings: Findings) -> Section:
         return Section(
             TITLE, (f"There is nothing to compare: {findings.optimizers[0]} is the only optimizer.",), lost=lost
         )
-    if not ranking["problems"].iloc[0]:
+    if not len(findings.medians):
         text = "There is nothing to compare yet: no problem has trials of every optimizer."
         return Section(TITLE, (text,), lost=lost)
     cards = (
@@ -39,9 +39,11 @@ def section(findings: Findings) -> Section:
 def _claim(findings: Findings) -> str:
     """Return one sentence: which optimizer leads where, on how much evidence, and with how many warnings."""
     study = findings.results.study
+    low, high = findings.trials
+    trials = count(low, "trial") if low == high else f"{low} to {count(high, 'trial')}"
     conditions = (
-        f"n = {_trials(findings)} of at most {count(study.budget, 'evaluation')} on each of "
-        f"N = {count(_problems(findings), 'problem')}, alpha = {ALPHA:g}"
+        f"n = {trials} of at most {count(study.budget, 'evaluation')} on each of "
+        f"N = {count(len(findings.medians), 'problem')}, alpha = {ALPHA:g}"
     )
     failed = findings.coverage.groupby("optimizer", sort=False, observed=False)["failed"].sum()
     lost = [f"{count(number, 'trial')} of {label}" for label, number in failed.items() if number]
@@ -66,7 +68,7 @@ def _winner(ranking: pd.DataFrame) -> str:
 
 
 def _limits(findings: Findings) -> tuple[str, ...]:
-    problems = _problems(findings)
+    problems = len(findings.medians)
     counted = "this one problem" if problems == 1 else f"these {problems} problems"
     power = detectable_differences(findings.trials[0], len(findings.optimizers))
     scope = (
@@ -78,7 +80,7 @@ def _limits(findings: Findings) -> tuple[str, ...]:
 
 def _across(findings: Findings) -> str:
     """Return what the tests across problems do not show."""
-    tests, friedman, problems = findings.wilcoxon, findings.friedman, _problems(findings)
+    tests, friedman, problems = findings.wilcoxon, findings.friedman, len(findings.medians)
     if (tests["note"] == "untestable").all():
         return (
             f"No pair of optimizers can be distinguished across problems: too few problems ({problems} in all) show a "
@@ -109,15 +111,6 @@ def _grounds(findings: Findings) -> str:
         "winner is named only if it is separable from every rival on more than half of the problems. The counts are "
         "over the problems on which every optimizer has a trial."
     )
-
-
-def _trials(findings: Findings) -> str:
-    low, high = findings.trials
-    return count(low, "trial") if low == high else f"{low} to {count(high, 'trial')}"
-
-
-def _problems(findings: Findings) -> int:
-    return int(findings.ranking["problems"].iloc[0])
 
 
 def _ranking_table(ranking: pd.DataFrame) -> Table:

@@ -44,9 +44,9 @@ def item():
 
     def make(part):
         if isinstance(part, Table):
-            return Item(part.name, [f"tables/{part.name}.csv", f"tables/{part.name}.tex"], table=part)
+            return Item(part.name, [f"tables/{part.name}.csv", f"tables/{part.name}.tex"], part)
         files = [f"figures/{part.name}.{kind}" for kind in ("svg", "pdf", "csv")]
-        return Item(part.name, files, figure=part, svg=inline(SVG, part.name, part.caption))
+        return Item(part.name, files, part, inline(SVG, part.name, part.caption))
 
     return make
 

@@ -6,13 +6,24 @@ import subprocess
 from dataclasses import fields, replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from bench.bibtex import parse
 from bench.plugins import registry
-from bench.report.methods import SCALES, MethodsFacts, methods
-from bench.report.references import library
+from bench.report.methods import (
+    LATEX,
+    MARKDOWN,
+    SCALES,
+    TEXT,
+    MethodsFacts,
+    cited_keys,
+    library,
+    merge_works,
+    methods,
+    paragraphs,
+    templates,
+)
 from bench.study import Entry, Study
 
 ENVIRONMENT = {
@@ -157,6 +168,41 @@ class TestMethods:
             assert all("doi = {10." in work.fields for work in parse(optimizer.bibtex))
             assert optimizer() == optimizer()
             assert "bibtex" not in [field.name for field in fields(optimizer)]
+
+
+def test_works_under_one_key_are_told_apart():
+    ours = parse("@misc{a, year=1} @misc{b, year=2}")
+    works, named = merge_works(ours, parse("@misc{a, year=1} @misc{A, year=3} @misc{c, year=4}"))
+    assert [work.key for work in named] == ["a", "A-2", "c"]
+    assert [work.key for work in works] == ["a", "b", "A-2", "c"]
+
+
+def filled(template, **values):
+    return paragraphs(templates().from_string(template).render(values))
+
+
+def test_three_ways():
+    works = {work.key: work for work in parse("@misc{a, author={A}, year=1} @misc{b, author={B}, year=2}")}
+    (prose,) = filled(
+        "Of {{ x }} we say\n[@a; @b].\n{% if x %}\nSo p [@{{ key }}], q and r.\n{% endif %}", x="x_1", key="a"
+    )
+    assert cited_keys([prose]) == ["a", "b"]
+    assert TEXT.write(prose, works) == "Of x_1 we say (A, 1; B, 2). So p (A, 1), q and r."
+    assert MARKDOWN.write(prose, works) == r"Of x\_1 we say [@a; @b]. So p [@a], q and r."
+    assert LATEX.write(prose, works) == r"Of x\_1 we say~\cite{a,b}. So p~\cite{a}, q and r."
+
+
+def test_blank_lines_separate_paragraphs_and_none_is_empty():
+    assert filled("a\nb\n\n{% if no %}\nc\n{% endif %}\n\n{{ x }} d", no=0, x="x\n\ny") == ["a b", "x y d"]
+
+
+@given(st.text())
+@example(" [@a] {{ y }}")
+@example("[[ [@a]")
+def test_data_is_never_read_as_a_template(label):
+    (prose,) = filled("a {{ x }}.", x=label)
+    assert cited_keys([prose]) == []
+    assert TEXT.write(prose, {}) == " ".join(f"a {label}.".split())
 
 
 def run(folder, *command):

@@ -2,10 +2,12 @@
 
 from types import SimpleNamespace
 
+import matplotlib.figure
+import pandas as pd
 import pytest
 
 from bench import BenchError
-from bench.report import Section, write, write_report
+from bench.report import Figure, Section, Table, write, write_report
 
 PARTS = [
     "Verdict", "Integrity checks", "Comparison", "Across problems", "Convergence and targets", "Problem by problem",
@@ -133,6 +135,17 @@ def test_a_plugins_sections_come_after_the_comparison(make, read, tmp_path, monk
     page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
     assert page.texts("h2") == numbered([*PARTS[:3], "Mine", *PARTS[3:]])
     assert "Mine made" in page.text
+
+
+def test_a_plugins_figure_has_no_id_of_a_section(make, read, tmp_path, monkeypatch):
+    plot = matplotlib.figure.Figure()
+    plot.subplots().plot([1, 2], [1, 2], "o")
+    frame = pd.DataFrame({"x": [1]})
+    items = (Figure("part", "A figure.", plot, frame), Table("part", "A table.", frame))
+    patch_plugins(monkeypatch, mine=lambda results: [Section("Mine", items=items)])
+    page = read(write_report(make(tmp_path / "s", problems=("p",), trials=2)))
+    page.check_that_it_stands_alone(("tables/", "figures/", "methods.", "references."))
+    assert {"part-2", "part-3"} <= set(page.values("id"))
 
 
 def test_a_plugin_that_fails_costs_only_its_own_section(make, read, tmp_path, monkeypatch):

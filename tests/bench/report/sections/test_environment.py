@@ -98,7 +98,7 @@ def test_the_state_of_code_is_told_by_a_hash(told):
 
 
 def test_every_table_is_written_as_latex_and_csv(told, tmp_path):
-    from bench.report.output import save_table
+    from bench.report.write import save_table
 
     section = told([RECORD, NEWER, OLD], [1, 2, 3] * 8)
     for name, table in section.tables.items():

@@ -9,7 +9,7 @@ import pytest
 from bench import Results, Study, Trace, load_problem
 from bench.plots import style
 from bench.report import Table
-from bench.report.output import save_figure
+from bench.report.write import save_figure
 from bench.storage.folder import Folder
 from bench.study import Entry, Fingerprints
 from problems.backlash.published.recordings import table_7_3

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench import Results, Study, Trace, load_problem
-from bench.report.output import save_table
+from bench.report.write import save_table
 from bench.storage.folder import Folder
 from bench.study import Entry, Fingerprints
 from problems.backlash.report import reference, sections

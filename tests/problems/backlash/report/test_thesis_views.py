@@ -9,7 +9,7 @@ import pytest
 from bench import Results, Trace, load_problem
 from bench.plots import style
 from bench.report import Figure, Table
-from bench.report.output import save_figure
+from bench.report.write import save_figure
 from bench.storage.folder import Folder
 from bench.study import Entry, Fingerprints, Study
 from problems.backlash.report import accuracy, fitting_errors, levels, sections

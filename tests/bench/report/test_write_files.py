@@ -8,8 +8,8 @@ import pytest
 
 from bench.plots import style
 from bench.report import Figure, Table
-from bench.report.output import save_figure, save_table
 from bench.report.page import inline
+from bench.report.write import save_figure, save_table
 
 HOSTILE = [
     "../../etc/passwd",
