@@ -13,7 +13,10 @@ def list_plugins(
         str, typer.Argument(help="optimizers, problems, studies, commands, all, or a family's name, such as mealpy.")
     ] = "all",
     as_json: Annotated[
-        bool, typer.Option("--json", help="Print a JSON list of every optimizer, families' members included.")
+        bool,
+        typer.Option(
+            "--json", help="Print JSON records of that kind; of all: the optimizers, families' members included."
+        ),
     ] = False,
 ) -> None:
     """List the installed plug-ins: optimizers with lineage and parameters, problems, studies, commands."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from rich.console import Console
@@ -23,8 +23,7 @@ def show(kind: str, console: Console) -> None:
     families = (
         [] if kind in known else [e for e in registry.entries("optimizers") if registry.is_family(_load_or_none(e))]
     )
-    if kind not in (*known, *families):
-        raise BenchError(f"unknown kind {kind!r}{nearest(kind, (*known, *families))}")
+    _require_known(kind, (*known, *families))
     for each in KINDS if kind == "all" else (kind,):
         table = Table("name", "what it is", title=each, title_justify="left", box=None, pad_edge=False)
         if each in families:
@@ -39,9 +38,17 @@ def show(kind: str, console: Console) -> None:
 
 
 def records(kind: str) -> list[dict[str, Any]]:
-    """Return the record of every optimizer, families' members included, or of one family's members, as JSON values."""
+    """Return the records of the plug-ins of one kind, or of one optimizer or family, as JSON values.
+
+    An optimizer's record is a :class:`bench.plugins.catalogue.Record`, and a family has one record a member; any other
+    plug-in has a name, the package that offers it, and a line on what it is. One that fails to load has its error.
+    """
+    installed = registry.entries("optimizers")
+    _require_known(kind, (*KINDS, "all", *installed))
+    if kind in KINDS and kind != "optimizers":
+        return [_plain_record(kind, name) for name in sorted(registry.entries(kind))]
     known: list[dict[str, Any]] = []
-    for name in registry.entries("optimizers") if kind in ("optimizers", "all") else [kind]:
+    for name in installed if kind in ("optimizers", "all") else [kind]:
         try:
             plugin = registry.load("optimizers", name)
             names = plugin.names() if registry.is_family(plugin) else [name]
@@ -54,6 +61,17 @@ def records(kind: str) -> list[dict[str, Any]]:
             except Exception as error:
                 known.append({"name": member, "error": str(error)})
     return known
+
+
+def _plain_record(kind: str, name: str) -> dict[str, Any]:
+    """Return the record of a plug-in that is no optimizer."""
+    about, style = _describe(_about, kind, name, False)
+    return {"name": name, "package": registry.package(kind, name), "error" if style else "about": about}
+
+
+def _require_known(kind: str, known: Sequence[str]) -> None:
+    if kind not in known:
+        raise BenchError(f"unknown kind {kind!r}{nearest(kind, known)}")
 
 
 def _load_or_none(name: str) -> Any:

@@ -62,7 +62,6 @@ def record(name: str) -> Record:
     """Return the record of the optimizer of that name; raises BenchError where it cannot be loaded."""
     family, colon, _ = name.partition(":")
     own = from_file.split(name) is None
-    entry = registry.entries("optimizers").get(family) if own else None
     kind = type(loading.load_optimizer(name))
     return Record(
         name=name,
@@ -73,7 +72,7 @@ def record(name: str) -> Record:
         parameters=_parameters(kind),
         extra=str(getattr(registry.load("optimizers", family), "extra", "")) if colon and own else "",
         unmapped=list(kind.unmapped),
-        package=f"{entry.dist.name} {entry.dist.version}" if entry is not None and entry.dist is not None else "",
+        package=registry.package("optimizers", family) if own else "",
     )
 
 

@@ -62,6 +62,12 @@ def load(group: str, name: str) -> Any:
         ) from error
 
 
+def package(group: str, name: str) -> str:
+    """Return the name and version of the package that offers an entry point, "" where there is none."""
+    found = entries(group).get(name)
+    return f"{found.dist.name} {found.dist.version}" if found is not None and found.dist is not None else ""
+
+
 def problem_names() -> list[str]:
     """Return every problem name that can be listed."""
     names: list[str] = []
