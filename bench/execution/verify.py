@@ -17,7 +17,7 @@ from bench.numbers import require_whole
 from bench.storage import provenance
 from bench.storage.folder import Folder
 from bench.storage.schema import disagreement, stored
-from bench.storage.store import Keys, Store
+from bench.storage.store import Store
 from bench.trial import Row, Trial
 
 HASH_SEED = 4242  # other than the 0 of a run's processes
@@ -81,26 +81,22 @@ def verify(
     prepare(study, folder)
     chosen = _chosen(folder, trials, study.seed)
     jobs = n_jobs or _other_number(folder)
-    noted = Keys()
+    done: set[Trial] = set()
     different: dict[Trial, str] = {}
-    done = 0
     with open_pool("loky", jobs, None) as pool:
         task = Task(study.to_toml(), hash_seed=HASH_SEED)
-        for trial, row, _ in pool.answers(task, lambda: (each for each in chosen if each.key not in noted)):
-            noted.add(*trial.key)
-            done += 1
+        for trial, row, _ in pool.answers(task, lambda: (each for each in chosen if each not in done)):
+            done.add(trial)
             if what := _difference(folder.store, trial, row):
                 different[trial] = what
             if on_progress is not None:
-                on_progress(f"{trial.optimizer} on {trial.problem}", done, len(chosen))
+                on_progress(f"{trial.optimizer} on {trial.problem}", len(done), len(chosen))
         jobs = pool.jobs
     cells = len({trial.key[:2] for trial in chosen})
     notes = tuple(folder.differences(provenance.machine()))
     found = Verification(cells, len(chosen), jobs, different, notes)
-    folder.note_verification(
-        {"verified": provenance.now(), "cells": cells, "trials": len(chosen), "sentence": found.sentence,
-         "different": [*found.lines()]}
-    )  # fmt: skip
+    outcome = {"sentence": found.sentence, "different": [*found.lines()]}
+    folder.note_verification({"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | outcome)
     return found
 
 
@@ -121,9 +117,7 @@ def _other_number(folder: Folder) -> int:
     """Return a number of workers other than the last run's."""
     noted = [record.get("jobs") for record in folder.environments()]
     cores = int(cpu_count())
-    if not noted or noted[-1] != cores:
-        return cores
-    return cores - 1 or 2
+    return (cores - 1 or 2) if noted[-1:] == [cores] else cores
 
 
 def _difference(store: Store, trial: Trial, row: Row) -> str:

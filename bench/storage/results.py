@@ -279,9 +279,9 @@ def _tidy(rows: Iterable[Row], problems: Sequence[str], optimizers: Sequence[str
     if not parts:
         return pd.DataFrame(columns=[*COLUMNS])
     own, points, figures = (pd.concat(each, ignore_index=True) for each in zip(*parts, strict=True))
-    frame = pd.concat([own, points.add_prefix("x_"), figures], axis=1)
-    problem = pd.Index(problems).get_indexer(frame["problem"])
-    optimizer = pd.Index(optimizers).get_indexer(frame["optimizer"])
+    frame: pd.DataFrame = pd.concat([own, points.add_prefix("x_"), figures], axis=1)
+    problem = pd.Index(problems).get_indexer(pd.Index(frame["problem"]))
+    optimizer = pd.Index(optimizers).get_indexer(pd.Index(frame["optimizer"]))
     order = np.lexsort((frame["trial"], optimizer, problem))
     return frame.take(order).reset_index(drop=True)
 

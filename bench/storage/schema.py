@@ -20,9 +20,7 @@ MEASURED = (
 """The columns of a trial beside its key and its trace."""
 
 KEY = ("problem", "optimizer", "trial")
-REPEATABLE = tuple(
-    name for name in (*MEASURED, "trace") if name not in ("environment", "wall_s", "cpu_s", "objective_s")
-)
+REPEATABLE = tuple(name for name in (*MEASURED, "trace") if name != "environment" and not name.endswith("_s"))
 """The columns that must be identical when a trial is made twice."""
 
 # Traces have a table of their own: they take ten times the space of the rest, and most readers need none.

@@ -47,19 +47,12 @@ class Keys:
 
 @dataclass
 class CellCounts:
-    """The counts and times of the stored trials of one optimizer on one problem.
-
-    Attributes:
-        problem: the problem's label.
-        optimizer: the optimizer's label.
-        status: the number of rows by status.
-        wall_s: the sum of the wall seconds of its finished trials.
-    """
+    """The counts and times of the stored trials of one optimizer on one problem, both by label."""
 
     problem: str
     optimizer: str
-    status: dict[str, int] = field(default_factory=dict)
-    wall_s: float = 0.0
+    status: dict[str, int] = field(default_factory=dict)  # rows by status
+    wall_s: float = 0.0  # sum of the finished trials
 
     @property
     def done(self) -> int:
@@ -132,11 +125,7 @@ class Store:
         return list(cells.values())
 
     def rows(self, where: str = "", *, traces: bool = False) -> Iterator[dict[str, Any]]:
-        """Yield every row, cell by cell; ``x`` and ``figures`` are JSON texts, a trace is bytes.
-
-        Args:
-            where: an SQL condition on the columns, to select rows.
-            traces: whether to read the traces too.
+        """Yield every row that meets an SQL condition, cell by cell; ``x`` and ``figures`` are JSON, a trace is bytes.
 
         Raises:
             BenchError: when there is no store.
@@ -156,9 +145,7 @@ class Store:
         """Return the anytime traces by (problem, optimizer, trial); failed trials have none."""
         query = "SELECT problem, optimizer, trial, trace FROM traces JOIN cells ON cells.id = cell ORDER BY cell, trial"
         try:
-            return {
-                (problem, optimizer, trial): unpack(blob) for problem, optimizer, trial, blob in self._select(query)
-            }
+            return {(*key,): unpack(blob) for *key, blob in self._select(query)}
         except (TypeError, ValueError) as error:
             raise self._damaged("a trace") from error
 
@@ -169,21 +156,13 @@ class Store:
 
     def environments(self) -> dict[int, dict[str, Any]]:
         """Return the environments that rows refer to, by their numbers, oldest first."""
-        records = {
-            number: self.parse(text, f"environment {number}")
-            for number, text in self._select("SELECT id, record FROM environments ORDER BY id")
-        }
-        for number, record in records.items():
-            if not isinstance(record, dict):
-                raise self._damaged(f"environment {number}")
+        records = {}
+        for number, text in self._select("SELECT id, record FROM environments ORDER BY id"):
+            try:
+                records[number] = dict(json.loads(text))
+            except (TypeError, ValueError, RecursionError) as error:
+                raise self._damaged(f"environment {number}") from error
         return records
-
-    def parse(self, text: str, what: str) -> Any:
-        """Return the content of a JSON text of the store; raises BenchError, naming ``what``, for a damaged one."""
-        try:
-            return json.loads(text)
-        except (TypeError, ValueError, RecursionError) as error:
-            raise self._damaged(what) from error
 
     def _damaged(self, what: str) -> BenchError:
         return BenchError(f"the store {self.path} is damaged: {what} cannot be read; restore it from a copy")
@@ -205,12 +184,9 @@ class Writer:
         self._cells = self._stored_cells()
 
     def add(self, trial: Trial, row: Mapping[str, Any], environment: int | None = None) -> None:
-        """Commit one trial's row; it replaces a failed row of the same trial, but never a finished one.
+        """Commit one trial's row, of the columns of :func:`bench.trial.as_row`; missing ones are stored as NULL.
 
-        Args:
-            trial: the trial of the row.
-            row: its columns, as :func:`bench.trial.as_row` returns them; missing ones are stored as NULL.
-            environment: the number of the environment that made it.
+        It replaces a failed row of the same trial, but never a finished one.
         """
         with self.transaction():
             self.put(stored(trial, row) | {"environment": environment})
