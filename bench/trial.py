@@ -77,12 +77,7 @@ def search(
 ) -> Result:
     """Run one optimizer once, as :func:`bench.solve` does, in a process whose BLAS is limited to one thread already.
 
-    Args:
-        problem: what is minimised.
-        optimizer: what is run.
-        budget: evaluations it may spend.
-        seed: repeats the run.
-        on_refusal: see :class:`bench.objective.Objective`.
+    See :class:`bench.objective.Objective` for ``on_refusal``.
 
     Raises:
         RuntimeError: when the optimizer returns without an evaluation.

@@ -93,13 +93,11 @@ def _papers(bibtex: str) -> list[str]:
 
 def _parameters(kind: type[Optimizer]) -> list[Parameter]:
     hints = get_type_hints(kind)
-    return [
-        Parameter(
-            field.name, field.default, _type_name(hints[field.name]),
-            field.metadata.get("minimum"), field.metadata.get("maximum"),
-        )
-        for field in dataclasses.fields(kind)  # type: ignore[arg-type]
-    ]  # fmt: skip
+    found = []
+    for field in dataclasses.fields(kind):  # type: ignore[arg-type]
+        low, high = field.metadata.get("minimum"), field.metadata.get("maximum")
+        found.append(Parameter(field.name, field.default, _type_name(hints[field.name]), low, high))
+    return found
 
 
 def _type_name(hint: Any) -> str:

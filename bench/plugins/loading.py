@@ -26,9 +26,11 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
     if from_file.split(name):
         return from_file.load_optimizer(name, **options)
     family, colon, _ = name.partition(":")
-    if name not in registry.entries("optimizers") and not (colon and family in registry.entries("optimizers")):
-        raise BenchError(f"unknown optimizer {name!r}{nearest(name, registry.entries('optimizers'))}")
-    plugin = registry.load("optimizers", family if name not in registry.entries("optimizers") else name)
+    installed = registry.entries("optimizers")
+    entry = name if name in installed else family
+    if entry not in installed:
+        raise BenchError(f"unknown optimizer {name!r}{nearest(name, installed)}")
+    plugin = registry.load("optimizers", entry)
     if isinstance(plugin, type) and issubclass(plugin, Optimizer) and not colon:
         return build(plugin, name, options)
     if isinstance(plugin, registry.Family) and colon:

@@ -96,8 +96,7 @@ def refuse_foreign_modules() -> None:
             f"{DISTRIBUTION} is not installed here, so no plug-in can be found; run 'pip install -e .' in its folder"
         ) from error
     for module in sorted(own):
-        spec = find_spec(module)
-        origin = spec.origin if spec is not None else None
+        origin = getattr(find_spec(module), "origin", None)
         if origin is None or Path(origin).resolve().parents[1] != home:
             raise BenchError(
                 f"the module {module!r} found at {origin or 'no place'} is not the one of {DISTRIBUTION} "

@@ -159,9 +159,11 @@ class Store:
         records = {}
         for number, text in self._select("SELECT id, record FROM environments ORDER BY id"):
             try:
-                records[number] = dict(json.loads(text))
-            except (TypeError, ValueError, RecursionError) as error:
-                raise self._damaged(f"environment {number}") from error
+                records[number] = json.loads(text)
+            except (TypeError, ValueError, RecursionError):
+                records[number] = None
+            if not isinstance(records[number], dict):
+                raise self._damaged(f"environment {number}")
         return records
 
     def _damaged(self, what: str) -> BenchError:
