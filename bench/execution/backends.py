@@ -23,12 +23,7 @@ FEEDING = 5.0  # seconds for a thread that feeds workers to notice that they hav
 
 
 def open_pool(backend: str, jobs: int, scheduler: str | None) -> AbstractContextManager[Pool]:
-    """Return a context that yields the workers of a backend and ends them.
-
-    Args:
-        backend: "loky" or "dask".
-        jobs: worker processes of loky; -1 takes every core.
-        scheduler: the address of dask's scheduler.
+    """Return a context that yields the workers of a backend and ends them: ``jobs`` of loky, or all of a scheduler.
 
     Raises:
         BenchError: for an unknown backend, a scheduler that is missing or cannot be reached, or workers that differ.

@@ -27,12 +27,9 @@ OnProgress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True)
 class Verification:
-    """The outcome of making trials again.
+    """The outcome of making ``trials`` trials of ``cells`` cells (problem, optimizer) again with ``jobs`` workers.
 
     Attributes:
-        cells: the number of cells (problem, optimizer) that the trials are from.
-        trials: the number of trials made again.
-        jobs: the number of workers that made them.
         different: the trials that differ, each with the difference.
         notes: the differences between this environment and the one that made the trials.
     """
