@@ -56,7 +56,6 @@ def show_result(result: Result, problem: Problem, console: Console) -> None:
     for name, value in result.metrics.items():
         table.add_row(Text(name), f"{value:.6g}")
     table.add_row("evaluations", f"{result.nfev} (stopped by: {result.stop})")
-    table.add_row(
-        "time", f"{result.objective_time:.3f} s in the objective and {result.overhead_time:.3f} s in the optimizer"
-    )
+    times = f"{result.objective_time:.3f} s in the objective and {result.overhead_time:.3f} s in the optimizer"
+    table.add_row("time", times)
     console.print(table)

@@ -16,8 +16,7 @@ from bench.execution.supervisor import Task
 from bench.numbers import require_whole
 from bench.storage import provenance
 from bench.storage.folder import Folder
-from bench.storage.schema import disagreement, stored
-from bench.storage.store import Store
+from bench.storage.store import Store, disagreement, stored
 from bench.trial import Row, Trial
 
 HASH_SEED = 4242  # other than the 0 of a run's processes

@@ -54,17 +54,19 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     families = registry.entries("problems")
     if colon and prefix in families:
         return _problem(_call_loader(registry.load("problems", prefix).load, name, options), name)
+    known: list[str] = []
     for family in sorted(families, key=lambda family: not name.startswith(family)):
         try:
             plugin = registry.load("problems", family)
-            mine = name in plugin.names()
+            names = plugin.names()
         except Exception as error:  # a broken family must not block another's problem
             if name.startswith(family):
                 raise BenchError(f"problem {name!r} cannot be looked up: {_first_line(error)}") from error
             continue
-        if mine:
+        if name in names:
             return _problem(_call_loader(plugin.load, name, options), name)
-    raise BenchError(f"unknown problem {name!r}{nearest(name, registry.problem_names())}")
+        known += names
+    raise BenchError(f"unknown problem {name!r}{nearest(name, known)}")
 
 
 def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:

@@ -5,7 +5,6 @@ Groups: ``bench.optimizers``, ``bench.problems``, ``bench.commands``, ``bench.st
 
 from __future__ import annotations
 
-from contextlib import suppress
 from functools import cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
 from importlib.util import find_spec
@@ -38,7 +37,7 @@ def entries(group: str) -> dict[str, EntryPoint]:
     Raises:
         BenchError: when two packages offer different plug-ins under one name.
     """
-    refuse_foreign_modules()
+    _refuse_foreign_modules()
     found: dict[str, EntryPoint] = {}
     for entry in entry_points(group=f"bench.{group}"):
         other = found.setdefault(entry.name, entry)
@@ -68,21 +67,12 @@ def package(group: str, name: str) -> str:
     return f"{found.dist.name} {found.dist.version}" if found is not None and found.dist is not None else ""
 
 
-def problem_names() -> list[str]:
-    """Return every problem name that can be listed."""
-    names: list[str] = []
-    for family in entries("problems"):
-        with suppress(Exception):  # `bench list` shows its error
-            names += load("problems", family).names()
-    return sorted(names)
-
-
 def is_family(plugin: Any) -> bool:
     """Return whether the object behind an entry point is a family of plug-ins."""
     return isinstance(plugin, Family) and not isinstance(plugin, type)
 
 
-def refuse_foreign_modules() -> None:
+def _refuse_foreign_modules() -> None:
     """Refuse to run where another package's module shadows a top-level module of this distribution.
 
     Raises:

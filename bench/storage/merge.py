@@ -9,8 +9,7 @@ from os import PathLike
 
 from bench.errors import BenchError
 from bench.storage.folder import Folder
-from bench.storage.schema import disagreement
-from bench.storage.store import Writer
+from bench.storage.store import Writer, disagreement
 from bench.study import Study
 
 

@@ -36,11 +36,7 @@ CONTAINER_LIMITS = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memo
 
 
 def machine(plugins: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the record of this process and its machine; every call on one machine returns the same.
-
-    Args:
-        plugins: the importable names of the modules that the plug-ins in use come from (:func:`modules`).
-    """
+    """Return the record of this process, its machine and the :func:`modules` of the plug-ins in use."""
     affinity = getattr(os, "sched_getaffinity", None)
     return {
         "packages": package_versions(plugins),
@@ -105,10 +101,8 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     """
     old, new = _versions(before), _versions(now)
     phrases = [f"{what} {old[what]} → {new[what]}" for what in old if what in new and old[what] != new[what]]
-    old_blas, new_blas = (
-        {f"{each.get('library')} {each.get('version')}" for each in record.get("blas") or ()}
-        for record in (before, now)
-    )
+    records = (record.get("blas") or () for record in (before, now))
+    old_blas, new_blas = ({f"{each.get('library')} {each.get('version')}" for each in record} for record in records)
     if not (old_blas <= new_blas or new_blas <= old_blas):  # libraries are loaded as they are needed
         phrases.append(f"BLAS {', '.join(sorted(old_blas))} → {', '.join(sorted(new_blas))}")
     if "git" in before and "git" in now:
