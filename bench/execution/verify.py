@@ -55,11 +55,7 @@ class Verification:
 
 
 def verify(
-    path: str | PathLike[str],
-    *,
-    trials: int = 2,
-    n_jobs: int | None = None,
-    on_progress: OnProgress | None = None,
+    path: str | PathLike[str], *, trials: int = 2, n_jobs: int | None = None, on_progress: OnProgress | None = None
 ) -> Verification:
     """Make some finished trials of every cell again and note in the folder whether they are identical.
 

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from bench.check.bias.functions import FUNCTIONS, function, noise
 from bench.errors import BenchError
-from bench.execution.solve import solve
 from bench.optimizer import Optimizer
 from bench.problem import Floats
 from bench.sandbox.messages import describe_error
 from bench.seeds import trial_seed
+from bench.trial import solve
 
 GENERATIONS = 50  # of a run, at least: a bias of the moves needs time to show
 FUNCTION_BUDGET = 10_000  # evaluations of a function, at least

@@ -13,13 +13,13 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench.execution.solve import solve
 from bench.execution.trial_process import STILL_ASKING
 from bench.objective import BudgetExhausted, Objective
 from bench.optimizer import Optimizer
 from bench.problem import Floats, FunctionProblem, Problem
 from bench.sandbox.process import Pulse
 from bench.seeds import global_states
+from bench.trial import solve
 
 OFFERED = frozenset(
     {"lower", "upper", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}

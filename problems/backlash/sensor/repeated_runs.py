@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from bench.errors import BenchError
-from bench.execution.solve import solve
 from bench.numbers import require_whole
 from bench.optimizer import Optimizer
 from bench.plugins.loading import load_optimizer
 from bench.problem import Floats
 from bench.seeds import trial_seed
+from bench.trial import solve
 from problems.backlash.sensor.estimate import Estimate, Settings, infer_gap, infer_peak, signature_problem
 from problems.backlash.signature.model import A
 from problems.backlash.signature.problem import FOUND
