@@ -57,12 +57,12 @@ class Study:
 
     Attributes:
         name: a short name, which also names the default output folder.
-        title: one line on what is compared.
-        seed: the seed that all trials' seeds derive from.
-        trials: the number of runs of each optimizer on each problem.
-        budget: evaluations a run may spend.
         problems: the problems, with distinct labels.
         optimizers: the optimizers, with distinct labels.
+        trials: the number of runs of each optimizer on each problem.
+        budget: evaluations a run may spend.
+        seed: the seed that all trials' seeds derive from.
+        title: one line on what is compared.
     """
 
     name: str

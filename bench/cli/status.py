@@ -35,11 +35,6 @@ def status(
                 sleep(2)
                 live.update(summary(folder), refresh=True)
         return
-    show_status(folder, console)
-
-
-def show_status(folder: Folder, console: Console) -> None:
-    """Print a folder's summary, its failures by reason, its last verification, and the runs that made it."""
     console.print(summary(folder))
     for line in _failures(folder):
         print_line(line, "red", console)
@@ -91,9 +86,8 @@ def _failures(folder: Folder) -> list[str]:
         key = row["status"], row["optimizer"], str(row["error"]).partition("\n")[0]
         reasons.setdefault(key, []).append(row)
     lines = []
-    for (status, optimizer, reason), rows in reasons.items():
-        first = rows[0]
-        more = f" and {len(rows) - 1} more" if len(rows) > 1 else ""
+    for (status, optimizer, reason), (first, *others) in reasons.items():
+        more = f" and {len(others)} more" if others else ""
         lines.append(f"{status}: {optimizer} on {first['problem']}, trial {first['trial']}{more}: {reason}")
     hidden = len(lines) - SHOWN
     return [*lines[:SHOWN], *([f"… and {hidden} more reasons"] if hidden > 0 else [])]

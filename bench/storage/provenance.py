@@ -24,7 +24,7 @@ import psutil
 from threadpoolctl import threadpool_info
 
 from bench.plugins import registry
-from bench.storage.versions import checkout_states, content_hash, package_versions, state_of
+from bench.storage.versions import checkout_states, content_hash, own_state, package_versions
 from bench.study import Fingerprints, Study
 from bench.text import printable
 
@@ -47,7 +47,7 @@ def machine(plugins: Sequence[str] = ()) -> dict[str, Any]:
         "cores": len(affinity(0)) if affinity else os.cpu_count(),
         "memory_gb": round(memory() / 1e9, 1),
         "blas": _blas(),
-        "git": state_of(Path(__file__).resolve()),
+        "git": own_state(),
         "checkouts": checkout_states(plugins),
     }
 

@@ -25,6 +25,8 @@ PACKAGES = (registry.DISTRIBUTION, "numpy", "scipy", "numba", "cma", "joblib", "
 SOURCES = (*all_suffixes(), ".pyx", ".pxd", ".c", ".cc", ".cpp", ".cu", ".h", ".hpp", ".f", ".f90", ".rs", ".jl")
 """Suffixes of code files; other untracked files, such as a run's own log, do not change what runs."""
 
+_SELF = Path(__file__).resolve()
+
 
 def package_versions(modules: Iterable[str]) -> dict[str, str]:
     """Return the versions of the installed ``PACKAGES``, of the modules' distributions and of their requirements."""
@@ -39,20 +41,20 @@ def package_versions(modules: Iterable[str]) -> dict[str, str]:
     return found
 
 
+def own_state() -> dict[str, Any] | None:
+    """Return the state of the harness's own checkout, None outside one."""
+    home = _home(_SELF)
+    return _state(home) if home else None
+
+
 def checkout_states(modules: Iterable[str]) -> dict[str, dict[str, Any]]:
     """Return the states of the modules' checkouts by distribution or folder name, without the harness's own."""
     homes: dict[Path, str] = {}
     for module in modules:
-        if (file := _module_file(module)) and (home := _home(file)) and home != _home(Path(__file__).resolve()):
+        if (file := _module_file(module)) and (home := _home(file)) and home != _home(_SELF):
             homes.setdefault(home, next(iter(_distributions(module)), printable(home.name, 255)))
     found = zip(unique(homes.values()), map(_state, homes), strict=True)
     return {name: state for name, state in found if state}
-
-
-def state_of(file: Path) -> dict[str, Any] | None:
-    """Return the state of the checkout that a file is part of, None outside one."""
-    home = _home(file)
-    return _state(home) if home else None
 
 
 def content_hash(path: Path) -> bytes:
@@ -136,17 +138,13 @@ def _state(home: Path) -> dict[str, Any] | None:
     unknown = _git(home, "ls-files", "--others", "--exclude-standard", "-z")
     if commit is None or changed is None or unknown is None:
         return None
-    new = [name for name in map(os.fsdecode, unknown.split(b"\0")) if _is_code(name)]
+    added = map(os.fsdecode, unknown.split(b"\0"))  # cached bytecode follows its source
+    new = [name for name in added if name.endswith(SOURCES) and "__pycache__" not in name.split("/")]
     names = sorted({*filter(None, map(os.fsdecode, changed.split(b"\0"))), *new})
     digest = hashlib.sha256()
     for name in names:
         digest.update(os.fsencode(name) + b"\0" + content_hash(home / name))
     return {"commit": commit.decode().strip(), "dirty": bool(names), "diff": digest.hexdigest() if names else None}
-
-
-def _is_code(name: str) -> bool:
-    """Return whether an untracked file may change what runs; cached bytecode follows its source."""
-    return name.endswith(SOURCES) and "__pycache__" not in name.split("/")
 
 
 def _git(home: Path, *arguments: str) -> bytes | None:
