@@ -8,6 +8,7 @@ import json
 import os
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -56,12 +57,12 @@ class Study:
 
     Attributes:
         name: a short name, which also names the default output folder.
-        title: one line on what is compared.
-        seed: the seed that all trials' seeds derive from.
-        trials: the number of runs of each optimizer on each problem.
-        budget: evaluations a run may spend.
         problems: the problems, with distinct labels.
         optimizers: the optimizers, with distinct labels.
+        trials: the number of runs of each optimizer on each problem.
+        budget: evaluations a run may spend.
+        seed: the seed that all trials' seeds derive from.
+        title: one line on what is compared.
     """
 
     name: str
@@ -104,13 +105,8 @@ class Study:
                 f"study {where}: the name {data['name']!r} must be up to 100 letters, digits, '.', '_' or '-', "
                 "as it names a folder"
             )
-        study = cls(
-            **{
-                **data,
-                "problems": _entries(data.get("problems"), "problems", where),
-                "optimizers": _entries(data.get("optimizers"), "optimizers", where),
-            }
-        )
+        lists = {key: _entries(data.get(key), key, where) for key in ("problems", "optimizers")}
+        study = cls(**data | lists)
         if not study.title.isprintable():
             raise BenchError(f"study {where}: the title holds a control character or a line break")
         return study
@@ -134,13 +130,19 @@ class Study:
 
     def problem(self, label: str) -> Problem:
         """Load the problem of that label."""
-        entry = _named(self.problems, label, "problem", self.name)
+        entry = self._named("problem", label)
         return loading.load_problem(entry.name, **entry.options)
 
     def optimizer(self, label: str) -> Optimizer:
         """Load the optimizer of that label."""
-        entry = _named(self.optimizers, label, "optimizer", self.name)
+        entry = self._named("optimizer", label)
         return loading.load_optimizer(entry.name, **entry.options)
+
+    def _named(self, kind: str, label: str) -> Entry:
+        found: dict[str, Entry] = {entry.label: entry for entry in getattr(self, f"{kind}s")}
+        if label not in found:
+            raise BenchError(f"study {self.name!r} has no {kind} {label!r}{nearest(label, found)}")
+        return found[label]
 
     def check(self) -> Fingerprints:
         """Load every problem and optimizer once and check the budget against the largest generation.
@@ -163,22 +165,15 @@ class Study:
         hashes, so that it is random and stays the same when trials are added.
         """
         for number in range(self.trials):
-            block = [
-                Trial(problem.label, optimizer.label, number,
-                      trial_seed(self.seed, problem.label, optimizer.label, number))
-                for problem in self.problems
-                for optimizer in self.optimizers
-            ]  # fmt: skip
+            cells = [(problem.label, optimizer.label) for problem in self.problems for optimizer in self.optimizers]
+            block = [Trial(*cell, number, trial_seed(self.seed, *cell, number)) for cell in cells]
             yield from sorted(block, key=lambda trial: trial.seed)
 
     def to_toml(self) -> str:
         """Return the study as a TOML document that loads back as an equal study."""
-        head = {"name": self.name, "title": self.title, "seed": self.seed, "trials": self.trials, "budget": self.budget}
-        lists = {
-            "problems": [entry.as_dict() for entry in self.problems],
-            "optimizers": [entry.as_dict() for entry in self.optimizers],
-        }
-        return tomli_w.dumps({**head, **lists})
+        head = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
+        lists = {key: [entry.as_dict() for entry in getattr(self, key)] for key in ("problems", "optimizers")}
+        return tomli_w.dumps(head | lists)
 
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title."""
@@ -240,14 +235,6 @@ def _label(name: str) -> str:
 
 
 def _refuse_duplicates(entries: Iterable[Entry], key: str, where: str) -> None:
-    labels = [entry.label for entry in entries]
-    twice = sorted({label for label in labels if labels.count(label) > 1})
+    twice = sorted(label for label, count in Counter(entry.label for entry in entries).items() if count > 1)
     if twice:
         raise BenchError(f"study {where}: {twice[0]!r} occurs twice among the {key}; give one of them another label")
-
-
-def _named(entries: Iterable[Entry], label: str, kind: str, study: str) -> Entry:
-    found = {entry.label: entry for entry in entries}
-    if label not in found:
-        raise BenchError(f"study {study!r} has no {kind} {label!r}{nearest(label, found)}")
-    return found[label]

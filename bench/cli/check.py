@@ -65,8 +65,7 @@ def check_folder(path: Path, console: Console, jobs: int) -> bool:
 
 def show_verdict(label: str, verdict: Verdict, console: Console, mend: bool = True) -> None:
     """Print a check's outcome and, with ``mend``, its remedy: a breach of the contract in red, a bias in yellow."""
-    lines = [f"{verdict.outcome}: {label}, {verdict.check}: {verdict.finding}"]
-    lines += [f"    to mend it: {verdict.mend}"] if mend and verdict.mend else []
     style = {"passed": None, "BIASED": "yellow", "FAILED": "red"}[verdict.outcome]
-    for line in lines:
-        print_line(line, style, console)
+    print_line(f"{verdict.outcome}: {label}, {verdict.check}: {verdict.finding}", style, console)
+    if mend and verdict.mend:
+        print_line(f"    to mend it: {verdict.mend}", style, console)

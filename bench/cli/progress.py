@@ -13,6 +13,7 @@ from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
+    ProgressColumn,
     TaskID,
     TextColumn,
     TimeRemainingColumn,
@@ -31,15 +32,7 @@ class Display:
     def __init__(self, console: Console) -> None:
         self._console = console
         self._live = console.is_terminal
-        self._progress = Progress(
-            TextColumn("{task.description}", markup=False),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn("left"),
-            TimeRemainingColumn(),
-            console=console,
-            disable=not self._live,
-        )
+        self._progress = _bars(console, "{task.description}", TextColumn("left"), TimeRemainingColumn())
         self._bars: dict[str, TaskID] = {}
         self._failures: dict[str, int] = {}  # by optimizer
         self._made = self._left = 0
@@ -101,19 +94,17 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
 @contextmanager
 def steps(console: Console, name: str) -> Iterator[Callable[[str, int, int], None]]:
     """Display a progress bar; yield a function to call before each step: its title, steps done, steps in total."""
-    progress = Progress(
-        TextColumn("{task.fields[name]}", markup=False),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.description}", markup=False),
-        console=console,
-        disable=not console.is_terminal,
-        transient=True,
-    )
-    with progress:
+    title = TextColumn("{task.description}", markup=False)
+    with _bars(console, "{task.fields[name]}", title, transient=True) as progress:
         task = progress.add_task("", name=name, total=None)
 
         def show(title: str, done: int, total: int) -> None:
             progress.update(task, description=title, completed=done, total=total)
 
         yield show
+
+
+def _bars(console: Console, name: str, *columns: ProgressColumn, transient: bool = False) -> Progress:
+    """Return bars of named tasks, displayed on a terminal only."""
+    named = TextColumn(name, markup=False), BarColumn(), MofNCompleteColumn()
+    return Progress(*named, *columns, console=console, disable=not console.is_terminal, transient=transient)

@@ -66,7 +66,6 @@ def run(
     from bench.study import Study
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
-
     console = Console()
     chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed).beside(optimizer or [])
     if dry_run:

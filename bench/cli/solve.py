@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -12,10 +12,6 @@ from rich.text import Text
 
 from bench.cli.console import Parameters, pairs, print_error
 from bench.errors import BenchError
-
-if TYPE_CHECKING:
-    from bench.problem import Problem
-    from bench.trial import Result
 
 
 def solve(
@@ -31,8 +27,8 @@ def solve(
     ] = None,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
-    from bench.execution.solve import solve as solve_once
     from bench.plugins import loading
+    from bench.trial import solve as solve_once
 
     loaded = loading.load_problem(problem, **pairs(problem_option))
     chosen = loading.load_optimizer(optimizer, **pairs(option))
@@ -44,19 +40,13 @@ def solve(
     except Exception as error:  # a plug-in may raise anything
         print_error(f"{optimizer} failed on {problem}: {type(error).__name__}: {error}")
         sys.exit(1)
-    show_result(result, loaded, Console())
-
-
-def show_result(result: Result, problem: Problem, console: Console) -> None:
-    """Print one run's best value, point, domain metrics and times."""
     table = Table(show_header=False, box=None, pad_edge=False)
     table.add_row("best value", repr(result.fun))
-    for name, value in zip(problem.variables, result.x, strict=True):
+    for name, value in zip(loaded.variables, result.x, strict=True):
         table.add_row(Text(f"  {name}"), f"{value:.10g}")
     for name, value in result.metrics.items():
         table.add_row(Text(name), f"{value:.6g}")
     table.add_row("evaluations", f"{result.nfev} (stopped by: {result.stop})")
-    table.add_row(
-        "time", f"{result.objective_time:.3f} s in the objective and {result.overhead_time:.3f} s in the optimizer"
-    )
-    console.print(table)
+    times = f"{result.objective_time:.3f} s in the objective and {result.overhead_time:.3f} s in the optimizer"
+    table.add_row("time", times)
+    Console().print(table)

@@ -35,18 +35,12 @@ def status(
                 sleep(2)
                 live.update(summary(folder), refresh=True)
         return
-    show_status(folder, console)
-
-
-def show_status(folder: Folder, console: Console) -> None:
-    """Print a folder's summary, its failures by reason, its last verification, and the runs that made it."""
     console.print(summary(folder))
     for line in _failures(folder):
         print_line(line, "red", console)
     if verified := folder.verification():
-        style = "red" if verified.get("different") else None
         line = f"verified {verified.get('verified')}: {verified.get('sentence')}"
-        print_line(line, style, console)
+        print_line(line, "red" if verified.get("different") else None, console)
     made = folder.store.made()
     for number, record in folder.store.environments().items():
         for line in _environment(record, made.get(number, 0)):
@@ -64,11 +58,8 @@ def summary(folder: Folder) -> Group:
         mean = f"{sum(cell.wall_s for cell in mine) / done:.3g}" if done else ""
         planned = len(study.problems) * study.trials
         table.add_row(Text(entry.label), str(done), Text(str(lost), style="red" if lost else ""), str(planned), mean)
-    lines: list[RenderableType] = [
-        Text(f"study {study.name}: {study.title}"),
-        Text(f"study hash {study.identity()}"),
-        table,
-    ]
+    head = Text(f"study {study.name}: {study.title}"), Text(f"study hash {study.identity()}")
+    lines: list[RenderableType] = [*head, table]
     if running := folder.running():
         left = len(study.problems) * len(study.optimizers) * study.trials - sum(cell.done for cell in cells)
         lines.append(Text(_progress(folder, running, left)))
@@ -95,9 +86,8 @@ def _failures(folder: Folder) -> list[str]:
         key = row["status"], row["optimizer"], str(row["error"]).partition("\n")[0]
         reasons.setdefault(key, []).append(row)
     lines = []
-    for (status, optimizer, reason), rows in reasons.items():
-        first = rows[0]
-        more = f" and {len(rows) - 1} more" if len(rows) > 1 else ""
+    for (status, optimizer, reason), (first, *others) in reasons.items():
+        more = f" and {len(others)} more" if others else ""
         lines.append(f"{status}: {optimizer} on {first['problem']}, trial {first['trial']}{more}: {reason}")
     hidden = len(lines) - SHOWN
     return [*lines[:SHOWN], *([f"… and {hidden} more reasons"] if hidden > 0 else [])]
@@ -108,19 +98,14 @@ def _environment(record: dict[str, Any], made: int) -> list[str]:
     git = record.get("git") or {}
     dirty = f" with changes {git['diff'][:10]}" if git.get("diff") else " with changes" if git.get("dirty") else ""
     commit = f", commit {git['commit'][:10]}{dirty}" if git.get("commit") else ""
-    blas = ", ".join(
-        f"{e.get('library')} {e.get('version')}, threads: {e.get('threads')}" for e in record.get("blas") or ()
-    )
+    libraries = record.get("blas") or ()
+    blas = ", ".join(f"{e.get('library')} {e.get('version')}, threads: {e.get('threads')}" for e in libraries)
     packages = ", ".join(f"{name} {version}" for name, version in (record.get("packages") or {}).items())
     ended = f", ended {record['ended']}" if record.get("ended") else ", not ended"
     workers = f"{record.get('jobs')} jobs ({record.get('backend')})"
     machine = ", ".join(f"{record.get(key)}" for key in ("host", "processor", "system"))
-    hashes = [
-        f"{label} {value[:10]}"
-        for kind in ("data", "code")
-        for label, value in (record.get(kind) or {}).items()
-        if value
-    ]
+    noted = [*(record.get("data") or {}).items(), *(record.get("code") or {}).items()]
+    hashes = [f"{label} {value[:10]}" for label, value in noted if value]
     more = f" and {len(hashes) - HASHES} more" if len(hashes) > HASHES else ""
     return [
         f"ran {record.get('started')}{ended}: {made} trials with {workers} on {machine}, {record.get('cores')} cores",

@@ -12,7 +12,7 @@ import logging
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from threading import Event, Thread
 from time import monotonic
 from typing import Any
@@ -35,15 +35,10 @@ QUEUED = 500  # batches submitted at least, so that workers that join later have
 
 _LOGGERS = ("distributed", "tornado", "asyncio")
 
-Version = tuple[str, str]  # of a worker: its name and host, and its package
-
 
 @contextmanager
 def cluster(scheduler: str) -> Iterator[Pool]:
-    """Yield the workers of a cluster; when the context ends, nothing of the run is left on them.
-
-    Args:
-        scheduler: its address, such as "tcp://10.0.0.1:8786".
+    """Yield the workers of a cluster by its scheduler's address; when the context ends, nothing is left on them.
 
     Raises:
         BenchError: when the extra "dask" is not installed, the scheduler cannot be reached, or it has no workers or
@@ -55,11 +50,8 @@ def cluster(scheduler: str) -> Iterator[Pool]:
         try:
             jobs = _wait_for_workers(client, scheduler)
             _refuse_other_versions(client)
-            pool = Cluster(client, scheduler, jobs)
-            try:
+            with closing(Cluster(client, scheduler, jobs)) as pool:
                 yield pool
-            finally:
-                pool.close()
         finally:
             with suppress(Exception):
                 if client.status == "running":
@@ -68,11 +60,7 @@ def cluster(scheduler: str) -> Iterator[Pool]:
 
 
 class Cluster(Pool):
-    """The workers of a dask cluster.
-
-    Attributes:
-        jobs: the threads of all workers at the start.
-    """
+    """The workers of a dask cluster; ``jobs`` is the number of their threads at the start."""
 
     def __init__(self, client: Any, scheduler: str, jobs: int) -> None:
         from distributed import KilledWorker
@@ -251,7 +239,7 @@ def _refuse_other_versions(client: Any) -> None:
     """Raise BenchError where a worker runs another package than this process."""
     own = provenance.package()
 
-    def report_version(dask_worker: Any) -> Version:  # sent as code: the worker may lack this module
+    def report_version(dask_worker: Any) -> tuple[str, str]:  # sent as code: the worker may lack this module
         import socket
 
         try:
@@ -262,15 +250,14 @@ def _refuse_other_versions(client: Any) -> None:
             runs = f"no usable backlash-bench ({type(error).__name__}: {error})"
         return f"{dask_worker.name} on {socket.gethostname()}", runs
 
-    found = {
-        f"the worker {address}": answer for address, answer in client.run(report_version, on_error="return").items()
-    }
-    others = {who: answer for who, answer in found.items() if not isinstance(answer, Exception) and answer[1] != own}
+    found = client.run(report_version, on_error="return").items()
+    others = [(who, *answer) for who, answer in found if not isinstance(answer, Exception) and answer[1] != own]
     if others:
-        who, (name, runs) = next(iter(others.items()))
+        address, name, runs = others[0]
         more = f" ({len(others) - 1} others differ too)" if len(others) > 1 else ""
         raise BenchError(
-            f"{who} ({name}) runs {runs}{more}, this process {own}; install the same version on all and restart them"
+            f"the worker {address} ({name}) runs {runs}{more}, this process {own}; install the same version on all and "
+            "restart them"
         )
 
 
@@ -278,7 +265,7 @@ def _refuse_other_versions(client: Any) -> None:
 def _logs_silenced() -> Iterator[None]:
     """Silence dask's own log: a run reports errors as sentences."""
     names = [*_LOGGERS, *(each for each in logging.root.manager.loggerDict if each.startswith(_LOGGERS))]
-    levels = {logging.getLogger(name): logging.getLogger(name).level for name in names}
+    levels = {logger: logger.level for logger in map(logging.getLogger, names)}
     try:
         for logger in levels:
             logger.setLevel(logging.CRITICAL + 1)

@@ -12,11 +12,7 @@ Handler = Callable[[int, FrameType | None], object]
 
 
 class Interrupts:
-    """The interrupts of a run: raised while the run waits, deferred while it commits.
-
-    Attributes:
-        pending: whether a signal has arrived.
-    """
+    """The interrupts of a run: raised while the run waits, deferred while it commits, ``pending`` once one arrived."""
 
     def __init__(self) -> None:
         self.pending = self._allowed = False
@@ -67,9 +63,8 @@ def signals_delayed() -> Iterator[None]:
 @contextmanager
 def _handlers_replaced(handler: Handler, concerns: Callable[[object], bool]) -> Iterator[None]:
     """Replace the present handlers that ``concerns`` selects; outside the main thread there are none to replace."""
-    main = current_thread() is main_thread()
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM) if main}
-    before = {number: present for number, present in before.items() if concerns(present)}
+    numbers = (signal.SIGINT, signal.SIGTERM) if current_thread() is main_thread() else ()
+    before = {number: present for number in numbers if concerns(present := signal.getsignal(number))}
     for number in before:
         signal.signal(number, handler)
     try:

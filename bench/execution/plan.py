@@ -6,7 +6,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import islice, product
 
 from bench.errors import BenchError
 from bench.storage.store import CellCounts, Keys
@@ -62,16 +62,11 @@ class Plan:
 
     def counts(self) -> dict[tuple[str, str], tuple[int, int]]:
         """Return for each cell (problem, optimizer) the number of trials, and of those finished."""
-        study = self.study
-        if self.shard is None:
-            return {
-                (problem.label, optimizer.label): (
-                    study.trials,
-                    self.finished.count(problem.label, optimizer.label, study.trials),
-                )
-                for problem in study.problems
-                for optimizer in study.optimizers
-            }
+        if self.shard is None:  # without a step for each trial
+            trials = self.study.trials
+            cells = product(self.study.problems, self.study.optimizers)
+            labels = ((problem.label, optimizer.label) for problem, optimizer in cells)
+            return {cell: (trials, self.finished.count(*cell, trials)) for cell in labels}
         counts: dict[tuple[str, str], tuple[int, int]] = {}
         for trial in self.trials():
             planned, done = counts.get(trial.key[:2], (0, 0))
@@ -79,12 +74,9 @@ class Plan:
         return counts
 
     def seconds(self) -> float | None:
-        """Estimate the seconds on one processor that the missing trials will take, from those that are stored.
+        """Estimate the seconds on one processor that the missing trials will take; None where no trial is stored.
 
         A cell without stored trials counts as the mean of its optimizer's other trials, or else of all trials.
-
-        Returns:
-            None where no trial is stored.
         """
         groups: dict[tuple[str, ...], list[CellCounts]] = defaultdict(list)
         for cell in self.cells:

@@ -23,10 +23,9 @@ class WorkerDiedError(RuntimeError):
 
 
 class Pool:
-    """Workers that make trials through one of joblib's backends; subclasses choose the backend.
+    """Workers that make ``jobs`` trials at a time through one of joblib's backends; subclasses choose the backend.
 
     Attributes:
-        jobs: the number of trials made at the same time.
         window: the number of batches dispatched at a time; all but ``jobs`` of them wait.
         work: the function that a worker calls for each trial.
         deaths: the exceptions that joblib raises when a worker ends during its work.
@@ -42,11 +41,7 @@ class Pool:
     def answers(self, task: Task, missing: Callable[[], Iterable[Trial]]) -> Iterator[Answer]:
         """Yield each trial with its row and its machine's record (JSON) as workers finish, in any order.
 
-        A killed worker costs only time: the trials under way are begun again.
-
-        Args:
-            task: what the trials have in common.
-            missing: returns the trials that are not finished yet.
+        A killed worker costs only time: the trials under way, still returned by ``missing``, are begun again.
 
         Raises:
             WorkerDiedError: when workers are killed several times in a row.

@@ -105,10 +105,7 @@ def plan(
 def prepare(study: Study, folder: Folder, *, keep: bool = False) -> Fingerprints:
     """Load a study's plug-ins and return the fingerprints of its data and code, which must be those of its folder.
 
-    Args:
-        study: the study to run, or to repeat trials of.
-        folder: the study's folder, which may be empty.
-        keep: whether to keep the process that loaded the plug-ins, for trials made here (:func:`supervisor.check`).
+    With ``keep``, the process that loaded the plug-ins is kept for trials made here (:func:`supervisor.check`).
 
     Raises:
         BenchError: for a study that cannot be run, and a folder that holds another study, other data or other code.
@@ -129,13 +126,13 @@ def _resolved(
 
 def _plan(study: Study, folder: Folder, shard: Shard | None) -> Plan:
     """Return the plan of a study in its folder, with a note on what changed in the environment since its last run."""
-    changed = folder.differences(provenance.machine())
-    note = (
-        f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "
-        "differ in their last digits and their times; the report lists them separately"
-    )
-    store = folder.store
-    return Plan(study, shard, store.keys(finished_only=True), store.cells(), [note] if changed else [])
+    notes = []
+    if changed := folder.differences(provenance.machine()):
+        notes.append(
+            f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "
+            "differ in their last digits and their times; the report lists them separately"
+        )
+    return Plan(study, shard, folder.store.keys(finished_only=True), folder.store.cells(), notes)
 
 
 def _make(

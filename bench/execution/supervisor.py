@@ -57,7 +57,12 @@ def work(task: Task, trial: Trial) -> tuple[Trial, Row, str]:
     Raises:
         BenchError: when this worker has another version of the package than the parent.
     """
-    require_same_package(task.package)
+    own = provenance.package()
+    if own != task.package:
+        raise BenchError(
+            f"a worker on {provenance.host()} runs {own}, the run itself {task.package}; install the same version on "
+            "both"
+        )
     supervisor = _supervisor(task)
     return trial, supervisor.make(trial), supervisor.machine()
 
@@ -65,9 +70,7 @@ def work(task: Task, trial: Trial) -> tuple[Trial, Row, str]:
 def check(task: Task, *, keep: bool = False) -> Fingerprints:
     """Run :meth:`bench.study.Study.check` in a trial process, so that no plug-in is loaded into this one.
 
-    Args:
-        task: the task whose study is checked.
-        keep: whether to keep the process for trials that are made here, until :func:`close`.
+    With ``keep``, the process is kept for trials that are made here, until :func:`close`.
 
     Raises:
         BenchError: for the first name, parameter, recording or budget that cannot work, or for plug-ins that hang or
@@ -90,15 +93,6 @@ def check(task: Task, *, keep: bool = False) -> Fingerprints:
     return Fingerprints(*found)
 
 
-def require_same_package(package: str) -> None:
-    """Raise BenchError where this process runs another package than the one named."""
-    own = provenance.package()
-    if own != package:
-        raise BenchError(
-            f"a worker on {provenance.host()} runs {own}, the run itself {package}; install the same version on both"
-        )
-
-
 def end_with_parent(parent: int) -> None:
     """End this worker when its parent has ended, such as by a kill; ignore Ctrl-C, which the parent handles."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -119,12 +113,8 @@ def close() -> None:
 
 def _supervisor(task: Task) -> _Supervisor:
     """Return the supervisor of this thread, set to the task."""
-    me = threading.get_ident()
-    supervisor = _supervisors.get(me)
-    if supervisor is None:
-        supervisor = _supervisors[me] = _Supervisor(task)
-    elif supervisor.task != task:
-        supervisor.set_task(task)
+    supervisor = _supervisors.setdefault(threading.get_ident(), _Supervisor(task))
+    supervisor.set_task(task)
     return supervisor
 
 
@@ -206,7 +196,10 @@ class _Supervisor:
             began = monotonic()
             row, sound = self._call(trial_process.make, trial, patience=timeout)
             sound = sound and not self._is_full(monotonic() - began)
-            return self._checked(row)
+            process = self._process  # a local name, as another thread may close it
+            if row["status"] == "ok" and process is not None and process.printed > PRINTED:
+                return failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
+            return dict(row)
         except SilentError as error:
             where = (
                 f"{doing}, after {error} without a sign of life" if doing else f"after {error}, the limit of a trial"
@@ -223,13 +216,6 @@ class _Supervisor:
         finally:
             if not sound:
                 self.close()
-
-    def _checked(self, row: Row) -> Row:
-        """Return the trial's row, or a failed row where the trial printed too much."""
-        process = self._process  # a local name, as another thread may close it
-        if row["status"] == "ok" and process is not None and process.printed > PRINTED:
-            return failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
-        return dict(row)
 
     def _is_full(self, seconds: float) -> bool:
         """Return whether the process holds too much memory for another trial, after a trial of ``seconds``."""

@@ -10,7 +10,7 @@ import tomllib
 import traceback
 from collections.abc import Iterator
 from functools import lru_cache
-from importlib.abc import MetaPathFinder
+from types import SimpleNamespace
 from typing import Any
 
 from threadpoolctl import threadpool_limits
@@ -153,7 +153,7 @@ def _end_if_stuck(number: int) -> None:
 @contextlib.contextmanager
 def _pulsing(pulse: Pulse) -> Iterator[None]:
     """Pulse at every import of a module and at every step of a compilation by numba."""
-    finder = _PulsingFinder(pulse)
+    finder: Any = SimpleNamespace(find_spec=lambda *_: pulse(0, 1))  # finds no module, but is asked for each
     sys.meta_path.insert(0, finder)
     try:
         with _pulsing_compilations(pulse):
@@ -161,17 +161,6 @@ def _pulsing(pulse: Pulse) -> Iterator[None]:
     finally:
         with contextlib.suppress(ValueError):
             sys.meta_path.remove(finder)
-
-
-class _PulsingFinder(MetaPathFinder):
-    """Finds no module, but pulses whenever one is searched for."""
-
-    def __init__(self, pulse: Pulse) -> None:
-        self._pulse = pulse
-
-    def find_spec(self, *_: Any) -> None:
-        """Pulse."""
-        self._pulse(0, 1)
 
 
 @contextlib.contextmanager

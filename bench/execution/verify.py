@@ -16,8 +16,7 @@ from bench.execution.supervisor import Task
 from bench.numbers import require_whole
 from bench.storage import provenance
 from bench.storage.folder import Folder
-from bench.storage.schema import disagreement, stored
-from bench.storage.store import Keys, Store
+from bench.storage.store import Store, disagreement, stored
 from bench.trial import Row, Trial
 
 HASH_SEED = 4242  # other than the 0 of a run's processes
@@ -27,12 +26,9 @@ OnProgress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True)
 class Verification:
-    """The outcome of making trials again.
+    """The outcome of making ``trials`` trials of ``cells`` cells (problem, optimizer) again with ``jobs`` workers.
 
     Attributes:
-        cells: the number of cells (problem, optimizer) that the trials are from.
-        trials: the number of trials made again.
-        jobs: the number of workers that made them.
         different: the trials that differ, each with the difference.
         notes: the differences between this environment and the one that made the trials.
     """
@@ -59,11 +55,7 @@ class Verification:
 
 
 def verify(
-    path: str | PathLike[str],
-    *,
-    trials: int = 2,
-    n_jobs: int | None = None,
-    on_progress: OnProgress | None = None,
+    path: str | PathLike[str], *, trials: int = 2, n_jobs: int | None = None, on_progress: OnProgress | None = None
 ) -> Verification:
     """Make some finished trials of every cell again and note in the folder whether they are identical.
 
@@ -81,26 +73,22 @@ def verify(
     prepare(study, folder)
     chosen = _chosen(folder, trials, study.seed)
     jobs = n_jobs or _other_number(folder)
-    noted = Keys()
+    done: set[Trial] = set()
     different: dict[Trial, str] = {}
-    done = 0
     with open_pool("loky", jobs, None) as pool:
         task = Task(study.to_toml(), hash_seed=HASH_SEED)
-        for trial, row, _ in pool.answers(task, lambda: (each for each in chosen if each.key not in noted)):
-            noted.add(*trial.key)
-            done += 1
+        for trial, row, _ in pool.answers(task, lambda: (each for each in chosen if each not in done)):
+            done.add(trial)
             if what := _difference(folder.store, trial, row):
                 different[trial] = what
             if on_progress is not None:
-                on_progress(f"{trial.optimizer} on {trial.problem}", done, len(chosen))
+                on_progress(f"{trial.optimizer} on {trial.problem}", len(done), len(chosen))
         jobs = pool.jobs
     cells = len({trial.key[:2] for trial in chosen})
     notes = tuple(folder.differences(provenance.machine()))
     found = Verification(cells, len(chosen), jobs, different, notes)
-    folder.note_verification(
-        {"verified": provenance.now(), "cells": cells, "trials": len(chosen), "sentence": found.sentence,
-         "different": [*found.lines()]}
-    )  # fmt: skip
+    outcome = {"sentence": found.sentence, "different": [*found.lines()]}
+    folder.note_verification({"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | outcome)
     return found
 
 
@@ -121,9 +109,7 @@ def _other_number(folder: Folder) -> int:
     """Return a number of workers other than the last run's."""
     noted = [record.get("jobs") for record in folder.environments()]
     cores = int(cpu_count())
-    if not noted or noted[-1] != cores:
-        return cores
-    return cores - 1 or 2
+    return (cores - 1 or 2) if noted[-1:] == [cores] else cores
 
 
 def _difference(store: Store, trial: Trial, row: Row) -> str:

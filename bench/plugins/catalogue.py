@@ -62,7 +62,6 @@ def record(name: str) -> Record:
     """Return the record of the optimizer of that name; raises BenchError where it cannot be loaded."""
     family, colon, _ = name.partition(":")
     own = from_file.split(name) is None
-    entry = registry.entries("optimizers").get(family) if own else None
     kind = type(loading.load_optimizer(name))
     return Record(
         name=name,
@@ -73,7 +72,7 @@ def record(name: str) -> Record:
         parameters=_parameters(kind),
         extra=str(getattr(registry.load("optimizers", family), "extra", "")) if colon and own else "",
         unmapped=list(kind.unmapped),
-        package=f"{entry.dist.name} {entry.dist.version}" if entry is not None and entry.dist is not None else "",
+        package=registry.package("optimizers", family) if own else "",
     )
 
 
@@ -94,13 +93,11 @@ def _papers(bibtex: str) -> list[str]:
 
 def _parameters(kind: type[Optimizer]) -> list[Parameter]:
     hints = get_type_hints(kind)
-    return [
-        Parameter(
-            field.name, field.default, _type_name(hints[field.name]),
-            field.metadata.get("minimum"), field.metadata.get("maximum"),
-        )
-        for field in dataclasses.fields(kind)  # type: ignore[arg-type]
-    ]  # fmt: skip
+    found = []
+    for field in dataclasses.fields(kind):  # type: ignore[arg-type]
+        low, high = field.metadata.get("minimum"), field.metadata.get("maximum")
+        found.append(Parameter(field.name, field.default, _type_name(hints[field.name]), low, high))
+    return found
 
 
 def _type_name(hint: Any) -> str:

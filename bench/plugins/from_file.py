@@ -1,21 +1,25 @@
-"""Load optimizers from a Python file that is not installed, named ``path/to/file.py:ClassName``."""
+"""Load optimizers from a Python file that is not installed: a class or function, as ``path/to/file.py:ClassName``."""
 
 from __future__ import annotations
 
 import hashlib
 import inspect
 import sys
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import CodeType, ModuleType
-from typing import Any
+from typing import Any, ClassVar
+
+import numpy as np
 
 from bench.errors import BenchError, nearest
-from bench.optimizer import Optimizer, build, is_frozen
+from bench.objective import Objective
+from bench.optimizer import Optimizer, build, is_frozen, settings
 from bench.plugins.derived import derive
-from bench.plugins.from_function import of_function
 
 
 def split(name: str) -> tuple[Path, str] | None:
@@ -51,12 +55,11 @@ def _optimizer(name: str, attribute: str, path: Path, fingerprint: str) -> type[
     module = _module(path, fingerprint)
     found = vars(module).get(attribute)
     if isinstance(found, type) and issubclass(found, Optimizer):
-        same = {"__doc__": found.__doc__, "fingerprint": fingerprint}
-        return (
-            derive(found, name, {}, load_optimizer, **same) if is_frozen(found) else found
-        )  # build() refuses what is not
+        if not is_frozen(found):
+            return found  # build() refuses it
+        return derive(found, name, {}, load_optimizer, __doc__=found.__doc__, fingerprint=fingerprint)
     if inspect.isfunction(found):
-        return of_function(found, name, load_optimizer, fingerprint=fingerprint)
+        return _of_function(found, name, fingerprint)
     if attribute in vars(module):
         raise BenchError(f"{attribute!r} of {path} is neither an Optimizer subclass nor a function")
     own = [key for key, value in vars(module).items() if _is_own_optimizer(module, value)]
@@ -92,3 +95,37 @@ def _module(path: Path, fingerprint: str) -> ModuleType:
 def _is_own_optimizer(module: ModuleType, value: object) -> bool:
     mine = getattr(value, "__module__", None) == module.__name__
     return mine and (inspect.isfunction(value) or (isinstance(value, type) and issubclass(value, Optimizer)))
+
+
+@dataclass(frozen=True)
+class _FunctionOptimizer(Optimizer):
+    """A plain function ``minimize(objective, rng, …)`` as an optimizer."""
+
+    function: ClassVar[Callable[..., None]]
+
+    def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Call the function with the parameters as keywords."""
+        type(self).function(objective, rng, **settings(self))
+
+
+def _of_function(function: Callable[..., Any], name: str, fingerprint: str) -> type[Optimizer]:
+    """Return the optimizer class of a function; its arguments after ``objective`` and ``rng`` become parameters.
+
+    Raises:
+        BenchError: where the function cannot be called as ``function(objective, rng)``.
+    """
+    try:
+        taken = list(inspect.signature(function).parameters.values())
+    except (TypeError, ValueError):  # a decorator may leave a signature that cannot be read
+        taken = []
+    own, plain = taken[2:], (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    if len(taken) < 2 or any(each.kind not in plain for each in taken[:2]):
+        raise BenchError(f"{name!r} must take (objective, rng) first, as in def minimize(objective, rng, step=0.1)")
+    for each in own:
+        if each.default is each.empty or each.kind is inspect.Parameter.POSITIONAL_ONLY:
+            raise BenchError(f"parameter {each.name!r} of {name!r} must be a keyword with a default")
+    kinds = {bool: bool, int: int, float: float, str: str}
+    parameters = {each.name: (kinds.get(type(each.default), Any), each.default) for each in own}
+    doc = inspect.getdoc(function) or f"The function {name}."
+    given = {"function": staticmethod(function), "__doc__": doc, "fingerprint": fingerprint}
+    return derive(_FunctionOptimizer, name, parameters, load_optimizer, **given)

@@ -26,9 +26,11 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
     if from_file.split(name):
         return from_file.load_optimizer(name, **options)
     family, colon, _ = name.partition(":")
-    if name not in registry.entries("optimizers") and not (colon and family in registry.entries("optimizers")):
-        raise BenchError(f"unknown optimizer {name!r}{nearest(name, registry.entries('optimizers'))}")
-    plugin = registry.load("optimizers", family if name not in registry.entries("optimizers") else name)
+    installed = registry.entries("optimizers")
+    entry = name if name in installed else family
+    if entry not in installed:
+        raise BenchError(f"unknown optimizer {name!r}{nearest(name, installed)}")
+    plugin = registry.load("optimizers", entry)
     if isinstance(plugin, type) and issubclass(plugin, Optimizer) and not colon:
         return build(plugin, name, options)
     if isinstance(plugin, registry.Family) and colon:
@@ -52,17 +54,19 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     families = registry.entries("problems")
     if colon and prefix in families:
         return _problem(_call_loader(registry.load("problems", prefix).load, name, options), name)
+    known: list[str] = []
     for family in sorted(families, key=lambda family: not name.startswith(family)):
         try:
             plugin = registry.load("problems", family)
-            mine = name in plugin.names()
+            names = plugin.names()
         except Exception as error:  # a broken family must not block another's problem
             if name.startswith(family):
                 raise BenchError(f"problem {name!r} cannot be looked up: {_first_line(error)}") from error
             continue
-        if mine:
+        if name in names:
             return _problem(_call_loader(plugin.load, name, options), name)
-    raise BenchError(f"unknown problem {name!r}{nearest(name, registry.problem_names())}")
+        known += names
+    raise BenchError(f"unknown problem {name!r}{nearest(name, known)}")
 
 
 def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:

@@ -5,7 +5,6 @@ Groups: ``bench.optimizers``, ``bench.problems``, ``bench.commands``, ``bench.st
 
 from __future__ import annotations
 
-from contextlib import suppress
 from functools import cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
 from importlib.util import find_spec
@@ -38,7 +37,7 @@ def entries(group: str) -> dict[str, EntryPoint]:
     Raises:
         BenchError: when two packages offer different plug-ins under one name.
     """
-    refuse_foreign_modules()
+    _refuse_foreign_modules()
     found: dict[str, EntryPoint] = {}
     for entry in entry_points(group=f"bench.{group}"):
         other = found.setdefault(entry.name, entry)
@@ -62,13 +61,10 @@ def load(group: str, name: str) -> Any:
         ) from error
 
 
-def problem_names() -> list[str]:
-    """Return every problem name that can be listed."""
-    names: list[str] = []
-    for family in entries("problems"):
-        with suppress(Exception):  # `bench list` shows its error
-            names += load("problems", family).names()
-    return sorted(names)
+def package(group: str, name: str) -> str:
+    """Return the name and version of the package that offers an entry point, "" where there is none."""
+    found = entries(group).get(name)
+    return f"{found.dist.name} {found.dist.version}" if found is not None and found.dist is not None else ""
 
 
 def is_family(plugin: Any) -> bool:
@@ -76,7 +72,7 @@ def is_family(plugin: Any) -> bool:
     return isinstance(plugin, Family) and not isinstance(plugin, type)
 
 
-def refuse_foreign_modules() -> None:
+def _refuse_foreign_modules() -> None:
     """Refuse to run where another package's module shadows a top-level module of this distribution.
 
     Raises:
@@ -90,8 +86,7 @@ def refuse_foreign_modules() -> None:
             f"{DISTRIBUTION} is not installed here, so no plug-in can be found; run 'pip install -e .' in its folder"
         ) from error
     for module in sorted(own):
-        spec = find_spec(module)
-        origin = spec.origin if spec is not None else None
+        origin = getattr(find_spec(module), "origin", None)
         if origin is None or Path(origin).resolve().parents[1] != home:
             raise BenchError(
                 f"the module {module!r} found at {origin or 'no place'} is not the one of {DISTRIBUTION} "

@@ -31,12 +31,10 @@ def end_of_output(written: bytes) -> str:
     text = printable(written.decode("utf-8", errors="replace").replace("\r", ""), len(written))
     crashes = list(_CRASH.finditer(text))
     if crashes:
-        before = (
-            text[: crashes[-1].start()].rstrip("\n").rpartition("\n")[2]
-        )  # the C library may have printed the reason
+        # The C library may have printed the reason before.
+        before = text[: crashes[-1].start()].rstrip("\n").rpartition("\n")[2]
         frames = _FRAME.findall(text, crashes[-1].end())[:_FRAMES]
         return "\n".join(line[:_LONGEST] for line in (before, crashes[-1].group(), *frames) if line)
     text = text.strip()
-    if len(text) <= _LAST:
-        return text
-    return text[-_LAST:].partition("\n")[2] or text[-_LAST:]
+    last = text[-_LAST:]
+    return last if last == text else last.partition("\n")[2] or last

@@ -136,8 +136,7 @@ class Process:
         self._end()
         # A process that escaped the tree may hold a pipe open. Its thread then stays: closing the pipe would free a
         # file number that another pipe may take, and the thread would read that one.
-        threads = [each for each in (self._listener, self._drain, self._sender) if each is not None]
-        for thread in threads:
+        for thread in filter(None, (self._listener, self._drain, self._sender)):
             thread.join(_GRACE)
         if self._process.stdin is not None and not (self._sender is not None and self._sender.is_alive()):
             self._process.stdin.close()
@@ -152,12 +151,10 @@ class Process:
     ) -> Any:
         """Call ``function(*arguments, pulse=…)`` in the process and return its result; all must be picklable.
 
-        The function calls ``pulse(made, budget)`` as a sign of life, which is passed to ``on_pulse``. After any error
-        but a RemoteError the process is ended.
+        The function, of an importable module, calls ``pulse(made, budget)`` as a sign of life. After any error but a
+        RemoteError the process is ended.
 
         Args:
-            function: a function of an importable module.
-            arguments: its positional arguments.
             patience: seconds allowed without a sign of life; None for no limit.
             on_pulse: called with evaluations made and the budget, at most twice a second.
             memory: bytes that the process may hold (:attr:`resident`); None for no limit.

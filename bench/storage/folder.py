@@ -235,9 +235,6 @@ class Folder:
 def _verdict(noted: dict[str, Any]) -> dict[str, Any]:
     """Return a noted verdict with all its keys, empty where it is malformed."""
     whole = {"check": None, "kind": "bias", "passed": None, "finding": "", "mend": "", "figure": None} | noted
-    sound = (
-        all(isinstance(whole[key], str) for key in ("check", "kind", "finding", "mend"))
-        and isinstance(whole["passed"], bool)
-        and isinstance(whole["figure"], (int, float, type(None)))
-    )
-    return whole if sound else {}
+    kinds: dict[str, Any] = {"check": str, "kind": str, "passed": bool, "finding": str, "mend": str}
+    kinds["figure"] = (int, float, type(None))
+    return whole if all(isinstance(whole[key], kind) for key, kind in kinds.items()) else {}

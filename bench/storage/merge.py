@@ -6,12 +6,10 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
-from typing import Any
 
 from bench.errors import BenchError
 from bench.storage.folder import Folder
-from bench.storage.schema import disagreement
-from bench.storage.store import Writer
+from bench.storage.store import Writer, disagreement
 from bench.study import Study
 
 
@@ -66,7 +64,11 @@ def _common(studies: list[tuple[Folder, Study]]) -> Study:
 
 
 def _copy(source: Folder, writer: Writer) -> tuple[int, int]:
-    """Add a folder's trials; return the number added and the number present already."""
+    """Add a folder's trials; return the number added and the number present already.
+
+    Raises:
+        BenchError: where a finished trial has two different outcomes.
+    """
     numbers = {number: writer.environment(record) for number, record in source.store.environments().items()}
     added = same = 0
     with writer.transaction():
@@ -76,18 +78,11 @@ def _copy(source: Folder, writer: Writer) -> tuple[int, int]:
                 writer.put(row | {"environment": numbers.get(row["environment"])})
                 added += 1
             else:
-                _compare(present, row, source)
                 same += 1
+                if row["status"] == "ok" and (different := disagreement(present, row)):
+                    raise BenchError(
+                        f"trial {row['trial']} of {row['optimizer']} on {row['problem']} has another {different} in "
+                        f"{source.path} than in the folders before it, though both were made from one seed; find out "
+                        "which is right ('bench verify') and remove the other ('bench rm')"
+                    )
     return added, same
-
-
-def _compare(present: dict[str, Any], row: dict[str, Any], source: Folder) -> None:
-    """Raise BenchError where a finished trial has two different outcomes."""
-    if row["status"] != "ok":
-        return
-    if different := disagreement(present, row):
-        raise BenchError(
-            f"trial {row['trial']} of {row['optimizer']} on {row['problem']} has another {different} in {source.path} "
-            "than in the folders before it, though both were made from one seed; find out which is right "
-            "('bench verify') and remove the other ('bench rm')"
-        )

@@ -1,29 +1,7 @@
 """Record and compare where results come from: machine, versions, code and run.
 
 A study's ``environment.json`` is a list of flat records, one for each run on each machine that took part in it:
-``machine(…) | run(…)``. Each of them holds
-
-==============  =====================================================================================================
-packages        version by distribution: this one, the numerical libraries, and those of the plug-ins in use
-python          version of Python
-system          the operating system, as :func:`platform.platform` returns it
-host            the machine's own name
-processor       its model
-cores           those that the process may use
-memory_gb       the memory that the process may use, in 10⁹ bytes
-blas            ``{"library", "version", "threads"}`` of every BLAS that the process has loaded
-git             state of the checkout that the harness runs from, ``{"commit", "dirty", "diff"}``; None outside one
-checkouts       the same of the plug-ins' own checkouts, by distribution or by the checkout's folder
-started, ended  in UTC, ISO 8601; a run that was killed has no end
-command         as typed, for a shell
-jobs, backend   trials made at a time, and the backend that distributes them
-study           hash of all settings that decide a trial's result (:meth:`bench.study.Study.identity`)
-data            hash of every problem's data, by label
-code            hash of every optimizer's file, by label; installed optimizers have none
-timeout, shard  the limit of a trial in seconds, and the part of the study that was run; None without
-==============  =====================================================================================================
-
-Records of older versions lack some of these.
+``machine(…) | run(…)``. ARCHITECTURE.md describes each key; records of older versions lack some.
 """
 
 from __future__ import annotations
@@ -46,7 +24,7 @@ import psutil
 from threadpoolctl import threadpool_info
 
 from bench.plugins import registry
-from bench.storage import checkouts, packages
+from bench.storage.versions import checkout_states, content_hash, own_state, package_versions
 from bench.study import Fingerprints, Study
 from bench.text import printable
 
@@ -58,14 +36,10 @@ CONTAINER_LIMITS = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memo
 
 
 def machine(plugins: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the record of this process and its machine; every call on one machine returns the same.
-
-    Args:
-        plugins: the importable names of the modules that the plug-ins in use come from (:func:`modules`).
-    """
+    """Return the record of this process, its machine and the :func:`modules` of the plug-ins in use."""
     affinity = getattr(os, "sched_getaffinity", None)
     return {
-        "packages": packages.versions(plugins),
+        "packages": package_versions(plugins),
         "python": platform.python_version(),
         "system": platform.platform(),
         "host": host(),
@@ -73,8 +47,8 @@ def machine(plugins: Sequence[str] = ()) -> dict[str, Any]:
         "cores": len(affinity(0)) if affinity else os.cpu_count(),
         "memory_gb": round(memory() / 1e9, 1),
         "blas": _blas(),
-        "git": checkouts.state_of(Path(__file__).resolve()),
-        "checkouts": checkouts.states(plugins),
+        "git": own_state(),
+        "checkouts": checkout_states(plugins),
     }
 
 
@@ -87,20 +61,11 @@ def run(
     timeout: float | None = None,
     shard: str | None = None,
 ) -> dict[str, Any]:
-    """Return the record of a run that starts now.
-
-    Args:
-        study: the study to run.
-        fingerprints: the hashes of its problems' data and its optimizers' files.
-        jobs: trials made at a time.
-        backend: the backend that distributes them.
-        timeout: the limit of a trial in seconds.
-        shard: the part of the study that is run, None for the whole.
-    """
+    """Return the record of a run that starts now; its ``timeout`` is in seconds, its ``shard`` as in "3/20"."""
     return {
         "started": now(),
         "ended": None,
-        "command": _command(),
+        "command": printable(shlex.join(_command()), LONGEST),
         "jobs": jobs,
         "backend": backend,
         "study": study.identity(),
@@ -111,11 +76,11 @@ def run(
     }
 
 
-def _command() -> str:
-    """Return the command line as typed, as far as it is known."""
+def _command() -> list[str]:
+    """Return the words of the command line as typed, as far as it is known."""
     program = Path(sys.argv[0])
     command = ["python", "-m", program.parent.name] if program.name == "__main__.py" else [program.name]
-    return printable(shlex.join([*command, *sys.argv[1:]]), LONGEST)
+    return [*command, *sys.argv[1:]]
 
 
 def modules(plugins: Iterable[object]) -> list[str]:
@@ -136,10 +101,8 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     """
     old, new = _versions(before), _versions(now)
     phrases = [f"{what} {old[what]} → {new[what]}" for what in old if what in new and old[what] != new[what]]
-    old_blas, new_blas = (
-        {f"{each.get('library')} {each.get('version')}" for each in record.get("blas") or ()}
-        for record in (before, now)
-    )
+    records = (record.get("blas") or () for record in (before, now))
+    old_blas, new_blas = ({f"{each.get('library')} {each.get('version')}" for each in record} for record in records)
     if not (old_blas <= new_blas or new_blas <= old_blas):  # libraries are loaded as they are needed
         phrases.append(f"BLAS {', '.join(sorted(old_blas))} → {', '.join(sorted(new_blas))}")
     if "git" in before and "git" in now:
@@ -157,7 +120,7 @@ def package() -> str:
     digest = hashlib.sha256()
     for top in sorted({entry.module.partition(".")[0] for entry in own.entry_points}):
         for file in sorted((home / top).rglob("*.py")):
-            digest.update(file.relative_to(home).as_posix().encode() + b"\0" + checkouts.content_hash(file))
+            digest.update(file.relative_to(home).as_posix().encode() + b"\0" + content_hash(file))
     return f"{registry.DISTRIBUTION} {own.version} (code {digest.hexdigest()[:8]})"
 
 
@@ -216,12 +179,7 @@ def _processor() -> str:
 
 
 def _blas() -> list[dict[str, Any]]:
-    found = {
-        (each["internal_api"], each["version"], each["num_threads"])
-        for each in threadpool_info()
-        if each["user_api"] == "blas"
-    }
-    return [
-        {"library": library, "version": version, "threads": threads}
-        for library, version, threads in sorted(found, key=str)
-    ]
+    keys = {"library": "internal_api", "version": "version", "threads": "num_threads"}
+    loaded = [each for each in threadpool_info() if each["user_api"] == "blas"]
+    found = {tuple(each[key] for key in keys.values()) for each in loaded}
+    return [dict(zip(keys, values, strict=True)) for values in sorted(found, key=str)]

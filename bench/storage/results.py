@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache, cached_property
+from itertools import islice
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from bench.errors import BenchError
 from bench.objective import Trace
 from bench.problem import Problem
 from bench.storage.folder import Folder
-from bench.storage.frame import tidy
-from bench.storage.sources import agreed, read_sources, united
+from bench.study import Entry, Study
+from bench.text import unique
+from bench.trial import FRAME_COLUMNS, Row
 
 AnyPath = str | PathLike[str]
+
+COLUMNS = (*FRAME_COLUMNS, "environment")
+SLICE = 50_000  # rows held as Python objects at a time, as a study may have millions
 
 
 @dataclasses.dataclass(frozen=True)
@@ -56,11 +66,11 @@ class Results:
     """
 
     def __init__(self, path: AnyPath, *others: AnyPath) -> None:
-        self._sources = read_sources([Folder(each) for each in (path, *others)])
+        self._sources = _sources([Folder(each) for each in (path, *others)])
         self.names = [source.name for source in self._sources]
-        self.study = united([source.study for source in self._sources])
+        self.study = _united([source.study for source in self._sources])
         self.environments = [record for source in self._sources for record in source.environments]
-        self.fingerprints = agreed([source.folder.fingerprints().data for source in self._sources], self.paths)
+        self.fingerprints = _agreed([source.folder.fingerprints().data for source in self._sources], self.paths)
         self.checks = {
             source.shown[label]: noted
             for source in self._sources
@@ -91,7 +101,7 @@ class Results:
 
     @cached_property
     def _rows(self) -> pd.DataFrame:
-        return tidy(
+        return _tidy(
             (row for source in self._sources for row in source.rows()),
             [entry.label for entry in self.study.problems],
             [entry.label for entry in self.study.optimizers],
@@ -146,3 +156,153 @@ def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
         BenchError: when a folder holds no study or no trials, or the folders cannot be compared (:class:`Results`).
     """
     return Results(path, *others).frame
+
+
+# several folders as one study
+
+
+@dataclasses.dataclass(frozen=True)
+class _Source:
+    """One folder: its study with the labels as shown, the shown label of each optimizer, and its environments."""
+
+    folder: Folder
+    name: str
+    study: Study
+    shown: dict[str, str]
+    environments: list[dict[str, Any]]
+    environment_places: dict[int, int]
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Yield the store's rows with shown labels, the study's name and the environment's number among all folders."""
+        known = {entry.label for entry in self.study.problems}
+        for row in self.folder.store.rows():
+            if row["problem"] not in known or row["optimizer"] not in self.shown:
+                strange = row["optimizer"] if row["problem"] in known else row["problem"]
+                raise BenchError(
+                    f"{self.folder.path} holds trials of {strange!r}, which its study.toml does not name; "
+                    "put back the study.toml that the run wrote"
+                )
+            place = self.environment_places.get(row["environment"])
+            yield row | {"study": self.study.name, "optimizer": self.shown[row["optimizer"]], "environment": place}
+
+
+def _sources(folders: list[Folder]) -> list[_Source]:
+    """Read the folders' studies and environments; make folder names and optimizer labels distinct."""
+    studies = [folder.study() for folder in folders]
+    names = _short_names([folder.path for folder in folders])
+    labels = Counter(entry.label for study in studies for entry in study.optimizers)
+    every = [
+        f"{entry.label} ({name})" if labels[entry.label] > 1 else entry.label
+        for study, name in zip(studies, names, strict=True)
+        for entry in study.optimizers
+    ]
+    distinct = iter(unique(every))  # a label may already equal another one with its folder
+    sources: list[_Source] = []
+    for folder, study, name in zip(folders, studies, names, strict=True):
+        shown = {entry.label: next(distinct) for entry in study.optimizers}
+        optimizers = tuple(dataclasses.replace(entry, label=shown[entry.label]) for entry in study.optimizers)
+        noted = folder.store.environments()
+        environments = [{"folder": name} | record if len(folders) > 1 else record for record in noted.values()]
+        before = sum(len(source.environments) for source in sources)
+        places = {number: before + place for place, number in enumerate(noted, start=1)}
+        own = dataclasses.replace(study, optimizers=optimizers)
+        sources.append(_Source(folder, name, own, shown, environments, places))
+    return sources
+
+
+def _short_names(paths: list[Path]) -> list[str]:
+    """Return the folders' names, with as many parents as make them distinct."""
+    parts = [path.resolve().parts for path in paths]
+    if len(set(parts)) < len(parts):
+        raise BenchError(f"{paths[0]} is given twice; give folders that differ")
+    for depth in range(1, max(map(len, parts)) + 1):
+        names = ["/".join(each[-depth:]) for each in parts]
+        if len(set(names)) == len(names):
+            break
+    return ["".join(c if c.isprintable() else "?" for c in name) for name in names]
+
+
+def _united(studies: list[Study]) -> Study:
+    """Return one study with the problems and optimizers of all."""
+    first = studies[0]
+    if len(studies) == 1:
+        return first
+    problems: dict[str, Entry] = {}
+    for study in studies:
+        if study.budget != first.budget:
+            raise BenchError(
+                f"study {first.name!r} has a budget of {first.budget:,} evaluations and {study.name!r} one of "
+                f"{study.budget:,}; only runs of one budget can be compared"
+            )
+        for entry in study.problems:
+            if problems.setdefault(entry.label, entry) != entry:
+                raise BenchError(
+                    f"problem {entry.label!r} has other options in {study.name!r} than in the studies before it; "
+                    "only runs on the same problem can be compared"
+                )
+    return dataclasses.replace(
+        first,
+        name="-".join(dict.fromkeys(study.name for study in studies)),
+        title=" beside ".join(dict.fromkeys(study.title or study.name for study in studies)),
+        trials=max(study.trials for study in studies),
+        problems=tuple(problems.values()),
+        optimizers=tuple(entry for study in studies for entry in study.optimizers),
+    )
+
+
+def _agreed(fingerprints: Sequence[dict[str, str]], paths: list[Path]) -> dict[str, str]:
+    """Return the fingerprints of all folders; raises BenchError when a problem's data differs between folders."""
+    agreed: dict[str, str] = {}
+    for each, path in zip(fingerprints, paths, strict=True):
+        for label, fingerprint in each.items():
+            if agreed.setdefault(label, fingerprint) != fingerprint:
+                raise BenchError(
+                    f"{path} ran problem {label!r} on other data than {paths[0]}; only runs on the same data can be "
+                    "compared"
+                )
+    return agreed
+
+
+# the tidy frame
+
+
+def _tidy(rows: Iterable[Row], problems: Sequence[str], optimizers: Sequence[str]) -> pd.DataFrame:
+    """Return the tidy frame of a store's rows, sorted by problem, optimizer (as listed) and trial.
+
+    Its columns are ``COLUMNS``, one ``x_<variable>`` for each variable of any problem, and one for each domain metric.
+    """
+    left = iter(rows)
+    parts: list[tuple[pd.DataFrame, ...]] = []
+    while slice_ := list(islice(left, SLICE)):
+        own = pd.DataFrame({name: [row[name] for row in slice_] for name in COLUMNS})
+        parts.append((own, *(pd.DataFrame(_parsed(slice_, name)) for name in ("x", "figures"))))
+    if not parts:
+        return pd.DataFrame(columns=[*COLUMNS])
+    own, points, figures = (pd.concat(each, ignore_index=True) for each in zip(*parts, strict=True))
+    frame: pd.DataFrame = pd.concat([own, points.add_prefix("x_"), figures], axis=1)
+    problem = pd.Index(problems).get_indexer(pd.Index(frame["problem"]))
+    optimizer = pd.Index(optimizers).get_indexer(pd.Index(frame["optimizer"]))
+    order = np.lexsort((frame["trial"], optimizer, problem))
+    return frame.take(order).reset_index(drop=True)
+
+
+def _parsed(rows: list[Row], name: str) -> list[dict[str, float]]:
+    """Parse the JSON text of every row, all in one call unless one of them is damaged."""
+    try:
+        parsed: list[dict[str, float]] = json.loads(f"[{','.join(row[name] or '{}' for row in rows)}]")
+    except ValueError:
+        parsed = []
+    if len(parsed) == len(rows) and all(isinstance(each, dict) for each in parsed):
+        return parsed
+    row = next((row for row in rows if not _is_sound(row[name] or "{}")), rows[0])
+    raise BenchError(
+        f"the store is damaged: {name!r} of trial {row['trial']} of {row['optimizer']} on {row['problem']} (study "
+        f"{row['study']}) cannot be read; restore it from a copy"
+    )
+
+
+def _is_sound(text: str) -> bool:
+    try:
+        return isinstance(json.loads(text), dict)
+    except ValueError:
+        return False

@@ -13,12 +13,48 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from bench.errors import BenchError
 from bench.objective import Trace
-from bench.storage.schema import FILE, KEY, MEASURED, SCHEMA, VERSION, stored, unpack
 from bench.trial import Trial
 
 Key = tuple[str, str, int]
+
+FILE = "trials.sqlite"
+VERSION = 1
+MEASURED = (
+    "environment", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s", "stop", "outside_box", "error",
+    "x", "figures",
+)  # fmt: skip
+"""The columns of a trial beside its key and its trace."""
+
+KEY = ("problem", "optimizer", "trial")
+REPEATABLE = tuple(name for name in (*MEASURED, "trace") if name != "environment" and not name.endswith("_s"))
+"""The columns that must be identical when a trial is made twice."""
+
+# Traces have a table of their own: they take ten times the space of the rest, and most readers need none.
+SCHEMA = f"""
+BEGIN;
+CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL);
+CREATE TABLE cells (
+    id INTEGER PRIMARY KEY, problem TEXT NOT NULL, optimizer TEXT NOT NULL, UNIQUE (problem, optimizer)
+);
+CREATE TABLE results (
+    cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, environment INTEGER REFERENCES environments,
+    seed INTEGER NOT NULL, status TEXT NOT NULL, fun REAL, nfev INTEGER, wall_s REAL, cpu_s REAL, objective_s REAL,
+    stop TEXT, outside_box INTEGER, error TEXT, x TEXT, figures TEXT,
+    PRIMARY KEY (cell, trial)
+) WITHOUT ROWID;
+CREATE TABLE traces (
+    cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, trace BLOB, PRIMARY KEY (cell, trial)
+) WITHOUT ROWID;
+CREATE VIEW trials AS
+    SELECT problem, optimizer, trial, {", ".join(MEASURED)}, trace
+    FROM results JOIN cells ON cells.id = results.cell LEFT JOIN traces USING (cell, trial);
+PRAGMA user_version = {VERSION};
+COMMIT;
+"""
 
 _ONE = "problem = ? AND optimizer = ? AND trial = ?"
 
@@ -47,19 +83,12 @@ class Keys:
 
 @dataclass
 class CellCounts:
-    """The counts and times of the stored trials of one optimizer on one problem.
-
-    Attributes:
-        problem: the problem's label.
-        optimizer: the optimizer's label.
-        status: the number of rows by status.
-        wall_s: the sum of the wall seconds of its finished trials.
-    """
+    """The counts and times of the stored trials of one optimizer on one problem, both by label."""
 
     problem: str
     optimizer: str
-    status: dict[str, int] = field(default_factory=dict)
-    wall_s: float = 0.0
+    status: dict[str, int] = field(default_factory=dict)  # rows by status
+    wall_s: float = 0.0  # sum of the finished trials
 
     @property
     def done(self) -> int:
@@ -70,6 +99,29 @@ class CellCounts:
     def failed(self) -> int:
         """The number of trials that failed or timed out."""
         return sum(self.status.values()) - self.done
+
+
+def stored(trial: Trial, row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a trial's row as :meth:`Store.rows` yields it, from the columns of :func:`bench.trial.as_row`."""
+    key = dict(zip(KEY, trial.key, strict=True))
+    texts = {name: json.dumps(row[name]) for name in ("x", "figures") if name in row}
+    return {**row, **key, "seed": trial.seed, **texts, **({"trace": pack(row["trace"])} if "trace" in row else {})}
+
+
+def disagreement(one: Mapping[str, Any], other: Mapping[str, Any]) -> str:
+    """Return the first of ``REPEATABLE`` in which two rows of one trial, traces included, differ; "" for none."""
+    return next((name for name in REPEATABLE if one.get(name) != other.get(name)), "")
+
+
+def pack(trace: Trace) -> bytes:
+    """Return a trace as bytes for the store."""
+    return trace.evaluations.astype("<i8").tobytes() + trace.values.astype("<f8").tobytes()
+
+
+def unpack(blob: bytes) -> Trace:
+    """Return the trace that :func:`pack` packed."""
+    half = len(blob) // 2
+    return Trace(np.frombuffer(blob[:half], dtype="<i8"), np.frombuffer(blob[half:], dtype="<f8"))
 
 
 class Store:
@@ -132,11 +184,7 @@ class Store:
         return list(cells.values())
 
     def rows(self, where: str = "", *, traces: bool = False) -> Iterator[dict[str, Any]]:
-        """Yield every row, cell by cell; ``x`` and ``figures`` are JSON texts, a trace is bytes.
-
-        Args:
-            where: an SQL condition on the columns, to select rows.
-            traces: whether to read the traces too.
+        """Yield every row that meets an SQL condition, cell by cell; ``x`` and ``figures`` are JSON, a trace is bytes.
 
         Raises:
             BenchError: when there is no store.
@@ -156,9 +204,7 @@ class Store:
         """Return the anytime traces by (problem, optimizer, trial); failed trials have none."""
         query = "SELECT problem, optimizer, trial, trace FROM traces JOIN cells ON cells.id = cell ORDER BY cell, trial"
         try:
-            return {
-                (problem, optimizer, trial): unpack(blob) for problem, optimizer, trial, blob in self._select(query)
-            }
+            return {(*key,): unpack(blob) for *key, blob in self._select(query)}
         except (TypeError, ValueError) as error:
             raise self._damaged("a trace") from error
 
@@ -169,21 +215,15 @@ class Store:
 
     def environments(self) -> dict[int, dict[str, Any]]:
         """Return the environments that rows refer to, by their numbers, oldest first."""
-        records = {
-            number: self.parse(text, f"environment {number}")
-            for number, text in self._select("SELECT id, record FROM environments ORDER BY id")
-        }
-        for number, record in records.items():
-            if not isinstance(record, dict):
+        records = {}
+        for number, text in self._select("SELECT id, record FROM environments ORDER BY id"):
+            try:
+                records[number] = json.loads(text)
+            except (TypeError, ValueError, RecursionError):
+                records[number] = None
+            if not isinstance(records[number], dict):
                 raise self._damaged(f"environment {number}")
         return records
-
-    def parse(self, text: str, what: str) -> Any:
-        """Return the content of a JSON text of the store; raises BenchError, naming ``what``, for a damaged one."""
-        try:
-            return json.loads(text)
-        except (TypeError, ValueError, RecursionError) as error:
-            raise self._damaged(what) from error
 
     def _damaged(self, what: str) -> BenchError:
         return BenchError(f"the store {self.path} is damaged: {what} cannot be read; restore it from a copy")
@@ -205,12 +245,9 @@ class Writer:
         self._cells = self._stored_cells()
 
     def add(self, trial: Trial, row: Mapping[str, Any], environment: int | None = None) -> None:
-        """Commit one trial's row; it replaces a failed row of the same trial, but never a finished one.
+        """Commit one trial's row, of the columns of :func:`bench.trial.as_row`; missing ones are stored as NULL.
 
-        Args:
-            trial: the trial of the row.
-            row: its columns, as :func:`bench.trial.as_row` returns them; missing ones are stored as NULL.
-            environment: the number of the environment that made it.
+        It replaces a failed row of the same trial, but never a finished one.
         """
         with self.transaction():
             self.put(stored(trial, row) | {"environment": environment})

@@ -53,7 +53,7 @@ def test_a_trial_ends_by_its_budget_a_declared_reason_or_without_one(optimizer, 
     result = search(SPHERE, optimizer, 10, seed=3)
     assert (result.stop, result.nfev, result.seed) == (stop, nfev, 3)
     assert result.fun == (result.x**2).sum() == result.trace.values[-1]
-    assert result.figures == {"norm": np.abs(result.x).sum()}
+    assert result.metrics == {"norm": np.abs(result.x).sum()}
 
 
 def test_the_seed_repeats_a_trial():
@@ -96,7 +96,7 @@ def test_a_row_has_the_variables_and_metrics_by_name():
     ],
 )
 def test_what_makes_no_columns_is_refused(variables, figures, sentence):
-    result = replace(search(SPHERE, Drawing(), 10, seed=0), figures=figures)
+    result = replace(search(SPHERE, Drawing(), 10, seed=0), metrics=figures)
     with pytest.raises(ValueError, match=sentence):
         as_row(result, variables)
 

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from bench import BenchError
-from bench.plugins import catalogue
+from bench import BenchError, Study
+from bench.plugins import catalogue, registry
 
 
 def test_an_optimizer_is_listed_with_its_lineage(bench_here):
@@ -30,6 +30,26 @@ def test_the_list_as_json_holds_every_optimizer(bench_here):
     }  # fmt: skip
     assert "failed to load" in listed["broken"]["error"]
     assert listed["scipy:differential_evolution"]["family"] == "scipy"
+
+
+@pytest.mark.parametrize("kind", ["problems", "studies", "commands"])
+def test_the_list_of_another_kind_as_json_holds_its_plugins(bench_here, kind):
+    listed = {each["name"]: each for each in json.loads(bench_here("list", "--json", kind).stdout)}
+    assert set(listed) == set(registry.entries(kind))
+    assert all(set(each) <= {"name", "package", "about", "error"} for each in listed.values())
+    name, start, about = {
+        "problems": ("signature", "backlash-bench ", "signature-01 … signature-20"),
+        "studies": ("thesis", "backlash-bench ", Study.load("thesis").title),
+        "commands": ("data", "backlash-bench ", "published recordings"),
+    }[kind]
+    assert listed[name]["package"].startswith(start)
+    assert about in listed[name]["about"]
+
+
+def test_an_unknown_kind_is_refused_as_json_too(bench_here):
+    done = bench_here("list", "--json", "problem")
+    assert done.returncode == 2
+    assert "unknown kind 'problem'; did you mean 'problems'?" in done.stderr
 
 
 def test_a_family_lists_its_members(bench_here):

@@ -15,8 +15,7 @@ import pytest
 from bench import BenchError, FunctionProblem, Results, Study, load_results, run
 from bench.execution.supervisor import Task
 from bench.objective import Objective
-from bench.storage.schema import MEASURED
-from bench.storage.store import Store
+from bench.storage.store import MEASURED, Store
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals, forks and limits of POSIX")
 

@@ -2,16 +2,18 @@
 
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
 from importlib.metadata import version
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 from bench import load_optimizer, load_problem
-from bench.storage import checkouts, provenance
+from bench.storage import provenance, versions
 from bench.storage.provenance import differences, machine, modules, run
 from bench.study import Fingerprints
 
@@ -83,12 +85,12 @@ def git(tmp_path, monkeypatch):
     ask("commit", "-m", "first")
 
     def state():
-        checkouts._state.cache_clear()
+        versions._state.cache_clear()
         plugin = load_optimizer(f"{repo / 'inner' / 'mine.py'}:mine")
         return machine(modules([plugin]))["checkouts"].get("repo")
 
     yield SimpleNamespace(ask=ask, repo=repo, state=state)
-    checkouts._state.cache_clear()
+    versions._state.cache_clear()
 
 
 class TestCheckouts:
@@ -174,8 +176,11 @@ class TestRun:
         assert not machine().keys() & run(small_study, Fingerprints({}, {}), 1, "loky").keys()
 
     def test_every_key_is_documented(self, small_study):
-        words = provenance.__doc__.replace(",", " ").split()
-        assert (machine() | run(small_study, Fingerprints({}, {}), 1, "loky")).keys() <= set(words)
+        page = (Path(__file__).parents[3] / "ARCHITECTURE.md").read_text(encoding="utf-8")
+        table = page.partition("#### `environment.json`")[2].partition("\n#")[0]
+        rows = [line.partition("|")[2].partition("|")[0] for line in table.splitlines() if line.startswith("| `")]
+        documented = re.findall(r"`(\w+)`", " ".join(rows))
+        assert (machine() | run(small_study, Fingerprints({}, {}), 1, "loky")).keys() == set(documented)
 
 
 class TestDifferences:

@@ -13,8 +13,7 @@ import pytest
 from bench import BenchError, load_results
 from bench.objective import Trace
 from bench.storage.folder import Folder
-from bench.storage.schema import SCHEMA, disagreement, stored
-from bench.storage.store import Keys, Store
+from bench.storage.store import SCHEMA, Keys, Store, disagreement, stored
 from bench.trial import Trial
 
 TRACE = Trace(np.array([1, 5, 40]), np.array([3.5, 0.1, -0.0]))
