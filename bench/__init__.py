@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from bench.check import check_optimizer
     from bench.errors import BenchError
     from bench.execution.runner import run
+    from bench.execution.solve import solve
     from bench.objective import BudgetExhausted, Objective, Trace
     from bench.optimizer import Optimizer, parameter
     from bench.plugins.loading import load_optimizer, load_problem
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from bench.report import write_report
     from bench.storage.results import Results, load_results
     from bench.study import Study
-    from bench.trial import Result, solve
+    from bench.trial import Result
 
 __all__ = [
     "BenchError",
@@ -49,7 +50,7 @@ _HOMES = {
     "Optimizer": "optimizer", "Problem": "problem", "Result": "trial", "Results": "storage.results", "Study": "study",
     "Trace": "objective", "check_optimizer": "check", "load_optimizer": "plugins.loading",
     "load_problem": "plugins.loading", "load_results": "storage.results", "parameter": "optimizer",
-    "run": "execution.runner", "solve": "trial", "write_report": "report",
+    "run": "execution.runner", "solve": "execution.solve", "write_report": "report",
 }  # fmt: skip
 _PACKAGES = ("analysis", "plots")
 

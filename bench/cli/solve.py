@@ -27,8 +27,8 @@ def solve(
     ] = None,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
+    from bench.execution.solve import solve as solve_once
     from bench.plugins import loading
-    from bench.trial import solve as solve_once
 
     loaded = loading.load_problem(problem, **pairs(problem_option))
     chosen = loading.load_optimizer(optimizer, **pairs(option))

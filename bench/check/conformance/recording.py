@@ -19,7 +19,6 @@ from bench.optimizer import Optimizer
 from bench.problem import Floats
 from bench.sandbox.process import DiedError, Process, Pulse, SilentError
 from bench.seeds import global_states
-from bench.trial import solve
 
 OFFERED = {"lower", "upper", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
 """Attributes that the contract offers, and ``evaluations``, which is ``budget`` minus ``remaining``."""

@@ -1,0 +1,34 @@
+"""Run one optimizer once on one problem, in this process."""
+
+from threadpoolctl import threadpool_limits
+
+from bench.errors import BenchError
+from bench.optimizer import Optimizer
+from bench.plugins import loading
+from bench.problem import Problem
+from bench.seeds import check_seed
+from bench.trial import Result, search
+
+
+def solve(problem: str | Problem, optimizer: str | Optimizer, *, budget: int, seed: int = 0) -> Result:
+    """Run one optimizer once on one problem.
+
+    Example:
+        >>> bench.solve("signature-12", "gwo", budget=60_000, seed=1).fun
+
+    Args:
+        problem: a problem or the name of one.
+        optimizer: an optimizer or the name of one.
+        budget: evaluations it may spend; it may be less than one generation.
+        seed: repeats the run exactly; the ``seed`` of a study's row repeats that trial.
+
+    Raises:
+        BenchError: for an unknown name or a budget below 1.
+    """
+    problem = loading.load_problem(problem) if isinstance(problem, str) else problem
+    optimizer = loading.load_optimizer(optimizer) if isinstance(optimizer, str) else optimizer
+    if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
+        raise BenchError("solve needs a problem and an optimizer, or their names")
+    check_seed(seed)
+    with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
+        return search(problem, optimizer, budget, seed)
