@@ -139,14 +139,8 @@ def regret(table: pd.DataFrame, optima: Mapping[str, float], columns: Sequence[s
 def coverage(frame: pd.DataFrame, planned: int) -> pd.DataFrame:
     """Return problem, optimizer, stored, failed and missing (of ``planned``) trials of each cell."""
     rows = [
-        {
-            "problem": problem,
-            "optimizer": optimizer,
-            "stored": len(values),
-            "failed": int(np.isinf(values).sum()),
-            "missing": max(planned - len(values), 0),
-        }
-        for (problem, optimizer), values in cells(frame).items()
+        (*cell, len(values), int(np.isinf(values).sum()), max(planned - len(values), 0))
+        for cell, values in cells(frame).items()
     ]
     return pd.DataFrame(rows, columns=["problem", "optimizer", "stored", "failed", "missing"])
 

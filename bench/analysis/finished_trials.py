@@ -77,12 +77,12 @@ def cell_names(rows: pd.DataFrame) -> list[str]:
 def where(rows: pd.DataFrame) -> str:
     """Return the cells of the rows in short: "a on p, b on 18 problems"."""
     problems = rows.astype(dict.fromkeys(CELL, object)).groupby("optimizer", sort=False)["problem"].unique()
-    return enumerated(
+    return listed(
         [f"{o} on {each[0] if len(each) == 1 else f'{len(each):,} problems'}" for o, each in problems.items()]
     )
 
 
-def enumerated(names: Sequence[str]) -> str:
+def listed(names: Sequence[str]) -> str:
     """Return the names with commas, shortened to the first five and the number of the others."""
     more = len(names) - NAMED
     return ", ".join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")
@@ -95,7 +95,7 @@ def percent(share: float) -> str:
 
 def _percentages(shares: pd.Series[float]) -> str:
     """Return shares as "a 1%, b 2.5%"."""
-    return enumerated([f"{name} {percent(share)}" for name, share in shares.items()])
+    return listed([f"{name} {percent(share)}" for name, share in shares.items()])
 
 
 def _finite(evidence: Evidence) -> Finding:
@@ -155,7 +155,7 @@ def _declared_stops(evidence: Evidence) -> Finding:
         declared,
         "note",
         "ended by a stopping criterion of the optimizer",
-        f"Reasons: {enumerated([f'{stop} ({count:,})' for stop, count in stops.items()])}.",
+        f"Reasons: {listed([f'{stop} ({count:,})' for stop, count in stops.items()])}.",
         well="No trial ended by a stopping criterion of the optimizer.",
     )
 
@@ -231,7 +231,7 @@ def _clamping(evidence: Evidence) -> Finding:
     share = by_optimizer.sum().sum(axis=1) / by_optimizer.count().sum(axis=1)
     high = share[share > CLAMPED]
     unknown = sorted(set(trials["problem"]) - set(evidence.boxes))
-    rest = f" The box is unknown for {enumerated(unknown)}." if unknown else ""
+    rest = f" The box is unknown for {listed(unknown)}." if unknown else ""
     if high.empty:
         least = f"At most {percent(share.max())} of the final coordinates of any optimizer lie on a bound of the box."
         return Finding("pass", least + rest)
@@ -239,7 +239,7 @@ def _clamping(evidence: Evidence) -> Finding:
     named = [f"{name} {percent(value)} ({worst[name]})" for name, value in high.items()]
     return Finding(
         "warning",
-        f"Final coordinates on a bound of the box: {enumerated(named)}. The optimum may lie there, or a repair may "
+        f"Final coordinates on a bound of the box: {listed(named)}. The optimum may lie there, or a repair may "
         f"move points there.{rest}",
         cell_names(trials[trials["optimizer"].isin(high.index) & (bound.sum(axis=1) > 0)]),
     )
@@ -297,7 +297,7 @@ def _disturbed(flag: str, trouble: str, limit: str, evidence: Evidence) -> Findi
     ratios = [f"{name} {ratio:.2f}" for name, ratio in table.loc[table[flag], ["optimizer", "wall_per_cpu"]].to_numpy()]
     if not ratios:
         return Finding("pass", f"Median {limit.format('is at most')}.")
-    return Finding("warning", f"{trouble} (median {limit.format('above')}); wall/CPU: {enumerated(ratios)}.")
+    return Finding("warning", f"{trouble} (median {limit.format('above')}); wall/CPU: {listed(ratios)}.")
 
 
 WAITED = f"wall time {{}} {CONTENTION:g} times CPU time"

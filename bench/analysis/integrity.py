@@ -12,35 +12,18 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from bench.analysis.cells import Traces, coverage
-from bench.analysis.finished_trials import (
-    CHECKS,
-    Boxes,
-    Evidence,
-    Finding,
-    cell_names,
-    enumerated,
-    judge,
-    percent,
-    where,
-)
+from bench.analysis.finished_trials import CHECKS, Boxes, Evidence, Finding, cell_names, judge, listed, percent, where
 
 Diagnoses = Mapping[str, Sequence[Mapping[str, Any]]]
 
 
 class Trait(NamedTuple):
-    """The parts of a sentence on a trait of optimizers that ``bench check`` looks for.
+    """The parts of a sentence on a trait of optimizers that ``bench check`` looks for."""
 
-    Attributes:
-        trouble: what was observed of the optimizers that have the trait.
-        meaning: the consequence for conclusions.
-        shown: formats the number that decided about an optimizer.
-        well: what no optimizer does where none has the trait.
-    """
-
-    trouble: str
-    meaning: str
-    shown: Callable[[float], str]
-    well: str
+    trouble: str  # what was observed of the optimizers that have the trait
+    meaning: str  # the consequence for conclusions
+    shown: Callable[[float], str]  # formats the number that decided about an optimizer
+    well: str  # what no optimizer does where none has the trait
 
 
 TRAITS = {
@@ -133,7 +116,7 @@ def _failures(frame: pd.DataFrame) -> Finding:
         return Finding("not checked", "There is no trial.")
     failed = frame["status"] != "ok"
     kinds = [f"{kind} {count:,}" for kind, count in frame.loc[failed, "status"].value_counts().items()]
-    did = f"did not finish ({enumerated(kinds)})"
+    did = f"did not finish ({listed(kinds)})"
     return judge(frame, failed, "error", did, "They count as +inf.", well=f"All {len(frame):,} trials finished.")
 
 
@@ -144,7 +127,7 @@ def _repeatability(verifications: Sequence[Mapping[str, Any]]) -> Finding:
     summary = "; ".join(str(noted.get("sentence")) for noted in verifications)
     if different:
         return Finding(
-            "error", f"{summary}. Not repeated: {enumerated(different)}. Results depend on more than their seeds."
+            "error", f"{summary}. Not repeated: {listed(different)}. Results depend on more than their seeds."
         )
     return Finding("pass", f"Repeated trials: {summary}.")
 
@@ -159,4 +142,4 @@ def _trait(name: str, diagnoses: Diagnoses) -> Finding:
     if not numbers:
         return Finding("pass", f"None of {len(found):,} optimizers {trait.well}.")
     named = [label if number is None else f"{label} {trait.shown(number)}" for label, number in numbers]
-    return Finding("warning", f"{trait.trouble}: {enumerated(named)}. {trait.meaning}")
+    return Finding("warning", f"{trait.trouble}: {listed(named)}. {trait.meaning}")

@@ -20,20 +20,12 @@ from bench.text import file_name, unique
 
 @dataclass(frozen=True)
 class ExportedTrial:
-    """One finished trial.
+    """One finished trial."""
 
-    Attributes:
-        number: the trial's number, from 0.
-        seed: the seed that repeats the trial.
-        nfev: evaluations made.
-        x: (d,) the best point.
-        trace: the improvements.
-    """
-
-    number: int
+    number: int  # from 0
     seed: int
     nfev: int
-    x: Floats
+    x: Floats  # (d,) the best point
     trace: Trace
 
     @property
@@ -44,21 +36,13 @@ class ExportedTrial:
 
 @dataclass(frozen=True)
 class ExportedCell:
-    """The finished trials of an optimizer on a problem; there is at least one.
+    """The finished trials of an optimizer on a problem, both by label; there is at least one."""
 
-    Attributes:
-        function: the problem's number within the study, from 1.
-        problem: the problem's label.
-        optimizer: the optimizer's label.
-        dimension: the number of search variables.
-        trials: the finished trials, by number.
-    """
-
-    function: int
+    function: int  # the problem's number within the study, from 1
     problem: str
     optimizer: str
-    dimension: int
-    trials: tuple[ExportedTrial, ...]
+    dimension: int  # search variables
+    trials: tuple[ExportedTrial, ...]  # by number
 
 
 def exported_cells(results: Results) -> list[ExportedCell]:
