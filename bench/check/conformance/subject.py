@@ -15,11 +15,11 @@ import cloudpickle
 
 from bench.check.conformance.recording import RecordedRun, record_run
 from bench.errors import BenchError
+from bench.numbers import require_whole
 from bench.optimizer import Optimizer, build, settings
 from bench.plugins.loading import load_optimizer
 from bench.problem import Problem
 from bench.sandbox.process import Pulse
-from bench.seeds import check_seed
 
 START_PATIENCE = 120.0
 """Seconds without a sign of life that are allowed while a process imports, compiles and makes its first run."""
@@ -98,7 +98,7 @@ def make_subject(optimizer: object, options: dict[str, Any], seed: int) -> Subje
     Raises:
         BenchError: for anything else, for an unknown name, for options of an instance, and for a seed below 0.
     """
-    check_seed(seed)
+    require_whole("the seed", seed, 0)
     if isinstance(optimizer, str):
         _refuse(lambda: load_optimizer(optimizer, **options))
         return Subject(optimizer, options, seed)
