@@ -8,13 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from bench.numbers import require_whole
-
-
-def check_seed(seed: object) -> None:
-    """Raise BenchError for a value that is no seed."""
-    require_whole("the seed", seed, 0)
-
 
 def trial_seed(study_seed: int, problem: str, optimizer: str, trial: int) -> int:
     """Return the 63-bit seed of a trial: a stable hash (SHA-256) of its four coordinates.

@@ -35,21 +35,13 @@ class Shard:
 
 @dataclass(frozen=True)
 class Plan:
-    """The trials of a study, or of one shard of it, and which of them are finished.
+    """The trials of a study, or of one shard of it, and which of them are finished."""
 
-    Attributes:
-        study: the study as frozen in its folder.
-        shard: the part to run, None for the whole study.
-        finished: the trials that need not be made; a run adds those that it makes.
-        cells: the counts of the trials that the folder holds.
-        notes: warnings to print before the run begins.
-    """
-
-    study: Study
-    shard: Shard | None
-    finished: Keys
-    cells: Sequence[CellCounts] = ()
-    notes: Sequence[str] = ()
+    study: Study  # as frozen in its folder
+    shard: Shard | None  # the part to run, None for the whole study
+    finished: Keys  # the trials that need not be made; a run adds those that it makes
+    cells: Sequence[CellCounts] = ()  # of the trials that the folder holds
+    notes: Sequence[str] = ()  # warnings to print before the run begins
 
     def trials(self) -> Iterator[Trial]:
         """Yield every trial, finished or not, in the order in which they are to be made."""

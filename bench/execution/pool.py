@@ -23,19 +23,13 @@ class WorkerDiedError(RuntimeError):
 
 
 class Pool:
-    """Workers that make ``jobs`` trials at a time through one of joblib's backends; subclasses choose the backend.
+    """Workers that make ``jobs`` trials at a time through one of joblib's backends; subclasses choose the backend."""
 
-    Attributes:
-        window: the number of batches dispatched at a time; all but ``jobs`` of them wait.
-        work: the function that a worker calls for each trial.
-        deaths: the exceptions that joblib raises when a worker ends during its work.
-    """
-
-    work: Callable[[Task, Trial], Answer]
-    deaths: tuple[type[Exception], ...]
+    work: Callable[[Task, Trial], Answer]  # called in a worker for each trial
+    deaths: tuple[type[Exception], ...]  # raised by joblib when a worker ends during its work
 
     def __init__(self, jobs: int, window: int, backend: Any, **options: Any) -> None:
-        self.jobs, self.window = jobs, window
+        self.jobs, self.window = jobs, window  # of the window's batches, dispatched together, all but ``jobs`` wait
         self._backend, self._options = backend, options
 
     def answers(self, task: Task, missing: Callable[[], Iterable[Trial]]) -> Iterator[Answer]:

@@ -3,10 +3,10 @@
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError
+from bench.numbers import require_whole
 from bench.optimizer import Optimizer
 from bench.plugins import loading
 from bench.problem import Problem
-from bench.seeds import check_seed
 from bench.trial import Result, search
 
 
@@ -29,6 +29,6 @@ def solve(problem: str | Problem, optimizer: str | Optimizer, *, budget: int, se
     optimizer = loading.load_optimizer(optimizer) if isinstance(optimizer, str) else optimizer
     if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
         raise BenchError("solve needs a problem and an optimizer, or their names")
-    check_seed(seed)
+    require_whole("the seed", seed, 0)
     with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
         return search(problem, optimizer, budget, seed)

@@ -34,21 +34,13 @@ _LOOK = 0.5  # seconds between looks for the parent, and minimum seconds between
 
 @dataclass(frozen=True)
 class Task:
-    """What every trial of a run has in common.
+    """What every trial of a run has in common."""
 
-    Attributes:
-        study: the study as TOML, so that workers load plug-ins by name as the parent does.
-        timeout: wall seconds that a trial may take, or None.
-        memory: bytes of memory that a trial's process may hold, or None.
-        hash_seed: the PYTHONHASHSEED of trial processes, which orders sets of strings.
-        package: :func:`bench.storage.provenance.package` of the parent; a worker with another one is refused.
-    """
-
-    study: str
-    timeout: float | None = None
-    memory: int | None = None
-    hash_seed: int = 0
-    package: str = field(default_factory=provenance.package)
+    study: str  # as TOML, so that workers load plug-ins by name as the parent does
+    timeout: float | None = None  # wall seconds that a trial may take
+    memory: int | None = None  # bytes that a trial's process may hold
+    hash_seed: int = 0  # PYTHONHASHSEED of trial processes, which orders sets of strings
+    package: str = field(default_factory=provenance.package)  # of the parent; a worker with another one is refused
 
 
 def work(task: Task, trial: Trial) -> tuple[Trial, Row, str]:

@@ -38,10 +38,7 @@ def failed(reason: str) -> Row:
 
 
 def check(study_text: str, *, pulse: Pulse) -> Fingerprints | str:
-    """Return the result of :meth:`bench.study.Study.check`, or a sentence on why the study cannot be run.
-
-    Pulses while modules are imported.
-    """
+    """Return the result of :meth:`bench.study.Study.check`, or a sentence on why the study cannot be run."""
     try:
         with _pulsing(pulse):
             return _study(study_text).check()
@@ -50,11 +47,7 @@ def check(study_text: str, *, pulse: Pulse) -> Fingerprints | str:
 
 
 def describe_machine(study_text: str, *, pulse: Pulse) -> tuple[str, bool]:
-    """Load all plug-ins of the study and return :func:`bench.storage.provenance.machine` of this process.
-
-    Returns:
-        the record as JSON, and whether the process may make trials.
-    """
+    """Load all plug-ins of the study; return this process's record as JSON, and whether it may make trials."""
     study = _study(study_text)
     plugins: list[object] = []
     with _pulsing(pulse):
@@ -96,11 +89,7 @@ def warm_up(study_text: str, problem: str, optimizer: str, *, pulse: Pulse) -> N
 
 
 def make(study_text: str, trial: Trial, *, pulse: Pulse) -> tuple[Row, bool]:  # noqa: ARG001 - would disturb a trial
-    """Make one trial; an exception becomes its row.
-
-    Returns:
-        the trial's row, and whether the process may make other trials.
-    """
+    """Make one trial; return its row, also after an exception, and whether the process may make other trials."""
     effects = SideEffects()
     try:
         study = _study(study_text)

@@ -26,18 +26,13 @@ OnProgress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True)
 class Verification:
-    """The outcome of making ``trials`` trials of ``cells`` cells (problem, optimizer) again with ``jobs`` workers.
-
-    Attributes:
-        different: the trials that differ, each with the difference.
-        notes: the differences between this environment and the one that made the trials.
-    """
+    """The outcome of making ``trials`` trials of ``cells`` cells (problem, optimizer) again with ``jobs`` workers."""
 
     cells: int
     trials: int
     jobs: int
-    different: dict[Trial, str] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
+    different: dict[Trial, str] = field(default_factory=dict)  # the trials that differ, each with the difference
+    notes: tuple[str, ...] = ()  # differences between this environment and the one that made the trials
 
     @property
     def sentence(self) -> str:

@@ -33,29 +33,17 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Record:
-    """An optimizer's lineage and parameters.
+    """An optimizer's lineage and parameters."""
 
-    Attributes:
-        name: the name that loads it.
-        family: the family that it is a member of, "" for none.
-        about: one line on what it is.
-        paper: authors, year, title and DOI of each work that it implements.
-        code: whose implementation runs.
-        parameters: its parameters.
-        extra: the optional extra of this distribution that it needs, or "".
-        unmapped: features of its library that its adapter does not support, one sentence each.
-        package: the package that offers it.
-    """
-
-    name: str
-    family: str
-    about: str
-    paper: list[str]
-    code: str
+    name: str  # that loads it
+    family: str  # that it is a member of, "" for none
+    about: str  # one line on what it is
+    paper: list[str]  # authors, year, title and DOI of each work that it implements
+    code: str  # whose implementation runs
     parameters: list[Parameter]
-    extra: str
-    unmapped: list[str]
-    package: str
+    extra: str  # the optional extra of this distribution that it needs, or ""
+    unmapped: list[str]  # features of its library that its adapter does not support, one sentence each
+    package: str  # that offers it
 
 
 def record(name: str) -> Record:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 from bench.optimizer import Optimizer, settings
@@ -28,15 +29,11 @@ def derive(
         attributes: class attributes, such as ``bibtex`` and ``code``.
     """
 
-    def reduce(self: Any) -> tuple[Callable[..., Optimizer], tuple[Any, ...]]:
-        return _reload, (load, name, settings(self))
+    def reduce(self: Any) -> tuple[Callable[[], Optimizer], tuple[()]]:
+        return partial(load, name, **settings(self)), ()
 
     fields = [(key, kind, value) for key, (kind, value) in parameters.items()]
     namespace = {"plugin": name, "__reduce__": reduce, **attributes}
     title = name.rpartition(":")[2]
     made: type[Optimizer] = dataclasses.make_dataclass(title, fields, bases=(base,), namespace=namespace, frozen=True)
     return made
-
-
-def _reload(load: Callable[..., Optimizer], name: str, options: dict[str, Any]) -> Optimizer:
-    return load(name, **options)

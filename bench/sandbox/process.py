@@ -58,16 +58,12 @@ class MemoryExceededError(RuntimeError):
 
 
 class DiedError(RuntimeError):
-    """The process ended without an answer.
-
-    Attributes:
-        code: its exit code; after a signal, minus the signal's number.
-        end_of_output: the last lines that it printed; after a crash, the kind and place of the crash.
-    """
+    """The process ended without an answer."""
 
     def __init__(self, code: int, end_of_output: str = "") -> None:
         super().__init__(code, end_of_output)
-        self.code, self.end_of_output = code, end_of_output
+        self.code = code  # after a signal, minus the signal's number
+        self.end_of_output = end_of_output  # the last lines printed; after a crash, the kind and place of the crash
 
     def __str__(self) -> str:
         number = -self.code

@@ -42,19 +42,12 @@ _SHARED: tuple[Any, ...] = (
 
 
 class SideEffects:
-    """A context that runs plug-in code, restores the process afterwards and records what the code left behind.
-
-    Attributes:
-        random: the names of the global random states that the code used.
-        threads: the number of threads that it left running.
-        processes: the number of processes that it left running.
-        lasting: whether the process could not be restored, and must make no other trials.
-    """
+    """A context that runs plug-in code, restores the process afterwards and records what the code left behind."""
 
     def __init__(self) -> None:
-        self.random: list[str] = []
-        self.threads = self.processes = 0
-        self.lasting = False
+        self.random: list[str] = []  # the global random states that the code used, by name
+        self.threads = self.processes = 0  # left running
+        self.lasting = False  # whether the process could not be restored, and must make no other trials
 
     def __enter__(self) -> SideEffects:
         self._threads, self._thread_count = set(threading.enumerate()), _thread._count()
@@ -93,14 +86,10 @@ def set_baseline() -> bool:
 
 
 class _Baseline:
-    """The state of the process that every trial starts from.
-
-    Attributes:
-        altered: whether the process differs from it for good.
-    """
+    """The state of the process that every trial starts from."""
 
     def __init__(self) -> None:
-        self.altered = False
+        self.altered = False  # whether the process differs from it for good
         self.record()
 
     def record(self) -> None:
@@ -204,8 +193,7 @@ def _lacks(current: Mapping[str, Any], known: Mapping[str, Any]) -> bool:
 def _left_running(deadline: float) -> int:
     """Reap ended child processes; return the number of descendants that still run, without resource trackers.
 
-    Args:
-        deadline: the value of :func:`time.monotonic` until which they may end.
+    They may end until the :func:`time.monotonic` of the deadline.
     """
     if not hasattr(os, "WNOHANG"):
         return 0

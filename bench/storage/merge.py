@@ -25,11 +25,8 @@ class Merged:
 def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -> Merged:
     """Write the trials of all folders into one, with the environments that made them.
 
-    The output may hold some of them already: a merge that was interrupted is continued by the same call.
-
-    Args:
-        folders: two or more folders of the same study; their numbers of trials may differ.
-        output: the folder to write.
+    The folders' numbers of trials may differ. The output may hold some of them already: a merge that was interrupted is
+    continued by the same call.
 
     Raises:
         BenchError: when the folders hold different studies, data or code, or a trial with different outcomes.

@@ -32,19 +32,12 @@ SLICE = 50_000  # rows held as Python objects at a time, as a study may have mil
 
 @dataclasses.dataclass(frozen=True)
 class ProblemFacts:
-    """The facts of a problem that results are measured against, as far as it can be loaded where they are read.
+    """The facts of a problem that results are measured against, as far as it can be loaded where they are read."""
 
-    Attributes:
-        optimum: its best known objective value, or None.
-        expected: the true value of domain metrics and the tolerance around it, by name.
-        box: the bounds of each search variable, by name.
-        reason: why the problem cannot be loaded, so that no fact is known; "" where it can.
-    """
-
-    optimum: float | None = None
-    expected: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)
-    box: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)
-    reason: str = ""
+    optimum: float | None = None  # its best known objective value
+    expected: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)  # metrics: true value, tolerance
+    box: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)  # bounds by search variable
+    reason: str = ""  # why the problem cannot be loaded, so that no fact is known
 
 
 class Results:

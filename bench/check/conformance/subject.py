@@ -19,10 +19,10 @@ from bench.check.conformance.recording import ObservedOptimizer, RecordedRun, se
 from bench.check.problems import RecordingProblem, bowl
 from bench.errors import BenchError
 from bench.execution.trial_process import STILL_ASKING
+from bench.numbers import require_whole
 from bench.optimizer import Optimizer, build, settings
 from bench.plugins.loading import load_optimizer
 from bench.sandbox.process import Pulse
-from bench.seeds import check_seed
 from bench.trial import search
 
 START_PATIENCE = 120.0
@@ -114,7 +114,7 @@ def make_subject(optimizer: object, options: dict[str, Any], seed: int) -> Subje
     Raises:
         BenchError: for anything else, for an unknown name, for options of an instance, and for a seed below 0.
     """
-    check_seed(seed)
+    require_whole("the seed", seed, 0)
     if isinstance(optimizer, Optimizer):
         if options:
             raise BenchError(
