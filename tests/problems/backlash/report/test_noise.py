@@ -150,6 +150,12 @@ def test_every_optimizer_has_its_rows_and_datasets_that_the_thesis_lacks_are_sho
     )
 
 
+def test_datasets_that_the_thesis_lacks_are_not_compared_with_it(tmp_path):
+    results = make(tmp_path / "s", [at(14)], lambda a, trial: a)
+    assert "published one" not in words(results)
+    assert len(table(results, "table-7-3-low")) == 1
+
+
 def test_problems_without_any_finished_trial_are_left_out(tmp_path):
     entries = [at(2), at(3)]
     results = make(tmp_path / "s", entries, lambda a, trial: a, failed=("noisy-02",))
