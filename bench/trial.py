@@ -6,13 +6,6 @@ from dataclasses import dataclass
 from time import perf_counter, process_time
 from typing import Any
 
-<<<<<<< HEAD
-=======
-from threadpoolctl import threadpool_limits
-
-from bench.errors import BenchError
-from bench.numbers import require_whole
->>>>>>> w2core
 from bench.objective import BudgetExhausted, Objective, Trace
 from bench.optimizer import Optimizer
 from bench.problem import Floats, Problem
@@ -79,33 +72,6 @@ class Result:
         return self.time - self.objective_time
 
 
-<<<<<<< HEAD
-=======
-def solve(problem: str | Problem, optimizer: str | Optimizer, *, budget: int, seed: int = 0) -> Result:
-    """Run one optimizer once on one problem.
-
-    Example:
-        >>> bench.solve("signature-12", "gwo", budget=60_000, seed=1).fun
-
-    Args:
-        problem: a problem or the name of one.
-        optimizer: an optimizer or the name of one.
-        budget: evaluations it may spend; it may be less than one generation.
-        seed: repeats the run exactly; the ``seed`` of a study's row repeats that trial.
-
-    Raises:
-        BenchError: for an unknown name or a budget below 1.
-    """
-    problem = loading.load_problem(problem) if isinstance(problem, str) else problem
-    optimizer = loading.load_optimizer(optimizer) if isinstance(optimizer, str) else optimizer
-    if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
-        raise BenchError("solve needs a problem and an optimizer, or their names")
-    require_whole("the seed", seed, 0)
-    with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
-        return search(problem, optimizer, budget, seed)
-
-
->>>>>>> w2core
 def search(
     problem: Problem, optimizer: Optimizer, budget: int, seed: int, on_refusal: Callable[[int], None] | None = None
 ) -> Result:
