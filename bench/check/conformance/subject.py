@@ -151,7 +151,7 @@ def parameters(optimizer: Optimizer) -> dict[str, str]:
 
 
 def pack(subject: Subject) -> bytes:
-    """Return the subject as bytes, with a class that another process cannot import; raises what pickling it raises."""
+    """Return the subject as bytes, including a class that no other process can import; raises what pickling raises."""
     cls = subject.source if isinstance(subject.source, type) else type(subject.source)
     local = [each for each in cls.__mro__ if not _importable(each)]
     plain = dataclasses.replace(subject, packed=None, pulse=None)
