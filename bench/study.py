@@ -118,11 +118,7 @@ class Study:
         return dataclasses.replace(self, **given)
 
     def beside(self, names: Iterable[str]) -> Study:
-        """Return a copy with more optimizers, given by name, with their defaults.
-
-        Raises:
-            BenchError: for an optimizer whose label is already in the study.
-        """
+        """Return a copy with more optimizers, given by name; raises BenchError for a label that is in the study."""
         added = _entries([{"name": name} for name in names], "optimizers", repr(self.name)) if names else ()
         optimizers = self.optimizers + added
         _refuse_duplicates(optimizers, "optimizers", repr(self.name))

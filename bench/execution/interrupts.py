@@ -12,7 +12,7 @@ Handler = Callable[[int, FrameType | None], object]
 
 
 class Interrupts:
-    """The interrupts of a run: raised while the run waits, deferred while it commits, ``pending`` once one arrived."""
+    """The interrupts of a run: raised while the run waits, deferred while it commits; ``pending`` once one came."""
 
     def __init__(self) -> None:
         self.pending = self._allowed = False

@@ -92,11 +92,7 @@ def run(
 def plan(
     study: Study | str | PathLike[str], output: str | PathLike[str] | None = None, *, shard: str | None = None
 ) -> Plan:
-    """Return the plan of :func:`run`, and write nothing.
-
-    Raises:
-        BenchError: for a study that cannot be run, or a folder that holds another one.
-    """
+    """Return the plan of :func:`run`, and write nothing; raises BenchError as it does."""
     study, folder, part = _resolved(study, output, shard)
     prepare(study, folder)
     return _plan(folder.extended(study), folder, part)

@@ -35,15 +35,15 @@ class Parameter:
 class Record:
     """An optimizer's lineage and parameters."""
 
-    name: str  # that loads it
-    family: str  # that it is a member of, "" for none
+    name: str  # the name that loads it
+    family: str  # the family that it is a member of, "" for none
     about: str  # one line on what it is
     paper: list[str]  # authors, year, title and DOI of each work that it implements
     code: str  # whose implementation runs
     parameters: list[Parameter]
     extra: str  # the optional extra of this distribution that it needs, or ""
     unmapped: list[str]  # features of its library that its adapter does not support, one sentence each
-    package: str  # that offers it
+    package: str  # the package that offers it
 
 
 def record(name: str) -> Record:

@@ -109,11 +109,7 @@ class _FunctionOptimizer(Optimizer):
 
 
 def _of_function(function: Callable[..., Any], name: str, fingerprint: str) -> type[Optimizer]:
-    """Return the optimizer class of a function; its arguments after ``objective`` and ``rng`` become parameters.
-
-    Raises:
-        BenchError: where the function cannot be called as ``function(objective, rng)``.
-    """
+    """Return the optimizer class of a function; its arguments after ``objective`` and ``rng`` become parameters."""
     try:
         taken = list(inspect.signature(function).parameters.values())
     except (TypeError, ValueError):  # a decorator may leave a signature that cannot be read

@@ -64,11 +64,7 @@ class Folder:
         return provenance.differences(noted[-1], machine) if noted else []
 
     def extended(self, study: Study) -> Study:
-        """Return the study to freeze here: with the larger of its number of trials and the folder's.
-
-        Raises:
-            BenchError: when the folder holds another study.
-        """
+        """Return the study with the larger of its and the folder's numbers of trials; refuse another study."""
         if not self._begun:
             return study
         present = self.study()
@@ -92,11 +88,7 @@ class Folder:
         return study
 
     def fingerprints(self) -> Fingerprints:
-        """Return the noted fingerprints of the problems' data and the optimizers' files.
-
-        Raises:
-            BenchError: where a note is damaged.
-        """
+        """Return the noted fingerprints of data and code; raises BenchError where a note is damaged."""
         return Fingerprints(self._fingerprints(DATA), self._fingerprints(CODE))
 
     def note_fingerprints(self, found: Fingerprints) -> None:
@@ -107,11 +99,7 @@ class Folder:
                 self._write(file, json.dumps(before | now, indent=1))
 
     def refuse_changes(self, found: Fingerprints) -> Fingerprints:
-        """Return the noted fingerprints; refuse data and code that differ from what made the folder's trials.
-
-        Raises:
-            BenchError: for a problem or an optimizer that changed.
-        """
+        """Return the noted fingerprints; raises BenchError for data or code that changed since they were noted."""
         noted = self.fingerprints()
         for (what, kinds), before, now in zip(_CHANGED, noted, found, strict=True):
             for label, fingerprint in now.items():

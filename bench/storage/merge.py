@@ -61,11 +61,7 @@ def _common(studies: list[tuple[Folder, Study]]) -> Study:
 
 
 def _copy(source: Folder, writer: Writer) -> tuple[int, int]:
-    """Add a folder's trials; return the number added and the number present already.
-
-    Raises:
-        BenchError: where a finished trial has two different outcomes.
-    """
+    """Add a folder's trials; return the numbers added and present already. Refuse a trial with two outcomes."""
     numbers = {number: writer.environment(record) for number, record in source.store.environments().items()}
     added = same = 0
     with writer.transaction():

@@ -184,10 +184,9 @@ class Store:
         return list(cells.values())
 
     def rows(self, where: str = "", *, traces: bool = False) -> Iterator[dict[str, Any]]:
-        """Yield every row that meets an SQL condition, cell by cell; ``x`` and ``figures`` are JSON, a trace is bytes.
+        """Yield every row that meets an SQL condition, cell by cell; raises BenchError when there is no store.
 
-        Raises:
-            BenchError: when there is no store.
+        ``x`` and ``figures`` are JSON texts, a trace is bytes.
         """
         if not self.exists:
             raise BenchError(f"there is no {FILE} in {self.path.parent}; give the folder that 'bench run' wrote")
