@@ -14,7 +14,7 @@ gc.set_threshold(20_000, 50, 100)
 
 SLOWEST = (
     "test_distributions.py", "test_examples.py", "test_reference_results.py", "test_hostile.py", "test_crash.py",
-    "test_cma_es_fast.py", "test_app.py", "test_dask.py", "test_problem.py", "test_conformance.py",
+    "test_cma_es_fast.py", "test_app.py", "test_dask.py", "test_problem.py", "test_checker.py",
 )  # fmt: skip
 
 

@@ -64,6 +64,7 @@ def exact_norm(monkeypatch):
     monkeypatch.setattr(Mh, "chiN", staticmethod(expected))
 
 
+@pytest.mark.slow
 @as_pycma_4_5
 @pytest.mark.parametrize("agents", [None, 7, 60, 300])
 @pytest.mark.parametrize("name", FUNCTIONS)

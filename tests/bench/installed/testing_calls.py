@@ -65,6 +65,7 @@ def fork_and_leave(path, own_session, seen, pulse):
             os.setsid()
         Path(path).write_text(f"{os.getpid()}\n")
         time.sleep(60)
+        os._exit(0)
     while not (Path(path).exists() and Path(seen).exists()):
         time.sleep(0.01)
     os._exit(3)

@@ -63,6 +63,7 @@ def test_no_trial_beats_the_reference_fit_and_on_every_dataset_one_of_cma_es_fin
     assert excess[trials["optimizer"] == "cma-es"].groupby(trials["problem"]).min().max() < 1e-10
 
 
+@pytest.mark.slow
 def test_its_reference_fits_are_those_of_today(fits):
     problem = Study.load("thesis").problem("signature-12")
     today = [problem.reference(constrained=constrained).value for constrained in (False, True)]

@@ -223,7 +223,7 @@ def test_a_fit_needs_no_import_that_takes_longer_than_the_fit():
         import sys, bench
         from problems.backlash.signature.families import noisy, signature
         from problems.backlash.published.family import published
-        names = signature.names(), noisy.names(), published.family()
+        names = signature.names(), noisy.names(), published.names()
         assert not {"numba", "scipy", "pandas"} & sys.modules.keys()
         problem = bench.load_problem("signature-12")
         problem.describe(problem.repair(problem.lower[None])[0])
