@@ -264,7 +264,7 @@ def test_a_child_that_was_seen_is_ended_though_its_parent_died_first(calls, proc
 
     def look():
         (child,) = written(path)
-        if wait_for(lambda: child in {member.pid for member in tuple(process._family._members)}):
+        if wait_for(lambda: child in {member.pid for member in tuple(process._tree._members)}):
             seen.touch()
 
     Thread(target=look).start()
