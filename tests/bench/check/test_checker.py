@@ -154,7 +154,10 @@ def test_an_optimizer_that_cannot_keep_its_budget_is_not_searched_for_biases(mon
         ),
         (faulty.Endless, "run", "for ever after its budget of 150 is spent", "let BudgetExhausted pass"),
         pytest.param(
-            faulty.Hanging, "run", "did not end within 8 s after its budget of 150 was spent", "let BudgetExhausted pass",
+            faulty.Hanging,
+            "run",
+            "did not end within 8 s after its budget of 150 was spent",
+            "let BudgetExhausted pass",
             marks=pytest.mark.slow,
         ),
         (faulty.Stuck, "box", "it asked for no value for 2 s, after 0 evaluations", "never calls the objective"),
