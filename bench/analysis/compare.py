@@ -22,7 +22,7 @@ def comparison_matrix(
 
     ``value`` is the statistic, missing where it is not known. ``best`` (bold in the thesis) marks the lowest finite
     value of a problem, each of them where several tie, in problems with at least two values. ``alike`` (italics)
-    marks a known value that is not best, where the test cannot tell its cell from a best one: as in the thesis, by
+    marks a known value that is not best, where the test cannot separate its cell from a best one: as in the thesis, by
     the raw p > ``alpha``; an untestable pair (p = 1) counts as alike. The letters of
     :func:`compact_letters` summarise all pairs after Holm's adjustment; merge them with this table.
 

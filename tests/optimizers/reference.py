@@ -178,7 +178,7 @@ def da(f, confine, lower, upper, x, T, rng, variant="code", seen=None):
     """As the others; ``seen``, a Counter, counts the branches that were taken.
 
     With ``variant="synchronous"`` a dragonfly sees its neighbours where they were before the generation's moves: the
-    mistake of a vectorised implementation, from which a test must tell the author's algorithm apart.
+    mistake of a vectorised implementation, which a test must distinguish from the author's algorithm.
     """
     seen = Counter() if seen is None else seen
     N, d = x.shape

@@ -57,7 +57,7 @@ def test_final_bests_are_distributed_like_those_of_the_reference(reference):
 
 @pytest.mark.parametrize(
     ("function", "algorithm", "other"),
-    # GWO's variants differ too little for 200 runs: 2,000 of each tell them apart (D = .09 on Rastrigin's function).
+    # GWO's variants differ too little for 200 runs: 2,000 of each separate them (D = .09 on Rastrigin's function).
     [("ackley", "alo", "paper"), ("sphere", "goa", "full-distance"), ("sphere", "da", "synchronous")],
 )
 def test_the_comparison_would_see_another_algorithm(reference, function, algorithm, other):

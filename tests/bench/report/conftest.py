@@ -83,7 +83,7 @@ def views(view):
     marks = pd.DataFrame({"b": ["a", "ab"]}, index=pd.Index(["p", "q"], name="problem"))
     pair = pd.DataFrame({"a": [1, 22], "b": [3.5, 4.5]}, index=marks.index)
     matrix = Table(
-        "matrix", "Medians.", pair, bold=pair < 2, italic=pair > 4, marks=marks, note="Letters: not told apart."
+        "matrix", "Medians.", pair, bold=pair < 2, italic=pair > 4, marks=marks, note="Letters: not separable."
     )
     short = Figure("short", "A figure of few numbers.", None, pd.DataFrame({"x": [1, 2], "y": [3.0, 4.0]}))
     long = Figure("long", "A figure of many.", None, pd.DataFrame({"x": np.arange(1234), "y": np.arange(1234) / 7}))

@@ -53,7 +53,7 @@ def comparison(problems=18, optimizers=5, **options):
     index = pd.Index([f"signature-{i + 3:02}" for i in range(problems)], name="problem")
     frame = pd.DataFrame(rng.uniform(2, 40, (problems, optimizers)), index, labels)
     best = frame.eq(frame.min(axis=1), axis=0)
-    note = "Bold: the lowest mean of the row. Italics: an exact test cannot tell the result from the best one’s."
+    note = "Bold: the lowest mean of the row. Italics: an exact test cannot separate the result from the best one’s."
     return Table(
         "comparison", "Mean of the best value.", frame, bold=best, italic=~best & (frame < 9), note=note, **options
     )

@@ -96,9 +96,9 @@ def test_an_interrupted_report_can_be_written_again(folder, monkeypatch, tmp_pat
 
 
 def test_steps_are_told_before_their_work_and_end_at_their_number(folder, tmp_path):
-    told = []
-    write_report(folder, output=tmp_path / "out", on_progress=lambda *step: told.append(step))
-    titles, done, totals = zip(*told, strict=True)
+    steps = []
+    write_report(folder, output=tmp_path / "out", on_progress=lambda *step: steps.append(step))
+    titles, done, totals = zip(*steps, strict=True)
     assert (titles[0], titles[-1]) == ("Verdict", "Downloads")
-    assert done == tuple(range(len(told)))
-    assert set(totals) == {len(told)}
+    assert done == tuple(range(len(steps)))
+    assert set(totals) == {len(steps)}

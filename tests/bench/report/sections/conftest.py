@@ -18,10 +18,10 @@ def folder(make, tmp_path_factory):
 
 
 @pytest.fixture
-def told(folder, monkeypatch):
+def render(folder, monkeypatch):
     """Return a function that makes the section of such records; ``origins`` gives each trial the number of one."""
 
-    def tell(records, origins=None, of=environment):
+    def rendered(records, origins=None, of=environment):
         results = Results(folder)
         results.environments[:] = records
         numbers = pd.Series(origins or [None] * len(results.frame), dtype=object)
@@ -32,4 +32,4 @@ def told(folder, monkeypatch):
             text=" ".join(section.text), warnings=section.warnings, tables={item.name: item for item in section.items}
         )
 
-    return tell
+    return rendered

@@ -1,4 +1,4 @@
-"""The report tells machines and versions apart, and which trials came from which."""
+"""The report distinguishes machines and versions, and which trials came from which."""
 
 import pandas as pd
 
@@ -10,8 +10,8 @@ def shown(table):
     return [[cell.text for cell in row] for row in table.rows]
 
 
-def test_one_environment_is_one_short_table(told):
-    section = told(
+def test_one_environment_is_one_short_table(render):
+    section = render(
         [RECORD, RECORD | {"started": "later", "ended": None, "host": "two", "cores": 4}], [1] * 20 + [2] * 4
     )
     assert section.warnings == ()
@@ -31,9 +31,9 @@ def test_one_environment_is_one_short_table(told):
     ]
 
 
-def test_environments_that_differ_are_told_apart_with_their_trials(told):
+def test_environments_that_differ_are_distinguished_with_their_trials(render):
     origins = ([1, 2, 2, 3] * 6)[:24]
-    section = told([RECORD, NEWER, RECORD | {"started": "later"}], origins)
+    section = render([RECORD, NEWER, RECORD | {"started": "later"}], origins)
     (warning,) = section.warnings
     assert warning.startswith("The trials come from 2 different environments; compare times with care. B differs from")
     assert warning.endswith("B differs from A by numpy 2.4.6 → 2.5.0.")
@@ -48,34 +48,34 @@ def test_environments_that_differ_are_told_apart_with_their_trials(told):
     assert list(data["environment"][:4]) == ["A", "B", "B", "A"]
 
 
-def test_an_environment_that_made_no_trial_left_warns_of_nothing(told):
-    section = told([RECORD, NEWER], [1] * 24)
+def test_an_environment_that_made_no_trial_left_warns_of_nothing(render):
+    section = render([RECORD, NEWER], [1] * 24)
     assert section.warnings == ()
     assert list(section.tables["runs"].frame["trials"]) == [24, 0]
-    assert told([RECORD, NEWER]).warnings != ()  # which made them is not known
+    assert render([RECORD, NEWER]).warnings != ()  # which made them is not known
 
 
-def test_trials_that_tell_of_no_run_are_counted_as_such(told):
-    section = told([RECORD, NEWER], [None] * 8 + [2] * 16)
+def test_trials_without_a_run_are_counted_as_such(render):
+    section = render([RECORD, NEWER], [None] * 8 + [2] * 16)
     assert [title for title, _ in section.tables["environment-trials"].header] == ["optimizer", "B", "not recorded"]
     assert shown(section.tables["environment-trials"]) == [["a", "4", "4"], ["b", "4", "4"], ["c", "8", "0"]]
 
 
-def test_the_records_of_older_folders_are_read(told):
-    section = told([OLD, OLD | {"python": "3.12.1"}])
+def test_the_records_of_older_folders_are_read(render):
+    section = render([OLD, OLD | {"python": "3.12.1"}])
     assert "B differs from A by Python 3.11.7 → 3.12.1" in section.warnings[0]
     assert shown(section.tables["environment"])[-1] == [
         "commit", f"{RECORD['git']['commit']} with uncommitted changes",
     ]  # fmt: skip
     assert "trials" not in section.tables["runs"].frame
     assert "environment-trials" not in section.tables
-    assert told([{}]).tables["runs"].frame.shape[0] == 1
-    assert "no record" in told([]).warnings[0]
+    assert render([{}]).tables["runs"].frame.shape[0] == 1
+    assert "no record" in render([]).warnings[0]
 
 
-def test_fifty_environments_can_still_be_read(told):
+def test_fifty_environments_can_still_be_read(render):
     records = [RECORD | {"python": f"3.11.{i}"} for i in range(50)]
-    section = told(records, [1 + i % 50 for i in range(24)])
+    section = render(records, [1 + i % 50 for i in range(24)])
     (warning,) = section.warnings
     assert warning.startswith("The trials come from 24 different environments")
     assert warning.endswith("D differs from A by Python 3.11.0 → 3.11.3; and 20 more.")
@@ -87,20 +87,20 @@ def test_fifty_environments_can_still_be_read(told):
     assert table.data["environment"].nunique() == 24
 
 
-def test_the_hash_of_the_study_is_told(told, folder):
-    assert f"is {Results(folder).study.identity()};" in told([RECORD]).text
+def test_the_hash_of_the_study_is_shown(render, folder):
+    assert f"is {Results(folder).study.identity()};" in render([RECORD]).text
 
 
-def test_the_state_of_code_is_told_by_a_hash(told):
+def test_the_state_of_code_is_shown_by_a_hash(render):
     dirty = {"commit": "f" * 40, "dirty": True, "diff": "0123456789abcdef" * 4}
-    rows = shown(told([RECORD | {"checkouts": {"mine": dirty}}]).tables["environment"])
+    rows = shown(render([RECORD | {"checkouts": {"mine": dirty}}]).tables["environment"])
     assert ["commit of mine", f"{'f' * 40} with uncommitted changes (0123456789ab)"] in rows
 
 
-def test_every_table_is_written_as_latex_and_csv(told, tmp_path):
+def test_every_table_is_written_as_latex_and_csv(render, tmp_path):
     from bench.report.write import save_table
 
-    section = told([RECORD, NEWER, OLD], [1, 2, 3] * 8)
+    section = render([RECORD, NEWER, OLD], [1, 2, 3] * 8)
     for name, table in section.tables.items():
         for path in save_table(table, tmp_path, name):
             assert (tmp_path / path).stat().st_size

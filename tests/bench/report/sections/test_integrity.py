@@ -23,9 +23,9 @@ def test_the_biases_that_a_check_noted_are_warned_of(make, tmp_path):
     ]
     Folder(folder).note_checks({"a": biased, "b": sound})
     findings = Findings(Results(folder))
-    told = integrity.section(findings)
-    assert [warning.partition(":")[0] for warning in told.warnings[:2]] == ["Centre bias", "Structural bias"]
-    assert "not uniform in the box: a p = 5e-10." in told.warnings[1]
+    shown = integrity.section(findings)
+    assert [warning.partition(":")[0] for warning in shown.warnings[:2]] == ["Centre bias", "Structural bias"]
+    assert "not uniform in the box: a p = 5e-10." in shown.warnings[1]
     verdicts = findings.integrity.set_index("check")["verdict"]
     assert set(verdicts[["boundary clamping", "starts and seeds"]]) == {"pass"}
     paragraph = findings.methods.text[0]

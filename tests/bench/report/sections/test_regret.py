@@ -26,20 +26,20 @@ class TestRegret:
 
     def test_the_median_regret_stands_beside_the_medians(self, folder):
         found = self.findings(folder, p=4.0)
-        told = comparison.section(found)
-        table = told.items[1]
-        assert self.names(told) == ["comparison", "regret"]
+        shown = comparison.section(found)
+        table = shown.items[1]
+        assert self.names(shown) == ["comparison", "regret"]
         assert table.frame.index.tolist() == ["p"]
         medians = found.summary.set_index(["problem", "optimizer"])["median"]
         assert table.frame.loc["p"].tolist() == [medians["p", each] - 4.0 for each in "abc"]
         assert table.data["optimum"].tolist() == [4.0] * 3
-        assert "The optimum is known on 1 problem. No optimizer’s median trial reached it." in told.text[-1]
+        assert "The optimum is known on 1 problem. No optimizer’s median trial reached it." in shown.text[-1]
         assert "regret-curves" in self.names(anytime.section(found))
 
     def test_whose_median_trial_ends_at_the_optimum_is_said(self, make, tmp_path):
         always = {"a": {"fun": 3.0}, "b": {"fun": 3.0 + 1e-13}}
-        told = comparison.section(self.findings(make(tmp_path / "s", changes=always), p=3.0, q=2.0))
-        assert "known on 2 problems. The median trial reached it on 1 with a and on 1 with b." in told.text[-1]
+        shown = comparison.section(self.findings(make(tmp_path / "s", changes=always), p=3.0, q=2.0))
+        assert "known on 2 problems. The median trial reached it on 1 with a and on 1 with b." in shown.text[-1]
 
     def test_failed_trials_are_marked_in_it(self, make, tmp_path):
         table = comparison.section(self.findings(make(tmp_path / "s", fail=[("p", "b")]), p=3.0, q=2.0)).items[1]

@@ -6,10 +6,10 @@ from bench.report.sections import time
 from tests.bench.report.sections.records import NEWER, RECORD
 
 
-def test_machines_are_named(told):
-    assert "on the machine named below (Xeon)." in told([RECORD, NEWER], of=time).text
-    assert "on the machine named below." in told([{"processor": None}], of=time).text
-    text = told([RECORD, RECORD | {"processor": "EPYC"}], of=time).text
+def test_machines_are_named(render):
+    assert "on the machine named below (Xeon)." in render([RECORD, NEWER], of=time).text
+    assert "on the machine named below." in render([{"processor": None}], of=time).text
+    text = render([RECORD, RECORD | {"processor": "EPYC"}], of=time).text
     assert "on the machines named below (Xeon and EPYC)." in text
 
 
@@ -22,11 +22,11 @@ def test_machines_are_named(told):
         ([{"jobs": 4, "cores": 2, "host": "one"}, {"jobs": 4, "cores": 2, "host": "one"}], "More trials"),
     ],
 )
-def test_the_cores_of_all_machines_of_a_run_count(told, records, sentence):
+def test_the_cores_of_all_machines_of_a_run_count(render, records, sentence):
     starts = ["a", "b"] if "host" not in records[0] else ["a", "a"]
     records = [{"started": start} | record for start, record in zip(starts, records, strict=True)]
-    assert f" {sentence} ran at a time than there were cores" in told(records, of=time).text
+    assert f" {sentence} ran at a time than there were cores" in render(records, of=time).text
 
 
-def test_what_is_not_noted_is_not_judged(told):
-    assert "than there were cores" not in told([{"jobs": 2}], of=time).text
+def test_what_is_not_noted_is_not_judged(render):
+    assert "than there were cores" not in render([{"jobs": 2}], of=time).text

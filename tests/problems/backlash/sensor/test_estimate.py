@@ -1,4 +1,4 @@
-"""An estimate tells the truth of simulated recordings, and what it cannot know it does not tell."""
+"""An estimate is close to the truth of simulated recordings, and states nothing that it cannot know."""
 
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ def test_noise_alone_is_no_backlash(colour):
         found = estimate(Recording(0.0, 0.002, 100 + noise(seed, colour=colour)))
         assert found.verdict == "no backlash"
         assert (found.amplitude_rps, found.backlash_rad) == (0.0, 0.0)
-        assert 0.0 < found.amplitude_interval_rps[1] < 0.2  # what could have been told
+        assert 0.0 < found.amplitude_interval_rps[1] < 0.2  # what could have been detected
         assert 1e-4 <= found.interval_rad[1] < 4e-4
         assert found.p_value > evidence.SIGNIFICANT
         assert "no period was found" in " ".join(found.notes)

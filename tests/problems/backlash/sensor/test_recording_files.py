@@ -1,4 +1,4 @@
-"""Which files are meant, and what their names tell of joints and times."""
+"""Which files are selected, and what their names say about joints and times."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from problems.backlash.sensor.recording_files import find, natural, series, shor
 
 
 def series_of(*names):
-    """Return what the names tell: joint, unit, and the files with their times, series by series."""
+    """Return what the names say: joint, unit, and the files with their times, series by series."""
     made = series([Path(name) for name in names])
     return [
         (one.name, one.unit, [(names[i], one.label(at)) for i, at in zip(one.members, one.at, strict=True)])
@@ -33,7 +33,7 @@ def test_a_pattern_is_the_files_that_match_it_and_no_file_is_taken_twice(tmp_pat
     monkeypatch.chdir(tmp_path)
     assert find(["a*.csv", "a2.csv", "b[1].csv"])[0] == [Path("a2.csv"), Path("a10.csv"), Path("b[1].csv")]
     assert find([tmp_path / "a?.csv"])[0] == [tmp_path / "a2.csv"]
-    assert find(["missing.csv"])[0] == [Path("missing.csv")]  # the reader tells
+    assert find(["missing.csv"])[0] == [Path("missing.csv")]  # the reader reports it
 
 
 @pytest.mark.parametrize(("name", "said"), [("", "there is no recording in the folder"), ("x*.csv", "no file matches")])
