@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import gc
 import sys
 
 import typer
@@ -29,6 +31,8 @@ for _name, _command in (
 
 def main() -> None:
     """Run the command line; print bad input as one sentence on standard error."""
+    gc.set_threshold(100_000, 20, 100)  # imports create a million objects and hardly any garbage
+    atexit.register(gc.disable)  # the collection at the end of a process would look through them once more
     try:
         for name in registry.entries("commands"):  # refuses foreign modules of the distribution's generic names
             _add_command(name)
