@@ -95,6 +95,7 @@ STOPS = [
 ]
 
 
+@pytest.mark.slow
 @as_pycma_4_5
 @pytest.mark.parametrize(("reason", "function", "bounds", "options"), STOPS)
 @pytest.mark.usefixtures("exact_norm")

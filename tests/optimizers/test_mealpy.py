@@ -30,6 +30,7 @@ def test_the_members_are_mealpy_s_classes_but_those_left_out():
     assert listed >= left_out.union(TABLE["no_swarm"], TABLE["works"], *TABLE["remarks"].values())
 
 
+@pytest.mark.slow
 def test_every_member_loads_runs_and_is_silent(capfd):
     problem = Watched()
     for name in mealpy.names():

@@ -218,6 +218,7 @@ def test_fifty_kills_lose_nothing_and_change_nothing(start, tmp_path):
     assert Folder(folder).running() is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("number", "jobs", "again"),
     [(signal.SIGINT, 2, False), (signal.SIGINT, 2, True), (signal.SIGINT, 1, True), (signal.SIGTERM, 2, True)],
