@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 import unicodedata
 from dataclasses import dataclass
+from functools import cache
 from inspect import cleandoc
+from pathlib import Path
 
 from bench.errors import BenchError
 
@@ -70,6 +72,12 @@ class Work:
         if found[1] == "{":
             return self.fields[found.end() : _closing(self.fields, found.end()) - 1]
         return re.split(r'"' if found[1] else r"[,\s]", self.fields[found.end() :], maxsplit=1)[0]
+
+
+@cache
+def read(file: Path) -> dict[str, Work]:
+    """Return the works of a BibTeX file by key; raises BenchError as :func:`parse`."""
+    return {work.key: work for work in parse(file.read_text(encoding="utf-8"))}
 
 
 def parse(bibtex: str) -> list[Work]:

@@ -27,7 +27,7 @@ from bench.analysis.cells import NEAR, cells, labels, merge_near_ties, reference
 from bench.analysis.pairwise import ALPHA, RESAMPLES, a12, a12_replicates, holm, percentile_interval
 from bench.problem import Floats
 
-TRIMMED = 0.25  # from either end: what is left is the interquartile mean
+TRIMMED = 0.25  # from either end: the mean of the rest is the interquartile mean
 BATCH = 1_000  # resamples at a time, to bound memory
 
 

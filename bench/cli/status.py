@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console, Group, RenderableType
-from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
@@ -30,6 +29,8 @@ def status(
 
     console, folder = Console(), Folder(output)
     if watch:
+        from rich.live import Live
+
         with Live(summary(folder), console=console, auto_refresh=False) as live:
             while folder.running():
                 sleep(2)

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -16,7 +16,7 @@ from markupsafe import Markup
 from bench.analysis import ALPHA
 from bench.analysis.cells import NEAR
 from bench.analysis.pairwise import RESAMPLES, TIED
-from bench.bibtex import Work, parse
+from bench.bibtex import Work, parse, read
 from bench.errors import BenchError
 from bench.report.latex import escape
 from bench.report.wording import count, listing, options
@@ -160,11 +160,9 @@ def _distinct(values: Iterable[Any]) -> list[str]:
     return list(dict.fromkeys(filter(None, values)))
 
 
-@cache
 def library() -> dict[str, Work]:
     """Return the works whose methods the reports use, by key."""
-    text = (files("bench.report") / BIBLIOGRAPHY).read_text(encoding="utf-8")
-    return {work.key: work for work in parse(text)}
+    return read(Path(__file__).with_name(BIBLIOGRAPHY))
 
 
 def _bibliography(facts: MethodsFacts) -> tuple[dict[str, Work], dict[str, list[str]], tuple[str, ...]]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property, update_wrapper
+from functools import cached_property, update_wrapper
 from pathlib import Path
 from typing import Any, Literal, TypeVar, cast
 
 import numpy as np
 
-from bench.bibtex import Work, parse
+from bench.bibtex import read
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
@@ -50,13 +50,8 @@ class Population(Optimizer):
 
 def works(*keys: str) -> str:
     """Return the BibTeX of the works with these keys in ``optimizers/references.bib``."""
-    return "\n".join(_library()[key].bibtex for key in keys)
-
-
-@cache
-def _library() -> dict[str, Work]:
-    text = (Path(__file__).parents[1] / "references.bib").read_text(encoding="utf-8")
-    return {work.key: work for work in parse(text)}
+    library = read(Path(__file__).parents[1] / "references.bib")
+    return "\n".join(library[key].bibtex for key in keys)
 
 
 def compiled(function: Function) -> Function:
