@@ -13,12 +13,12 @@ from bench.optimizer import parameter
 from bench.problem import Floats
 from optimizers.common.base import Population, compiled, works
 
-Words = NDArray[np.uint64]
+Bytes = NDArray[np.uint8]
 
-# The +-1 steps of a random walk are random bits, taken eight at a time. For each byte (lowest bit first) and k = 0..8:
-_STEPS = 2 * (np.arange(256)[:, np.newaxis] >> np.arange(8) & 1) - 1
-SUM = np.hstack([np.zeros((256, 1), dtype=np.int64), _STEPS.cumsum(axis=1)])  # position after its first k steps
-LOW, HIGH = np.minimum.accumulate(SUM, axis=1), np.maximum.accumulate(SUM, axis=1)  # its extremes up to there
+# The +-1 steps of a random walk are random bits, taken eight at a time. For k = 0..8 and each byte (lowest bit first):
+_STEPS = (2 * (np.arange(256) >> np.arange(8)[:, np.newaxis] & 1) - 1).astype(np.int8)
+SUM = np.vstack([np.zeros((1, 256), dtype=np.int8), _STEPS.cumsum(axis=0, dtype=np.int8)])  # position after k steps
+LOW, HIGH = np.minimum.accumulate(SUM, axis=0), np.maximum.accumulate(SUM, axis=0)  # its extremes up to there
 
 
 @dataclass(frozen=True)
@@ -59,11 +59,14 @@ class ALO(Population):
         order = np.argsort(fitness, kind="stable")
         antlions, fitness = antlions[order], fitness[order]
         elite, elite_fitness = antlions[0].copy(), fitness[0]
+        running = wheel(fitness)
         for t in range(2, T + 1):
-            lower, upper = objective.lower / ratio(t, T), objective.upper / ratio(t, T)  # (eqs. 2.10 and 2.11)
+            I = ratio(t, T)  # noqa: E741 - the paper's symbol
+            lower, upper = objective.lower / I, objective.upper / I  # (eqs. 2.10 and 2.11)
             uniforms = rng.random((N, 5))
             words = rng.integers(2**64, size=(N, 2, d, -(-T // 64)), dtype=np.uint64)
-            ants = walk_ants(antlions, elite, wheel(fitness), lower, upper, t, T, uniforms, words)
+            steps = words.astype("<u8", copy=False).view(np.uint8)
+            ants = walk_ants(antlions, elite, running, lower, upper, t, T, uniforms, steps)
             ants = self.confine(objective, ants)
             merged = np.concatenate([fitness, objective(ants)])
             order = np.argsort(merged, kind="stable")[:N]
@@ -73,6 +76,7 @@ class ALO(Population):
             antlions[0], merged[0] = elite, elite_fitness
             if self.variant == "paper":
                 fitness = merged  # an antlion takes the position, and the fitness, of the ant it caught (eq. 2.12)
+                running = wheel(fitness)
 
 
 def ratio(t: int, T: int) -> float:
@@ -99,43 +103,55 @@ def walk_ants(
     t: int,
     T: int,
     uniforms: Floats,
-    words: Words,
+    steps: Bytes,
 ) -> Floats:
     """Return the (N, d) ants of generation ``t``.
 
     ``lower`` and ``upper`` are the bounds over I; row i of the (N, 5) ``uniforms`` is ant i's draw on the roulette and
-    the coins of its two walks for the lower and the upper end; ``words`` are (N, 2, d, ceil(T / 64)) random bits.
+    the coins of its two walks for the lower and the upper end; ``steps`` (N, 2, d, at least T / 8) are random bytes.
     """
     N, d = antlions.shape
-    ants = np.empty((N, d))
+    ants = np.zeros((N, d))
+    above, width = random_walks(steps.reshape(N * 2 * d, -1), t, T)
     for i in range(N):
         chosen = 0  # without a hit: the first
+        drawn = uniforms[i, 0] * wheel[-1]
         for j in range(N):
-            if wheel[j] > uniforms[i, 0] * wheel[-1]:
+            if wheel[j] > drawn:
                 chosen = j
                 break
-        for k in range(d):
-            total = 0.0
-            for walk in range(2):
+        for walk in range(2):
+            down = 1.0 if uniforms[i, 1 + 2 * walk] < 0.5 else -1.0
+            up = 1.0 if uniforms[i, 2 + 2 * walk] < 0.5 else -1.0
+            for k in range(d):
                 antlion = elite[k] if walk else antlions[chosen, k]
-                low = antlion + (lower[k] if uniforms[i, 1 + 2 * walk] < 0.5 else -lower[k])  # c (eq. 2.8)
-                high = antlion + (upper[k] if uniforms[i, 2 + 2 * walk] < 0.5 else -upper[k])  # d (eq. 2.9)
-                X, a, b = random_walk(words[i, walk, k], t, T)
-                total += (X - a) * (high - low) / (b - a) + low  # (eq. 2.7)
-            ants[i, k] = total / 2  # (eq. 2.13)
+                low, high = antlion + down * lower[k], antlion + up * upper[k]  # c (eq. 2.8) and d (eq. 2.9)
+                n = (2 * i + walk) * d + k
+                ants[i, k] += above[n] * (high - low) / width[n] + low  # (eq. 2.7)
+        for k in range(d):
+            ants[i, k] /= 2  # (eq. 2.13)
     return ants
 
 
 @compiled
-def random_walk(words: Words, t: int, T: int) -> tuple[int, int, int]:
-    """Return where a walk of T fair +-1 steps is after t - 1 of them (eq. 2.1), and its minimum and maximum."""
-    x = X = a = b = 0
-    for step in range(0, T, 8):
-        byte = (words[step >> 6] >> np.uint64(step & 63)) & np.uint64(255)
-        k = min(8, T - step)
-        if step <= t - 1 < step + k:
-            X = x + SUM[byte, t - 1 - step]
-        a = min(a, x + LOW[byte, k])
-        b = max(b, x + HIGH[byte, k])
-        x += SUM[byte, k]
-    return X, a, b
+def random_walks(steps: Bytes, t: int, T: int) -> tuple[Floats, Floats]:
+    """Return where walks of T fair +-1 steps are after t - 1 of them (eq. 2.1), above their minimum, and their widths.
+
+    Both are (n,), of n walks; ``steps`` (n, at least T / 8) are their bits.
+    """
+    n = steps.shape[0]
+    above, width = np.empty(n), np.empty(n)
+    there, end = (t - 1) >> 3, T >> 3
+    for row in range(n):
+        x = a = b = 0
+        for m in range(there):
+            byte = steps[row, m]
+            a, b, x = min(a, x + LOW[8, byte]), max(b, x + HIGH[8, byte]), x + SUM[8, byte]
+        X = x + SUM[(t - 1) & 7, steps[row, there]]
+        for m in range(there, end):
+            byte = steps[row, m]
+            a, b, x = min(a, x + LOW[8, byte]), max(b, x + HIGH[8, byte]), x + SUM[8, byte]
+        byte = steps[row, (T - 1) >> 3]  # where T is no multiple of eight, its first bits are the last steps
+        a, b = min(a, x + LOW[T & 7, byte]), max(b, x + HIGH[T & 7, byte])
+        above[row], width[row] = X - a, b - a
+    return above, width

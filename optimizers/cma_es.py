@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -12,9 +12,6 @@ from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.problem import Floats
 from optimizers.common.base import compiled, works
-
-if TYPE_CHECKING:
-    import cma
 
 UNLIMITED: dict[str, Any] = {"maxiter": np.inf, "maxfevals": np.inf}
 """Options that switch pycma's limits on length off: the budget ends a trial, or a tolerance of pycma does."""
@@ -70,8 +67,7 @@ class CMAES(BoxedCMA):
 
     The bounds are handled as by pycma's option ``bounds``: the search runs in an unbounded space, and a periodic,
     piecewise linear and quadratic map takes its points into the box. pycma maps single points in Python; here the same
-    map, to the last bit, takes all at once. pycma's archive of the points it has sent is left out where it would map
-    each point to itself.
+    map, to the last bit, takes all at once. :class:`~optimizers.common.pycma.Strategy` names the other shortcuts.
 
     Attributes:
         agents, handling, start, sigma: see :class:`BoxedCMA`.
@@ -82,7 +78,7 @@ class CMAES(BoxedCMA):
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent or a tolerance of pycma is met."""
-        import cma
+        from optimizers.common.pycma import Strategy
 
         box = BoxMap(objective.lower, objective.upper)
         width = objective.upper - objective.lower
@@ -99,33 +95,13 @@ class CMAES(BoxedCMA):
             step = self.sigma * float(width[0])
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of flat fitness and early stops, which the harness records
-            strategy = cma.CMAEvolutionStrategy(box.inverse(self.mean(objective)), step, options)
-            strategy.sent_solutions = cma.evolution_strategy.get_CMASolutionDict(functional=False)()
+            strategy = Strategy(box.inverse(self.mean(objective)), step, options)
             while not strategy.stop():
-                asked = ask(strategy)
+                asked = strategy.ask()
                 f = self.evaluate(objective, box(np.asarray(asked)))
                 # the points are pycma's own: they need no check, and none is pulled towards the mean
                 strategy.tell(asked, f.tolist(), check_points=False)
         objective.stop(" ".join(sorted(strategy.stop())))
-
-
-def ask(strategy: cma.CMAEvolutionStrategy) -> list[Floats] | Floats:
-    """Return the lambda unbounded points of ``strategy.ask()``, without a copy and an archive entry for each.
-
-    Once pycma searches an ill-conditioned problem in other coordinates (its ``alleviate_conditioning``), ``tell``
-    needs the archive to find a point's coordinates to the last bit.
-    """
-    points: Floats = strategy.ask_geno()
-    if strategy.gp.isidentity:
-        return points
-    from cma.evolution_strategy import get_CMASolutionDict
-
-    if isinstance(strategy.sent_solutions, get_CMASolutionDict(functional=False)):
-        strategy.sent_solutions = get_CMASolutionDict(functional=True)()
-    mapped = [strategy.gp.pheno(point, copy=True) for point in points]
-    for image, point in zip(mapped, points, strict=True):
-        strategy.sent_solutions.insert(image, geno=point, iteration=strategy.countiter)
-    return mapped
 
 
 class BoxMap:

@@ -7,11 +7,15 @@ from math import gamma, pi, sin
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
 from optimizers.common.base import Population, compiled, works
+
+Indices = NDArray[np.uint64]  # unsigned: compiled code then asks of none whether it counts from the end
+Marks = NDArray[np.uint8]
 
 BETA = 1.5  # (below eq. 3.9)
 SIGMA = gamma(1 + BETA) * sin(pi * BETA / 2) / (gamma((1 + BETA) / 2) * BETA * 2 ** ((BETA - 1) / 2))  # (eq. 3.10)
@@ -49,17 +53,16 @@ class DA(Population):
         span = upper - lower
         food, food_fitness = np.zeros(d), np.inf  # (DA.m: zeros, inf)
         enemy, enemy_fitness = np.zeros(d), -np.inf  # (DA.m: zeros, -inf)
-        x = objective.initial(N)
+        x = np.ascontiguousarray(objective.initial(N))
         v = (lower + span * rng.random((N, d))).T.copy()  # the steps start like positions (DA.m)
         for t in range(1, T + 1):
             fitness = objective(x)
             best = int(np.argmin(fitness))
             if fitness[best] < food_fitness:
                 food, food_fitness = x[best].copy(), fitness[best]
-            harm = np.where(((x > lower) & (x < upper)).all(axis=1), fitness, -np.inf)  # strictly inside (DA.m)
-            worst = int(np.argmax(harm))
-            if harm[worst] > enemy_fitness:
-                enemy, enemy_fitness = x[worst].copy(), harm[worst]
+            worst = find_worst_inside(x, fitness, lower, upper)
+            if worst >= 0 and fitness[worst] > enemy_fitness:
+                enemy, enemy_fitness = x[worst].copy(), fitness[worst]
             r = span / 4 + span * (t / T) * 2  # the neighbourhood's radius (DA.m)
             w = 0.9 - t * ((0.9 - 0.4) / T)  # inertia (DA.m)
             m = max(0.0, 0.1 - t * (0.1 / (T / 2)))  # (DA.m: my_c)
@@ -70,6 +73,19 @@ class DA(Population):
             moved = x.T.copy()
             fly(moved, v, food, enemy, r, weights, lower, upper, uniforms, normals)
             x = self.confine(objective, moved.T.copy())
+
+
+@compiled
+def find_worst_inside(x: Floats, fitness: Floats, lower: Floats, upper: Floats) -> int:
+    """Return the first index of the greatest fitness among the (N, d) points strictly inside (DA.m), or -1."""
+    worst = -1
+    for i in range(len(x)):
+        inside = True
+        for k in range(len(lower)):
+            inside &= lower[k] < x[i, k] < upper[k]
+        if inside and (worst < 0 or fitness[i] > fitness[worst]):
+            worst = i
+    return worst
 
 
 @compiled
@@ -92,7 +108,7 @@ def fly(
     """
     s, a, c, f, e, w = weights
     d, N = x.shape
-    near = np.empty(N)
+    near, neighbours = np.empty(N, dtype=np.uint8), np.empty(N, dtype=np.uint64)
     S, A, C = np.zeros(d), np.empty(d), np.zeros(d)
     for i in range(N):
         far, threatened = False, True
@@ -100,18 +116,18 @@ def fly(
             far |= abs(x[k, i] - food[k]) > r[k]
             threatened &= abs(x[k, i] - enemy[k]) <= r[k]
         social = far or s > 0 or a > 0 or c > 0  # in a run's second half no time is spent on neighbours
-        neighbours = find_neighbours(x, i, r, near) if social else 0
-        swarm = neighbours > 1
+        count = find_neighbours(x, i, r, near, neighbours) if social else 0
+        swarm = count > 1
         for k in range(d):
             S[k], A[k], C[k] = 0.0, v[k, i], 0.0
             if swarm:
                 apart, along = 0.0, 0.0
-                for j in range(N):
-                    apart += near[j] * (x[k, j] - x[k, i])
-                    along += near[j] * v[k, j]
+                for j in neighbours[:count]:
+                    apart += x[k, j] - x[k, i]
+                    along += v[k, j]
                 S[k] = -apart  # (eq. 3.1)
-                A[k] = along / neighbours  # (eq. 3.2)
-                C[k] = apart / neighbours  # (eq. 3.3)
+                A[k] = along / count  # (eq. 3.2)
+                C[k] = apart / count  # (eq. 3.3)
         for k in range(d):
             if far and not swarm:
                 levy = 0.01 * normals[i, k, 0] * SIGMA / abs(normals[i, k, 1]) ** (1 / BETA)  # (eq. 3.9)
@@ -131,18 +147,21 @@ def fly(
 
 
 @compiled
-def find_neighbours(x: Floats, i: int, r: Floats, near: Floats) -> int:
-    """Set ``near`` to 1 for each neighbour of ``i`` and 0 for the others, and return how many there are.
+def find_neighbours(x: Floats, i: int, r: Floats, near: Marks, neighbours: Indices) -> int:
+    """Return how many neighbours ``i`` has, and set so many of ``neighbours`` (N,) to their increasing indices.
 
-    A neighbour is at most ``r`` away in every coordinate and equal in none, which excludes ``i`` itself.
+    A neighbour is at most ``r`` away in every coordinate and equal in none, which excludes ``i`` itself. ``near`` (N,)
+    is room for marks.
     """
     d, N = x.shape
-    near[:] = 1.0
+    near[:] = 1
     for k in range(d):
+        row, here, radius = x[k], x[k, i], r[k]
         for j in range(N):
-            distance = abs(x[k, j] - x[k, i])
-            near[j] = near[j] if (distance > 0) & (distance <= r[k]) else 0.0  # no early exit: it is vectorised
+            distance = abs(row[j] - here)
+            near[j] = near[j] if (distance > 0) & (distance <= radius) else 0  # no early exit: it is vectorised
     count = 0
     for j in range(N):
-        count += near[j] > 0
+        neighbours[count] = j  # stays if it is one; without a branch, as no CPU would predict it
+        count += near[j]
     return count

@@ -9,7 +9,7 @@ from math import exp, gamma, pi, sin, sqrt
 import numpy as np
 import pytest
 
-from optimizers.alo import ALO, random_walk, ratio, walk_ants, wheel
+from optimizers.alo import ALO, random_walks, ratio, walk_ants, wheel
 from optimizers.da import DA, fly
 from optimizers.goa import GOA, social_forces
 from optimizers.gwo import GWO, hunt, promote
@@ -131,19 +131,23 @@ def test_alo_the_roulette_weighs_with_one_over_f():
     assert wheel(np.array([0.5, 1.0, 4.0])).tolist() == [2, 2 + 1, 2 + 1 + 0.25]
 
 
-def word(steps):
-    """The random word whose bits, the lowest first, are the given steps."""
+def byte(steps):
+    """The random byte whose bits, the lowest first, are the given steps."""
     return sum(1 << n for n, step in enumerate(steps) if step == "+")
 
 
 def test_alo_a_walk_is_normalised_by_its_whole_course():
-    words = np.array([word("++---+++")], dtype=np.uint64)  # 0 1 2 1 0 -1 0 1 2
-    assert random_walk(words, 1, 8) == (0, -1, 2)  # element 1 of the walk is its start
-    assert random_walk(words, 4, 8) == (1, -1, 2)  # up to there the lowest is 0
-    assert random_walk(words, 8, 8) == (1, -1, 2)
-    # Of T steps, not of those that the words hold: without the last three the walk is 0 1 2 1 0 -1.
-    assert random_walk(words, 2, 5) == (1, -1, 2)
-    assert random_walk(words, 2, 4) == (1, 0, 2)
+    steps = np.array([[byte("++---+++")]], dtype=np.uint8)  # 0 1 2 1 0 -1 0 1 2
+
+    def above_and_width(t, T):
+        return tuple(float(of_walks[0]) for of_walks in random_walks(steps, t, T))
+
+    assert above_and_width(1, 8) == (0 - -1, 2 - -1)  # element 1 of the walk is its start
+    assert above_and_width(4, 8) == (1 - -1, 2 - -1)  # up to there the lowest is 0
+    assert above_and_width(8, 8) == (1 - -1, 2 - -1)
+    # Of T steps, not of those that the bytes hold: without the last three the walk is 0 1 2 1 0 -1.
+    assert above_and_width(2, 5) == (1 - -1, 2 - -1)
+    assert above_and_width(2, 4) == (1 - 0, 2 - 0)
 
 
 def test_alo_an_ant_is_the_mean_of_two_scaled_walks():
@@ -157,9 +161,9 @@ def test_alo_an_ant_is_the_mean_of_two_scaled_walks():
             [0.7, 0.9, 0.1, 0.0, 0.5],
         ]
     )
-    up, down = word("++---+++"), word("-+--+-+-")  # 0 1 2 1 0 -1 0 1 2 and 0 -1 0 -1 -2 -1 -2 -1 -2
-    words = np.array([[[[up], [down]], [[down], [up]]], [[[up], [up]], [[down], [down]]]], dtype=np.uint64)
-    ants = walk_ants(antlions, elite, np.array([2.0, 3.0]), lower, upper, 4, 8, uniforms, words)
+    up, down = byte("++---+++"), byte("-+--+-+-")  # 0 1 2 1 0 -1 0 1 2 and 0 -1 0 -1 -2 -1 -2 -1 -2
+    steps = np.array([[[[up], [down]], [[down], [up]]], [[[up], [up]], [[down], [down]]]], dtype=np.uint8)
+    ants = walk_ants(antlions, elite, np.array([2.0, 3.0]), lower, upper, 4, 8, uniforms, steps)
     # up at t = 4 is at 1, in -1 … 2, so at 2/3 of the interval; down is at -1, in -2 … 0, so at 1/2.
     # Ant 1: 0.6 * 3 = 1.8 < 2, antlion 1; its lower end is kept and its upper one mirrored.
     RA1 = (1 - -1) * ((3 - 4) - (3 - 2)) / (2 - -1) + (3 - 2)  # up in [1, -1], an interval upside down
@@ -180,11 +184,11 @@ def test_alo_an_ant_is_the_mean_of_two_scaled_walks():
 def test_alo_the_roulette_takes_the_first_entry_above_its_draw_or_else_the_first():
     # With bounds of 0 a walk stays at its antlion: an ant is the mean of the chosen antlion and the elite at 0.
     antlions, nothing = np.array([[2.0], [4.0], [6.0], [8.0]]), np.zeros(1)
-    words = np.full((4, 2, 1, 1), word("+-"), dtype=np.uint64)
+    steps = np.full((4, 2, 1, 1), byte("+-"), dtype=np.uint8)
     uniforms = np.array([[0.0, 0, 0, 0, 0], [0.5, 0, 0, 0, 0], [0.501, 0, 0, 0, 0], [0.99, 0, 0, 0, 0]])
 
     def chosen(sums):
-        ants = walk_ants(antlions, nothing, np.array(sums), nothing, nothing, 2, 2, uniforms, words)
+        ants = walk_ants(antlions, nothing, np.array(sums), nothing, nothing, 2, 2, uniforms, steps)
         return [int(ant) for ant in ants[:, 0]]  # (2 n + 0) / 2
 
     assert chosen([1.0, 2.0, 3.0, 4.0]) == [1, 3, 3, 4]  # 2 is not above 0.5 * 4
@@ -203,7 +207,7 @@ def test_alo_the_code_forgets_what_its_antlions_are_worth(variant, third, fourth
     def uniforms(*draws):
         return [[draw, 0.0, 1.0, 1.0, 0.0] for draw in draws]
 
-    words = np.full((3, 2, 1, 1), word("+-"), dtype=np.uint64)
+    words = np.full((3, 2, 1, 1), byte("+-"), dtype=np.uint64)
     rng = Dealt(
         random=[uniforms(0.95, 0.5, 0.2), uniforms(0.95, 0.6, 0.45), uniforms(0.99, 0.6, 0.3)], integers=[words] * 3
     )
@@ -226,7 +230,7 @@ def test_alo_the_code_forgets_what_its_antlions_are_worth(variant, third, fourth
 
 def test_alo_the_walks_interval_is_the_box_over_the_ratio():
     # Bits "+-": the walk is 0 1 0; at t = 2 it is at its highest, so at the upper end: the antlion + 10 / I.
-    words = np.full((2, 2, 1, 1), word("+-"), dtype=np.uint64)
+    words = np.full((2, 2, 1, 1), byte("+-"), dtype=np.uint64)
     objective = Watched(lambda x: x[0] ** 2 + 1, [[2], [1]], bound=10.0, generations=2, batches=2)
     rng = Dealt(random=[[[0.0, 0, 0, 0, 0], [0.9, 0, 1, 0, 1]]], integers=[words])
     # t = T = 2: I = 1 + 10^6 * 2/2. The antlions are 1 (weight 1/2) and 2 (1/5); 0.9 * 0.7 = 0.63 picks the second.

@@ -5,6 +5,7 @@ import warnings
 import cma
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 
 from bench import BudgetExhausted, FunctionProblem, Objective, load_problem, solve
 from bench.seeds import streams
@@ -33,45 +34,84 @@ def test_a_pre_image_maps_back(seed):
     np.testing.assert_allclose(box(box.inverse(x)[np.newaxis])[0], x, rtol=1e-9, atol=1e-12)
 
 
-def plain_pycma(problem, agents, budget, seed):
-    """Return the best value, the evaluations and the stop of a run by pycma's own loop, with its option bounds."""
-    _, stream = streams(seed)
+class Watched(FunctionProblem):
+    """A problem that keeps the points it evaluates, feasible where the first variable is at most 4."""
+
+    def __init__(self, function, lower, upper):
+        super().__init__(function, lower, upper)
+        self.seen = []
+
+    def repair(self, x):
+        return np.column_stack([np.minimum(x[:, 0], 4.0), x[:, 1:]])
+
+    def evaluate(self, x):
+        self.seen.append(x.copy())
+        return super().evaluate(x)
+
+
+def plain_pycma(problem, optimizer, budget, seed):
+    """Return the stop of a run by pycma's own loop, with its option bounds."""
+    points, stream = streams(seed)
+    objective = Objective(problem, budget, points)
+    width = problem.upper - problem.lower
     options = {
-        "popsize": agents, "bounds": [problem.lower, problem.upper], "CMA_stds": (problem.upper - problem.lower) / 4,
-        "seed": np.nan, "randn": lambda *shape: stream.standard_normal(shape), "verbose": -9, "verb_log": 0,
-        "maxiter": np.inf,
+        "popsize": optimizer.population(len(width)), "bounds": [problem.lower, problem.upper], "seed": np.nan,
+        "randn": lambda *shape: stream.standard_normal(shape), "verbose": -9, "verb_log": 0, "maxiter": np.inf,
+        **({"CMA_stds": width / 4} if len(width) > 1 else {}),
     }  # fmt: skip
-    strategy = cma.CMAEvolutionStrategy((problem.lower + problem.upper) / 2, 1, options)
-    best, evaluations = np.inf, 0
-    while not strategy.stop() and evaluations < budget:
+    strategy = cma.CMAEvolutionStrategy(optimizer.mean(objective), 1 if len(width) > 1 else width[0] / 4, options)
+    while not strategy.stop() and objective.remaining:
         asked = strategy.ask()
-        values = problem.evaluate(np.array(asked))
+        x = np.array(asked)
+        values = objective(objective.repair(x) if optimizer.handling == "repair" else x)
         strategy.tell(asked, values.tolist())
-        best, evaluations = min(best, values.min()), evaluations + len(asked)
-    return best, evaluations, " ".join(sorted(strategy.stop()))
+    return " ".join(sorted(strategy.stop()))
 
 
 def ill_conditioned(exponent):
     """Return a problem of that condition, rotated: beyond 1e12 pycma changes its coordinates."""
     scales, rotation = 10 ** np.linspace(0, exponent, 4), np.eye(4) - 0.5
-    return FunctionProblem(lambda x: (scales * ((x - 1) @ rotation) ** 2).sum(axis=1), [-5] * 4, [5] * 4)
+    return Watched(lambda x: (scales * ((x - 1) @ rotation) ** 2).sum(axis=1), [-5] * 4, [5] * 4)
+
+
+def ellipsoid(dimension):
+    """Return a problem whose optimum lies on bounds."""
+    return Watched(lambda x: (np.arange(1, dimension + 1) * x**2).sum(axis=1), [0] * dimension, [7] * dimension)
+
+
+def signature():
+    problem = load_problem("signature-12", unit="rpm")
+    return Watched(problem.evaluate, problem.lower, problem.upper)
+
+
+MIDPOINT = {"handling": "box", "start": "midpoint"}
 
 
 @pytest.mark.parametrize(
-    ("problem", "agents", "budget"),
+    ("problem", "options", "generations"),
     [
-        (load_problem("signature-12", unit="rpm"), 60, 60 * 100),
-        (ill_conditioned(6), 4, 4 * 1000),  # pycma mirrors samples below six agents
-        (ill_conditioned(6), 40, 40 * 500),
-        (ill_conditioned(14), 40, 40 * 500),
+        (signature(), {"agents": 60, **MIDPOINT}, 100),
+        (ill_conditioned(6), {"agents": 4, **MIDPOINT}, 1000),  # pycma mirrors samples below six agents
+        (ill_conditioned(6), {"agents": 40, **MIDPOINT}, 500),
+        (ill_conditioned(14), {"agents": 40, **MIDPOINT}, 500),
+        (ill_conditioned(14), {"agents": 40}, 500),
+        (ellipsoid(1), {}, 200),  # no coordinate-wise scales
+        (Watched(lambda x: np.floor(x).sum(axis=1), [0, 0], [7, 9]), {}, 100),  # equal values
+        (ellipsoid(7), {"agents": 300, "handling": "box"}, 100),
+        (ellipsoid(12), {"agents": 31}, 200),
+        (ellipsoid(300), {"agents": 20}, 20),  # from here on pycma 4.5 injects points for its step size
     ],
 )
-def test_a_run_is_pycma_s_own_with_bounds(problem, agents, budget):
-    ours = solve(problem, CMAES(agents=agents, handling="box", start="midpoint"), budget=budget, seed=3)
-    with warnings.catch_warnings():
+def test_a_run_is_pycma_s_own_with_bounds(problem, options, generations):
+    optimizer = CMAES(**options)
+    budget = generations * optimizer.population(len(problem.lower))
+    ours = solve(problem, optimizer, budget=budget, seed=3)
+    points, problem.seen = np.vstack(problem.seen), []
+    with warnings.catch_warnings(), threadpool_limits(1):  # as solve does: threads of BLAS change last digits
         warnings.simplefilter("ignore")
-        theirs = plain_pycma(problem, agents, budget, seed=3)
-    assert (ours.fun, ours.nfev, ours.stop) == (*theirs[:2], theirs[2] or "budget")
+        stop = plain_pycma(problem, optimizer, budget, seed=3)
+    np.testing.assert_array_equal(points, np.vstack(problem.seen))
+    assert ours.stop == (stop or "budget")
 
 
 def test_stops_by_tolerance_are_declared():

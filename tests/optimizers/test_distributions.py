@@ -69,8 +69,8 @@ def leaders_of_the_current_generation_alone(leaders, scores, x, f, cascade):
     promote(leaders, scores, x, f, cascade)
 
 
-def one_coin_for_both_ends(antlions, elite, wheel, lower, upper, t, T, uniforms, words):
-    return walk_ants(antlions, elite, wheel, lower, upper, t, T, uniforms[:, [0, 1, 1, 3, 3]], words)
+def one_coin_for_both_ends(antlions, elite, wheel, lower, upper, t, T, uniforms, steps):
+    return walk_ants(antlions, elite, wheel, lower, upper, t, T, uniforms[:, [0, 1, 1, 3, 3]], steps)
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,9 @@ import pytest
 
 from bench.objective import Objective
 from bench.problem import FunctionProblem
-from optimizers.alo import ALO, SUM, random_walk
+from optimizers.alo import ALO, SUM, random_walks
 from optimizers.da import DA
-from optimizers.goa import GOA, social_force
+from optimizers.goa import EPS, GOA, TILE, social_force, social_forces
 from optimizers.gwo import GWO
 from tests.optimizers import reference
 
@@ -143,17 +143,19 @@ def test_handling_box_leaves_the_problems_own_rule_out(optimizer):
 
 
 @pytest.mark.parametrize("T", [1, 2, 7, 8, 9, 63, 64, 65, 130])
-def test_a_walk_by_bytes_is_the_walk_by_steps(T):
-    words = np.random.default_rng(T).integers(2**64, size=-(-T // 64), dtype=np.uint64)
-    bits = [int(words[n // 64]) >> n % 64 & 1 for n in range(T)]
-    X = np.concatenate([[0], np.cumsum([2 * bit - 1 for bit in bits])])
+def test_walks_by_bytes_are_walks_by_steps(T):
+    steps = np.random.default_rng(T).integers(256, size=(3, -(-T // 64) * 8), dtype=np.uint8)
+    X = np.zeros((3, T + 1))
+    X[:, 1:] = np.cumsum(2.0 * np.unpackbits(steps, axis=1, count=T, bitorder="little") - 1, axis=1)
     for t in range(1, T + 1):
-        assert random_walk(words, t, T) == (X[t - 1], X.min(), X.max())
+        above, width = random_walks(steps, t, T)
+        assert above.tolist() == (X[:, t - 1] - X.min(axis=1)).tolist()
+        assert width.tolist() == np.ptp(X, axis=1).tolist()
 
 
 def test_the_bytes_of_a_walk_are_fair():
-    assert SUM[:, 8].sum() == 0
-    assert (SUM[:, 8] ** 2).mean() == 8  # the variance of eight independent +-1 steps
+    assert SUM[8].sum() == 0
+    assert (SUM[8] ** 2).mean() == 8  # the variance of eight independent +-1 steps
 
 
 def test_social_force_is_the_formula():
@@ -161,3 +163,21 @@ def test_social_force_is_the_formula():
     r = 2 + distance % 2
     expected = 0.5 * np.exp(-r / 1.5) - np.exp(-r)
     assert np.abs([social_force(D) for D in distance] - expected).max() < 1e-16
+
+
+@pytest.mark.parametrize("N", [1, TILE - 1, TILE, TILE + 1, 2 * TILE + 5])
+@pytest.mark.parametrize("width", [1, 2, 3])
+def test_social_forces_are_summed_one_after_another(N, width):
+    """To the last bit: the tiles, and the pairs computed once for both, change no order of a sum."""
+    x = np.random.default_rng(N).uniform(-9, 9, (6, N))
+    S = np.zeros((6, N))
+    for group in range(0, 6, width):
+        members = range(group, group + width)
+        for j in range(N):
+            square = np.zeros(N)
+            for k in members:
+                square += (x[k, j] - x[k]) * (x[k, j] - x[k])
+            for i, D in enumerate(np.sqrt(square)):
+                for k in members:
+                    S[k, i] += social_force(D) / (D + EPS) * (x[k, j] - x[k, i])
+    np.testing.assert_array_equal(social_forces(x, width), S)
