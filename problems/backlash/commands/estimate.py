@@ -4,12 +4,15 @@ import json
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from bench.cli.console import pairs, print_error, print_line
 from bench.errors import BenchError
+
+if TYPE_CHECKING:
+    from problems.backlash.recordings import Recording
 
 # The heavy imports wait until they are needed: no other command should wait for numba.
 
@@ -92,9 +95,8 @@ def estimate(
     time at which it reaches the limit.
     """
     from rich.console import Console
-    from rich.progress import track
 
-    from problems.backlash.recordings import Recording, parse_window, read
+    from problems.backlash.recordings import parse_window
     from problems.backlash.sensor import formatting, recording_files
     from problems.backlash.sensor.batch import Estimated, Failed, RunSettings, estimate_files
     from problems.backlash.sensor.estimate import EARLY_RAD, Settings
@@ -119,17 +121,17 @@ def estimate(
 
         plots.check_output(plot)
 
-    def recording(path: Path) -> Recording:
-        found = read(path, time=time, speed=speed, position=position, unit=unit, time_unit=time_unit, rate=rate)
-        return found.window(*part) if part else found
-
+    columns = {"time": time, "speed": speed, "position": position, "unit": unit, "time_unit": time_unit, "rate": rate}
     for remark in remarks:
         print_line(remark, console=stderr)
     several = len(paths) > 1
-    made = estimate_files(paths, recording, settings, asked, jobs=jobs)
-    shown = several and sys.stderr.isatty()
+    made = estimate_files(paths, partial(_read, window=part, columns=columns), settings, asked, jobs=jobs)
+    if several and sys.stderr.isatty():
+        from rich.progress import track
+
+        made = iter(track(made, "estimating", len(paths), console=stderr, transient=True))
     outcomes = []
-    for outcome in track(made, "estimating", len(paths), console=stderr, transient=True, disable=not shown):
+    for outcome in made:
         outcomes.append(outcome)
         if several and isinstance(outcome, Failed):
             print_error(outcome.error)
@@ -152,3 +154,11 @@ def estimate(
     if failed:
         print_error(f"{len(failed)} of the {len(paths)} recordings could not be estimated")
         raise typer.Exit(1)
+
+
+def _read(path: Path, *, window: tuple[float | None, float | None] | None, columns: dict[str, Any]) -> "Recording":
+    """Return the part of a recording to use, whose columns are found by these options of the reader."""
+    from problems.backlash.recordings import read
+
+    found = read(path, **columns)
+    return found.window(*window) if window else found

@@ -11,6 +11,7 @@ from bench.errors import BenchError, require
 from bench.problem import Floats
 
 KINDS = (".csv", ".xlsx", ".parquet")  # of recording files
+EXTRAS = {".xlsx": ("openpyxl", "xlsx"), ".parquet": ("pyarrow", "parquet")}  # what pandas writes them with
 
 
 def check_output(path: Path, kinds: tuple[str, ...], *, force: bool) -> None:
@@ -23,8 +24,8 @@ def check_output(path: Path, kinds: tuple[str, ...], *, force: bool) -> None:
         raise BenchError(
             f"{path} must end in {' or '.join(', '.join(kinds).rsplit(', ', 1))}, the kinds that can be written"
         )
-    if kind == ".parquet":
-        require("pyarrow", "parquet", f"{path} needs")
+    if kind in EXTRAS:
+        require(*EXTRAS[kind], f"{path} needs")
     if path.exists() and not force:
         raise BenchError(f"{path} is there already; choose another name, or replace it with --force")
     if not path.parent.is_dir():

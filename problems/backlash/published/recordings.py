@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 from functools import cache
-from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
 from zipfile import ZipFile
@@ -61,7 +60,7 @@ def read(file: str, member: str, level: int) -> Recording:
     """
     path = require(file)
     content = path.read_bytes() if not member else ZipFile(path).read(member)
-    time, speed = np.array(xlsx_rows(BytesIO(content))[1:], dtype=np.float64).T
+    time, speed = np.array(xlsx_rows(content)[1:], dtype=np.float64).T
     start, dt = float(time[0]), float(time[-1] - time[0]) / (len(time) - 1)
     peak = table_7_3()[level].theoretical if level in table_7_3() else None
     return Recording(start, dt, np.ascontiguousarray(speed), peak=peak, half_gap=half_gap(level))

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 # pandas is imported only for csv and parquet: its import takes longer than reading a spreadsheet without it.
 
 HEAD = 20  # the rows of a spreadsheet among which its headings are looked for
+OLD = bytes.fromhex("d0cf11e0a1b11ae1")  # the start of an .xls file and of an encrypted .xlsx file
 
 UNITS = {
     "time": {"s": 1.0, "ms": 1e3, "us": 1e6},
@@ -155,8 +156,8 @@ def _text(path: Path) -> Table:
 
 
 def _xlsx(path: Path) -> Table:
-    rows = xlsx_rows(path)
-    head = [["" if cell is None else _plain(str(cell)) for cell in row] for row in rows[:HEAD]]
+    rows = xlsx_rows(path.read_bytes())
+    head = [[_plain(str(cell)) for cell in row] for row in rows[:HEAD]]
     above = sum(1 for _ in takewhile(lambda row: not any(map(_is_number, row)), head))
     width = len(rows[0]) if rows else 0
     return Table(
@@ -166,22 +167,32 @@ def _xlsx(path: Path) -> Table:
     )
 
 
-def xlsx_rows(source: Path | BytesIO) -> list[tuple[Any, ...]]:
-    """Return the rows of a workbook's first sheet, all of one length, without the empty ones at its end."""
-    from openpyxl import load_workbook
+def xlsx_rows(content: bytes) -> list[list[Any]]:
+    """Return the rows of a workbook's first sheet, all of one length, without the empty ones at its end.
 
-    book = load_workbook(source, read_only=True, data_only=True, keep_links=False)
+    A cell is a number (float), a text, a truth value, or a date or time; "" where it is empty or an error.
+
+    Raises:
+        BenchError: for a file that is no xlsx workbook, is damaged, or needs a password.
+    """
+    from python_calamine import CalamineWorkbook, SheetTypeEnum
+
+    if content.startswith(OLD):
+        raise BenchError("it is an old workbook (.xls) or has a password; save it as .xlsx without a password")
     try:
-        sheet = book.worksheets[0]
-        sheet.reset_dimensions()  # those that a file declares may be wrong
-        rows = list(sheet.iter_rows(values_only=True))
-    finally:
-        book.close()
-    extents = [max((i + 1 for i, cell in enumerate(row) if cell is not None), default=0) for row in rows]
-    width = max(extents, default=0)
-    while extents and not extents[-1]:
-        extents.pop()
-    return [(*row[:extent], *[None] * (width - extent)) for row, extent in zip(rows, extents, strict=False)]
+        book = CalamineWorkbook.from_filelike(BytesIO(content))
+        names = [sheet.name for sheet in book.sheets_metadata if sheet.typ == SheetTypeEnum.WorkSheet]
+        rows: list[list[Any]] = book.get_sheet_by_name(names[0]).to_python(skip_empty_area=False) if names else []
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # the reader's panics are no Exceptions
+        raise BenchError(f"it is damaged, or no xlsx workbook ({str(error).partition(chr(10))[0]})") from error
+    while rows and not any(cell != "" for cell in rows[-1]):
+        rows.pop()
+    width = len(rows[0]) if rows else 0
+    while width and all(row[width - 1] == "" for row in rows):
+        width -= 1
+    return [row[:width] for row in rows]
 
 
 def _parquet(path: Path) -> Table:

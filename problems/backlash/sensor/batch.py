@@ -1,5 +1,6 @@
 """Estimate many recordings, also in worker processes, and by the thesis's seeded runs of an optimizer (section 7.3)."""
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -10,18 +11,20 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError
-from bench.execution.solve import solve
 from bench.numbers import require_whole
 from bench.optimizer import Optimizer
-from bench.plugins.loading import load_optimizer
 from bench.problem import Floats
+from bench.sandbox.messages import describe_error
 from bench.seeds import trial_seed
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.estimate import Estimate, Settings, estimate, infer_gap, infer_peak, signature_problem
+from problems.backlash.sensor.workers import FORKS, in_workers
 from problems.backlash.signature.model import A
 from problems.backlash.signature.problem import FOUND
 
-FEW = 3  # recordings that are estimated before worker processes would have started
+# Plug-ins are imported where an optimizer runs: an estimate without one does not wait for them.
+
+FEW = 1 if FORKS else 8  # recordings that are estimated before worker processes would have started
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,8 @@ class RunSettings:
 
     def optimizer(self) -> Optimizer:
         """Return the optimizer, loaded where it runs: a class from a file cannot be sent to another process."""
+        from bench.plugins.loading import load_optimizer
+
         return load_optimizer(self.name, **self.options)
 
 
@@ -96,20 +101,22 @@ def estimate_files(
     Args:
         read: returns a file's recording; raises BenchError.
         runs: an optimizer to run on each, too.
-        jobs: worker processes; -1 takes every core. The estimates do not depend on it.
+        jobs: worker processes; -1 takes every core. The outcomes do not depend on it, but a recording that ends the
+            process costs itself only where there are several.
 
     Raises:
         BenchError: for no worker.
     """
-    if jobs == 0:
-        raise BenchError("there must be at least one worker process; give --jobs 1 or more, or -1 for every core")
+    if jobs != -1:
+        require_whole("the number of jobs", jobs, 1, also=", or -1 for every core")
     work = partial(_estimated, read=read, settings=settings, runs=runs)
-    if jobs == 1 or len(paths) <= FEW:
-        return map(work, paths)
-    from joblib import Parallel, delayed
+    jobs = min(jobs if jobs != -1 else _cores(), len(paths))
+    return map(work, paths) if jobs <= 1 or len(paths) <= FEW else in_workers(work, paths, jobs, _lost)
 
-    made: Iterator[Estimated | Failed] = Parallel(n_jobs=jobs, return_as="generator")(map(delayed(work), paths))
-    return made
+
+def _cores() -> int:
+    """Return the number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _estimated(
@@ -122,6 +129,12 @@ def _estimated(
     except BenchError as error:
         sentence = str(error)
         return Failed(path, sentence if str(path) in sentence else f"{path}: {sentence}")
+    except Exception as error:  # a fault of this program costs no other recording
+        return Failed(path, f"{path}: the estimate failed with {describe_error(error)}")
+
+
+def _lost(path: Path, how: str) -> Failed:
+    return Failed(path, f"{path}: the process that estimated it has ended ({how}); estimate it alone to see why")
 
 
 def repeat(found: Estimate, settings: Settings, runs: RunSettings) -> RepeatedRuns:
@@ -130,6 +143,8 @@ def repeat(found: Estimate, settings: Settings, runs: RunSettings) -> RepeatedRu
     Raises:
         BenchError: where the optimizer fails.
     """
+    from bench.execution.solve import solve
+
     problem = signature_problem(found.recording, settings, found.period_s)
     optimizer = runs.optimizer()
     results = []

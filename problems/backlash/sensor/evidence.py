@@ -89,11 +89,8 @@ def resampled(
     begun = (x[T0] + x[T1] - problem.time[0]) / (block * problem.dt)
     if problem.replicas > 1 and (after := math.ceil(begun)) <= whole - FEWEST:
         signed = signed[after:]
-    fits = np.empty((resamples, len(x)))
-    for number in range(resamples):
-        drawn = signed[rng.integers(len(signed), size=places)] * signs
-        fits[number] = problem.beside(fitted + drawn.ravel()[:n]).near(x, constrained=constrained)
-    return fits
+    draws = (signed[rng.integers(len(signed), size=places)] * signs for _ in range(resamples))
+    return problem.near(x, (fitted + drawn.ravel()[:n] for drawn in draws), constrained=constrained)
 
 
 def _looked_at(problem: SignatureFit) -> float:

@@ -2,6 +2,7 @@
 
 import copy
 import hashlib
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Literal, NamedTuple, get_args
 
@@ -130,11 +131,12 @@ class SignatureFit(Problem):
     def _fold(self, signal: Floats) -> kernel.Folded:
         return kernel.fold(signal, start=float(self.time[0]), dt=self.dt, period=self.period, replicas=self.replicas)
 
-    def near(self, x: Floats, *, constrained: bool = False) -> Floats:
-        """Return the (7,) best fit near a point, such as the reference fit of a similar signal."""
-        from problems.backlash.signature.reference import fit_near
+    def near(self, x: Floats, signals: Iterable[Floats], *, constrained: bool = False) -> Floats:
+        """Return the (m, 7) best fits near a point (7,) to m signals (N,) like the problem's own, in ``unit``."""
+        from problems.backlash.signature.refits import fits_near
 
-        return fit_near(self._folded, self.lower, self.upper, x, constrained=constrained)
+        fits = fits_near(self._folded, signals, self.lower, self.upper, x, constrained=constrained)
+        return np.array(list(fits)).reshape(-1, len(x))
 
     def model(self, x: Floats) -> Floats:
         """Return the (N,) signature of a (7,) point, about the recording's mean speed; in ``unit``."""

@@ -22,6 +22,7 @@ Nothing here is random. It is not an optimizer plug-in: those see only the objec
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +30,6 @@ from numba import njit
 
 from bench.problem import Floats
 from problems.backlash.signature.kernel import Folded
-from problems.backlash.signature.model import EDGE, OMEGA, T0, T1, TAU
 from problems.backlash.signature.projection import (
     CLEARANCE,
     SINGULAR,
@@ -52,17 +52,17 @@ POLISHED = 400  # the largest number of pairs that are polished
 ROUGH, FINEST = 1e-3, 1e-7  # the step that ends a compass search, in units of its first: for all pairs, for the best
 ROUNDS = 60  # the largest number of rounds, of eight points each, of the last search, on the signal itself
 SWEPT, SWEEPS = 16, 6  # that search's windows, and the most sweeps over the ends of each; a refinement follows a sweep
+NEAR = 2  # the samples to both sides over which a sweep moves an end
 PLACES = 24  # the most places a sample in a sweep
 SHORT = (
     10_000  # samples of a recording up to which these numbers of windows hold; longer ones have proportionally fewer
 )
 ROUNDING = 1e-13  # a relative gain up to this is rounding
-NEAR, NEAR_ENOUGH = 2, 1e-3  # a fit near another one: the samples searched to both sides, the step that ends its search
 
 
 def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool) -> Floats:
     """Return the (7,) point of the lowest RMSE within the (7,) bounds and, if asked for, the constraints of 7.2.2."""
-    limit, length, sums = _prepared(recording, lower, upper, constrained=constrained)
+    limit, length, sums = prepare(recording, lower, upper, constrained=constrained)
     taus, omegas = np.geomspace(*limit.tau, TAUS), np.linspace(*limit.omega, OMEGAS)
     ceiling = _ceiling(recording.signal, sums, length)
     grid, most_yet = np.zeros((sums.n, OMEGAS, 2)), 0.0
@@ -81,33 +81,27 @@ def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bo
         _polish(np.array([grid[start, column, 1], omegas[column]]), steps, start, sums, limit, length, ROUGH)
         for start, column in near
     ]
-    windows = sorted(windows, key=lambda each: -each.energy)[:most]
+    windows = _distinct(windows)[:most]
     windows = [
         _polish(np.array([each.tau, each.omega]), 10 * ROUGH * steps, each.start, sums, limit, length, FINEST)
         for each in windows
     ]
     if not recording.shift:
-        windows = sorted(windows, key=lambda each: -_settle(each, recording, sums, limit, sweeps=0)[0])
+        windows = sorted(windows, key=lambda each: -settle(each, recording, sums, limit, sweeps=0)[0])
         windows = windows[: math.ceil(share * SWEPT)]
-    settled = [_settle(each, recording, sums, limit, sweeps=SWEEPS) for each in windows]
+    settled = [settle(each, recording, sums, limit, sweeps=SWEEPS) for each in windows]
     return np.clip(max(settled, key=lambda each: each[0])[1], lower, upper)
 
 
-def fit_near(recording: Folded, lower: Floats, upper: Floats, near: Floats, *, constrained: bool) -> Floats:
-    """Return the (7,) point of the lowest RMSE near the point ``near``, for a slightly changed signal; in milliseconds.
-
-    The window may begin two samples earlier or later, and the search of tau and omega starts at those of ``near``.
-    """
-    limit, length, sums = _prepared(recording, lower, upper, constrained=constrained)
-    first = math.floor((near[T0] - recording.start + near[T1] + EDGE) / recording.dt) + 1
-    starts = range(max(first - NEAR, 1), min(first + NEAR, limit.last) + 1)
-    at, steps = near[[TAU, OMEGA]], np.array([1.0, 2.0])
-    windows = [_polish(at, steps, start, sums, limit, length, NEAR_ENOUGH) for start in starts]
-    best = max(windows, key=lambda each: each.energy)
-    return np.clip(_settle(best, recording, sums, limit, sweeps=None)[1], lower, upper)
+def _distinct(windows: Iterable[Window]) -> list[Window]:
+    """Return the windows by falling energy, without those that a search has brought to the place of a better one."""
+    places: dict[tuple[float, ...], Window] = {}
+    for each in sorted(windows, key=lambda each: -each.energy):
+        places.setdefault((each.start, each.samples, round(each.tau, 1), round(each.omega, 1)), each)
+    return list(places.values())
 
 
-def _prepared(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool) -> tuple[Limits, int, Sums]:
+def prepare(recording: Folded, lower: Floats, upper: Floats, *, constrained: bool) -> tuple[Limits, int, Sums]:
     """Return the limits of a fit, the samples of its longest window, and the sums folded for it."""
     limit = limits(recording, lower, upper, constrained=constrained)
     length = min(math.ceil(limit.t2 / recording.dt), len(recording.signal))
@@ -216,7 +210,7 @@ def _search(at: Floats, steps: Floats, start: int, sums: Sums, limit: Limits, le
     at, step, scale = at.copy(), steps.copy(), 1.0
     while scale > finest:
         centre, moved = at.copy(), False
-        for turn in range(9):
+        for turn in (0, 1, 2, 3, 5, 6, 7, 8):  # 4 is the centre
             tau = min(max(centre[0] + (turn // 3 - 1) * scale * step[0], low[0]), high[0])
             omega = min(max(centre[1] + (turn % 3 - 1) * scale * step[1], low[1]), high[1])
             energy = profile(tau, omega, start, sums, limit, length)[0]
@@ -235,9 +229,7 @@ def _polish(at: Floats, steps: Floats, start: int, sums: Sums, limit: Limits, le
     return Window(energy, tau, omega, int(start), samples, sine, cosine)
 
 
-def _settle(
-    window: Window, recording: Folded, sums: Sums, limit: Limits, *, sweeps: int | None
-) -> tuple[float, Floats]:
+def settle(window: Window, recording: Folded, sums: Sums, limit: Limits, *, sweeps: int | None) -> tuple[float, Floats]:
     """Return the energy that a window explains and its (7,) point, with the window's ends as times.
 
     If T_d lies between samples, the point is searched for on the signal itself, unless ``sweeps`` is None. All begins

@@ -1,5 +1,7 @@
 """bench simulate: recordings, joints and wear curves it writes, and what it refuses."""
 
+from functools import partial
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,7 +10,7 @@ from problems.backlash.commands.simulate import simulate
 from problems.backlash.joint import Joint, half_gap, load_joint
 from problems.backlash.joint import simulate as run
 
-READERS = {".csv": pd.read_csv, ".xlsx": pd.read_excel, ".parquet": pd.read_parquet}
+READERS = {".csv": pd.read_csv, ".xlsx": partial(pd.read_excel, engine="openpyxl"), ".parquet": pd.read_parquet}
 
 
 @pytest.mark.parametrize("kind", READERS)

@@ -18,7 +18,7 @@ def over_a_turn(speed):
 @pytest.fixture(scope="module")
 def recorded(published):
     def read(level):
-        return pd.read_excel(published / f"Speeddata{level}.xlsx").to_numpy()[:, 1]
+        return pd.read_excel(published / f"Speeddata{level}.xlsx", engine="openpyxl").to_numpy()[:, 1]
 
     return {level: over_a_turn(read(level)) for level in LEVELS}
 

@@ -6,7 +6,8 @@ from bench.errors import BenchError
 from problems.backlash.joint import writing
 
 
-def test_parquet_without_pyarrow_is_reported_before_any_work(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(BenchError, match=r"needs pyarrow; install it with: pip install 'backlash-bench\[parquet\]'"):
-        writing.check_output(tmp_path / "a.parquet", writing.KINDS, force=False)
+@pytest.mark.parametrize(("kind", "module"), [("parquet", "pyarrow"), ("xlsx", "openpyxl")])
+def test_a_missing_extra_is_reported_before_any_work(tmp_path, monkeypatch, kind, module):
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(BenchError, match=rf"needs {module}; install it with: pip install 'backlash-bench\[{kind}\]'"):
+        writing.check_output(tmp_path / f"a.{kind}", writing.KINDS, force=False)

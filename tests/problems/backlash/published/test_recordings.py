@@ -51,7 +51,7 @@ def test_the_shared_recordings_are_whole(published):
 @pytest.mark.parametrize("level", [3, 12])
 def test_a_clean_recording_is_the_file_s(load, published, level):
     problem = load(f"published-{level:02d}")
-    table = pd.read_excel(published / f"Speeddata{level}.xlsx").to_numpy()
+    table = pd.read_excel(published / f"Speeddata{level}.xlsx", engine="openpyxl").to_numpy()
     np.testing.assert_allclose(problem.time, table[:, 0], atol=1e-12)
     np.testing.assert_allclose(problem.signal + problem.mean_rps, table[:, 1])
 

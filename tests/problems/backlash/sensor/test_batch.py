@@ -1,14 +1,20 @@
 """Many recordings: a bad one does not stop the others; an optimizer's seeded runs stand beside each estimate."""
 
+import os
+import signal
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import problems.backlash.sensor.batch as batch
 from bench.errors import BenchError
 from problems.backlash.sensor.batch import Estimated, Failed, RunSettings, estimate_files, repeat
 from problems.backlash.sensor.estimate import Settings
+from problems.backlash.sensor.workers import FORKS
 from problems.backlash.signature.datasets import noisy
+
+forks = pytest.mark.skipif(not FORKS, reason="a test's functions cannot be sent to a worker that is not forked")
 
 NONE = Settings(calibration=None, resamples=0)
 
@@ -30,9 +36,49 @@ def test_a_bad_file_costs_itself_only_and_is_named_in_its_sentence(monkeypatch, 
     assert (good.path, good.runs) == (paths[1], None)
 
 
-def test_without_a_worker_there_is_no_estimate():
-    with pytest.raises(BenchError, match="at least one worker"):
-        estimate_files([Path("5.csv")], read, NONE, jobs=0)
+@pytest.mark.parametrize("jobs", [0, -2, 1.5])
+def test_without_a_worker_there_is_no_estimate(jobs):
+    with pytest.raises(BenchError, match="jobs must be a whole number of at least 1, or -1 for every core"):
+        estimate_files([Path("5.csv")], read, NONE, jobs=jobs)
+
+
+def test_a_fault_of_the_program_is_one_sentence_too(monkeypatch):
+    def estimate(recording, settings):
+        raise ZeroDivisionError("by zero\nin a line")
+
+    monkeypatch.setattr(batch, "estimate", estimate)
+    (failed,) = estimate_files([Path("5.csv")], read, NONE)
+    assert failed.error == "5.csv: the estimate failed with ZeroDivisionError: by zero"
+
+
+def content(outcome):
+    """Return an outcome without its arrays, and those as bytes."""
+    fields = vars(outcome.estimate) | vars(outcome.estimate.recording)
+    return {name: each.tobytes() if isinstance(each, np.ndarray) else repr(each) for name, each in fields.items()}
+
+
+@forks
+def test_estimates_do_not_depend_on_the_number_of_workers():
+    paths = [Path(f"{level}.csv") for level in (9, 3, 12, 6, 5)]
+    settings = Settings(resamples=10)
+    alone = [content(each) for each in estimate_files(paths, read, settings, jobs=1)]
+    for jobs in (2, 3, -1):
+        assert [content(each) for each in estimate_files(paths, read, settings, jobs=jobs)] == alone
+
+
+@forks
+def test_a_recording_that_ends_its_process_costs_itself_only(monkeypatch, make_estimate):
+    def deadly(path):
+        if path.stem == "bad":
+            os.kill(os.getpid(), signal.SIGKILL)
+        return read(path)
+
+    monkeypatch.setattr(batch, "estimate", lambda recording, settings: make_estimate())
+    paths = [Path(name) for name in ("3.csv", "bad.csv", "5.csv", "a/bad.csv", "6.csv")]
+    outcomes = list(estimate_files(paths, deadly, NONE, jobs=2))
+    assert [outcome.path for outcome in outcomes] == paths
+    assert [isinstance(outcome, Failed) for outcome in outcomes] == [False, True, False, True, False]
+    assert outcomes[1].error.startswith("bad.csv: the process that estimated it has ended (signal SIGKILL); estimate")
 
 
 @pytest.fixture(scope="module")
