@@ -51,8 +51,9 @@ def types(session: nox.Session) -> None:
     session.run("mypy")
 
 
-@nox.session
+@nox.session(venv_backend="uv|venv")  # uv, where it is installed, is ten times as fast as pip
 def benchmark(session: nox.Session) -> None:
     """Reproduce the thesis's comparison with its report; arguments after -- go to 'bench run thesis'."""
     session.install("-e", ".")
-    session.run("bench", "run", "thesis", "--check", *session.posargs)
+    # Without bytecode files, which uv does not write, each of the run's processes would take seconds to start.
+    session.run("bench", "run", "thesis", "--check", *session.posargs, env={"PYTHONDONTWRITEBYTECODE": ""})

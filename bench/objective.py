@@ -1,12 +1,15 @@
 """The objective, all that an optimizer sees of a problem: a counted and clocked function with a hard budget."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from threading import Lock
 from time import perf_counter
 from typing import Any
 
 import numpy as np
+from numpy import empty, ndarray
 from numpy.typing import ArrayLike, NDArray
 
 from bench.numbers import require_whole
@@ -14,6 +17,11 @@ from bench.problem import Floats, Problem
 from bench.text import printable
 
 _LONGEST_REASON = 200  # characters
+_FLOAT64 = np.dtype(np.float64)
+_NOT_ONE_FLOAT = (None,)
+_INSIDE, _OUTSIDE, _MISFIT = 0, 1, 2  # where a point is: in the box, outside, in a space of another dimension
+_ILLEGAL = -1
+_WORTH_COMPILING = 10_000  # coordinates of points, with which an interpreter is busy for a few milliseconds
 
 
 class BudgetExhausted(BaseException):
@@ -48,6 +56,9 @@ class Objective:
     counts as one evaluation; a row outside the box or not finite is counted too, and its value is +inf, so
     leaving the box gains nothing. A NaN value counts as +inf. No row past the budget is evaluated.
 
+    The points are read once. That private copy is checked, evaluated and kept, so neither an optimizer that changes its
+    array during the call nor a problem that writes into its argument can make them differ. Threads take turns.
+
     Args:
         problem: what is minimised.
         budget: the number of evaluations allowed, at least 1.
@@ -75,7 +86,11 @@ class Objective:
         self._improved_to: list[float] = []
         self._refusals = 0
         self._on_refusal = on_refusal
+        self._take, self._scan = passes(budget, self.dimension)
+        self._box = np.array([self.lower, self.upper, self.lower], dtype=np.float64)  # and the point being evaluated
+        self._shape = 1, self.dimension
         self._lock = Lock()  # threads of an optimizer must not exceed the budget together
+        self._turns = iter(self._lock.acquire, False)  # each step takes the lock; see __call__
 
     @property
     def dimension(self) -> int:
@@ -100,11 +115,11 @@ class Objective:
     @property
     def remaining(self) -> int:
         """The number of evaluations left."""
-        return self.budget - self.evaluations
+        return self._budget - self._evaluations
 
     def repair(self, x: Floats) -> Floats:
         """Return the (n, d) feasible points nearest to ``x`` by the problem's rule; costs no evaluation."""
-        repaired = _floats(self._problem.repair(x), f"repaired points of problem {self._problem.name!r}")
+        repaired = floats(self._problem.repair(x), f"repaired points of problem {self._problem.name!r}")
         if repaired.shape != np.shape(x):
             raise ValueError(
                 f"problem {self._problem.name!r} repaired points of shape {np.shape(x)} to {repaired.shape}"
@@ -128,7 +143,33 @@ class Objective:
             ValueError: for points of another shape.
             TypeError: for points that are no real numbers.
         """
-        points = _floats(x, "points")
+        if type(x) is ndarray and x.dtype is _FLOAT64:  # the short way of a single point; all else goes the long way
+            # As safe as "with self._lock" and half as expensive: no signal can strike between taking the lock and the
+            # try. It could after a call of acquire; an optimizer that goes on after its own time limit would then hang.
+            for _ in self._turns:
+                try:
+                    given = empty(self._shape)
+                    place = self._take(x, self._box, given) if x.ndim == 1 else _MISFIT
+                    if place == _MISFIT or self._evaluations >= self._budget:
+                        break
+                    began = perf_counter()
+                    values = self._problem.evaluate(given)
+                    self.seconds += perf_counter() - began
+                    try:
+                        (value,) = values.tolist() if type(values) is ndarray else _NOT_ONE_FLOAT
+                    except (TypeError, ValueError):  # no values, several, or no vector
+                        value = None
+                    if type(value) is not float:
+                        value = self._checked(values, 1).item()
+                    if place or value < self.best_value or self.best_point is None:
+                        value = self._record_one(value, place)
+                    elif value != value:
+                        value = np.inf
+                    self._evaluations += 1
+                    return value
+                finally:
+                    self._lock.release()
+        points = floats(x, "points")
         single = points.ndim == 1
         rows = points[np.newaxis] if single else points
         if rows.ndim != 2 or rows.shape[1] != self.dimension:
@@ -146,36 +187,59 @@ class Objective:
         return float(values[0]) if single else values
 
     def _evaluate(self, rows: Floats) -> Floats:
-        if not len(rows):
-            return np.empty(0)
-        given = rows.copy()  # a problem that writes into its argument must not move the optimizer's points
-        started = perf_counter()
-        values = self._problem.evaluate(given)
-        self.seconds += perf_counter() - started
-        values = _floats(values, f"values of problem {self._problem.name!r}")
-        if values.shape != (len(rows),):
-            raise ValueError(f"problem {self._problem.name!r} returned shape {values.shape} for {len(rows)} points")
-        if (values == -np.inf).any():
-            raise ValueError(f"problem {self._problem.name!r} returned -inf; a value must be finite or +inf")
-        inside = ((rows >= self.lower) & (rows <= self.upper)).all(axis=1)
-        if not inside.all() or np.isnan(values).any():
-            self.outside_box += int(len(rows) - inside.sum())
-            values = np.where(inside & ~np.isnan(values), values, np.inf)
-        self._record(rows, values)
-        self._evaluations += len(rows)
+        """Return the (n,) values of the (n, d) points, recorded and counted."""
+        n = len(rows)
+        if not n:
+            return empty(0)
+        kept = rows.copy()
+        given = kept.copy()
+        began = perf_counter()
+        returned = self._problem.evaluate(given)
+        self.seconds += perf_counter() - began
+        values, improved = empty(n), empty(n, dtype=np.int64)
+        improvements, outside = self._scan(
+            kept, self._checked(returned, n), self._box, self.best_value, values, improved
+        )
+        if improvements == _ILLEGAL:
+            raise self._minus_infinity()
+        self.outside_box += outside
+        if improvements:
+            found = improved[:improvements]
+            self._improved_at += (found + (self._evaluations + 1)).tolist()
+            self._improved_to += values[found].tolist()
+            self.best_value = self._improved_to[-1]
+            self.best_point = kept[found[-1]].copy()
+        elif self.best_point is None:
+            self.best_point = kept[0].copy()
+        self._evaluations += n
         return values
 
-    def _record(self, rows: Floats, values: Floats) -> None:
-        """Append every improvement within the batch to the trace, in order, and keep the best point."""
-        if self.best_point is not None and not values.min() < self.best_value:
-            return
-        before = np.minimum.accumulate(np.concatenate(([self.best_value], values[:-1])))
-        for row in np.flatnonzero(values < before):
-            self._improved_at.append(self.evaluations + int(row) + 1)
-            self._improved_to.append(float(values[row]))
-        best = int(np.argmin(values))
-        self.best_value = float(values[best])
-        self.best_point = rows[best].copy()
+    def _record_one(self, value: float, place: int) -> float:
+        """Return what the point in the last row of the box is worth, and record it where it is the best so far."""
+        if value == -np.inf:
+            raise self._minus_infinity()
+        if place == _OUTSIDE:
+            self.outside_box += 1
+        if place == _OUTSIDE or value != value:
+            value = np.inf
+        if value < self.best_value:
+            self._improved_at.append(self._evaluations + 1)
+            self._improved_to.append(value)
+            self.best_value = value
+            self.best_point = self._box[2].copy()
+        elif self.best_point is None:
+            self.best_point = self._box[2].copy()
+        return value
+
+    def _checked(self, values: ArrayLike, n: int) -> Floats:
+        """Return what the problem returned for n points as (n,) float64."""
+        found = floats(values, f"values of problem {self._problem.name!r}")
+        if found.shape != (n,):
+            raise ValueError(f"problem {self._problem.name!r} returned shape {found.shape} for {n} points")
+        return found
+
+    def _minus_infinity(self) -> ValueError:
+        return ValueError(f"problem {self._problem.name!r} returned -inf; a value must be finite or +inf")
 
     @property
     def trace(self) -> Trace:
@@ -183,9 +247,96 @@ class Objective:
         return Trace(np.array(self._improved_at, dtype=np.int64), np.array(self._improved_to, dtype=np.float64))
 
 
-def _floats(given: ArrayLike, what: str) -> Floats:
+def floats(given: ArrayLike, what: str) -> Floats:
     """Return an array of float64; raises TypeError where numpy would drop imaginary parts or parse strings."""
     array = np.asarray(given)
     if array.dtype.kind not in "fiubO":
         raise TypeError(f"{what} must be real numbers, not {array.dtype}")
     return array.astype(np.float64, copy=False)
+
+
+def _take(x: Floats, box: Floats, given: Floats) -> int:
+    """Copy the (d,) point to the last row of the (3, d) box and to ``given``, (1, d); return where it is."""
+    if len(x) != box.shape[1]:
+        return _MISFIT
+    inside = True
+    for i in range(len(x)):
+        value = x[i]
+        box[2, i] = value
+        given[0, i] = value
+        inside &= (value >= box[0, i]) & (value <= box[1, i])  # NaN is not
+    return _INSIDE if inside else _OUTSIDE
+
+
+def _scan(
+    points: Floats, found: Floats, box: Floats, best: float, values: Floats, improved: NDArray[np.int64]
+) -> tuple[int, int]:
+    """Write what the points are worth to ``values`` and the rows of the improvements on ``best`` to ``improved``.
+
+    Args:
+        points: (n, d).
+        found: (n,) what the problem returned for them.
+        box: (3, d), its lower and upper ends first.
+        best: the best value before.
+        values: (n,).
+        improved: (n,) int64; only as many as there are improvements are written.
+
+    Returns:
+        The numbers of improvements and of points outside the box; _ILLEGAL and 0 where a value is -inf.
+    """
+    improvements = outside = 0
+    for row in range(len(found)):
+        value = found[row]
+        if value == -np.inf:
+            return _ILLEGAL, 0
+        inside = True
+        for i in range(box.shape[1]):
+            inside &= (points[row, i] >= box[0, i]) & (points[row, i] <= box[1, i])
+        outside += not inside
+        if not inside or value != value:
+            value = np.inf
+        values[row] = value
+        if value < best:
+            best = value
+            improved[improvements] = row
+            improvements += 1
+    return improvements, outside
+
+
+def passes(budget: int, dimension: int) -> tuple[Callable[..., int], Callable[..., tuple[int, int]]]:
+    """Return :func:`_take` and :func:`_scan`: compiled, unless the budget is not worth loading numba (0.4 s, 100 MB).
+
+    A process that makes trials of a larger budget later can call this before them, so that none of them waits.
+    """
+    if "numba" in sys.modules or budget * dimension >= _WORTH_COMPILING:
+        return _compiled_passes()
+    return _take, _scan
+
+
+@cache
+def _compiled_passes() -> tuple[Callable[..., int], Callable[..., tuple[int, int]]]:
+    """Compile both, or load them from numba's cache on disk.
+
+    They come without numba's dispatcher, which would take longer than they do. So nothing checks the types of their
+    arguments, and others than those declared here would be misread.
+    """
+    from numba import types
+
+    number, whole, plane = types.float64, types.int64, types.float64[:, ::1]
+    any_vector = types.Array(number, 1, "A", readonly=True, aligned=False)
+    take = whole(any_vector, plane, plane)
+    scan = types.UniTuple(whole, 2)(plane, any_vector, plane, number, number[::1], whole[::1])
+    return _compiled(_take, take), _compiled(_scan, scan)
+
+
+def _compiled(function: Callable[..., Any], signature: Any) -> Callable[..., Any]:
+    from numba import config, njit
+
+    if config.DISABLE_JIT:
+        return function
+    try:
+        compiled = njit([signature], cache=True)(function)
+    except RuntimeError:  # no folder that numba could write to
+        compiled = njit([signature])(function)
+    made: Callable[..., Any] = compiled.get_overload(signature)
+    return made

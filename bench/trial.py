@@ -1,10 +1,12 @@
 """One trial: run an optimizer on a problem, within a budget and from a seed, and return its result."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import perf_counter, process_time
 from typing import Any
+
+import numpy as np
 
 from bench.objective import BudgetExhausted, Objective, Trace
 from bench.optimizer import Optimizer
@@ -86,20 +88,32 @@ def search(
     start_stream, search_stream = streams(seed)
     objective = Objective(problem, budget, start_stream, on_refusal)
     wall, cpu = perf_counter(), process_time()
-    stop, returned = "undeclared", None
-    try:
-        returned = optimizer.minimize(objective, search_stream)
-    except BudgetExhausted:
-        stop = "budget"
+    returned = run(optimizer, objective, search_stream)
     wall, cpu = perf_counter() - wall, process_time() - cpu
-    if objective.remaining == 0:
-        stop = "budget"
-    elif objective.stop_reason is not None:
-        stop = objective.stop_reason
+    return result(objective, problem, seed, wall, cpu, returned)
+
+
+def run(optimizer: Optimizer, objective: Any, rng: np.random.Generator) -> object:
+    """Let an optimizer minimise until it returns or its budget ends; return what it returned."""
+    try:
+        return optimizer.minimize(objective, rng)
+    except BudgetExhausted:
+        return None
+
+
+def result(
+    objective: Objective, problem: Problem, seed: int, wall: float, cpu: float, returned: object = None
+) -> Result:
+    """Return the result of a search that has ended, from its objective and its wall and processor seconds.
+
+    Raises:
+        RuntimeError: without an evaluation; what the optimizer ``returned`` may explain it.
+    """
     if objective.best_point is None:
         lazy = inspect.isgenerator(returned) or inspect.isawaitable(returned) or inspect.isasyncgen(returned)
         hint = "; its minimize holds a yield or is async, so none of it has run" if lazy else ""
         raise RuntimeError(f"the optimizer returned without a single evaluation{hint}")
+    stop = "budget" if objective.remaining == 0 else objective.stop_reason
     return Result(
         x=objective.best_point,
         fun=objective.best_value,
@@ -108,7 +122,7 @@ def search(
         time=wall,
         cpu_time=cpu,
         objective_time=objective.seconds,
-        stop=stop,
+        stop="undeclared" if stop is None else stop,
         outside_box=objective.outside_box,
         metrics=problem.describe(objective.best_point),
         seed=seed,
@@ -124,12 +138,22 @@ def as_row(result: Result, variables: tuple[str, ...]) -> dict[str, Any]:
     """
     if len(set(variables)) != len(result.x):
         raise ValueError(f"the problem names {len(set(variables))} different variables for {len(result.x)} dimensions")
-    metrics = {str(name): float(value) for name, value in dict(result.metrics).items()}
+    metrics = numbers(result.metrics)
     reserved = sorted(name for name in metrics if name in FRAME_COLUMNS or name.startswith("x_"))
     if reserved:
         raise ValueError(f"the problem's describe() uses a name of the tidy frame: {reserved[0]!r}")
     return {
         "status": "ok",
+        **measured(result),
+        "x": dict(zip(variables, result.x.tolist(), strict=True)),
+        "figures": metrics,  # the column of stores since the first version
+        "trace": result.trace,
+    }
+
+
+def measured(result: Result) -> dict[str, Any]:
+    """Return those columns of a result's row that are single values."""
+    return {
         "fun": result.fun,
         "nfev": result.nfev,
         "wall_s": result.time,
@@ -137,7 +161,9 @@ def as_row(result: Result, variables: tuple[str, ...]) -> dict[str, Any]:
         "objective_s": result.objective_time,
         "stop": result.stop,
         "outside_box": result.outside_box,
-        "x": dict(zip(variables, result.x.tolist(), strict=True)),
-        "figures": metrics,  # the column of stores since the first version
-        "trace": result.trace,
     }
+
+
+def numbers(metrics: Mapping[Any, Any]) -> dict[str, float]:
+    """Return metrics, as a problem describes them, as floats by text; raises ValueError or TypeError for no number."""
+    return {str(name): float(value) for name, value in dict(metrics).items()}

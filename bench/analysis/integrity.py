@@ -13,6 +13,7 @@ import pandas as pd
 
 from bench.analysis.cells import Traces, coverage
 from bench.analysis.finished_trials import CHECKS, Boxes, Evidence, Finding, cell_names, judge, listed, percent, where
+from bench.storage.reading import StoreCheck
 
 Diagnoses = Mapping[str, Sequence[Mapping[str, Any]]]
 
@@ -63,13 +64,14 @@ def integrity(
     boxes: Boxes | None = None,
     diagnoses: Diagnoses | None = None,
     verifications: Sequence[Mapping[str, Any]] = (),
+    stores: Sequence[StoreCheck] = (),
 ) -> pd.DataFrame:
     """Return one row a check, always the same checks in the same order: check, verdict, finding and cells.
 
     The ``verdict`` is "pass", "note" (nothing is wrong, but a reader should know), "warning" (conclusions may not
     hold), "error" (trials failed, are not independent or are not what the harness wrote) or "not checked" (there is
-    no trial, or no ``traces``, ``boxes``, ``diagnoses`` or ``verifications``). The ``finding`` gives the reason in a
-    sentence; ``cells`` names every "optimizer on problem" concerned, separated by semicolons.
+    no trial, or no ``traces``, ``boxes``, ``diagnoses``, ``verifications`` or ``stores``). The ``finding`` gives the
+    reason in a sentence; ``cells`` names every "optimizer on problem" concerned, separated by semicolons.
 
     Args:
         study_budget: evaluations that each trial was allowed.
@@ -79,10 +81,12 @@ def integrity(
             figure (the number that decided).
         verifications: the record of ``bench verify`` in each folder
             (:meth:`bench.storage.folder.Folder.verification`), empty where there is none.
+        stores: the outcome of reading each folder's store (:attr:`bench.Results.stores`).
     """
     findings = {
         "completeness": _completeness(frame, planned_trials),
         "failures": _failures(frame),
+        "storage": _storage(stores),
         "repeatability": _repeatability(verifications),
         **{name: _trait(name, diagnoses or {}) for name in TRAITS},
     }
@@ -118,6 +122,18 @@ def _failures(frame: pd.DataFrame) -> Finding:
     kinds = [f"{kind} {count:,}" for kind, count in frame.loc[failed, "status"].value_counts().items()]
     did = f"did not finish ({listed(kinds)})"
     return judge(frame, failed, "error", did, "They count as +inf.", well=f"All {len(frame):,} trials finished.")
+
+
+def _storage(stores: Sequence[StoreCheck]) -> Finding:
+    if not any(found.trials for found in stores):
+        return Finding("not checked", "There is no stored trial.")
+    damaged = [found.sentence for found in stores if not found.sound]
+    unknown = [found.sentence for found in stores if not found.has_digests]
+    cells = dict.fromkeys(f"{optimizer} on {problem}" for found in stores for problem, optimizer, _ in found.damaged)
+    if said := damaged or unknown:
+        text = " ".join(f"{sentence[0].upper()}{sentence[1:]}." for sentence in said)
+        return Finding("error" if damaged else "note", text, [*cells])
+    return Finding("pass", f"All {sum(found.trials for found in stores):,} stored trials are as they were written.")
 
 
 def _repeatability(verifications: Sequence[Mapping[str, Any]]) -> Finding:

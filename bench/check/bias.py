@@ -2,36 +2,20 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
 
 import numpy as np
-from joblib import Parallel, delayed
-from joblib.externals.loky.process_executor import BrokenProcessPool
-from numpy.typing import NDArray
 from scipy import stats
 
 from bench.analysis import holm
 from bench.analysis.finished_trials import CLAMPED
-from bench.check.problems import FUNCTIONS, SHIFT, classic, noise
+from bench.check.problems import SHIFT
+from bench.check.runs import Runs, RunSummary, make_runs, on_bound
 from bench.check.verdict import Verdict
 from bench.errors import BenchError
-from bench.execution.solve import solve
 from bench.optimizer import Optimizer
 from bench.problem import Floats
-from bench.sandbox.messages import describe_error
-from bench.seeds import trial_seed
-from bench.storage.folder import Folder
-
-GENERATIONS = 50  # of a run, at least: a bias of the moves needs time to show
-FUNCTION_BUDGET = 10_000  # evaluations of a function, at least
-NOISE_BUDGET = 1_000  # evaluations of noise, at least: without a field ``agents`` a generation counts as one evaluation
-
-BOXES = {"[0, 1]": (0.0, 1.0), "[-1, 1]": (-1.0, 1.0)}
-"""The boxes of the noise. The origin is a corner of the first, the box of the toolbox BIAS, and the centre of the
-second, so that a method that is drawn to the origin shows it in one of them."""
 
 LIMIT = 10.0  # a geometric mean ratio of errors above this is a bias (Kudela 2022)
 FLOOR = 1e-8  # errors below this count as equal
@@ -55,114 +39,32 @@ def diagnose(
         dimension: the number of variables of every function.
         runs: of each of five functions at each of two places, 10,000 evaluations or 50 generations long.
         noise_runs: on noise in each of two boxes, at least 2, 1,000 evaluations or 50 generations long.
-        n_jobs: worker processes; -1 takes every core. The numbers do not depend on it.
+        n_jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
         seed: repeats every number.
 
     Raises:
-        BenchError: when the optimizer fails on one of the functions, or ends a worker process.
+        BenchError: when the optimizer fails on one of the functions, ends its process or prints without end.
     """
-    made = make_runs(optimizer, dimension=dimension, runs=runs, noise_runs=noise_runs, n_jobs=n_jobs, seed=seed)
-    return [check(made) for check in CHECKS]
+    sizes = {"dimension": dimension, "runs": runs, "noise_runs": noise_runs}
+    (found,) = diagnose_all([optimizer], n_jobs=n_jobs, seed=seed, **sizes)
+    if isinstance(found, BenchError):
+        raise found
+    return found
 
 
-def diagnose_folder(folder: Folder, n_jobs: int = -1) -> tuple[dict[str, list[Verdict]], dict[str, str]]:
-    """Diagnose every optimizer of a study with its own options, and store the verdicts in its folder for reports.
-
-    Returns:
-        the verdicts by optimizer label, and why an optimizer could not be diagnosed, by label.
-    """
-    study = folder.study()
-    found: dict[str, list[Verdict]] = {}
-    failed: dict[str, str] = {}
-    for entry in study.optimizers:
-        try:
-            found[entry.label] = diagnose(study.optimizer(entry.label), n_jobs=n_jobs)
-        except BenchError as error:  # the other optimizers get their verdicts all the same
-            failed[entry.label] = str(error)
-    folder.note_checks({label: [each.as_dict() for each in verdicts] for label, verdicts in found.items()})
-    return found, failed
-
-
-@dataclass(frozen=True)
-class RunSummary:
-    """The record of one run; points are shares of the box, 0 at the lower and 1 at the upper bounds.
-
-    Attributes:
-        best: the lowest value.
-        x: (d,) where it was found.
-        first: (m, d) the points of the first generation, fewer where the run ended earlier.
-        clamped: the share of all evaluated coordinates that lay exactly on a bound.
-        course: a hash of all points in the order of their evaluation.
-    """
-
-    best: float
-    x: Floats
-    first: Floats
-    clamped: float
-    course: bytes
-
-
-@dataclass(frozen=True)
-class Runs:
-    """The runs from which an optimizer is judged.
-
-    Attributes:
-        centred: by function, those with the optimum at the centre of the box; each has a seed of its own.
-        moved: the same with the optimum moved by 10 % of the box.
-        noise: those on noise, by box; their seeds are adjacent numbers in each, and each has noise of its own.
-    """
-
-    centred: dict[str, list[RunSummary]]
-    moved: dict[str, list[RunSummary]]
-    noise: dict[str, list[RunSummary]]
-
-
-def make_runs(
-    optimizer: Optimizer, *, dimension: int, runs: int, noise_runs: int, n_jobs: int = 1, seed: int = 0
-) -> Runs:
-    """Run an optimizer as often as :func:`diagnose` describes, on functions and on noise."""
-    tasks = [(kind, name, run) for name in FUNCTIONS for kind in ("centred", "moved") for run in range(runs)]
-    tasks += [("noise", box, run) for box in BOXES for run in range(noise_runs)]
-    try:
-        done = Parallel(n_jobs=n_jobs)(delayed(_run)(optimizer, dimension, seed, *task) for task in tasks)
-    except BrokenProcessPool as error:
-        raise BenchError("the optimizer ended its worker process (killed, out of memory, or by an exit)") from error
-    made: dict[str, dict[str, list[RunSummary]]] = {"centred": {}, "moved": {}, "noise": {}}
-    for (kind, name, _), run in zip(tasks, done, strict=True):
-        made[kind].setdefault(name, []).append(run)
-    return Runs(**made)
-
-
-def _run(optimizer: Optimizer, dimension: int, seed: int, kind: str, name: str, run: int) -> RunSummary:
-    """Make one run; its seed depends on its problem and number alone, so that other runs do not change it."""
-    if kind == "noise":
-        label, budget = f"noise {name}", NOISE_BUDGET
-        problem = noise(BOXES[name], dimension, trial_seed(seed, label, "values", run))
-        own = trial_seed(seed, label, "structural bias", 0) + run
-    else:
-        label, budget = f"{name} {kind}", FUNCTION_BUDGET
-        problem = classic(name, dimension, moved=kind == "moved")
-        own = trial_seed(seed, label, "centre bias", run)
-    generation = optimizer.minimum_budget
-    try:
-        found = solve(problem, optimizer, budget=max(budget, GENERATIONS * generation), seed=own)
-    except BenchError:
-        raise
-    except (Exception, SystemExit) as error:  # a plug-in may raise anything
-        raise BenchError(f"the optimizer failed on {problem.name}: {describe_error(error)}") from error
-    points = problem.points
-    return RunSummary(
-        best=found.fun,
-        x=problem.share(found.x),
-        first=problem.share(points[:generation]),
-        clamped=float(_on_bound(problem.share(points)).mean()),
-        course=hashlib.sha256(points.tobytes()).digest(),
-    )
-
-
-def _on_bound(x: Floats) -> NDArray[np.bool_]:
-    """Return where points, as shares of the box, lie exactly on a bound, as a clip leaves them in these boxes."""
-    return np.asarray((x == 0) | (x == 1))
+def diagnose_all(
+    optimizers: Sequence[Optimizer],
+    *,
+    dimension: int = 7,
+    runs: int = 10,
+    noise_runs: int = 100,
+    n_jobs: int = -1,
+    seed: int = 0,
+) -> Iterator[list[Verdict] | BenchError]:
+    """Yield the verdicts on each optimizer as soon as they are known, or why there are none; see :func:`diagnose`."""
+    sizes = {"dimension": dimension, "runs": runs, "noise_runs": noise_runs}
+    for made in make_runs(optimizers, n_jobs=n_jobs, seed=seed, **sizes):
+        yield made if isinstance(made, BenchError) else [check(made) for check in CHECKS]
 
 
 def centre_bias(runs: Runs) -> Verdict:
@@ -232,7 +134,7 @@ def boundary_clamping(runs: Runs) -> Verdict:
     shares, sentences = [], []
     for where, problems in groups.items():
         own = list(chain.from_iterable(problems))
-        shares.append(float(_on_bound(np.array([run.x for run in own])).mean()))
+        shares.append(float(on_bound(np.array([run.x for run in own])).mean()))
         evaluated = np.mean([run.clamped for run in own])
         sentences.append(f"{shares[-1]:.2%} of the best points' and {evaluated:.2%} of all coordinates {where}")
     passed = max(shares) <= CLAMPED

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from typing import Any
 
 from bench.check.conformance.recording import explain_lost_process
-from bench.check.conformance.rules import RULES, Rule, failed, find_rule, judge
-from bench.check.conformance.subject import START_PATIENCE, Subject, make_subject, pack, unpack
+from bench.check.conformance.rules import RULES, STRICT, Rule, failed, find_rule, judge
+from bench.check.conformance.subject import PRINTED, START_SECONDS, Subject, make_subject, pack, unpack
 from bench.check.verdict import Checkup, Verdict
 from bench.optimizer import Optimizer
 from bench.sandbox.messages import describe_error
-from bench.sandbox.process import DiedError, Process, Pulse, RemoteError, SilentError
+from bench.sandbox.process import DiedError, PrintedTooMuchError, Process, RemoteError, TimeExceededError
 
 CONSTRUCTION, PICKLING = find_rule("parameters"), find_rule("pickling")
 
@@ -23,6 +22,7 @@ def check_optimizer(
     /,
     *,
     bias: bool = True,
+    strict: bool = False,
     n_jobs: int = -1,
     seed: int = 0,
     on_check: Callable[[Verdict], None] | None = None,
@@ -39,6 +39,8 @@ def check_optimizer(
     Args:
         optimizer: a name (``"gwo"``, ``"mealpy:OriginalGWO"``, ``"path/file.py:Class"``), a class or an instance.
         bias: whether to look for biases too; they are only looked for where ordinary runs keep the contract.
+        strict: whether to compare a run with one whose problem is in another process (Linux), which finds an optimizer
+            that spends more evaluations than it is given or gets values by another way than the objective.
         n_jobs: processes that look for biases, -1 for one a core.
         seed: of the runs; the same one gives the same verdicts.
         on_check: called with every verdict as soon as it is known.
@@ -49,7 +51,7 @@ def check_optimizer(
     """
     subject = make_subject(optimizer, options, seed)
     verdicts: list[Verdict] = []
-    for verdict in _verdicts(subject, bias, n_jobs):
+    for verdict in _verdicts(subject, bias, strict, n_jobs):
         verdicts.append(verdict)
         if on_check is not None:
             on_check(verdict)
@@ -57,11 +59,11 @@ def check_optimizer(
     return Checkup(subject.label, tuple(verdicts), tuple(rule.name for rule in RULES if rule.name not in made))
 
 
-def _verdicts(subject: Subject, bias: bool, n_jobs: int) -> Iterator[Verdict]:
+def _verdicts(subject: Subject, bias: bool, strict: bool, n_jobs: int) -> Iterator[Verdict]:
     """Yield the verdicts on all rules that can be checked, and on biases where ordinary runs keep the contract."""
     with closing(Checker(subject)) as checker:
         kept = set()
-        for verdict in filter(None, map(checker.verdict, RULES)):
+        for verdict in filter(None, map(checker.verdict, (*RULES, STRICT) if strict else RULES)):
             yield verdict
             if verdict.passed:
                 kept.add(verdict.check)
@@ -79,7 +81,7 @@ def _verdicts(subject: Subject, bias: bool, n_jobs: int) -> Iterator[Verdict]:
 class Checker:
     """Check an optimizer against rules, each at most once, and none before the rules that it needs.
 
-    A process starts with the first verdict, and a new one after the optimizer has hung or ended it.
+    A process starts with the first verdict, and a new one after the optimizer has hung, ended or upset it.
 
     Attributes:
         unloadable: why no other process can load the optimizer, so that no rule can be checked; "" where one can.
@@ -122,12 +124,15 @@ class Checker:
         if process is None:
             return None
         try:
-            verdict: Verdict | None = process.call(_judge, self._packed, rule.name, patience=rule.patience)
+            answer = process.call(_judge, self._packed, rule.name, seconds=rule.seconds, printed=PRINTED)
+            return None if answer is None else _read(rule, answer)
+        except ValueError:
+            verdict = failed(rule, "its process gave an answer that is no verdict", "leave the harness's objects alone")
         except RemoteError as error:  # such as KeyboardInterrupt; other exceptions are in the verdict
             verdict = failed(rule, f"it raised {error}")
-        except (SilentError, DiedError) as error:
-            verdict = failed(rule, *explain_lost_process(error, process))
-            self.close()
+        except (TimeExceededError, PrintedTooMuchError, DiedError) as error:
+            verdict = failed(rule, *explain_lost_process(error, process.note))
+        self.close()
         return verdict
 
     def _start(self) -> Process | None:
@@ -140,16 +145,25 @@ class Checker:
         if not self.unloadable:
             self._process = Process(hash_seed=0)
             try:
-                self._process.call(_load, self._packed, patience=START_PATIENCE)
-            except (RemoteError, SilentError, DiedError) as error:
+                self._process.call(_load, self._packed, seconds=START_SECONDS, printed=PRINTED)
+            except (RemoteError, TimeExceededError, PrintedTooMuchError, DiedError) as error:
                 self.close()
                 self.unloadable = f"another process cannot load it: {error}"
         return self._process
 
 
-def _load(packed: bytes, pulse: Pulse) -> None:  # noqa: ARG001 - nothing to report
+def _load(packed: bytes) -> None:
     unpack(packed)
 
 
-def _judge(packed: bytes, name: str, pulse: Pulse) -> Verdict | None:
-    return judge(find_rule(name), dataclasses.replace(unpack(packed), pulse=pulse))
+def _judge(packed: bytes, name: str) -> dict[str, Any] | None:
+    verdict = judge(find_rule(name), unpack(packed))
+    return None if verdict is None else verdict.as_dict()
+
+
+def _read(rule: Rule, answer: object) -> Verdict:
+    """Return the verdict that a process gave; raises ValueError for what is no verdict on this rule."""
+    verdict = Verdict.from_dict(answer)
+    if (verdict.check, verdict.kind) != (rule.name, "conformance"):
+        raise ValueError("a verdict on another rule")
+    return verdict

@@ -6,6 +6,11 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from bench.text import printable
+
+KINDS = ("conformance", "bias")
+LONGEST = 4_000  # characters of a text
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -36,6 +41,23 @@ class Verdict:
     def as_dict(self) -> dict[str, Any]:
         """Return the verdict as a dict for JSON."""
         return asdict(self)
+
+    @classmethod
+    def from_dict(cls, record: object) -> Verdict:
+        """Return the verdict of :meth:`as_dict`; raises ValueError for what is none, as plug-in code may have made it.
+
+        Texts are made printable.
+        """
+        kinds: dict[str, Any] = {"check": str, "kind": str, "passed": bool, "finding": str, "mend": str}
+        kinds["figure"] = (int, float, type(None))
+        if not isinstance(record, dict) or record.keys() != kinds.keys():
+            raise ValueError("it lacks fields of a verdict, or has others")
+        if not all(isinstance(record[key], kind) for key, kind in kinds.items()) or record["kind"] not in KINDS:
+            raise ValueError("the fields of a verdict have other types")
+        shown: dict[str, Any] = {
+            key: printable(each, LONGEST) if isinstance(each, str) else each for key, each in record.items()
+        }
+        return cls(**shown)
 
 
 @dataclass(frozen=True)

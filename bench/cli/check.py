@@ -26,13 +26,21 @@ def check(
     ],
     option: Parameters = None,
     bias: Annotated[bool, typer.Option(help="Also test for biases, which takes longer.")] = True,
+    strict: Annotated[
+        bool,
+        typer.Option("--strict", help="Also compare a run with one whose problem and budget are in another process."),
+    ] = False,
     jobs: Jobs = -1,
+    anew: Annotated[
+        bool, typer.Option("--anew", help="Check a folder's optimizers again that have not changed since their check.")
+    ] = False,
 ) -> None:
     """Check that an optimizer keeps the contract, and detect its biases towards places in the box.
 
     Every check prints its finding and, where it failed, how to mend it. A breach of the contract ends the command with
     exit code 1; a bias is a trait of the method and is only reported. Given a study's folder, the command checks all
-    its optimizers for biases, with the study's options, and notes the findings there for the report.
+    its optimizers for biases, with the study's options, and notes the findings there for the report; it keeps the
+    findings on optimizers that have not changed.
     """
     from bench.check import check_optimizer
 
@@ -40,27 +48,37 @@ def check(
     if name not in registry.entries("optimizers") and (Path(name) / "study.toml").exists():
         if option:
             raise BenchError("--set is for an optimizer given by name; a study's optimizers have their own options")
-        sys.exit(0 if check_folder(Path(name), console, jobs) else 1)
+        sys.exit(0 if check_folder(Path(name), console, jobs, anew) else 1)
     checkup = check_optimizer(
-        name, bias=bias, n_jobs=jobs, on_check=lambda each: show_verdict(name, each, console), **pairs(option)
+        name,
+        bias=bias,
+        strict=strict,
+        n_jobs=jobs,
+        on_check=lambda each: show_verdict(name, each, console),
+        **pairs(option),
     )
     print_line(checkup.summary, console=console)
     if not checkup.conforms:
         sys.exit(1)
 
 
-def check_folder(path: Path, console: Console, jobs: int) -> bool:
+def check_folder(path: Path, console: Console, jobs: int, anew: bool = False) -> bool:
     """Check the optimizers of a study's folder; return whether all could be checked, biased or not."""
-    from bench.check.bias import diagnose_folder
+    from bench.check.folder import diagnose_folder
     from bench.storage.folder import Folder
 
-    found, failed = diagnose_folder(Folder(path), jobs)
-    for label, verdicts in found.items():
-        for each in verdicts:
-            show_verdict(label, each, console, mend=False)  # 'bench check NAME' prints it
-    for label, reason in failed.items():
-        print_error(f"{label} could not be checked: {reason}")
-    return not failed
+    sound, kept = True, []
+    for each in diagnose_folder(Folder(path), jobs, anew=anew):
+        for verdict in each.verdicts:
+            show_verdict(each.label, verdict, console, mend=False)  # 'bench check NAME' prints it
+        if each.failed:
+            sound = False
+            print_error(f"{each.label} could not be checked: {each.failed}")
+        if each.kept:
+            kept.append(each.label)
+    if kept:
+        print_line(f"not changed since their last check: {', '.join(kept)} (--anew repeats it)", console=console)
+    return sound
 
 
 def show_verdict(label: str, verdict: Verdict, console: Console, mend: bool = True) -> None:

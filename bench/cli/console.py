@@ -13,6 +13,10 @@ from bench.errors import BenchError
 
 Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.")]
 Jobs = Annotated[int, typer.Option(help="Worker processes; -1 takes every core.")]
+Strict = Annotated[
+    bool, typer.Option("--strict", help="Keep problem, budget and trace in another process than the optimizer.")
+]
+Sandbox = Annotated[str | None, typer.Option(metavar="bwrap", help="Run plug-ins in a sandbox of bubblewrap (Linux).")]
 Parameters = Annotated[
     list[str] | None, typer.Option("--set", help="Parameter of the optimizer, as in agents=300; repeatable.")
 ]

@@ -21,7 +21,8 @@ def export(
     from bench.export import export as export_results
     from bench.storage.results import Results
 
-    folder = folder or output / "export" / kind
-    for note in export_results(Results(output), kind, folder):
+    folder, results = folder or output / "export" / kind, Results(output)
+    results.note_stores()
+    for note in export_results(results, kind, folder):
         print_line(f"note: {note}", "yellow")
     print_line(f"export: {folder}")

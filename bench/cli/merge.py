@@ -21,4 +21,6 @@ def merge(
     from bench.storage.merge import merge as merge_folders
 
     merged = merge_folders(folders, output)
+    for note in merged.notes:
+        print_line(note, "red")
     print_line(f"{merged.rows} trials in {output}: {merged.added} added, {merged.same} held by more than one folder")

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench.cli.console import print_line
+from bench.cli.console import Jobs, print_line
 
 
 def report(
@@ -19,19 +19,24 @@ def report(
         Path | None,
         typer.Option(help="Folder to write; default: OUTPUT, or results/comparisons/NAMES for several."),
     ] = None,
+    jobs: Jobs = -1,
 ) -> None:
     """Write the report of a study's folder: a page, tables (CSV, LaTeX), figures (SVG, PDF) and a methods paragraph.
 
     Several folders, such as those of two versions of an optimizer, are compared as one study.
     """
-    report_on(folders, Console(), output)
+    report_on(folders, Console(), output, jobs)
 
 
-def report_on(folders: list[Path], console: Console, output: Path | None = None) -> None:
+def report_on(folders: list[Path], console: Console, output: Path | None = None, jobs: int = -1) -> None:
     """Write the report and print its path."""
     from bench.cli.progress import steps
     from bench.report import write_report
+    from bench.storage.folder import Folder
 
     with steps(console, "report") as on_progress:
-        page = write_report(*folders, output=output, on_progress=on_progress)
+        page = write_report(*folders, output=output, n_jobs=jobs, on_progress=on_progress)
+    for folder in folders:
+        if (noted := Folder(folder).store_note()) and not noted.get("sound"):
+            print_line(f"{folder}: {noted.get('sentence')}", "red", console)
     print_line(f"report: {page}", console=console)

@@ -11,7 +11,7 @@ import typer
 from rich.console import Console
 
 from bench.cli.check import check_folder
-from bench.cli.console import Jobs, duration, print_error, print_line
+from bench.cli.console import Jobs, Sandbox, Strict, duration, print_error, print_line
 from bench.cli.report import report_on
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ def run(
     study: Annotated[str, typer.Argument(help="An installed study's name (see 'bench list studies') or a TOML file.")],
     output: Annotated[Path | None, typer.Option(help="Folder to write; default: results/runs/STUDY.")] = None,
     jobs: Jobs = -1,
-    backend: Annotated[str, typer.Option(help="Where trials are made: loky (this machine) or dask.")] = "loky",
+    backend: Annotated[str, typer.Option(help="Where trials are made: local (this machine) or dask.")] = "local",
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Address of dask's scheduler, as in tcp://10.0.0.1:8786.")
     ] = None,
@@ -48,6 +48,8 @@ def run(
     shard: Annotated[
         str | None, typer.Option(metavar="K/N", help="Run only part K of N, one per machine; see 'bench merge'.")
     ] = None,
+    strict: Strict = False,
+    sandbox: Sandbox = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and its estimated duration only.")] = False,
     check: Annotated[
         bool, typer.Option("--check", help="Also check the optimizers (see 'bench check') before the report.")
@@ -75,7 +77,7 @@ def run(
         with Display(console) as display:
             outcome = run_study(
                 chosen, output, n_jobs=jobs, backend=backend, scheduler=scheduler, timeout=timeout, memory=memory,
-                shard=shard, on_plan=display.plan, on_trial=display.trial,
+                shard=shard, strict=strict, sandbox=sandbox, on_plan=display.plan, on_trial=display.trial,
             )  # fmt: skip
     except KeyboardInterrupt:
         for number in (signal.SIGINT, signal.SIGTERM):
@@ -87,7 +89,7 @@ def run(
         sys.exit(1)
     unchecked = check and not check_folder(outcome.folder, console, jobs)
     if report and shard is None:  # a part of a study supports no claim yet
-        report_on([outcome.folder], console)
+        report_on([outcome.folder], console, jobs=jobs)
     else:
         print_line(f"results in {outcome.folder}", console=console)
     if outcome.failed:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from time import sleep
 from typing import TYPE_CHECKING, Annotated, Any
@@ -23,8 +24,12 @@ HASHES = 20  # of data and code; environment.json holds all
 def status(
     output: Output,
     watch: Annotated[bool, typer.Option("--watch", help="Refresh every two seconds until the run ends.")] = False,
+    check: Annotated[bool, typer.Option("--check", help="Compare every stored trial with its digest now.")] = False,
 ) -> None:
-    """Print the progress, failures and environments of a study's folder, also while a run writes to it."""
+    """Print the progress, failures and environments of a study's folder, also while a run writes to it.
+
+    It also prints when the trials were last compared with the digests that were stored with them, and the outcome.
+    """
     from bench.storage.folder import Folder
 
     console, folder = Console(), Folder(output)
@@ -36,15 +41,24 @@ def status(
                 sleep(2)
                 live.update(summary(folder), refresh=True)
         return
+    if check:
+        folder.check_store()
     console.print(summary(folder))
+    if noted := folder.store_note():
+        style = None if noted.get("sound") else "red"
+        print_line(f"store checked {noted.get('checked')}: {noted.get('sentence')}", style, console)
+    else:
+        print_line("store not checked yet: a report, 'bench verify' or 'bench status --check' does it", None, console)
     for line in _failures(folder):
         print_line(line, "red", console)
+    for line in _killed(folder):
+        print_line(line, "yellow", console)
     if verified := folder.verification():
         line = f"verified {verified.get('verified')}: {verified.get('sentence')}"
         print_line(line, "red" if verified.get("different") else None, console)
     made = folder.store.made()
     for number, record in folder.store.environments().items():
-        for line in _environment(record, made.get(number, 0)):
+        for line in _environment(record, made.get(number, 0)) if record else [f"environment {number}: damaged record"]:
             print_line(line, console=console)
 
 
@@ -71,7 +85,11 @@ def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
     """Describe the run that is under way: its process, its speed and the time left."""
     text = f"running: process {running['pid']} on {running['host']} since {running['started']}"
     made = folder.store.made()
-    own = [number for number, record in folder.store.environments().items() if record["started"] >= running["started"]]
+    own = [
+        number
+        for number, record in folder.store.environments().items()
+        if str(record.get("started")) >= running["started"]
+    ]
     count = sum(made.get(number, 0) for number in own)
     if not count:
         return text
@@ -92,6 +110,15 @@ def _failures(folder: Folder) -> list[str]:
         lines.append(f"{status}: {optimizer} on {first['problem']}, trial {first['trial']}{more}: {reason}")
     hidden = len(lines) - SHOWN
     return [*lines[:SHOWN], *([f"… and {hidden} more reasons"] if hidden > 0 else [])]
+
+
+def _killed(folder: Folder) -> Iterator[str]:
+    """Yield a line for each run that was killed, with the trials then under way, one of which may have done it."""
+    if folder.running():
+        return
+    for run in folder.killed()[-SHOWN:]:
+        trials = [f"{optimizer} on {problem}, trial {number}" for problem, optimizer, number in run["trials"]]
+        yield f"a run was killed at {run['ended']} or later; under way were {'; '.join(trials)}"
 
 
 def _environment(record: dict[str, Any], made: int) -> list[str]:

@@ -8,28 +8,39 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench.cli.console import Output, print_error, print_line
+from bench.cli.console import Output, Sandbox, Strict, print_error, print_line
 
 
 def verify(
     output: Output,
     trials: Annotated[int, typer.Option(help="Trials of each cell to make again.")] = 2,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes; default: a number other than the run's.")] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="Trials made at a time; default: a number other than the run's.")
+    ] = None,
+    strict: Strict = False,
+    sandbox: Sandbox = None,
 ) -> None:
     """Make some trials of each cell again and compare them with the stored ones, bit by bit.
 
-    They are made with another number of workers and another PYTHONHASHSEED. The outcome is noted in the folder for the
-    report. The exit code is 1 where a trial differs.
+    They are made with another number of workers and another PYTHONHASHSEED, one of each cell both first and last, so
+    that an optimizer that learns from trial to trial is found out. With --strict, so is one that overspends its budget
+    or gets values by another way than the objective. Every stored trial is also compared with the digest that was
+    stored with it. The outcome is noted in the folder for the report. The exit code is 1 where a trial differs or is
+    damaged.
     """
     from bench.cli.progress import steps
     from bench.execution.verify import verify as verify_folder
 
     console = Console()
     with steps(console, "verify") as on_progress:
-        found = verify_folder(output, trials=trials, n_jobs=jobs, on_progress=on_progress)
+        found = verify_folder(
+            output, trials=trials, n_jobs=jobs, strict=strict, sandbox=sandbox, on_progress=on_progress
+        )
     for line in found.lines():
         print_line(line, "red", console)
     print_line(found.sentence, console=console)
+    print_line(found.store.sentence, None if found.store.sound else "red", console)
     if found.different:
         print_error("some trials are not repeated bit by bit")
+    if found.different or not found.store.sound:
         sys.exit(1)

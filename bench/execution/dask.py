@@ -1,8 +1,6 @@
-"""The dask backend, the parent's side: hand trials to the workers of a dask.distributed cluster through joblib.
+"""The dask backend, the parent's side: have the workers of a dask.distributed cluster make batches of trials.
 
-The workers' side is :mod:`bench.execution.dask_worker`. This module implements joblib's documented interface for
-backends and reports batches that fail, are cancelled or lose their scheduler. Joblib's own dask backend does not: it
-waits for ever for some of them, and it makes the trials in the parent where the cluster has a single thread.
+The workers' side is :mod:`bench.execution.dask_worker`.
 """
 
 from __future__ import annotations
@@ -10,35 +8,37 @@ from __future__ import annotations
 import asyncio
 import logging
 import warnings
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import CancelledError, ThreadPoolExecutor
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import CancelledError
 from contextlib import closing, contextmanager, suppress
-from threading import Event, Thread
+from itertools import islice
+from queue import Empty, SimpleQueue
+from threading import Thread
 from time import monotonic
 from typing import Any
 from uuid import uuid4
 
-from joblib.parallel import ParallelBackendBase
-
 from bench.errors import BenchError, require
-from bench.execution.dask_worker import LOOK, release, work
-from bench.execution.pool import Answer, Pool, WorkerDiedError
-from bench.execution.supervisor import Task
+from bench.execution.dask_worker import LOOK, end, work
+from bench.execution.pool import Answer, OnBegin, WorkerDiedError, ignore
+from bench.execution.supervisor import KilledError, Task
 from bench.storage import provenance
 from bench.trial import Trial
 
 CONNECT = 10.0  # seconds for a scheduler to answer
 ARRIVE = 20.0  # seconds for the first worker to arrive
 RETURN = 600.0  # seconds that a cluster may be without workers before a run gives up
-BATCH, LARGEST = 0.5, 100  # limits of a batch: seconds of one thread, and trials
+DEATHS = 3  # of batches that dask gives up, without a finished trial between them, before a run gives up
+BATCH, LARGEST = 0.5, 100  # limits of a batch: seconds, and trials
 QUEUED = 500  # batches submitted at least, so that workers that join later have work
 
+_KEPT = 0.9  # weight of earlier batches in the mean duration of a trial
 _LOGGERS = ("distributed", "tornado", "asyncio")
 
 
 @contextmanager
-def cluster(scheduler: str) -> Iterator[Pool]:
-    """Yield the workers of a cluster by its scheduler's address; when the context ends, nothing is left on them.
+def cluster(scheduler: str) -> Iterator[Cluster]:
+    """Yield the workers of a cluster by its scheduler's address.
 
     Raises:
         BenchError: when the extra "dask" is not installed, the scheduler cannot be reached, or it has no workers or
@@ -48,61 +48,115 @@ def cluster(scheduler: str) -> Iterator[Pool]:
     with _logs_silenced():
         client = _connect(distributed.Client, scheduler)
         try:
-            jobs = _wait_for_workers(client, scheduler)
+            with suppress(TimeoutError):
+                client.wait_for_workers(1, timeout=ARRIVE)
+            if not (threads := sum(client.nthreads().values())):
+                raise BenchError(
+                    f"the dask cluster at {scheduler} has no workers; start some with 'dask worker {scheduler}' and "
+                    "run the same command again"
+                )
             _refuse_other_versions(client)
-            with closing(Cluster(client, scheduler, jobs)) as pool:
-                yield pool
+            yield Cluster(client, scheduler, threads)
         finally:
             with suppress(Exception):
-                if client.status == "running":
-                    client.run(release, on_error="ignore")
                 client.close(timeout=CONNECT)
 
 
-class Cluster(Pool):
-    """The workers of a dask cluster; ``jobs`` is the number of their threads at the start."""
+class Cluster:
+    """The workers of a cluster (a :class:`bench.execution.pool.Pool`), which had ``jobs`` threads at the start."""
 
     def __init__(self, client: Any, scheduler: str, jobs: int) -> None:
+        self._client, self._scheduler, self.jobs = client, scheduler, jobs
+        self._queued = max(3 * jobs, QUEUED)
+        self._seen = monotonic()  # when the cluster had workers
+        self._next_look = 0.0
+
+    def answers(
+        self, task: Task, machine: str, missing: Callable[[], Iterable[Trial]], on_begin: OnBegin = ignore
+    ) -> Iterator[Answer]:
+        """Yield answers; see :meth:`bench.execution.pool.Pool.answers`.
+
+        A lost worker costs only time: dask begins its batches again elsewhere. When dask gives a batch up, having lost
+        several workers with it, all missing trials are submitted again.
+        """
         from distributed import KilledWorker
         from distributed.comm import CommClosedError
 
-        self._client, self._scheduler = client, scheduler
-        self._futures = _Futures(client, jobs)
-        super().__init__(jobs, max(3 * jobs, QUEUED), backend=self._futures)
-        self.work, self.deaths = work, (KilledWorker,)
-        self._losses = (CancelledError, CommClosedError)
+        del machine, on_begin  # the workers have machines of their own, and do not say what they begin
+        deaths = 0
+        while True:
+            try:
+                with closing(self._made(task, iter(missing()))) as made:
+                    for answer in made:
+                        deaths = 0
+                        yield answer
+                return
+            except (KilledWorker, KilledError) as error:
+                deaths += 1
+                if deaths == DEATHS:
+                    raise WorkerDiedError(
+                        f"{DEATHS} worker processes in a row were killed before they had made a trial (is the machine "
+                        "short of memory?); every finished trial is kept: run the same command again to continue"
+                    ) from error
+            except (CancelledError, asyncio.CancelledError, CommClosedError) as error:
+                raise self._lost("is gone, or has dropped this run") from error
+            except WorkerDiedError:
+                raise
+            except Exception:  # anything may come from a worker that joined later with other code
+                _refuse_other_versions(self._client)
+                raise
 
-    def close(self) -> None:
-        """Stop waiting for results."""
-        self._futures.close()
+    def _made(self, task: Task, trials: Iterator[Trial]) -> Generator[Answer]:
+        """Yield answers until there are no more trials; raise the first error of a batch."""
+        client, name, pending = self._client, uuid4().hex, set[Any]()
+        ended: SimpleQueue[tuple[Any, list[Trial], Any]] = SimpleQueue()
+        made, seconds = 1.0, BATCH  # weighted sums over the latest batches; the first batches hold one trial
 
-    def _map(self, task: Task, trials: Iterable[Trial]) -> Iterator[Answer]:
-        ended = Event()
-        watch = Thread(target=self._watch, args=(ended,), daemon=True)
-        watch.start()
+        async def fetch(future: Any, batch: list[Trial]) -> None:
+            try:
+                (found,) = await client.gather([future], asynchronous=True)
+            except BaseException as error:
+                found = error
+            ended.put((future, batch, found))
+
         try:
-            yield from super()._map(task, trials)
-        except self._losses as error:
-            raise self._lost("is gone, or has dropped this run") from error
-        except (BenchError, ImportError):  # a worker that joined later
-            _refuse_other_versions(self._client)
-            raise
+            while True:
+                size = min(max(1, int(BATCH * made / seconds)), LARGEST)
+                while len(pending) < self._queued and (batch := list(islice(trials, size))):
+                    future = client.submit(work, name, task, batch, key=f"bench-{uuid4().hex}", pure=False)
+                    pending.add(future)
+                    client.loop.add_callback(fetch, future, batch)
+                if not pending:
+                    return
+                self._look()
+                with suppress(Empty):
+                    future, batch, found = ended.get(timeout=LOOK)
+                    pending.remove(future)
+                    if isinstance(found, BaseException):
+                        raise found
+                    rows, machine, took = found
+                    made, seconds = _KEPT * made + len(batch), _KEPT * seconds + took
+                    for trial, row in zip(batch, rows, strict=True):
+                        yield trial, row, machine
         finally:
-            ended.set()
-            watch.join()
+            for future in pending:
+                future.release()  # its worker then ends the trial processes
+            with suppress(Exception):
+                if client.status == "running":
+                    client.run(end, name, on_error="ignore")
 
-    def _watch(self, ended: Event) -> None:
-        """End the run when the scheduler or all workers are lost."""
-        seen = monotonic()
-        while not ended.wait(LOOK):
-            if self._client.status != "running":
-                return self._futures.fail(self._lost("is gone"))
-            with suppress(Exception):  # a lost scheduler is detected above
-                if threads := sum(self._client.nthreads().values()):
-                    seen, self._futures.threads = monotonic(), threads
-            if monotonic() - seen > RETURN:
-                return self._futures.fail(self._lost(f"has had no workers for {RETURN / 60:g} minutes"))
-        return None
+    def _look(self) -> None:
+        """Raise WorkerDiedError when the scheduler is lost, or all workers have been for long."""
+        if self._client.status != "running":
+            raise self._lost("is gone")
+        if monotonic() < self._next_look:
+            return
+        with suppress(Exception):  # of a scheduler that is lost just now
+            if threads := sum(self._client.nthreads().values()):
+                self._seen, self._queued = monotonic(), max(3 * threads, QUEUED)
+        if monotonic() - self._seen > RETURN:
+            raise self._lost(f"has had no workers for {RETURN / 60:g} minutes")
+        self._next_look = monotonic() + LOOK
 
     def _lost(self, what: str) -> WorkerDiedError:
         return WorkerDiedError(
@@ -111,128 +165,31 @@ class Cluster(Pool):
         )
 
 
-class _Futures(ParallelBackendBase):  # type: ignore[misc]
-    """Joblib's backend interface, implemented with dask futures."""
-
-    supports_retrieve_callback = True
-
-    def __init__(self, client: Any, jobs: int) -> None:
-        super().__init__()
-        self._client, self.threads = client, jobs
-        self._pending: dict[str, tuple[Any, Callable[[Any], None]]] = {}
-        self._callbacks = ThreadPoolExecutor(1)  # joblib's callbacks are slow and must not block the event loop
-        self._since, self._made, self._size = monotonic(), 0, 1
-
-    def effective_n_jobs(self, n_jobs: int) -> int:  # noqa: ARG002 - the cluster's own number
-        """Return the number of batches made at a time; at least two, as joblib makes a single job's in this process."""
-        return max(2, self.threads)
-
-    def submit(self, func: Any, callback: Callable[[Any], None]) -> Any:
-        """Submit a batch; the callback is called exactly once, with what the batch returned or raised."""
-        key = f"bench-{uuid4().hex}"
-        try:
-            future = self._client.submit(func, key=key, pure=False)
-        except Exception:  # the client was closed meanwhile
-            callback(CancelledError())
-            return None
-        self._pending[key] = future, callback
-        self._client.loop.add_callback(self._fetch, key, future)
-        return future
-
-    def retrieve_result_callback(self, out: Any) -> Any:
-        """Return the batch's results, or raise the exception that ended it."""
-        if isinstance(out, BaseException):
-            raise out
-        return out
-
-    def compute_batch_size(self) -> int:
-        """Return the number of trials in a batch."""
-        return self._size
-
-    def batch_completed(self, batch_size: int, duration: float) -> None:  # noqa: ARG002 - it is mostly time in a queue
-        """Adapt the batch size to half a second of work, from the number of trials made per second."""
-        self._made += batch_size
-        passed = monotonic() - self._since
-        if passed > LOOK:
-            self._size = min(max(1, int(BATCH * self._made / (passed * self.threads))), LARGEST)
-            self._since, self._made = monotonic(), 0
-
-    def abort_everything(self, ensure_ready: bool = True) -> None:  # noqa: ARG002 - joblib's signature
-        """Release all batches; the workers then drop them (:func:`bench.execution.dask_worker.work`)."""
-        while self._pending:
-            with suppress(KeyError, RuntimeError):
-                self._pending.popitem()[1][0].release()
-
-    def fail(self, error: Exception) -> None:
-        """Raise an error in whatever waits for a batch."""
-        while self._pending:
-            with suppress(KeyError, RuntimeError):
-                future, callback = self._pending.popitem()[1]
-                future.release()
-                callback(error)
-
-    def close(self) -> None:
-        """End the thread that calls callbacks."""
-        self._callbacks.shutdown(wait=False, cancel_futures=True)
-
-    async def _fetch(self, key: str, future: Any) -> None:
-        """Wait for one batch, alone: dask makes it again when its worker is lost with the results."""
-        out: Any
-        try:
-            (out,) = await self._client.gather([future], asynchronous=True)
-        except Exception as error:
-            out = error
-        except asyncio.CancelledError:
-            out = CancelledError()
-        with suppress(RuntimeError):  # closed: nobody waits
-            self._callbacks.submit(self._deliver, key, out)
-
-    def _deliver(self, key: str, out: Any) -> None:
-        _, callback = self._pending.pop(key, (None, None))
-        if callback is not None:
-            callback(out)
-
-
-# checks before the first trial
-
-
 def _connect(client: Callable[..., Any], scheduler: str) -> Any:
     """Return a client of the scheduler."""
     if not scheduler.strip():
         raise BenchError("the address of the dask scheduler is empty; give one such as tcp://10.0.0.1:8786")
-    answer: list[Any] = []
+    answer: SimpleQueue[Any] = SimpleQueue()
 
     def connect() -> None:
         try:
-            answer.append(client(scheduler, timeout=CONNECT, set_as_default=False))
+            answer.put(client(scheduler, timeout=CONNECT, set_as_default=False))
         except Exception as error:
-            answer.append(error)
+            answer.put(error)
 
-    # In a thread, since a server that accepts but never answers would block for ever.
-    thread = Thread(target=connect, daemon=True)
     with warnings.catch_warnings(action="ignore"):
-        thread.start()
-        thread.join(CONNECT + LOOK)
-    found = answer[0] if answer else TimeoutError()
+        # In a thread, since a server that accepts but never answers would block for ever.
+        Thread(target=connect, daemon=True).start()
+        try:
+            found = answer.get(timeout=CONNECT + LOOK)
+        except Empty:
+            found = TimeoutError()
     if isinstance(found, Exception):
         raise BenchError(
             f"no dask scheduler answers at {scheduler!r} ({type(found).__name__}); start one with 'dask scheduler' and "
             "give the address that it prints, such as tcp://10.0.0.1:8786"
         ) from found
     return found
-
-
-def _wait_for_workers(client: Any, scheduler: str) -> int:
-    """Return the number of threads of all workers."""
-    with suppress(TimeoutError):
-        client.wait_for_workers(1, timeout=ARRIVE)
-    threads = sum(client.nthreads().values())
-    if not threads:
-        raise BenchError(
-            f"the dask cluster at {scheduler} has no workers; start some with 'dask worker {scheduler}' and run the "
-            "same command again"
-        )
-    return int(threads)
 
 
 def _refuse_other_versions(client: Any) -> None:
@@ -250,8 +207,8 @@ def _refuse_other_versions(client: Any) -> None:
             runs = f"no usable backlash-bench ({type(error).__name__}: {error})"
         return f"{dask_worker.name} on {socket.gethostname()}", runs
 
-    found = client.run(report_version, on_error="return").items()
-    others = [(who, *answer) for who, answer in found if not isinstance(answer, Exception) and answer[1] != own]
+    found = client.run(report_version, on_error="ignore").items()
+    others = [(address, name, runs) for address, (name, runs) in found if runs != own]
     if others:
         address, name, runs = others[0]
         more = f" ({len(others) - 1} others differ too)" if len(others) > 1 else ""

@@ -1,91 +1,105 @@
-"""The dask backend, the workers' side: make a trial for as long as the parent waits for it."""
+"""The dask backend, the workers' side: make trials for as long as the parent waits for them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import CancelledError
-from math import inf
-from threading import Lock, Thread, get_ident
+import json
+from collections.abc import Callable, Sequence
+from functools import cache
+from threading import Lock, Thread
 from time import monotonic, sleep
 
-from bench.execution import supervisor
-from bench.execution.pool import Answer
-from bench.execution.supervisor import Task
-from bench.trial import Trial
+from bench.errors import BenchError
+from bench.execution.supervisor import Supervisor, Task, check
+from bench.storage import provenance
+from bench.trial import Row, Trial
 
-LOOK = 1.0  # seconds between looks at the state of tasks
+LOOK = 1.0  # seconds between looks at the state of batches
 IDLE = 60.0  # seconds after which idle trial processes end
 
+_lock, _checking = Lock(), Lock()
+_wanted: dict[Supervisor, Callable[[], bool]] = {}  # with what states whether a supervisor is still needed
+_idle: dict[Supervisor, str] = {}  # those of them that wait for a batch, with their run
+_ended: set[str] = set()  # runs
 
-def work(task: Task, trial: Trial) -> Answer:
-    """Have one trial made by this thread's trial process, for as long as the parent waits for it.
 
-    Dask cannot interrupt a thread. When the parent has released the trial, was killed or has lost the scheduler, this
-    module ends the trial's process. It also ends processes that have been idle for a while.
+def work(run: str, task: Task, trials: Sequence[Trial]) -> tuple[list[Row], str, float]:
+    """Make a batch of trials; return their rows, the machine's record (JSON), and the seconds that they took.
+
+    Dask cannot interrupt a thread. When the parent has released the batch, was killed or has lost the scheduler, the
+    trial processes are ended from another thread.
+
+    Args:
+        run: a unique name of the run, whose batches may share trial processes.
+        task: what all its trials have in common.
+        trials: the batch.
 
     Raises:
-        CancelledError: when the parent no longer waits.
-        BenchError: as :func:`bench.execution.supervisor.work`.
+        BenchError: when this worker has another version of the package than the parent.
+        KilledError: when the parent no longer waits for the batch.
     """
+    own = provenance.package()
+    if own != task.package:
+        raise BenchError(
+            f"a worker on {provenance.host()} runs {own}, the run itself {task.package}; install the same version on "
+            "both"
+        )
+    with _checking:
+        machine = _machine(task)
+    began = monotonic()
+    is_wanted = _is_wanted()
+    with _lock:
+        _start_watch()
+        supervisor = next((each for each, its in _idle.items() if its == run), None) or Supervisor(task)
+        _idle.pop(supervisor, None)
+        _wanted[supervisor] = is_wanted
+    rows = [supervisor.make(trial) for trial in trials]
+    ended = monotonic()
+    with _lock:
+        if supervisor in _wanted and is_wanted():
+            _idle[supervisor] = run
+            _wanted[supervisor] = lambda: run not in _ended and monotonic() - ended < IDLE
+    return rows, machine, ended - began
+
+
+def end(run: str) -> None:
+    """End the idle trial processes of a run."""
+    _ended.add(run)
+
+
+def _is_wanted() -> Callable[[], bool]:
+    """Return a function that states whether the parent waits for the batch that this thread makes."""
     from distributed import get_worker
 
     worker = get_worker()
     key = worker.get_current_task()
 
     def is_wanted() -> bool:
-        state = worker.state.tasks.get(key)
-        return state is not None and state.state == "executing"
+        batch = worker.state.tasks.get(key)
+        return batch is not None and batch.state == "executing"
 
-    _threads.begin(is_wanted)
+    return is_wanted
+
+
+@cache
+def _start_watch() -> None:
+    Thread(target=_watch, daemon=True).start()
+
+
+def _watch() -> None:
+    """Kill supervisors that are no longer needed."""
+    while True:
+        sleep(LOOK)
+        with _lock:
+            for supervisor in [each for each, is_wanted in _wanted.items() if not is_wanted()]:
+                supervisor.kill()
+                _idle.pop(supervisor, None)
+                del _wanted[supervisor]
+
+
+@cache
+def _machine(task: Task) -> str:
+    """Return this machine's record, with the packages of the study's plug-ins."""
     try:
-        return supervisor.work(task, trial)
-    finally:
-        _threads.end()
-
-
-def release() -> None:
-    """End the trial processes of this worker soon, unless they get more work."""
-    _threads.release()
-
-
-class _Threads:
-    """The threads of this worker that have a trial made, and the watch over them."""
-
-    def __init__(self) -> None:
-        self._lock, self._busy, self._used = Lock(), dict[int, Callable[[], bool]](), 0.0
-        self._looking = False
-
-    def begin(self, is_wanted: Callable[[], bool]) -> None:
-        """Register this thread as busy."""
-        with self._lock:
-            if not is_wanted():
-                raise CancelledError
-            self._busy[get_ident()] = is_wanted
-            if not self._looking:
-                self._looking = True
-                Thread(target=self._look, daemon=True).start()
-
-    def end(self) -> None:
-        """Register this thread as idle."""
-        with self._lock:
-            del self._busy[get_ident()]
-            self._used = monotonic()
-
-    def release(self) -> None:
-        """Let idle trial processes end without waiting ``IDLE`` seconds."""
-        self._used = -inf
-
-    def _look(self) -> None:
-        """End trial processes that nobody waits for; return when all threads have been idle for a while."""
-        while self._looking:
-            sleep(LOOK)
-            with self._lock:
-                if self._busy:
-                    if not any(is_wanted() for is_wanted in self._busy.values()):
-                        supervisor.close()  # repeated, as a trial whose process is killed is begun once more
-                elif monotonic() - self._used > IDLE:
-                    supervisor.close()
-                    self._looking = False
-
-
-_threads = _Threads()
+        return check(task).machine
+    except BenchError:  # the trials will fail with the reason
+        return json.dumps(provenance.machine())

@@ -10,16 +10,16 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from bench.execution import supervisor
 from bench.execution.backends import open_pool
 from bench.execution.interrupts import Interrupts, interrupts_deferred
 from bench.execution.plan import Plan, Shard
 from bench.execution.pool import Answer
-from bench.execution.supervisor import Task
+from bench.execution.supervisor import Checked, Task, check
 from bench.numbers import require_positive, require_whole
-from bench.storage import provenance
+from bench.storage import provenance, under_way
 from bench.storage.folder import Folder
-from bench.study import Fingerprints, Study
+from bench.storage.mend import mend
+from bench.study import Study
 from bench.trial import Trial
 
 Listener = Callable[[Trial, dict[str, Any]], None]
@@ -39,28 +39,32 @@ def run(
     output: str | PathLike[str] | None = None,
     *,
     n_jobs: int = -1,
-    backend: str = "loky",
+    backend: str = "local",
     scheduler: str | None = None,
     timeout: float | None = None,
     memory: float | None = None,
     shard: str | None = None,
+    strict: bool = False,
+    sandbox: str | None = None,
     on_plan: Callable[[Plan], None] | None = None,
     on_trial: Listener | None = None,
 ) -> Outcome:
     """Run every trial of a study that its folder does not hold yet.
 
     Rerunning the same call continues where the last one ended; failed trials are tried again. Results depend on the
-    study alone: not on the number of workers, on the order of trials or on the other optimizers. Every trial is made
-    in a process of the worker's own, so that an optimizer that hangs or crashes costs only its own trials.
+    study alone: not on the number of jobs, on the order of trials or on the other optimizers. Every optimizer runs in
+    processes of its own, so that one that hangs or crashes costs only its own trials.
 
     Args:
         study: a study, the name of an installed one, or a TOML file's path.
         output: the folder to write, ``results/runs/<study name>`` by default.
-        n_jobs: worker processes; -1 takes every core. Not used with dask, whose workers are the cluster's.
-        backend: where trials are made, "loky" (this machine) or "dask" (a cluster).
+        n_jobs: trials made at a time; -1 takes every core. Not used with dask, whose workers are the cluster's.
+        backend: where trials are made, "local" (this machine) or "dask" (a cluster).
         scheduler: the address of dask's scheduler, such as "tcp://10.0.0.1:8786".
         timeout: wall seconds that a trial may take before it is stopped.
         memory: gigabytes that a trial's process may hold; by default an equal share of 90% of the machine's memory.
+        strict: keep problem, budget and trace of every trial in another process than its optimizer.
+        sandbox: "bwrap" to run all plug-ins in a sandbox of bubblewrap (Linux).
         shard: "3/20" for the third of twenty parts; each part is run into a folder of its own.
         on_plan: called once with the plan, before the first trial.
         on_trial: called with every finished trial and its row.
@@ -74,18 +78,29 @@ def run(
     study, folder, part = _resolved(study, output, shard)
     with interrupts_deferred() as interrupts, ExitStack() as held:
         with interrupts.allowed():  # loading plug-ins or reaching a cluster may take long
-            held.callback(supervisor.close)
-            found = prepare(study, folder, keep=n_jobs == 1)
+            checked = prepare(study, folder, sandbox)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
         held.enter_context(folder.lock())
         study = folder.claim(study)
-        folder.note_fingerprints(found)
-        plan = _plan(study, folder, part)
+        mended = mend(folder, study.trials)
+        folder.note_fingerprints(checked.fingerprints)
+        plan = _plan(study, folder, part, mended)
         if on_plan is not None:
             on_plan(plan)
-        about = provenance.run(study, found, pool.jobs, backend, timeout=timeout, shard=shard)
-        task = Task(study.to_toml(), timeout, _bytes(memory, pool.jobs, backend))
-        made = _make(plan, folder, pool.answers(task, plan.missing), about, interrupts, on_trial)
+        about = provenance.run(
+            study,
+            checked.fingerprints,
+            pool.jobs,
+            backend,
+            timeout=timeout,
+            shard=shard,
+            strict=strict,
+            sandbox=sandbox,
+        )
+        task = Task(study.to_toml(), timeout, _bytes(memory, pool.jobs, backend), strict=strict, sandbox=sandbox)
+        noted = held.enter_context(under_way.noting(folder.path))
+        answers = pool.answers(task, checked.machine, plan.missing, noted.begin)
+        made = _make(plan, folder, answers, about, interrupts, on_trial)
         return Outcome(folder.path, made, sum(cell.failed for cell in folder.store.cells()))
 
 
@@ -95,21 +110,23 @@ def plan(
     """Return the plan of :func:`run`, and write nothing; raises BenchError as it does."""
     study, folder, part = _resolved(study, output, shard)
     prepare(study, folder)
-    return _plan(folder.extended(study), folder, part)
+    stored = folder.store.check()
+    plan = _plan(folder.extended(study), folder, part, "" if stored.sound else stored.sentence)
+    for key in stored.damaged:
+        plan.finished.discard(key)
+    return plan
 
 
-def prepare(study: Study, folder: Folder, *, keep: bool = False) -> Fingerprints:
+def prepare(study: Study, folder: Folder, sandbox: str | None = None) -> Checked:
     """Load a study's plug-ins and return the fingerprints of its data and code, which must be those of its folder.
-
-    With ``keep``, the process that loaded the plug-ins is kept for trials made here (:func:`supervisor.check`).
 
     Raises:
         BenchError: for a study that cannot be run, and a folder that holds another study, other data or other code.
     """
     folder.extended(study)
-    found = supervisor.check(Task(study.to_toml()), keep=keep)
-    folder.refuse_changes(found)
-    return found
+    checked = check(Task(study.to_toml(), sandbox=sandbox))
+    folder.refuse_changes(checked.fingerprints)
+    return checked
 
 
 def _resolved(
@@ -120,9 +137,12 @@ def _resolved(
     return study, Folder(Path("results") / "runs" / study.name if output is None else output), part
 
 
-def _plan(study: Study, folder: Folder, shard: Shard | None) -> Plan:
-    """Return the plan of a study in its folder, with a note on what changed in the environment since its last run."""
-    notes = []
+def _plan(study: Study, folder: Folder, shard: Shard | None, damage: str) -> Plan:
+    """Return the plan of a study in its folder.
+
+    Its notes describe the store's damage, and what changed in the environment since the last run.
+    """
+    notes = [damage] if damage else []
     if changed := folder.differences(provenance.machine()):
         notes.append(
             f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "
@@ -179,4 +199,4 @@ def _bytes(memory: float | None, jobs: int, backend: str) -> int | None:
     """Return the bytes of memory that one trial's process may hold, None for a cluster: its workers set limits."""
     if memory is not None:
         return int(memory * 1e9)
-    return int(0.9 * provenance.memory() / jobs) if backend == "loky" else None
+    return int(0.9 * provenance.memory() / jobs) if backend == "local" else None

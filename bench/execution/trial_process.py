@@ -1,107 +1,219 @@
-"""The functions called in a trial process: load plug-ins, warm up, make trials."""
+"""The functions called in the processes of a run: load plug-ins, warm up, make a trial, evaluate a point again.
+
+Their answers are JSON values; :mod:`bench.execution.answers` checks them.
+"""
 
 from __future__ import annotations
 
+import base64
 import contextlib
-import json
 import os
 import sys
 import tomllib
 import traceback
-from collections.abc import Iterator
-from functools import lru_cache
+from collections.abc import Callable, Iterator
+from functools import cache
+from time import process_time
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError
-from bench.problem import Problem
-from bench.sandbox import side_effects
+from bench.execution import strict
+from bench.objective import Objective, passes
+from bench.problem import FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
-from bench.sandbox.process import Pulse
-from bench.sandbox.side_effects import SideEffects
+from bench.sandbox.server import note
+from bench.sandbox.side_effects import SideEffects, reset_random
+from bench.seeds import streams
 from bench.storage import provenance
-from bench.study import Fingerprints, Study
+from bench.study import Study
 from bench.text import printable
-from bench.trial import Row, Trial, as_row, search
+from bench.trial import Result, Trial, measured, numbers, result, run, search
 
 STILL_ASKING = 87
 """The exit code of a process whose optimizer kept asking for values after its budget was spent."""
 
+_BATCHES = 2, 7, 32  # points; libraries of linear algebra treat small numbers of rows in different ways
 _REFUSALS = 10  # of BudgetExhausted; one suffices for an optimizer that lets it pass
 
 
-def failed(reason: str) -> Row:
-    """Return the row of a trial that failed."""
-    return {"status": "failed", "error": printable(reason, 4000)}
+def begin(study_text: str) -> None:
+    """Set the study (TOML) of all other calls in this process and its copies."""
+    global _begun
+    _begun = Study.from_dict(tomllib.loads(study_text))
 
 
-def check(study_text: str, *, pulse: Pulse) -> Fingerprints | str:
-    """Return the result of :meth:`bench.study.Study.check`, or a sentence on why the study cannot be run."""
+def check() -> dict[str, Any]:
+    """Load all plug-ins; return the study's fingerprints, or a sentence on why it cannot be run, and the machine.
+
+    The machine's record is that of :func:`bench.storage.provenance.machine`.
+    """
     try:
-        with _pulsing(pulse):
-            return _study(study_text).check()
+        study = _study()
+        data, code = study.check()
     except BenchError as error:
-        return printable(str(error), 4000)
+        return {"error": printable(str(error), 4000)}
+    plugins = [study.optimizer(each.label) for each in study.optimizers]
+    held = [_problem(each.label) for each in study.problems]
+    return {"data": data, "code": code, "machine": provenance.machine(provenance.modules([*plugins, *held]))}
 
 
-def describe_machine(study_text: str, *, pulse: Pulse) -> tuple[str, bool]:
-    """Load all plug-ins of the study; return this process's record as JSON, and whether it may make trials."""
-    study = _study(study_text)
-    plugins: list[object] = []
-    with _pulsing(pulse):
-        for load, entries in ((study.optimizer, study.optimizers), (study.problem, study.problems)):
-            for entry in entries:
-                pulse(0, 1)
-                with contextlib.suppress(BaseException):  # its trials will report the error
-                    plugins.append(load(entry.label))
-    threadpool_limits(limits=1)
-    return json.dumps(provenance.machine(provenance.modules(plugins))), side_effects.set_baseline()
+def load_problems(labels: list[str]) -> dict[str, Any]:
+    """Load problems; return for each label its variables and bounds, or a text: the error of loading it.
+
+    One point of each kind of problem is evaluated, so that no copy waits for a compiler or holds compiled code alone.
+    """
+    found: dict[str, Any] = {}
+    kinds: set[type] = set()
+    for label in labels:
+        try:
+            problem = _problem(label)
+            found[label] = {
+                "variables": [str(name) for name in problem.variables],
+                "lower": [float(value) for value in problem.lower],
+                "upper": [float(value) for value in problem.upper],
+            }
+        except BaseException as error:  # only its own trials fail
+            found[label] = _failure(error)
+            continue
+        with contextlib.suppress(BaseException):  # the trials will report it
+            passes(_study().budget, problem.dimension)
+            if type(problem) not in kinds:
+                kinds.add(type(problem))
+                problem.describe(problem.repair(problem.lower[np.newaxis])[0])
+                problem.evaluate(problem.lower[np.newaxis])
+    _settle()
+    return found
 
 
-def load(study_text: str, problem: str, optimizer: str, *, pulse: Pulse) -> None:
-    """Load the problem and the optimizer of a cell; pulses while modules are imported."""
-    with contextlib.suppress(BaseException), _pulsing(pulse):  # the trial itself will report the error
-        _problem(study_text, problem)
-        pulse(0, 1)
-        _study(study_text).optimizer(optimizer)
-    threadpool_limits(limits=1)  # for libraries loaded just now; the environment set the limit of the others
-    side_effects.set_baseline()  # where it fails, the next trial reports so
+def load_optimizer(label: str) -> None:
+    """Load an optimizer, so that its modules are imported; its trials report errors."""
+    with contextlib.suppress(BaseException):
+        _study().optimizer(label)
+    _settle()
 
 
-def warm_up(study_text: str, problem: str, optimizer: str, *, pulse: Pulse) -> None:
-    """Make and discard one short trial for each kind of problem and optimizer, so that no trial waits for a compiler.
+def warm_up(problem: str, optimizer: str) -> bool:
+    """Make and discard a short trial, once for each kind of problem, so that no trial waits for a compiler.
 
-    Pulses while modules are imported and numba compiles, which may take longer than a trial is allowed to.
+    Return whether a trial was made.
+    """
+    return _warm_up(lambda: _problem(problem), optimizer, counts=True)
+
+
+def make(trial: Trial) -> dict[str, Any]:
+    """Make one trial; return what :func:`bench.execution.answers.result` reads, or the reason why it failed.
+
+    ``altered`` states whether the trial has left anything behind in this process.
+    """
+    effects = SideEffects()
+    with _answering(effects) as answer:
+        study = _study()
+        problem, optimizer = _problem(trial.problem), study.optimizer(trial.optimizer)
+        with effects:
+            answer |= as_answer(search(problem, optimizer, study.budget, trial.seed, _end_if_stuck))
+    return answer | {"altered": effects.any}
+
+
+def warm_up_strictly(optimizer: str, lower: list[float], upper: list[float]) -> bool:
+    """Do as :func:`warm_up`, on a sphere in this box, in a process that holds no problem."""
+    return _warm_up(lambda: FunctionProblem(lambda x: (x * x).sum(axis=1), lower, upper), optimizer, counts=False)
+
+
+def make_strictly(trial: Trial, lower: list[float], upper: list[float], end: int) -> dict[str, Any]:
+    """Run the optimizer of a trial on the objective that :func:`keep` keeps at the other end of the socket.
+
+    Return its processor seconds, or the reason why the trial failed.
+    """
+    effects = SideEffects()
+    with _answering(effects) as answer:
+        optimizer = _study().optimizer(trial.optimizer)
+        objective = strict.RemoteObjective(end, np.array(lower), np.array(upper), _study().budget, _end_if_stuck)
+        with effects:
+            objective.begin()
+            cpu = process_time()
+            run(optimizer, objective, streams(trial.seed)[1])
+            answer["cpu_s"] = process_time() - cpu
+            objective.end()
+    return answer
+
+
+def keep(trial: Trial, end: int) -> dict[str, Any]:
+    """Keep the problem, the budget and the trace of a strict trial until its optimizer has ended.
+
+    Return what :func:`bench.execution.answers.result` reads, and the metrics of the best point.
+    """
+    problem = _problem(trial.problem)
+    objective = Objective(problem, _study().budget, streams(trial.seed)[0])
+    found = result(objective, problem, trial.seed, strict.serve(objective, end), 0.0)
+    return as_answer(found) | {"metrics": numbers(found.metrics)}
+
+
+def evaluate(label: str, x: list[float], batches: bool) -> dict[str, Any]:
+    """Return the value and the metrics of a point, and by how much its value differs in ``batches`` of itself."""
+    problem = _problem(label)
+    point = np.array(x, dtype=np.float64)
+    value = float(np.asarray(problem.evaluate(point[np.newaxis].copy()))[0])
+    metrics = numbers(problem.describe(point))
+    spread = 0.0
+    for size in _BATCHES if batches else ():
+        spread = max(spread, float(np.ptp([value, *problem.evaluate(np.tile(point, (size, 1)))])))
+    return {"fun": value, "metrics": metrics, "spread": spread}
+
+
+def as_answer(result: Result) -> dict[str, Any]:
+    """Return a result as JSON values, without its metrics."""
+    arrays = result.x.astype("<f8"), result.trace.evaluations.astype("<i8"), result.trace.values.astype("<f8")
+    return {
+        "x": _text(arrays[0]),
+        "evaluations": _text(arrays[1]),
+        "values": _text(arrays[2]),
+        **measured(result),
+    }
+
+
+def _warm_up(load: Callable[[], Problem], optimizer: str, *, counts: bool) -> bool:
+    """Make and discard a short trial of an optimizer, once for each kind of problem; return whether it was made.
+
+    ``counts`` states whether the evaluations of trials are counted in this process.
     """
     with contextlib.suppress(BaseException):  # the trial itself will report the error
-        study = _study(study_text)
-        loaded, chosen = _problem(study_text, problem), study.optimizer(optimizer)
-        key = study_text, type(loaded), optimizer
-        if key in _warm:
-            return
-        _warm.add(key)
-        with _pulsing(pulse), SideEffects():
-            budget = min(study.budget, 3 * chosen.minimum_budget)
-            search(loaded, chosen, budget, 0, _end_if_stuck)
-    threadpool_limits(limits=1)  # for libraries that only a run loads
+        study = _study()
+        loaded, chosen = load(), study.optimizer(optimizer)
+        if (type(loaded), optimizer) in _warm:
+            return False
+        _warm.add((type(loaded), optimizer))
+        with _noting():
+            search(loaded, chosen, min(study.budget, 3 * chosen.minimum_budget), 0, _end_if_stuck)
+            if counts:
+                passes(study.budget, loaded.dimension)  # the optimizer may have imported numba
+    _settle()
+    return True
 
 
-def make(study_text: str, trial: Trial, *, pulse: Pulse) -> tuple[Row, bool]:  # noqa: ARG001 - would disturb a trial
-    """Make one trial; return its row, also after an exception, and whether the process may make other trials."""
-    effects = SideEffects()
+@contextlib.contextmanager
+def _answering(effects: SideEffects) -> Iterator[dict[str, Any]]:
+    """Yield the answer of a trial to be filled in; what the trial raises or leaves behind becomes its error."""
+    answer: dict[str, Any] = {}
     try:
-        study = _study(study_text)
-        problem, optimizer = _problem(study_text, trial.problem), study.optimizer(trial.optimizer)
-        with effects:
-            result = search(problem, optimizer, study.budget, trial.seed, _end_if_stuck)
-        row = as_row(result, problem.variables)
+        yield answer
+        reason = _why_void(effects)
     except BaseException as error:  # a plug-in may raise anything; only its own trial fails
-        row = failed(f"{describe_error(error)}\n{traceback.format_exc(limit=-3)}")
-    if row["status"] == "ok" and (reason := _why_void(effects)):
-        row = failed(reason)
-    return row, not effects.lasting
+        reason = _failure(error)
+    if reason:
+        answer.clear()
+        answer["error"] = reason
+
+
+def _text(array: np.ndarray[Any, Any]) -> str:
+    return base64.b64encode(array.tobytes()).decode()
+
+
+def _failure(error: BaseException) -> str:
+    return printable(f"{describe_error(error)}\n{''.join(traceback.format_exception(error, limit=-3))}", 4000)
 
 
 def _why_void(effects: SideEffects) -> str:
@@ -120,17 +232,25 @@ def _why_void(effects: SideEffects) -> str:
     return ""
 
 
-@lru_cache(maxsize=4)
-def _study(text: str) -> Study:
-    return Study.from_dict(tomllib.loads(text))
+def _settle() -> None:
+    """Limit the libraries loaded by now to one thread, and set the global random states that every trial finds."""
+    threadpool_limits(limits=1)  # the environment may not reach all of them
+    reset_random()
 
 
-@lru_cache(maxsize=256)
-def _problem(study_text: str, label: str) -> Problem:
-    return _study(study_text).problem(label)
+def _study() -> Study:
+    if _begun is None:
+        raise RuntimeError("no study was begun in this process")
+    return _begun
 
 
-_warm: set[tuple[str, type, str]] = set()
+@cache
+def _problem(label: str) -> Problem:
+    return _study().problem(label)
+
+
+_begun: Study | None = None
+_warm: set[tuple[type, str]] = set()
 
 
 def _end_if_stuck(number: int) -> None:
@@ -140,12 +260,12 @@ def _end_if_stuck(number: int) -> None:
 
 
 @contextlib.contextmanager
-def _pulsing(pulse: Pulse) -> Iterator[None]:
-    """Pulse at every import of a module and at every step of a compilation by numba."""
-    finder: Any = SimpleNamespace(find_spec=lambda *_: pulse(0, 1))  # finds no module, but is asked for each
+def _noting() -> Iterator[None]:
+    """Note every import of a module and every step of a compilation by numba, as signs of life."""
+    finder: Any = SimpleNamespace(find_spec=lambda *_: note(None))  # finds no module, but is asked for each
     sys.meta_path.insert(0, finder)
     try:
-        with _pulsing_compilations(pulse):
+        with _noting_compilations():
             yield
     finally:
         with contextlib.suppress(ValueError):
@@ -153,8 +273,7 @@ def _pulsing(pulse: Pulse) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _pulsing_compilations(pulse: Pulse) -> Iterator[None]:
-    """Pulse at the start and the end of every step of a compilation by numba, where it is loaded."""
+def _noting_compilations() -> Iterator[None]:
     if "numba" not in sys.modules:
         yield
         return
@@ -162,7 +281,7 @@ def _pulsing_compilations(pulse: Pulse) -> Iterator[None]:
 
     class Listener(event.Listener):  # type: ignore[misc]
         def on_start(self, event: Any) -> None:  # noqa: ARG002
-            pulse(0, 1)
+            note(None)
 
         on_end = on_start
 

@@ -16,6 +16,7 @@ from bench.execution.supervisor import Task
 from bench.numbers import require_whole
 from bench.storage import provenance
 from bench.storage.folder import Folder
+from bench.storage.reading import StoreCheck
 from bench.storage.store import Store, disagreement, stored
 from bench.trial import Row, Trial
 
@@ -33,6 +34,8 @@ class Verification:
     jobs: int
     different: dict[Trial, str] = field(default_factory=dict)  # the trials that differ, each with the difference
     notes: tuple[str, ...] = ()  # differences between this environment and the one that made the trials
+    strict: bool = False  # whether problem, budget and trace were kept in another process than the optimizer
+    store: StoreCheck = field(default_factory=StoreCheck)  # of all stored trials, made again or not
 
     @property
     def sentence(self) -> str:
@@ -41,7 +44,9 @@ class Verification:
         workers = f"{self.jobs} worker{'s' if self.jobs > 1 else ''}"
         same_bits = f"{same:,} of {self.trials:,} trials of {self.cells:,} cells are the same bit by bit"
         other = f", though in another environment ({'; '.join(self.notes)})" if self.notes else ""
-        return f"{same_bits} with {workers} and another PYTHONHASHSEED{other}"
+        apart = ", the problem in another process than the optimizer" if self.strict else ""
+        order = "one of each cell made both first and last"
+        return f"{same_bits} with {workers} and another PYTHONHASHSEED, {order}{apart}{other}"
 
     def lines(self) -> Iterator[str]:
         """Yield a line for every trial that differs."""
@@ -50,14 +55,28 @@ class Verification:
 
 
 def verify(
-    path: str | PathLike[str], *, trials: int = 2, n_jobs: int | None = None, on_progress: OnProgress | None = None
+    path: str | PathLike[str],
+    *,
+    trials: int = 2,
+    n_jobs: int | None = None,
+    strict: bool = False,
+    sandbox: str | None = None,
+    on_progress: OnProgress | None = None,
 ) -> Verification:
     """Make some finished trials of every cell again and note in the folder whether they are identical.
+
+    One trial of each cell is made first and, once more, after all others, so that an optimizer that learns from trial
+    to trial is found out. With ``strict``, so is one that spends more evaluations than it is given, or gets values by
+    another way than the objective.
+
+    All stored trials are compared with their digests; damaged ones are not made again here, but by the next run.
 
     Args:
         path: the folder that ``bench.run`` wrote.
         trials: the number of trials of each cell, chosen at random.
-        n_jobs: worker processes; None for a number other than the run's.
+        n_jobs: trials made at a time; None for a number other than the run's.
+        strict: keep problem, budget and trace in another process than the optimizer.
+        sandbox: "bwrap" to run all plug-ins in a sandbox of bubblewrap (Linux).
         on_progress: called with a title, the trials made and the total.
 
     Raises:
@@ -65,37 +84,41 @@ def verify(
     """
     folder = Folder(path)
     study = folder.study()
-    prepare(study, folder)
-    chosen = _chosen(folder, trials, study.seed)
+    store = folder.check_store()
+    machine = prepare(study, folder, sandbox).machine
+    chosen = _chosen(folder, store, trials, study.seed)
+    first = list({trial.key[:2]: trial for trial in reversed(chosen)}.values())
+    planned = [*chosen, *first]
     jobs = n_jobs or _other_number(folder)
-    done: set[Trial] = set()
+    made = 0
     different: dict[Trial, str] = {}
-    with open_pool("loky", jobs, None) as pool:
-        task = Task(study.to_toml(), hash_seed=HASH_SEED)
-        for trial, row, _ in pool.answers(task, lambda: (each for each in chosen if each not in done)):
-            done.add(trial)
+    with open_pool("local", jobs, None) as pool:
+        task = Task(study.to_toml(), hash_seed=HASH_SEED, strict=strict, sandbox=sandbox)
+        for trial, row, _ in pool.answers(task, machine, lambda: planned):
+            made += 1
             if what := _difference(folder.store, trial, row):
-                different[trial] = what
+                different.setdefault(trial, what)
             if on_progress is not None:
-                on_progress(f"{trial.optimizer} on {trial.problem}", len(done), len(chosen))
+                on_progress(f"{trial.optimizer} on {trial.problem}", made, len(planned))
         jobs = pool.jobs
-    cells = len({trial.key[:2] for trial in chosen})
+    cells = len(first)
     notes = tuple(folder.differences(provenance.machine()))
-    found = Verification(cells, len(chosen), jobs, different, notes)
-    outcome = {"sentence": found.sentence, "different": [*found.lines()]}
+    found = Verification(cells, len(chosen), jobs, different, notes, strict, store)
+    outcome = {"strict": strict, "sentence": found.sentence, "different": [*found.lines()]}
     folder.note_verification({"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | outcome)
     return found
 
 
-def _chosen(folder: Folder, trials: int, seed: int) -> list[Trial]:
-    """Return up to ``trials`` finished trials of each cell, chosen at random."""
+def _chosen(folder: Folder, store: StoreCheck, trials: int, seed: int) -> list[Trial]:
+    """Return up to ``trials`` sound, finished trials of each cell, chosen at random."""
     require_whole("the number of trials to verify", trials, 1)
     cells: dict[tuple[str, str], list[Trial]] = {}
-    for row in folder.store.rows("status = 'ok'"):
-        cell = cells.setdefault((row["problem"], row["optimizer"]), [])
-        cell.append(Trial(row["problem"], row["optimizer"], row["trial"], row["seed"]))
+    for row in folder.store.sound_rows(store):
+        if row["status"] == "ok":
+            cell = cells.setdefault((row["problem"], row["optimizer"]), [])
+            cell.append(Trial(row["problem"], row["optimizer"], row["trial"], row["seed"]))
     if not cells:
-        raise BenchError(f"{folder.path} holds no finished trial to verify")
+        raise BenchError(f"{folder.path} holds no finished trial to verify" + f"; {store.sentence}" * (not store.sound))
     choice = random.Random(seed)
     return [trial for cell in cells.values() for trial in choice.sample(cell, min(trials, len(cell)))]
 

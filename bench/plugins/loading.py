@@ -69,6 +69,23 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     raise BenchError(f"unknown problem {name!r}{nearest(name, known)}")
 
 
+def family(problem: str) -> str:
+    """Return the family that a problem's name points to, without loading it; the name itself where none is known."""
+    prefix, colon, _ = problem.partition(":")
+    families = registry.entries("problems")
+    fitting = [prefix] if colon and prefix in families else [each for each in families if problem.startswith(each)]
+    return max(fitting, key=len, default=problem)
+
+
+def package(optimizer: str) -> str:
+    """Return the file, the family or the installed package that an optimizer's name points to, without loading it."""
+    if parts := from_file.split(optimizer):
+        return str(parts[0])
+    prefix, colon, _ = optimizer.partition(":")
+    installed = registry.package("optimizers", optimizer)
+    return prefix if colon or not installed else installed
+
+
 def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:
     """Call a family's loader; turn any exception into a BenchError of one sentence."""
     try:

@@ -135,6 +135,7 @@ class Findings:
             boxes={label: each.box for label, each in self.known.items() if each.box},
             diagnoses=self.results.checks,
             verifications=self.results.verifications,
+            stores=self.results.stores,
         )
 
     @cached_property

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import gc
-import io
 import json
 import re
-import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from types import ModuleType
 
+import matplotlib.figure
 import pandas as pd
-from matplotlib.backends.backend_pdf import FigureCanvasPdf
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 
 from bench.errors import BenchError
 from bench.plots import style
 from bench.plugins import registry
+from bench.report.drawing import Drawer, Drawing, draw
 from bench.report.findings import Findings
 from bench.report.latex import to_latex
 from bench.report.page import Item, View, inline, render
@@ -32,6 +30,7 @@ from bench.text import file_name, free
 PAGE, MANIFEST = "report.html", ".report.json"
 TABLES, FIGURES = "tables", "figures"
 ANCHOR = "part"  # of the sections, part.1 and so on; a figure of this name would have ids like these
+FEW = 4  # problems up to which other processes would take longer to start than to draw
 COMPARISONS = Path("results") / "comparisons"
 WHOLE = {
     "trials": "All trials, one row a trial.",
@@ -48,17 +47,20 @@ def write_report(
     path: str | PathLike[str],
     *others: str | PathLike[str],
     output: str | PathLike[str] | None = None,
+    n_jobs: int = -1,
     on_progress: Progress | None = None,
 ) -> Path:
     """Write ``report.html``, ``tables/``, ``figures/`` and the methods' text, and return the page's path.
 
     Several folders are compared as one study (:class:`bench.Results`). The same results give the same bytes. A
-    plug-in's section that fails becomes a warning on the page. Files that only an earlier report had are removed.
+    plug-in's section that fails becomes a warning on the page, and so do damaged trials, which are left out. Files
+    that only an earlier report had are removed.
 
     Args:
         path: a study's folder.
         others: further folders to compare with it.
         output: the folder to write into; by default the study's own, and ``results/comparisons/NAMES`` for several.
+        n_jobs: processes that draw figures, -1 for one a core; the files do not depend on it.
         on_progress: called before every step.
 
     Raises:
@@ -69,9 +71,12 @@ def write_report(
     folder = _folder(results, None if output is None else Path(output))
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return _Report(results, folder, on_progress or (lambda *_: None)).write()
+        with Drawer(n_jobs if len(results.study.problems) > FEW else 1) as drawer:
+            page = _Report(results, folder, drawer, on_progress or (lambda *_: None)).write()
     except OSError as error:
         raise BenchError(f"the report cannot be written into {folder}: {error.strerror}") from error
+    results.note_stores()
+    return page
 
 
 @contextmanager
@@ -102,10 +107,11 @@ def _folder(results: Results, output: Path | None) -> Path:
 class _Report:
     """A report in progress: the views so far, the files written and the names taken."""
 
-    def __init__(self, results: Results, folder: Path, on_progress: Progress) -> None:
+    def __init__(self, results: Results, folder: Path, drawer: Drawer, on_progress: Progress) -> None:
         self.results = results
         self.findings = Findings(results)
         self.folder = folder
+        self.drawer = drawer
         self.views: list[View] = []
         self.files: dict[str, str] = {}
         self.names = {*WHOLE, ANCHOR}
@@ -120,12 +126,16 @@ class _Report:
         plugged = sorted(registry.entries("report_sections"))
         self._steps = len(OPENING) + len(plugged) + len(CLOSING) + len(study.problems) + 1
         with style.context(), _collector_at_rest():
-            for part in OPENING:
-                self.add(part)
-            for name in plugged:
-                self.add_plugin(name)
-            for part in CLOSING:
-                self.add(part)
+            opening = [self.prepare(part) for part in OPENING]
+            middle = [self.prepare_plugin(name) for name in plugged]
+            closing = [self.prepare(part) for part in CLOSING]
+            self.drawer.help()
+            for section in opening:
+                self.append(section)
+            for name, sections in zip(plugged, middle, strict=True):
+                self.append_plugin(name, sections)
+            for section in closing:
+                self.append(section)
         self.add_downloads()
         lead = (
             f"Study {study.name}: {count(len(study.optimizers), 'optimizer')} on "
@@ -136,20 +146,36 @@ class _Report:
         self.clean()
         return page
 
-    def add(self, part: ModuleType) -> None:
+    def prepare(self, part: ModuleType) -> Section:
+        """Return a part's section, whose figures are then drawn while others are prepared."""
         self.step(part.TITLE)
-        self.append(part.section(self.findings))
+        section: Section = part.section(self.findings)
+        self.drawer.begin(_figures(section))
+        return section
+
+    def prepare_plugin(self, name: str) -> list[Section] | Exception:
+        """Return the sections of a plug-in, or what it raises."""
+        self.step(f"Section {name}")
+        prepared = []
+        try:
+            sections: Callable[[Results], list[Section]] = registry.load("report_sections", name)
+            for section in sections(self.results):
+                self.drawer.begin(_figures(section))
+                prepared.append(section)
+        except Exception as error:
+            return error
+        return prepared
 
     def append(self, section: Section) -> None:
         self.views.append(self.view(section, f"{ANCHOR}.{len(self.views) + 1}"))
 
-    def add_plugin(self, name: str) -> None:
+    def append_plugin(self, name: str, sections: list[Section] | Exception) -> None:
         """Add the sections of a plug-in, or a warning where it raises, which costs no other part."""
         views, files = list(self.views), dict(self.files)
-        self.step(f"Section {name}")
         try:
-            sections: Callable[[Results], list[Section]] = registry.load("report_sections", name)
-            for section in sections(self.results):
+            if isinstance(sections, Exception):
+                raise sections
+            for section in sections:
                 self.append(section)
         except Exception as error:
             for path in self.files.keys() - files:
@@ -193,7 +219,7 @@ class _Report:
             files = save_table(part, self.folder, name)
             item = Item(name, files, part)
         else:
-            svg, files = save_figure(part, self.folder, name)
+            svg, files = save_figure(part, self.folder, name, self.drawer.finish(part.figure))
             item = Item(name, files, part, inline(svg, name, part.caption))
         self.files |= dict.fromkeys(files, re.split(r"(?<!Fig)\. ", part.caption)[0].rstrip(".") + ".")
         _ = item.grid  # a frame that the page cannot show raises here, within its own section
@@ -235,25 +261,23 @@ def save_table(table: Table, folder: Path, name: str) -> list[str]:
     return paths
 
 
-def save_figure(figure: Figure, folder: Path, name: str) -> tuple[str, list[str]]:
+def save_figure(figure: Figure, folder: Path, name: str, drawing: Drawing | None = None) -> tuple[str, list[str]]:
     """Write a figure as SVG and PDF and its data as CSV; return the SVG's text and the paths relative to ``folder``."""
     (folder / FIGURES).mkdir(exist_ok=True)
     paths = [f"{FIGURES}/{name}.{kind}" for kind in ("svg", "pdf", "csv")]
-    drawn, svg, pdf = figure.figure, io.BytesIO(), io.BytesIO()
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # the font may lack letters of a label
-        canvas = FigureCanvasSVG(drawn)
-        if (engine := drawn.get_layout_engine()) is not None:  # compute the layout once for both formats
-            engine.execute(drawn)
-            drawn.set_layout_engine("none")
-        canvas.print_svg(svg, metadata={"Date": None})  # type: ignore[no-untyped-call]
-        FigureCanvasPdf(drawn).print_pdf(pdf, metadata={"CreationDate": None})  # type: ignore[no-untyped-call]
-    (folder / paths[0]).write_bytes(svg.getvalue())
-    (folder / paths[1]).write_bytes(pdf.getvalue())
+    svg, pdf = draw(figure.figure) if drawing is None else drawing
+    (folder / paths[0]).write_bytes(svg)
+    (folder / paths[1]).write_bytes(pdf)
     save_csv(figure.data, folder / paths[2], index=False)
-    return svg.getvalue().decode(), paths
+    return svg.decode(), paths
 
 
 def save_csv(frame: pd.DataFrame, path: Path, *, index: bool) -> None:
     """Write a frame as CSV with every digit, the same bytes on every system."""
     frame.to_csv(path, index=index, lineterminator="\n", encoding="utf-8")
+
+
+def _figures(section: Section) -> Iterator[matplotlib.figure.Figure]:
+    """Yield the figures of a section and of its subsections."""
+    for each in (section, *section.sections):
+        yield from (item.figure for item in each.items if isinstance(item, Figure))

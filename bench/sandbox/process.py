@@ -1,4 +1,4 @@
-"""Call functions in a separate process: they may hang, print, exhaust memory, crash the interpreter or end it."""
+"""Call functions in separate processes: they may hang, print, exhaust memory, crash the interpreter or end it."""
 
 from __future__ import annotations
 
@@ -6,28 +6,30 @@ import json
 import os
 import pickle
 import signal
+import socket
 import subprocess
 import sys
-from collections.abc import Callable
+import tempfile
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from math import inf
-from queue import Empty, SimpleQueue
-from threading import Thread, get_native_id
 from time import monotonic
 from types import TracebackType
-from typing import IO, Any
+from typing import Any
 
-from bench.sandbox.messages import describe_error, end_of_output
-from bench.sandbox.server import UNANSWERABLE, receive, send
+from bench.sandbox.channel import BrokenChannelError, Channel
+from bench.sandbox.messages import end_of_output
+from bench.sandbox.server import FORKS, UNANSWERABLE
 
-# Before any import the pipes move to other file numbers, out of reach of the code called; prints go to standard error.
+# Before any import the channel is all that a process has of its owner: prints go to a file.
 _START = """
-import json, os, sys
-calls, answers, nowhere = os.dup(0), os.dup(1), os.open(os.devnull, os.O_RDWR)
-os.dup2(nowhere, 0), os.dup2(2, 1)
-sys.path[:], owner = json.loads(sys.argv.pop())
+import json, sys
+sys.path[:], end, owner, forks = json.loads(sys.argv.pop())
+if isinstance(end, str):
+    import socket
+    end = socket.fromshare(sys.stdin.buffer.read()).detach()
 from bench.sandbox.server import serve
-serve(calls, answers, owner)
+serve(end, owner, forks)
 """
 
 # One thread a process: times and results must not depend on the number of cores that a library finds.
@@ -39,22 +41,27 @@ _ONE_THREAD = dict.fromkeys(
     "1",
 )  # fmt: skip
 
-_LOOK = 0.2  # seconds between looks at a busy process: is it alive, and how much memory does it hold?
-_TREE_LOOK = 1.0  # seconds, at least, between searches for the processes that it started
-_GRACE = 0.5  # seconds to read what an ended process left in its pipes
-_TAIL = 1 << 15  # bytes kept of standard error: a crash prints 100 frames and all extension modules
-_DIRECT = 4096  # bytes that a pipe takes in one write, whether or not anyone reads it
-
-Pulse = Callable[[int, int], None]
-_Message = tuple[int, bytes] | None  # the call's number, and a pulse or an answer; None at the end of the pipe
+_LOOK = 0.2  # seconds between looks at a busy process: is it alive, how much memory does it hold, has it printed?
+_GRACE = 0.5  # seconds for a process that has closed its channel to end
+_ANSWER = 10.0  # seconds for a template, which waits for nothing but requests, to answer one
+_MOST = 1_000_000  # values of an answer; a message of empty ones takes 25 times its size of memory
+_TAIL = 1 << 15  # bytes read of the output: a crash prints 100 frames and all extension modules
 
 
-class SilentError(RuntimeError):
-    """The process gave no sign of life for longer than allowed."""
+class TimeExceededError(RuntimeError):
+    """The call took longer than allowed."""
 
 
 class MemoryExceededError(RuntimeError):
     """The process and those it started held more memory than allowed; the message states how much."""
+
+
+class PrintedTooMuchError(RuntimeError):
+    """The process printed more than allowed."""
+
+
+class LostError(RuntimeError):
+    """The process that forks and ends this one has ended, or answers no more."""
 
 
 class DiedError(RuntimeError):
@@ -72,245 +79,317 @@ class DiedError(RuntimeError):
 
 
 class RemoteError(RuntimeError):
-    """The function called raised an exception, which the message describes."""
+    """The function called raised an exception, which the message describes, or gave an answer that is no JSON."""
 
 
 class Process:
-    """A Python process that calls functions of importable modules, one after another.
+    """A Python process that calls functions of importable modules, one after another, and forks copies of itself.
 
-    It ends at the latest with the process that started it. Any thread may create and use one, one thread at a time.
+    It ends at the latest with the process that started it. One thread at a time may use a process or its copies. Where
+    processes cannot fork, or one runs threads, a copy is a new process in which the same calls are made again.
 
     Args:
         hash_seed: its PYTHONHASHSEED, which orders sets of strings.
-        nested: whether another ``Process`` starts it, with which it ends.
+        forks: whether it is there to be forked rather than to run plug-in code for long.
+        command: the words to put before its own command line, such as those of a sandbox.
     """
 
-    def __init__(self, hash_seed: int, *, nested: bool = False) -> None:
-        self._leads = hasattr(os, "killpg") and not nested  # it leads a session, so that all it starts can be ended
-        self.pulse: tuple[int, int] | None = None  # the last one: evaluations made, budget
-        main_thread = get_native_id() == os.getpid()
-        given = json.dumps([[str(each) for each in sys.path], os.getpid() if main_thread else 0])
-        own = {"PYTHONHASHSEED": str(hash_seed), "PYTHONIOENCODING": "utf-8"}
-        self._process = subprocess.Popen(
-            [sys.executable, "-c", _START, given], env=os.environ | _ONE_THREAD | own, bufsize=0,
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=self._leads,
-            creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
-        )  # fmt: skip
-        self._calls, self._printed_before, self._ended = 0, 0, False
-        self._messages, self._output = SimpleQueue[_Message](), _Output()
-        self._listener = _start(_listen, self._process.stdout, self._messages)
-        self._drain = _start(_keep_tail, self._process.stderr, self._output)
-        self._sender: Thread | None = None
-        self._tree = _ProcessTree(self._process.pid)
+    _process: subprocess.Popen[bytes] | None
+
+    def __init__(self, hash_seed: int, *, forks: bool = False, command: Sequence[str] = ()) -> None:
+        own, other = socket.socketpair()
+        self._set_up(own, tempfile.TemporaryFile())  # noqa: SIM115 - closed with the process
+        self._start_again = (hash_seed, command)
+        self._calls: list[tuple[tuple[Any, ...], dict[str, Any]]] = []  # with their limits, for copies without a fork
+        share = hasattr(other, "share")  # on Windows
+        owner = 0 if command else os.getpid()  # a sandbox ends with its owner by itself
+        given = json.dumps([[str(each) for each in sys.path], "" if share else other.fileno(), owner, forks])
+        environment = {"PYTHONHASHSEED": str(hash_seed), "PYTHONIOENCODING": "utf-8"}
+        with other:
+            process = subprocess.Popen(
+                [*command, sys.executable, "-c", _START, given], env=os.environ | _ONE_THREAD | environment,
+                stdin=subprocess.PIPE if share else subprocess.DEVNULL, stdout=self._output, stderr=self._output,
+                pass_fds=() if share else [other.fileno()], start_new_session=hasattr(os, "killpg"),
+                creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
+            )  # fmt: skip
+            self._process = process
+            if share and process.stdin is not None:
+                with process.stdin as pipe:
+                    pipe.write(other.share(process.pid))  # type: ignore[attr-defined]
+
+    def _set_up(self, own: socket.socket, output: Any) -> None:
+        self._channel, self._output = Channel(own), output
+        self._template: Process | None = None  # that this process was forked from
+        self._process = None
+        self._pid = self._number = 0
+        self._parent: Process | None = None  # that this process is a copy of
+        self._copies: set[Process] = set()  # that have not been closed
+        self._closed = self._lost = self._killed = False
+        self._begun: tuple[Any, ...] = ()
+        self.note: Any = None  # the last one of the present call (bench.sandbox.server.note)
 
     def __enter__(self) -> Process:
         return self
+
+    def __del__(self) -> None:
+        with suppress(Exception):  # of one that ended with its template and was never closed
+            self._output.close()
+            self._channel.close()
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
     @property
-    def alive(self) -> bool:
-        """Whether the process runs; when it does not, the processes that it started are ended too."""
-        if self._process.poll() is None:
-            return True
-        self._end()
-        return False
+    def closed(self) -> bool:
+        """Whether the process was closed, or ended after an error."""
+        return self._closed
 
     @property
-    def resident(self) -> int:
-        """Bytes of memory that it and the processes it started hold; shared memory counts for each."""
-        return self._tree.resident()
+    def alive(self) -> bool:
+        """Whether the process has neither been closed nor ended by itself."""
+        return not self._closed and self._resident() is not None
 
     @property
     def printed(self) -> int:
-        """Bytes that the last call wrote to standard output and error, as far as they have been read."""
-        return self._output.total - self._printed_before
+        """Bytes written to standard output and error since the last call began."""
+        return os.fstat(self._output.fileno()).st_size
 
-    def close(self) -> None:
-        """End the process and all that it started."""
-        self._end()
-        # A process that escaped the tree may hold a pipe open. Its thread then stays: closing the pipe would free a
-        # file number that another pipe may take, and the thread would read that one.
-        for thread in filter(None, (self._listener, self._drain, self._sender)):
-            thread.join(_GRACE)
-        if self._process.stdin is not None and not (self._sender is not None and self._sender.is_alive()):
-            self._process.stdin.close()
+    def fork(self) -> Process:
+        """Return a copy of this process; it ends with this one.
+
+        Raises:
+            LostError: when this process has ended, or does not answer.
+            RemoteError: when plug-in code answers in its place.
+            The others of :meth:`call`: where the copy is a new process that makes the same calls.
+        """
+        copy = self._forked() if FORKS else None
+        if copy is not None:
+            return copy
+        hash_seed, command = self._start_again
+        copy = Process(hash_seed, command=command)
+        self._adopt(copy)
+        for call, limits in self._calls:
+            copy.call(*call, **limits)
+        return copy
+
+    def _forked(self) -> Process | None:
+        """Return a copy, None where this process runs threads."""
+        own, other = socket.socketpair()
+        output = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
+        with other:
+            pid = self._request("fork", files=(other.fileno(), output.fileno()))
+        if pid is None or pid <= 0:
+            own.close()
+            output.close()
+            return None
+        copy = object.__new__(Process)
+        copy._set_up(own, output)
+        copy._template, copy._pid = self, pid
+        copy._calls, copy._start_again = [*self._calls], self._start_again
+        self._adopt(copy)
+        return copy
+
+    def _adopt(self, copy: Process) -> None:
+        """Have a copy end with this process, whether the kernel sees to that or not."""
+        copy._parent = self
+        self._copies.add(copy)
+        if self._killed:  # by another thread, which may not have seen the copy
+            copy.kill()
 
     def call(
         self,
         function: Callable[..., Any],
         *arguments: Any,
-        patience: float | None,
-        on_pulse: Pulse | None = None,
+        seconds: float | None = None,
+        silence: float | None = None,
         memory: int | None = None,
+        printed: int | None = None,
+        again: bool = True,
     ) -> Any:
-        """Call ``function(*arguments, pulse=…)`` in the process and return its result; all must be picklable.
+        """Call a function of an importable module in the process and return its answer, of which JSON is made.
 
-        The function, of an importable module, calls ``pulse(made, budget)`` as a sign of life. After any error but a
-        RemoteError the process is ended.
+        The arguments are pickled; the answer is not. After any error but a RemoteError the process is ended.
 
         Args:
-            patience: seconds allowed without a sign of life; None for no limit.
-            on_pulse: called with evaluations made and the budget, at most twice a second.
-            memory: bytes that the process may hold (:attr:`resident`); None for no limit.
+            function: what to call.
+            arguments: its arguments, picklable.
+            seconds: that the call may take; None for no limit.
+            silence: seconds that it may take without a note (:func:`bench.sandbox.server.note`); None for no limit.
+            memory: bytes that the process and all that it started may hold; None for no limit.
+            printed: bytes that the call may print; None for no limit.
+            again: whether a copy that cannot be forked makes the call too, within the same limits.
 
         Raises:
-            SilentError: when neither a pulse nor the answer came for ``patience`` seconds.
-            MemoryExceededError: when the process held more than ``memory`` bytes.
+            TimeExceededError, MemoryExceededError, PrintedTooMuchError: when the call exceeded a limit.
             DiedError: when the process ended first.
-            RemoteError: when the function raised, or its answer cannot be pickled.
+            LostError: when it was ended before, or the process that forked it has ended, or does not answer.
+            RemoteError: when the function raised, or its answer is no JSON.
         """
-        self.pulse = None
-        self._calls += 1
-        self._printed_before = self._output.total
-        self._send(pickle.dumps((function, arguments)))
-        limit = inf if patience is None else patience
-        last_sign = monotonic()
-        look = last_sign + _LOOK
+        self.start(function, *arguments)
+        return self.finish(seconds=seconds, silence=silence, memory=memory, printed=printed, again=again)
+
+    def start(self, function: Callable[..., Any], *arguments: Any, files: Sequence[int] = ()) -> None:
+        """Begin a call, whose answer :meth:`finish` returns; open files are passed on as further arguments.
+
+        Raises:
+            LostError: when the process has been closed, or was ended after an error.
+        """
+        if self._closed:
+            raise LostError("it has been ended")
+        self.note = None
+        if self.printed:
+            self._output.truncate(0)
+            self._output.seek(0)
+        self._number += 1
+        self._begun = (function, *arguments)
+        with suppress(BrokenChannelError):  # finish() finds that the process has ended
+            self._channel.send(self._number, pickle.dumps(("call", function, *arguments)), files, _ANSWER)
+
+    def finish(
+        self,
+        *,
+        seconds: float | None = None,
+        silence: float | None = None,
+        memory: int | None = None,
+        printed: int | None = None,
+        again: bool = True,
+    ) -> Any:
+        """Return the answer to the call begun by :meth:`start`; see :meth:`call`."""
+        now = monotonic()
+        end, look = now + (inf if seconds is None else seconds), now + _LOOK
+        until = min(end, now + (inf if silence is None else silence))
         while True:
             try:
-                message = self._messages.get(timeout=max(0.0, min(look, last_sign + limit) - monotonic()))
-            except Empty:
-                if monotonic() >= last_sign + limit:
-                    self._end()
-                    raise SilentError(f"{patience:g} s") from None
-            else:
-                if message is None:
-                    raise self._died_error()
-                number, payload = message
-                if number == self._calls:  # not of an earlier call that an interrupt cut short
-                    last_sign = monotonic()
-                    kind, value = _load(payload)
-                    if kind != "pulse":
-                        self._output.tail.clear()  # it did not end, so its output is of no interest
-                        if kind == "error":
-                            raise RemoteError(value)
-                        return value
-                    self.pulse = value
-                    if on_pulse is not None:
-                        on_pulse(*value)
-            if monotonic() >= look:
-                self._inspect(memory)
+                message = self._channel.receive(max(0.0, min(look, until) - now))
+            except BrokenChannelError:
+                raise self._died_error() from None
+            now = monotonic()
+            if message is not None:
+                kind, value = self._load(*message)
+                if kind == "value":
+                    if printed is not None and self.printed > printed:
+                        self.close()
+                        raise PrintedTooMuchError
+                    if again:
+                        limits = {"seconds": seconds, "silence": silence, "memory": memory, "printed": printed}
+                        self._calls.append((self._begun, limits))
+                    return value
+                if kind == "error":
+                    raise RemoteError(str(value))
+                self.note = value
+                until = min(end, now + (inf if silence is None else silence))
+            if now >= until:
+                self.close()
+                raise TimeExceededError(f"{seconds if until == end else silence:g} s")
+            if now >= look:
+                self._inspect(memory, printed)
                 look = monotonic() + _LOOK
 
-    def _send(self, call: bytes) -> None:
-        with suppress(OSError, ValueError):  # an ended or closed process is detected below
-            pipe = self._process.stdin.fileno()  # type: ignore[union-attr]
-            if len(call) <= _DIRECT:
-                send(pipe, self._calls, call)
-            else:  # in a thread: a process that hangs may never read it
-                self._sender = _start(_send, pipe, self._calls, call)
+    def close(self) -> None:
+        """End the process and all that it started."""
+        self._end()
+        self._output.close()
 
-    def _inspect(self, memory: int | None) -> None:
-        """Detect a process that has ended silently, or end one that has grown too large."""
-        if not self.alive:
-            self._listener.join(_GRACE)
-            self._messages.put(None)  # a fork that still holds the pipe hides its end
-        elif memory is not None and (held := self.resident) > memory:
-            self._end()
+    def kill(self) -> None:
+        """End a process that was not forked, and its copies; any thread may do so, and its user finds it ended."""
+        self._killed = True
+        self._end_process(0.0)
+        for each in self._copies.copy():
+            each.kill()
+
+    def _load(self, number: int, payload: bytes) -> tuple[str, Any]:
+        """Return the kind and the value of a message; end a process whose message answers no call."""
+        with suppress(ValueError, RecursionError, TypeError):
+            kind, value = json.loads(payload) if payload.count(b",") <= _MOST else ("", None)
+            if kind in ("value", "error", "note") and number == self._number:
+                return kind, value
+        self.close()
+        raise RemoteError("it sent what answers no call")
+
+    def _inspect(self, memory: int | None, printed: int | None) -> None:
+        """End a process that has grown too large or prints too much, and detect one that has ended silently."""
+        held = self._resident()
+        if held is None:  # a fork that still holds the channel hides its end
+            raise self._died_error()
+        if memory is not None and held > memory:
+            self.close()
             raise MemoryExceededError(
                 f"it held {held / 1e6:,.0f} MB of memory, where {memory / 1e6:,.0f} MB are allowed"
             )
+        if printed is not None and self.printed > printed:
+            self.close()
+            raise PrintedTooMuchError
+
+    def _resident(self) -> int | None:
+        """Return the bytes that the process and all that it started hold, None where it has ended."""
+        if self._template is not None:
+            return self._template._request("look", self._pid)
+        from bench.sandbox import tree  # not at the top: psutil takes as long to import as all else here
+
+        process = self._process
+        return None if process is None or process.poll() is not None else tree.resident(process.pid)
 
     def _died_error(self) -> DiedError:
-        code = UNANSWERABLE  # for a process that only closed its pipe
+        code = self._end(_GRACE)
+        tail = os.pread(self._output.fileno(), _TAIL, max(0, self.printed - _TAIL))
+        self._output.close()
+        return DiedError(UNANSWERABLE if code is None else code, end_of_output(tail))
+
+    def _request(self, request: str, *arguments: Any, files: Sequence[int] = ()) -> int | None:
+        """Return a template's answer to a request.
+
+        Raises:
+            LostError: when it has ended, or does not answer. It is not asked again.
+            RemoteError: when plug-in code in the template answers in its place; it is ended.
+        """
+        self._number += 1
+        message = None
+        if not self._lost:
+            with suppress(BrokenChannelError, ValueError):  # ValueError: it was closed before
+                self._channel.send(self._number, pickle.dumps((request, *arguments)), files, _ANSWER)
+                message = self._channel.receive(_ANSWER)
+        if message is None:
+            self._lost = True
+            if self._template is None:  # otherwise its own template may have been stopped too
+                self.close()
+            raise LostError("the process that forks and ends others was itself ended or stopped")
+        answer = self._load(*message)[1]
+        if answer is not None and type(answer) is not int:
+            self.close()
+            raise RemoteError("it sent what answers no call")
+        return answer
+
+    def _end(self, seconds: float = 0.0) -> int | None:
+        """End the process; return its exit code, None where it did not end by itself within ``seconds``."""
+        if self._closed:
+            return None
+        self._closed = True
+        try:
+            if self._template is not None:
+                return self._template._request("end", self._pid, seconds)
+            return self._end_process(seconds)
+        finally:
+            self._channel.close()
+            if self._parent is not None:
+                self._parent._copies.discard(self)
+            for each in self._copies.copy():
+                each.kill()
+
+    def _end_process(self, seconds: float) -> int | None:
+        from bench.sandbox import tree
+
+        process = self._process
+        if process is None:
+            return None
         with suppress(subprocess.TimeoutExpired):
-            code = self._process.wait(_GRACE)
-        self._end()
-        self._drain.join(_GRACE)
-        return DiedError(code, end_of_output(bytes(self._output.tail)))
-
-    def _end(self) -> None:
-        if self._ended:  # another process may have its number by now
-            return
-        self._tree.look()
+            process.wait(seconds)
+        code = process.returncode
+        tree.kill(process.pid)
         with suppress(OSError):
-            if self._leads:
-                os.killpg(self._process.pid, signal.SIGKILL)
-            else:
-                self._process.kill()
-        self._tree.kill()
-        self._ended = True
+            if hasattr(os, "killpg"):
+                os.killpg(process.pid, signal.SIGKILL)
+        with suppress(OSError):
+            process.kill()
         with suppress(subprocess.TimeoutExpired):  # a process that waits for a dead disk cannot be ended
-            self._process.wait(10 * _GRACE)
-
-
-class _Output:
-    """What a process has printed: the number of bytes, and the last of them."""
-
-    def __init__(self) -> None:
-        self.total, self.tail = 0, bytearray()
-
-
-class _ProcessTree:
-    """A process and all that it started, including those in sessions of their own."""
-
-    def __init__(self, pid: int) -> None:
-        import psutil  # not at the top: its import takes as long as all others of this module
-
-        self._quietly = suppress(psutil.Error, OSError)
-        self._members: set[Any] = set()
-        self._next = 0.0
-        with self._quietly:
-            self._members.add(psutil.Process(pid))
-        self._first = next(iter(self._members), None)
-
-    def look(self) -> None:
-        """Search for members; known ones are kept while they run, as a child may outlive its parent."""
-        began = monotonic()
-        with self._quietly:
-            self._members = {each for each in self._members if each.is_running()}
-            if self._first is not None:
-                self._members.update((self._first, *self._first.children(recursive=True)))
-        now = monotonic()
-        self._next = now + max(_TREE_LOOK, 50 * (now - began))  # a search reads a file of every process on the machine
-
-    def resident(self) -> int:
-        """Return the bytes of memory that the members hold."""
-        if monotonic() >= self._next:
-            self.look()
-        held = 0
-        for member in self._members:
-            with self._quietly:
-                held += member.memory_info().rss
-        return held
-
-    def kill(self) -> None:
-        """End the members that are known."""
-        for member in self._members:
-            with self._quietly:
-                member.kill()
-
-
-def _start(work: Callable[..., None], *arguments: Any) -> Thread:
-    thread = Thread(target=work, args=arguments, daemon=True)
-    thread.start()
-    return thread
-
-
-def _listen(pipe: IO[bytes], messages: SimpleQueue[_Message]) -> None:
-    with pipe, suppress(EOFError, OSError):
-        while True:
-            messages.put(receive(pipe.fileno()))
-    messages.put(None)
-
-
-def _keep_tail(pipe: IO[bytes], output: _Output) -> None:
-    with pipe, suppress(OSError):
-        while chunk := os.read(pipe.fileno(), 1 << 16):
-            output.total += len(chunk)
-            output.tail += chunk
-            del output.tail[:-_TAIL]
-
-
-def _send(pipe: int, number: int, call: bytes) -> None:
-    with suppress(OSError):
-        send(pipe, number, call)
-
-
-def _load(payload: bytes) -> Any:
-    try:
-        return pickle.loads(payload)
-    except Exception as error:
-        return "error", f"its answer cannot be read: {describe_error(error)}"
+            process.wait(_ANSWER)
+        return code

@@ -16,8 +16,9 @@ from filelock import FileLock, Timeout
 
 from bench.atomic import replacing
 from bench.errors import BenchError
-from bench.storage import provenance
-from bench.storage.store import Store
+from bench.storage import provenance, under_way
+from bench.storage.reading import StoreCheck
+from bench.storage.store import DamagedStoreError, Store
 from bench.study import Fingerprints, Study
 
 STUDY = "study.toml"
@@ -26,10 +27,14 @@ DATA = "data.json"
 CODE = "code.json"
 CHECKS = "checks.json"
 VERIFICATION = "verification.json"
+STORE = "store.json"
 RUNNING = ".running.json"
+KILLED = "killed.json"
 
 _CHANGED = (("data of problem", "data sets"), ("code of optimizer", "versions"))
-_REMOVED = dict.fromkeys((DATA, CODE), ": the store also notes what its trials were made with")
+_REMOVED = dict.fromkeys((DATA, CODE), ": the store also notes what its trials were made with") | {
+    STORE: ": 'bench status --check' writes it again"
+}
 _CLOCKS = 2.0  # seconds by which two clocks may differ at the same moment
 
 
@@ -118,13 +123,17 @@ class Folder:
                 raise self._damaged(file)
             return noted
         key = Path(file).stem
-        records = [each for record in self.environments() if isinstance(each := record.get(key), dict)]
+        environments = []
+        with suppress(DamagedStoreError):  # a run rescues what can be read, before it notes fingerprints
+            environments = self.environments()
+        records = [each for record in environments if isinstance(each := record.get(key), dict)]
         return {label: fingerprint for each in records for label, fingerprint in each.items() if fingerprint}
 
     def checks(self) -> dict[str, list[dict[str, Any]]]:
         """Return the verdicts that ``bench check`` noted, by optimizer label; empty where it has not run.
 
-        Each has all keys of :class:`bench.check.verdict.Verdict`; keys missing in an older file are filled in.
+        Each has all keys of :class:`bench.check.verdict.Verdict`, and ``code``, a hash of the code and the parameters
+        that it is true of; keys missing in an older file are filled in.
         """
         return {
             label: [whole for each in those if (whole := _verdict(each))]
@@ -143,6 +152,27 @@ class Folder:
     def note_verification(self, found: dict[str, Any]) -> None:
         """Note the outcome of ``bench verify``."""
         self._write(VERIFICATION, json.dumps(found, indent=1))
+
+    def check_store(self) -> StoreCheck:
+        """Compare every row of the store with its digest, and note the outcome."""
+        try:
+            found = self.store.check()
+        except DamagedStoreError as error:
+            self.note_store(StoreCheck(structure=str(error.__cause__)))
+            raise
+        self.note_store(found)
+        return found
+
+    def store_note(self) -> dict[str, Any]:
+        """Return when the store was last checked, and with what outcome; empty where it has not been."""
+        return self._noted(STORE)
+
+    def note_store(self, found: StoreCheck) -> None:
+        """Note the outcome of a check, unless there is nothing to check or the folder cannot be written."""
+        noted = {"checked": provenance.now(), "sound": found.sound, "sentence": found.sentence}
+        if found != StoreCheck() and os.access(self.path, os.W_OK):
+            with suppress(BenchError):  # as on a full disk
+                self._write(STORE, json.dumps(noted, indent=1))
 
     @contextmanager
     def lock(self) -> Iterator[None]:
@@ -169,11 +199,19 @@ class Folder:
         try:
             holder = {"pid": os.getpid(), "host": provenance.host(), "started": provenance.now()}
             self._write(RUNNING, json.dumps(holder))
+            if killed := self.killed():
+                self._write(KILLED, json.dumps({"runs": killed}, indent=1))
             yield
         finally:
             with suppress(OSError):
                 (self.path / RUNNING).unlink(missing_ok=True)
             hold.release()
+
+    def killed(self) -> list[dict[str, Any]]:
+        """Return for each run that was killed here when it last began a trial, and the trials then under way."""
+        runs = self._noted(KILLED).get("runs", [])
+        last = under_way.left(self.path)
+        return [each for each in (*runs, last) if isinstance(each, dict) and each.get("trials")]
 
     def running(self) -> dict[str, Any] | None:
         """Return pid, host and start of the run that is writing here, None where this machine detects none."""
@@ -222,7 +260,8 @@ class Folder:
 
 def _verdict(noted: dict[str, Any]) -> dict[str, Any]:
     """Return a noted verdict with all its keys, empty where it is malformed."""
-    whole = {"check": None, "kind": "bias", "passed": None, "finding": "", "mend": "", "figure": None} | noted
-    kinds: dict[str, Any] = {"check": str, "kind": str, "passed": bool, "finding": str, "mend": str}
+    whole = {"check": None, "kind": "bias", "passed": None, "finding": "", "mend": "", "figure": None, "code": ""}
+    whole |= {key: value for key, value in noted.items() if key in whole}
+    kinds: dict[str, Any] = {"check": str, "kind": str, "passed": bool, "finding": str, "mend": str, "code": str}
     kinds["figure"] = (int, float, type(None))
     return whole if all(isinstance(whole[key], kind) for key, kind in kinds.items()) else {}

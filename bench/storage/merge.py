@@ -3,49 +3,63 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
+from typing import Any
 
 from bench.errors import BenchError
 from bench.storage.folder import Folder
 from bench.storage.store import Writer, disagreement
 from bench.study import Study
+from bench.trial import Row
 
 
 @dataclass(frozen=True)
 class Merged:
-    """The numbers of trials in the merged store, of those added, and of those that it held already."""
+    """The numbers of trials in the merged store, of those added, and of those that it held already.
+
+    ``notes`` names, in a sentence for each folder that has any, the damaged trials that were left out.
+    """
 
     rows: int
     added: int
     same: int
+    notes: tuple[str, ...] = ()
 
 
 def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -> Merged:
     """Write the trials of all folders into one, with the environments that made them.
 
     The folders' numbers of trials may differ. The output may hold some of them already: a merge that was interrupted is
-    continued by the same call.
+    continued by the same call. Every trial is compared with its digest; damaged ones are left out.
 
     Raises:
-        BenchError: when the folders hold different studies, data or code, or a trial with different outcomes.
+        BenchError: when the folders hold different studies, data or code, or a trial with different outcomes, and when
+            the output holds damaged trials.
     """
     sources, target = [Folder(each) for each in folders], Folder(output)
     if len({source.path.resolve() for source in sources} | {target.path.resolve()}) < len(sources) + 1:
         raise BenchError("a folder is given twice; give folders that differ, and another one to write")
     study = _common([(source, source.study()) for source in sources])
     with target.lock():
+        if not (present := target.store.check(structure=True)).sound:
+            raise BenchError(f"{target.path}: {present.sentence}")
         target.claim(study)
         added = same = 0
+        notes = []
         with target.store.writer() as writer:
             for source in sources:
                 target.note_fingerprints(source.fingerprints())
-                new, old = _copy(source, writer)
+                found = source.check_store()
+                sound = source.store.sound_rows(found, traces=True)
+                new, old = copy(sound, source.store.environments(), writer, str(source.path))
                 added, same = added + new, same + old
+                if not found.sound:
+                    notes.append(f"{source.path}: {found.sentence}")
         target.write_environments()
         rows = sum(cell.done + cell.failed for cell in target.store.cells())
-    return Merged(rows, added, same)
+    return Merged(rows, added, same, tuple(notes))
 
 
 def _common(studies: list[tuple[Folder, Study]]) -> Study:
@@ -60,12 +74,20 @@ def _common(studies: list[tuple[Folder, Study]]) -> Study:
     return dataclasses.replace(study, trials=max(other.trials for _, other in studies))
 
 
-def _copy(source: Folder, writer: Writer) -> tuple[int, int]:
-    """Add a folder's trials; return the numbers added and present already. Refuse a trial with two outcomes."""
-    numbers = {number: writer.environment(record) for number, record in source.store.environments().items()}
+def copy(
+    rows: Iterable[Row], environments: Mapping[int, Mapping[str, Any]], writer: Writer, name: str
+) -> tuple[int, int]:
+    """Add the rows of another store, which is called ``name``; return the numbers added and present already.
+
+    Rows refer to an environment only where its record is known.
+
+    Raises:
+        BenchError: when a trial has two outcomes.
+    """
+    numbers = {number: writer.environment(record) for number, record in environments.items() if record}
     added = same = 0
     with writer.transaction():
-        for row in source.store.rows(traces=True):
+        for row in rows:
             present = writer.find(row["problem"], row["optimizer"], row["trial"])
             if present is None or (present["status"] != "ok" and row["status"] == "ok"):
                 writer.put(row | {"environment": numbers.get(row["environment"])})
@@ -75,7 +97,7 @@ def _copy(source: Folder, writer: Writer) -> tuple[int, int]:
                 if row["status"] == "ok" and (different := disagreement(present, row)):
                     raise BenchError(
                         f"trial {row['trial']} of {row['optimizer']} on {row['problem']} has another {different} in "
-                        f"{source.path} than in the folders before it, though both were made from one seed; find out "
+                        f"{name} than in the folders before it, though both were made from one seed; find out "
                         "which is right ('bench verify') and remove the other ('bench rm')"
                     )
     return added, same

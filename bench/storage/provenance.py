@@ -60,6 +60,8 @@ def run(
     *,
     timeout: float | None = None,
     shard: str | None = None,
+    strict: bool = False,
+    sandbox: str | None = None,
 ) -> dict[str, Any]:
     """Return the record of a run that starts now; its ``timeout`` is in seconds, its ``shard`` as in "3/20"."""
     return {
@@ -73,6 +75,8 @@ def run(
         "code": fingerprints.code,
         "timeout": timeout,
         "shard": shard,
+        "strict": strict,
+        "sandbox": sandbox,
     }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache, cached_property
@@ -20,6 +21,7 @@ from bench.errors import BenchError
 from bench.objective import Trace
 from bench.problem import Problem
 from bench.storage.folder import Folder
+from bench.storage.reading import StoreCheck
 from bench.study import Entry, Study
 from bench.text import unique
 from bench.trial import FRAME_COLUMNS, Row
@@ -84,13 +86,28 @@ class Results:
 
     @cached_property
     def frame(self) -> pd.DataFrame:
-        """The tidy frame: one row a trial; see :func:`load_results`."""
+        """The tidy frame: one row a sound trial; see :func:`load_results`."""
         return self._rows.drop(columns="environment")
 
     @property
     def origins(self) -> pd.Series:
         """The number (from 1) of the environment of each row of the frame; not a column, as it is no result."""
         return self._rows["environment"]
+
+    @property
+    def stores(self) -> list[StoreCheck]:
+        """The check of each folder's store; damaged trials are neither in the frame nor among the traces."""
+        return [source.found for source in self._sources]
+
+    @property
+    def damage(self) -> list[str]:
+        """A sentence for each folder in which trials, or records of environments, are damaged."""
+        return [f"{source.name}: {source.found.sentence}" for source in self._sources if not source.found.sound]
+
+    def note_stores(self) -> None:
+        """Note in each folder that can be written that its store was checked, and with what outcome."""
+        for source in self._sources:
+            source.folder.note_store(source.found)
 
     @cached_property
     def _rows(self) -> pd.DataFrame:
@@ -102,11 +119,11 @@ class Results:
 
     @cached_property
     def traces(self) -> dict[tuple[str, str, int], Trace]:
-        """The anytime traces by (problem, optimizer, trial); failed trials have none."""
+        """The anytime traces of sound trials by (problem, optimizer, trial); failed trials have none."""
         return {
             (problem, source.shown[optimizer], trial): trace
             for source in self._sources
-            for (problem, optimizer, trial), trace in source.folder.store.traces().items()
+            for (problem, optimizer, trial), trace in source.folder.store.traces(source.found).items()
         }
 
     def problem(self, label: str) -> Problem:
@@ -143,12 +160,15 @@ def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
 
     Columns: study, problem, optimizer, trial, seed, status (ok | failed | timeout), fun, nfev, wall_s, cpu_s,
     objective_s, stop, outside_box, error, one ``x_<variable>`` per variable and one per domain metric. A failed
-    trial's metrics are missing values.
+    trial's metrics are missing values. Damaged trials are left out, with a warning that names them.
 
     Raises:
         BenchError: when a folder holds no study or no trials, or the folders cannot be compared (:class:`Results`).
     """
-    return Results(path, *others).frame
+    results = Results(path, *others)
+    for sentence in results.damage:
+        warnings.warn(sentence, stacklevel=2)
+    return results.frame
 
 
 # several folders as one study
@@ -165,10 +185,15 @@ class _Source:
     environments: list[dict[str, Any]]
     environment_places: dict[int, int]
 
+    @cached_property
+    def found(self) -> StoreCheck:
+        """The check of the store."""
+        return self.folder.store.check()
+
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield the store's rows with shown labels, the study's name and the environment's number among all folders."""
+        """Yield the sound rows with shown labels, the study's name and the environment's number among all folders."""
         known = {entry.label for entry in self.study.problems}
-        for row in self.folder.store.rows():
+        for row in self.folder.store.sound_rows(self.found):
             if row["problem"] not in known or row["optimizer"] not in self.shown:
                 strange = row["optimizer"] if row["problem"] in known else row["problem"]
                 raise BenchError(

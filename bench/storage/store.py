@@ -17,44 +17,20 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.objective import Trace
+from bench.storage.digests import INTERRUPTED, MEASURED, SEAL, Digests
+from bench.storage.reading import Key, Reader, StoreCheck
+from bench.storage.schema import KEY, OLDEST, VERSION, prepare
+from bench.text import printable
 from bench.trial import Trial
 
-Key = tuple[str, str, int]
-
 FILE = "trials.sqlite"
-VERSION = 1
-MEASURED = (
-    "environment", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s", "stop", "outside_box", "error",
-    "x", "figures",
-)  # fmt: skip
-"""The columns of a trial beside its key and its trace."""
+LARGEST = 100_000_000  # number of a trial; a larger one is damaged
+LONGEST = 200  # characters of SQLite's words on an error
 
-KEY = ("problem", "optimizer", "trial")
 REPEATABLE = tuple(name for name in (*MEASURED, "trace") if name != "environment" and not name.endswith("_s"))
 """The columns that must be identical when a trial is made twice."""
 
-# Traces have a table of their own: they take ten times the space of the rest, and most readers need none.
-SCHEMA = f"""
-BEGIN;
-CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL);
-CREATE TABLE cells (
-    id INTEGER PRIMARY KEY, problem TEXT NOT NULL, optimizer TEXT NOT NULL, UNIQUE (problem, optimizer)
-);
-CREATE TABLE results (
-    cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, environment INTEGER REFERENCES environments,
-    seed INTEGER NOT NULL, status TEXT NOT NULL, fun REAL, nfev INTEGER, wall_s REAL, cpu_s REAL, objective_s REAL,
-    stop TEXT, outside_box INTEGER, error TEXT, x TEXT, figures TEXT,
-    PRIMARY KEY (cell, trial)
-) WITHOUT ROWID;
-CREATE TABLE traces (
-    cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, trace BLOB, PRIMARY KEY (cell, trial)
-) WITHOUT ROWID;
-CREATE VIEW trials AS
-    SELECT problem, optimizer, trial, {", ".join(MEASURED)}, trace
-    FROM results JOIN cells ON cells.id = results.cell LEFT JOIN traces USING (cell, trial);
-PRAGMA user_version = {VERSION};
-COMMIT;
-"""
+BEYOND_REPAIR = "restore it from a copy, or move it away and run the study again"
 
 _ONE = "problem = ? AND optimizer = ? AND trial = ?"
 
@@ -72,9 +48,14 @@ class Keys:
             marks.extend(bytes(number + 1 - len(marks)))
         marks[number] = 1
 
+    def discard(self, key: Key) -> None:
+        """Remove a trial, where it is in the set."""
+        if key in self:
+            self._cells[key[:2]][key[2]] = 0
+
     def __contains__(self, key: Key) -> bool:
         marks = self._cells.get(key[:2], b"")
-        return key[2] < len(marks) and marks[key[2]] == 1
+        return 0 <= key[2] < len(marks) and marks[key[2]] == 1
 
     def count(self, problem: str, optimizer: str, trials: int) -> int:
         """Return how many of the first ``trials`` of a cell are in the set."""
@@ -99,6 +80,10 @@ class CellCounts:
     def failed(self) -> int:
         """The number of trials that failed or timed out."""
         return sum(self.status.values()) - self.done
+
+
+class DamagedStoreError(BenchError):
+    """SQLite cannot read the structure of a part of the store."""
 
 
 def stored(trial: Trial, row: Mapping[str, Any]) -> dict[str, Any]:
@@ -131,8 +116,8 @@ class Store:
     nothing is rounded and nothing is ever unpickled.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self.path = folder / FILE
+    def __init__(self, folder: Path, file: str = FILE) -> None:
+        self.path = folder / file
 
     @property
     def exists(self) -> bool:
@@ -140,35 +125,112 @@ class Store:
         return os.path.exists(self.path)  # noqa: PTH110 - Path.exists raises without permission
 
     @contextmanager
-    def _open(self) -> Iterator[sqlite3.Connection]:
+    def _open(self, *, rescue: bool = False) -> Iterator[tuple[sqlite3.Connection, str]]:
+        """Yield a connection and its URI; refuse a store of an unknown layout.
+
+        With ``rescue``, SQLite also opens a file that was cut short, or whose schema is damaged in some places.
+        """
         try:
             with _uri(self.path) as uri, closing(sqlite3.connect(uri, timeout=30, uri=True)) as connection:
+                if rescue:
+                    connection.execute("PRAGMA writable_schema = ON")
                 version = connection.execute("PRAGMA user_version").fetchone()[0]
-                if version != VERSION and connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+                known = OLDEST <= version <= VERSION
+                if not known and connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
                     raise BenchError(
                         f"the store {self.path} was written by another version of this package; read it with that one, "
                         "or run the study into another folder"
                     )
-                yield connection
-        except sqlite3.Error as error:
-            raise BenchError(f"the store {self.path} cannot be used: {error}; what it holds is kept") from error
+                yield connection, uri
+        except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for a damaged name in SQLite's message
+            if str(error) == INTERRUPTED:
+                raise KeyboardInterrupt from error
+            raise self._refusal(error) from error
+
+    def _refusal(self, error: Exception) -> BenchError:
+        said = f"the store {self.path} cannot be used: {printable(str(error), LONGEST)}"
+        code = getattr(error, "sqlite_errorcode", None)
+        if code is not None and code & 0xFF == sqlite3.SQLITE_CORRUPT:
+            return DamagedStoreError(
+                f"{said}; 'bench run' into this folder keeps the trials that can be read and makes the others again"
+            )
+        if code in (None, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_NOTADB):  # no key, no such table, another file
+            return BenchError(f"{said}; {BEYOND_REPAIR}")
+        return BenchError(f"{said}; what it holds is kept")
 
     @contextmanager
     def writer(self) -> Iterator[Writer]:
-        """Open the store for writing, creating it where it is missing; every row is committed as it is added."""
-        with self._open() as connection:
+        """Open the store for writing, creating it where it is missing; every row is committed as it is added.
+
+        The rows of a store without digests get theirs.
+        """
+        with self._open() as (connection, _):
             connection.execute("PRAGMA journal_mode=WAL")
             connection.execute("PRAGMA synchronous=NORMAL")  # safe against a killed process; a power cut may cost rows
-            if not connection.execute("PRAGMA user_version").fetchone()[0]:
-                connection.executescript(SCHEMA)
-            yield Writer(connection)
+            yield Writer(connection, prepare(connection))
+
+    @contextmanager
+    def _reader(self, *, rescue: bool = False) -> Iterator[Reader | None]:
+        """Yield a reader; None for a store that is missing, or whose run was killed before it made tables."""
+        if not self.exists:
+            yield None
+            return
+        with self._open(rescue=rescue) as (connection, uri):
+            made = connection.execute("PRAGMA user_version").fetchone()[0]
+            yield Reader(connection, uri) if made else None
+
+    def check(self, *, structure: bool = False) -> StoreCheck:
+        """Compare every row and trace with its digest; with ``structure``, SQLite also checks the file.
+
+        Raises:
+            DamagedStoreError: when SQLite cannot read all rows.
+        """
+        with self._reader() as reader:
+            return reader.check(structure=structure) if reader else StoreCheck()
+
+    def sound_rows(self, found: StoreCheck, *, traces: bool = False) -> Iterator[dict[str, Any]]:
+        """Yield every row that is as it was written, cell by cell, as :meth:`rows` does.
+
+        Args:
+            found: what :meth:`check` returned just before; rows are compared again only where some are damaged.
+            traces: whether rows have their traces.
+
+        Raises:
+            BenchError: when there is no store.
+            DamagedStoreError: when SQLite cannot read all rows.
+        """
+        self._require()
+        return self._read((*MEASURED, "trace") if traces else MEASURED, found)
+
+    def _read(self, names: Sequence[str], found: StoreCheck) -> Iterator[dict[str, Any]]:
+        with self._reader() as reader:
+            if reader:
+                yield from reader.rows(names, compared=not found.sound)
+
+    def rescued_rows(self, trials: int) -> Iterator[dict[str, Any]]:
+        """Yield every sound row, with its trace, that can be read from a store whose structure is damaged.
+
+        The first ``trials`` trials of each cell are also looked up one by one.
+
+        Raises:
+            DamagedStoreError: when not even the cells can be read.
+        """
+        done = Keys()
+        with self._reader(rescue=True) as reader:
+            for row in reader.rescue((*MEASURED, "trace"), trials) if reader else ():
+                key = row["problem"], row["optimizer"], row["trial"]
+                if key not in done:
+                    done.add(*key)
+                    yield row
 
     def keys(self, *, finished_only: bool = False) -> Keys:
-        """Return the stored trials, or the finished ones only."""
+        """Return the stored trials, or the finished ones only; damaged ones are not left out."""
         keys = Keys()
-        query = "SELECT problem, optimizer, trial FROM results JOIN cells ON cells.id = cell"
-        for key in self._select(query + (" WHERE status = 'ok'" if finished_only else "")):
-            keys.add(*key)
+        labels = {cell: (problem, optimizer) for cell, problem, optimizer in self._select("SELECT * FROM cells")}
+        query = f"SELECT cell, trial FROM results WHERE trial BETWEEN 0 AND {LARGEST}"
+        for cell, trial in self._select(query + (" AND status = 'ok'" if finished_only else "")):
+            if cell in labels:
+                keys.add(*labels[cell], trial)
         return keys
 
     def cells(self) -> list[CellCounts]:
@@ -184,12 +246,14 @@ class Store:
         return list(cells.values())
 
     def rows(self, where: str = "", *, traces: bool = False) -> Iterator[dict[str, Any]]:
-        """Yield every row that meets an SQL condition, cell by cell; raises BenchError when there is no store.
+        """Yield every row that meets an SQL condition, cell by cell, damaged or not.
 
         ``x`` and ``figures`` are JSON texts, a trace is bytes.
+
+        Raises:
+            BenchError: when there is no store.
         """
-        if not self.exists:
-            raise BenchError(f"there is no {FILE} in {self.path.parent}; give the folder that 'bench run' wrote")
+        self._require()
         query, names = _query(where, traces=traces)
         return (dict(zip(names, row, strict=True)) for row in self._select(query))
 
@@ -199,48 +263,59 @@ class Store:
         found = list(self._select(query, (problem, optimizer, trial)))
         return dict(zip(names, found[0], strict=True)) if found else None
 
-    def traces(self) -> dict[Key, Trace]:
-        """Return the anytime traces by (problem, optimizer, trial); failed trials have none."""
-        query = "SELECT problem, optimizer, trial, trace FROM traces JOIN cells ON cells.id = cell ORDER BY cell, trial"
-        try:
-            return {(*key,): unpack(blob) for *key, blob in self._select(query)}
-        except (TypeError, ValueError) as error:
-            raise self._damaged("a trace") from error
+    def _require(self) -> None:
+        if not self.exists:
+            raise BenchError(f"there is no {FILE} in {self.path.parent}; give the folder that 'bench run' wrote")
+
+    def traces(self, found: StoreCheck | None = None) -> dict[Key, Trace]:
+        """Return the anytime traces by (problem, optimizer, trial); failed trials have none.
+
+        After a :meth:`check` that found damage, traces of damaged trials are left out.
+        """
+        traces = {}
+        for row in self._read(["trace"], found or StoreCheck()):
+            if row["trace"] is not None:
+                try:
+                    traces[row["problem"], row["optimizer"], row["trial"]] = unpack(row["trace"])
+                except (TypeError, ValueError) as error:
+                    raise BenchError(f"the store {self.path} is damaged: a trace cannot be read") from error
+        return traces
 
     def made(self) -> dict[int, int]:
         """Return the number of rows that each environment made, by the environment's number."""
         query = "SELECT environment, count(*) FROM results WHERE environment IS NOT NULL GROUP BY environment"
         return {int(number): int(count) for number, count in self._select(query)}
 
-    def environments(self) -> dict[int, dict[str, Any]]:
-        """Return the environments that rows refer to, by their numbers, oldest first."""
-        records = {}
-        for number, text in self._select("SELECT id, record FROM environments ORDER BY id"):
-            try:
-                records[number] = json.loads(text)
-            except (TypeError, ValueError, RecursionError):
-                records[number] = None
-            if not isinstance(records[number], dict):
-                raise self._damaged(f"environment {number}")
-        return records
+    def environments(self, copies: Sequence[object] | None = None) -> dict[int, dict[str, Any]]:
+        """Return the environments that rows refer to, by their numbers, oldest first.
 
-    def _damaged(self, what: str) -> BenchError:
-        return BenchError(f"the store {self.path} is damaged: {what} cannot be read; restore it from a copy")
+        A record that does not fit its digest is empty. To rescue a damaged store's, give ``copies`` of records, none or
+        some: a record is taken from them where one of them fits the digest.
+        """
+        with self._reader(rescue=copies is not None) as reader:
+            return reader.environments(copies or ()) if reader else {}
 
     def _select(self, query: str, values: Sequence[object] = ()) -> Iterator[tuple[Any, ...]]:
-        """Yield a query's rows; none of a store that is missing, or whose run was killed before it made tables."""
+        """Yield a query's rows without checking them; none of a store that is missing or has no tables yet."""
         if not self.exists:
             return
-        with self._open() as connection:
+        with self._open() as (connection, _):
             if connection.execute("PRAGMA user_version").fetchone()[0]:
+                connection.text_factory = _decoded
                 yield from connection.execute(query, values)
+
+
+def _decoded(text: bytes) -> str:
+    """Return a text, which damage may have left no UTF-8."""
+    return text.decode(errors="replace")
 
 
 class Writer:
     """The only writer of an open store: adds and removes rows."""
 
-    def __init__(self, connection: sqlite3.Connection) -> None:
+    def __init__(self, connection: sqlite3.Connection, digests: Digests) -> None:
         self._connection = connection
+        self._digests = digests
         self._cells = self._stored_cells()
 
     def add(self, trial: Trial, row: Mapping[str, Any], environment: int | None = None) -> None:
@@ -269,8 +344,11 @@ class Writer:
             f"INSERT INTO results (cell, trial, {', '.join(MEASURED)}) VALUES (?, ?{', ?' * len(MEASURED)})",
             [cell, number, *(row.get(name) for name in MEASURED)],
         )
-        if row.get("trace") is not None:
-            self._connection.execute("INSERT INTO traces VALUES (?, ?, ?)", (cell, number, row["trace"]))
+        if row.get("trace") is not None:  # one may have stayed when another program deleted the row
+            self._connection.execute("INSERT OR REPLACE INTO traces VALUES (?, ?, ?)", (cell, number, row["trace"]))
+        else:
+            self._connection.execute("DELETE FROM traces WHERE cell = ? AND trial = ?", (cell, number))
+        self._connection.execute(f"{SEAL} WHERE cell = ? AND trial = ?", (cell, number))
 
     def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
         """Return the row of one trial with its trace, as :meth:`Store.rows` yields it, or None."""
@@ -286,12 +364,18 @@ class Writer:
             if known is not None:
                 return int(known[0])
             made = self._connection.execute("INSERT INTO environments (record) VALUES (?)", (text,))
-        return int(made.lastrowid or 0)
+            number = int(made.lastrowid or 0)
+            self._record(number, text)
+        return number
 
     def change(self, number: int, record: Mapping[str, Any]) -> None:
         """Commit a changed record of an environment."""
         with self._connection:
-            self._connection.execute("UPDATE environments SET record = ? WHERE id = ?", (json.dumps(record), number))
+            self._record(number, json.dumps(record))
+
+    def _record(self, number: int, text: str) -> None:
+        values = text, self._digests.record(number, text.encode()), number
+        self._connection.execute("UPDATE environments SET record = ?, digest = ? WHERE id = ?", values)
 
     def remove(self, problems: list[str], optimizers: list[str], *, failed_only: bool = False) -> int:
         """Remove the rows of all cells of these problems and optimizers, or only failed rows; return their number."""
@@ -314,6 +398,7 @@ class Writer:
         if key not in self._cells:
             made = self._connection.execute("INSERT INTO cells (problem, optimizer) VALUES (?, ?)", key)
             self._cells[key] = int(made.lastrowid or 0)
+            self._digests.add(self._cells[key], problem, optimizer)
         return self._cells[key]
 
 

@@ -1,9 +1,27 @@
-"""The objective: counting, the hard budget, the trace, the box, and the streams."""
+"""The objective: counting, the hard budget, the trace, the box, the streams, and one private copy of the points."""
+
+import signal
+import subprocess
+import sys
+import threading
+from contextlib import contextmanager
+from random import Random
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from bench import BenchError, BudgetExhausted, FunctionProblem, Objective, Trace
+from bench import BenchError, BudgetExhausted, FunctionProblem, Objective, Problem, Trace
+from bench import objective as module
+
+COMPILED, INTERPRETED = module.passes(10**9, 1), (module._take, module._scan)
+
+
+@pytest.fixture(autouse=True, params=[COMPILED, INTERPRETED], ids=["compiled", "interpreted"])
+def passes(request, monkeypatch):
+    """Run every test with both: a small budget is not worth loading numba."""
+    monkeypatch.setattr(module, "passes", lambda budget, dimension: request.param)
 
 
 def sphere(dimension=3, **options):
@@ -131,3 +149,394 @@ def test_bounds_cannot_be_moved():
 def test_an_empty_trace_has_no_value():
     trace = Trace(np.array([], dtype=np.int64), np.array([]))
     assert trace.at([1, 10]).tolist() == [np.inf, np.inf]
+
+
+# --- the same, to the last bit, as a literal implementation -------------------------------------------------------
+
+
+class Reference:
+    """What an objective does, one row after the other and as plainly as it can be said."""
+
+    def __init__(self, problem, budget, on_refusal):
+        self.problem, self.budget, self.on_refusal = problem, budget, on_refusal
+        self.evaluations = self.outside_box = self.refusals = 0
+        self.best_value, self.best_point = np.inf, None
+        self.trace = []
+
+    def __call__(self, x):
+        points = self.floats(x, "points")
+        rows = [points] if points.ndim == 1 else list(points) if points.ndim == 2 else None
+        d = len(self.problem.lower)
+        if rows is None or points.shape[-1] != d:
+            raise ValueError(f"expected points of shape (n, {d}) or ({d},), got {points.shape}")
+        allowed = rows[: self.budget - self.evaluations]
+        worth = self.evaluate(allowed) if allowed else []
+        if len(allowed) < len(rows):
+            self.refusals += 1
+            self.on_refusal(self.refusals)
+            raise BudgetExhausted
+        return worth[0] if points.ndim == 1 else np.array(worth, dtype=np.float64)
+
+    def evaluate(self, rows):
+        values = self.floats(self.problem.evaluate(np.array(rows)), f"values of problem {self.problem.name!r}")
+        if values.shape != (len(rows),):
+            raise ValueError(f"problem {self.problem.name!r} returned shape {values.shape} for {len(rows)} points")
+        if -np.inf in values.tolist():
+            raise ValueError(f"problem {self.problem.name!r} returned -inf; a value must be finite or +inf")
+        worth = []
+        for row, value in zip(rows, values.tolist(), strict=True):
+            inside = all(a <= c <= b for a, c, b in zip(self.problem.lower, row, self.problem.upper, strict=True))
+            self.evaluations += 1
+            self.outside_box += not inside
+            worth.append(value if inside and not np.isnan(value) else np.inf)
+            if worth[-1] < self.best_value:
+                self.trace.append((self.evaluations, worth[-1]))
+            if worth[-1] < self.best_value or self.best_point is None:
+                self.best_value, self.best_point = worth[-1], row.copy()
+        return worth
+
+    def floats(self, given, what):
+        array = np.asarray(given)
+        if array.dtype.kind not in "fiubO":
+            raise TypeError(f"{what} must be real numbers, not {array.dtype}")
+        return np.array(array, dtype=np.float64)
+
+
+class Scripted(Problem):
+    """Returns the values that it is told to return, and keeps what it was given."""
+
+    name = "scripted"
+
+    def __init__(self, d):
+        self.lower, self.upper = np.full(d, -5.0), np.arange(5.0, 5.0 + d)
+        self.given, self.answer = [], None
+
+    def evaluate(self, x):
+        self.given.append((x.tobytes(), x.shape, x.dtype, x.flags.c_contiguous, x.flags.writeable))
+        return self.answer(x)
+
+
+def unaligned(x):
+    return np.frombuffer(b"0" + x.tobytes(), np.uint8)[1:].view(np.float64).reshape(x.shape)
+
+
+def strided(x):
+    return np.repeat(x, 2, axis=-1)[..., ::2]
+
+
+def read_only(x):
+    x = x.copy()
+    x.flags.writeable = False
+    return x
+
+
+FORMS = {
+    "array": np.array, "Fortran": np.asfortranarray, "strided": strided, "backwards": lambda x: x[..., ::-1],
+    "unaligned": unaligned, "read-only": read_only, "list": np.ndarray.tolist, "tuple": tuple, "big-endian":
+    lambda x: x.astype(">f8"), "float32": lambda x: x.astype(np.float32), "long": lambda x: x.astype(np.longdouble),
+    "object": lambda x: x.astype(object), "int": lambda x: np.nan_to_num(x, posinf=9, neginf=-9).astype(int),
+    "bool": lambda x: x > 0, "subclass": lambda x: x.view(type("Subclass", (np.ndarray,), {})),
+    "complex": lambda x: x.astype(complex), "text": lambda x: x.astype(str), "dates": lambda x: x.astype("M8[s]"),
+    "deeper": lambda x: x[np.newaxis, np.newaxis], "column": lambda x: x[..., np.newaxis], "shorter":
+    lambda x: x[..., 1:], "number": lambda x: x.sum(),
+}  # fmt: skip
+USUAL = st.sampled_from(["array", "array", "array", "array", "list", "strided", "read-only"])
+COORDINATES = st.sampled_from(
+    [-5.0, np.nextafter(-5.0, -9), np.nextafter(5.0, 9), 5.0, 0.0, -0.0, 5e-324, 2.5, 1e308, np.nan, np.inf, -np.inf]
+) | st.floats(-5, 5)
+VALUES = st.sampled_from([3.0, 2.0, 1.0, 0.0, -0.0, -5e-324, np.nan, np.inf]) | st.floats(-1e9, 1e9)
+
+
+@st.composite
+def calls(draw, dimension):
+    """Return points, and a function that answers them as a problem would, or as it must not."""
+    n = draw(st.sampled_from([None, None, 0, 1, 2, 5]))
+    near, far = st.floats(-5, 5), COORDINATES
+    rows = [[draw(draw(st.sampled_from([near, near, far]))) for _ in range(dimension)] for _ in range(n or n is None)]
+    points = np.array(rows, dtype=np.float64).reshape((dimension,) if n is None else (n, dimension))
+    values = np.array([draw(VALUES) for _ in range(6)])
+    if draw(st.integers(0, 15)) == 0:
+        values[draw(st.integers(0, 5))] = -np.inf
+    form, answer = (draw(USUAL | st.sampled_from(sorted(FORMS))) for _ in range(2))
+    moves, fails = draw(st.booleans()), draw(st.integers(0, 15)) == 0
+
+    def evaluate(x):
+        if moves:  # the problem writes into its argument
+            x[:] = 0.25
+        if fails:
+            raise KeyError("fails")
+        return FORMS[answer](values[: len(x)])
+
+    with np.errstate(all="ignore"):
+        return FORMS[form](points), evaluate
+
+
+def outcome(objective, x):
+    """Return the type and the bits of what a call returns, or the exception that it raises."""
+    with np.errstate(all="ignore"):  # float32 is too narrow for some
+        try:
+            found = objective(x)
+        except (BudgetExhausted, Exception) as error:
+            return type(error), str(error)
+    return type(found), np.asarray(found).dtype, np.shape(found), np.asarray(found).tobytes()
+
+
+@settings(max_examples=150)
+@given(st.data())
+def test_equals_the_literal_reference_to_the_last_bit(data):
+    d, budget = data.draw(st.integers(1, 4)), data.draw(st.integers(1, 20))
+    problems, refusals = (Scripted(d), Scripted(d)), ([], [])
+    fast = Objective(problems[0], budget, np.random.default_rng(0), refusals[0].append)
+    plain = Reference(problems[1], budget, refusals[1].append)
+    for x, answer in data.draw(st.lists(calls(d), min_size=1, max_size=12)):
+        problems[0].answer = problems[1].answer = answer
+        before = np.array(x).tobytes()
+        assert outcome(fast, x) == outcome(plain, x)
+        assert np.array(x).tobytes() == before
+        assert (fast.evaluations, fast.outside_box) == (plain.evaluations, plain.outside_box)
+        assert fast.remaining == budget - plain.evaluations
+        assert (type(fast.best_value), repr(fast.best_value)) == (float, repr(plain.best_value))
+        assert (fast.best_point is None) == (plain.best_point is None)
+        if fast.best_point is not None:
+            assert (fast.best_point.shape, fast.best_point.tobytes()) == ((d,), plain.best_point.tobytes())
+        trace = fast.trace
+        assert (trace.evaluations.dtype, trace.values.dtype) == (np.int64, np.float64)
+        assert repr([*zip(trace.evaluations.tolist(), trace.values.tolist(), strict=True)]) == repr(plain.trace)
+        assert problems[0].given == problems[1].given
+        assert refusals[0] == refusals[1]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_no_value_depends_on_how_the_points_are_split_into_calls(seed):
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-5.5, 5.5, (200, 3))
+    table = {each.tobytes(): value for each, value in zip(points, rng.permutation(200), strict=True)}
+    table[points[7].tobytes()] = np.nan
+    problem = FunctionProblem(lambda x: [table[row.tobytes()] for row in x], [-5.0] * 3, [5.0] * 3)
+    found = []
+    for sizes in ([200], [1] * 200, rng.multinomial(200, [0.1] * 10)):
+        f = objective(problem, budget=200)
+        values = [f(part) for part in np.split(points, np.cumsum(sizes)[:-1])]
+        found.append((np.concatenate(values).tolist(), f.trace.evaluations.tolist(), f.best_point.tolist()))
+    f = objective(problem, budget=200)
+    found.append(([f(point) for point in points], f.trace.evaluations.tolist(), f.best_point.tolist()))
+    assert all(each == found[0] for each in found)
+
+
+@contextmanager
+def threads_switch_all_the_time():
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(interval)
+
+
+# --- one private copy ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shape", [(2,), (1, 2), (3, 2)])
+def test_points_that_change_during_the_call_win_nothing(shape):
+    x = np.full(shape, 2.0)
+
+    def meanwhile(given):
+        values = given.sum(axis=1)
+        x[:] = 99.0  # another thread of the optimizer
+        return values
+
+    f = objective(FunctionProblem(meanwhile, [-5, -5], [5, 5]))
+    assert np.all(f(x) == 4.0)
+    assert (f.best_value, f.best_point.tolist(), f.outside_box) == (4.0, [2.0, 2.0], 0)
+
+
+def test_a_thread_that_moves_a_point_all_the_time_wins_nothing():
+    x, given = np.full(3, 1.0), []
+    stopped = threading.Event()
+
+    def move():
+        while not stopped.is_set():
+            x[:] = 1.0
+            x[:] = 9.0  # outside
+            x[0] = 0.0  # outside, and a sum that is lower than any within
+
+    def total(points):
+        given.append(points.copy())
+        return points.sum(axis=1)
+
+    problem = FunctionProblem(total, [1.0] * 3, [5.0] * 3)
+    f = objective(problem, budget=4000)
+    with threads_switch_all_the_time():
+        mover = threading.Thread(target=move)
+        mover.start()
+        worth = [f(x) if turn % 2 else f(x[np.newaxis])[0] for turn in range(4000)]
+        stopped.set()
+        mover.join()
+    inside = [bool(((each >= 1.0) & (each <= 5.0)).all()) for each in given]
+    assert worth == [each.sum() if ok else np.inf for each, ok in zip(given, inside, strict=True)]
+    assert f.outside_box == inside.count(False)
+    assert f.best_point.tolist() in [[1.0] * 3] or not any(inside)
+
+
+@pytest.mark.parametrize("shape", [(2,), (1, 2)])
+def test_numbers_that_change_from_reading_to_reading_are_read_once(shape):
+    class Shifty:
+        reads = 0
+
+        def __float__(self):
+            Shifty.reads += 1
+            return [1.0, 3.0, 99.0, -99.0][Shifty.reads - 1]
+
+    class Array:
+        reads = 0
+
+        def __array__(self, dtype=None, copy=None):
+            Array.reads += 1
+            return np.full(shape, 4.0 if Array.reads == 1 else -99.0)
+
+    f = objective(FunctionProblem(lambda x: x.sum(axis=1), [-5, -5], [5, 5]))
+    x = np.array([Shifty(), Shifty()], dtype=object).reshape(shape)
+    assert (np.ravel(f(x)).tolist(), f.best_point.tolist(), Shifty.reads) == ([4.0], [1.0, 3.0], 2)
+    assert (np.ravel(f(Array())).tolist(), f.best_point.tolist(), Array.reads) == ([8.0], [1.0, 3.0], 1)
+
+
+@pytest.mark.parametrize("shape", [(2,), (1, 2), (3, 2)])
+def test_a_problem_that_writes_into_its_argument_moves_nothing(shape):
+    def writes(x):
+        values = x.sum(axis=1)
+        x[:] = -99.0
+        return values
+
+    f, x = objective(FunctionProblem(writes, [-5, -5], [5, 5])), np.full(shape, 2.0)
+    assert np.all(f(x) == 4.0)
+    assert np.all(x == 2.0)
+    assert (f.best_point.tolist(), f.outside_box) == ([2.0, 2.0], 0)
+
+
+@pytest.mark.parametrize("shape", [(1,), (1, 1), (2, 1)])
+def test_a_problem_may_keep_its_arguments(shape):
+    kept = []
+    f = objective(FunctionProblem(lambda x: kept.append(x) or x[:, 0], [0], [9]))
+    values = [f(np.full(shape, value)) for value in (3.0, 2.0, 4.0)]
+    assert [each[0, 0] for each in kept] == [3.0, 2.0, 4.0]
+    assert [np.ravel(each)[0] for each in values] == [3.0, 2.0, 4.0]
+
+
+def test_values_are_the_optimizers_own():
+    table = np.array([2.0, 1.0])
+    f = objective(FunctionProblem(lambda x: table, [0], [9]))
+    f(np.ones((2, 1)))[:] = 7.0
+    assert table.tolist() == [2.0, 1.0]
+
+
+# --- threads, failures and interruptions ---------------------------------------------------------------------------
+
+
+def test_threads_do_not_exceed_the_budget_together():
+    budget, seen, refusals = 3000, [], []
+
+    def noted(x):
+        seen.extend(x[:, 0].tolist())
+        return x[:, 0]
+
+    f = Objective(FunctionProblem(noted, [0], [1]), budget, np.random.default_rng(0), refusals.append)
+
+    def ask(seed):
+        draw = Random(seed).random
+        while True:
+            try:
+                f(np.array([draw()]))
+                f(np.array([[draw()], [draw()], [draw()]]))
+                f([draw()])
+            except BudgetExhausted:
+                return
+
+    with threads_switch_all_the_time():
+        threads = [threading.Thread(target=ask, args=(seed,)) for seed in range(8)]
+        for each in threads:
+            each.start()
+        for each in threads:
+            each.join()
+    assert f.evaluations == len(seen) == budget
+    assert len(refusals) == 8
+    best = np.minimum.accumulate(seen)
+    assert f.trace.at(np.arange(1, budget + 1)).tolist() == best.tolist()
+    assert f.best_point.tolist() == [f.best_value] == [best[-1]]
+
+
+@pytest.mark.parametrize("point", [[0.5], [9.0]], ids=["inside", "outside"])
+@pytest.mark.parametrize("single", [True, False])
+def test_minus_infinity_is_refused_and_not_counted(point, single):
+    f = objective(FunctionProblem(lambda x: np.full(len(x), -np.inf), [0], [1]))
+    with pytest.raises(ValueError, match="returned -inf"):
+        f(np.array(point) if single else np.array([point, point]))
+    assert (f.evaluations, f.outside_box, f.best_point, f.best_value) == (0, 0, None, np.inf)
+    assert not len(f.trace.values)
+
+
+@pytest.mark.parametrize("x", [np.array([0.5]), np.array([[0.5], [0.6]]), [0.5]], ids=["point", "batch", "list"])
+def test_a_failed_evaluation_is_not_counted_and_the_next_one_works(x):
+    fails = True
+
+    def sometimes(x):
+        if fails:
+            raise ZeroDivisionError
+        return x[:, 0]
+
+    f = objective(FunctionProblem(sometimes, [0], [1]))
+    with pytest.raises(ZeroDivisionError):
+        f(x)
+    fails = False
+    f(x)
+    assert (f.evaluations, f.best_value) == (np.size(x), 0.5)
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="the system has no timers that interrupt a process")
+def test_an_interruption_at_any_moment_leaves_the_objective_usable():
+    class Interrupted(BaseException):
+        pass
+
+    def interrupt(*_):
+        raise Interrupted
+
+    f, x, draw = objective(budget=10**9), np.full(3, 0.5), Random(0).random
+    handler = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        for _ in range(3000):
+            try:
+                signal.setitimer(signal.ITIMER_REAL, 1e-6 + 3e-5 * draw(), 0.05)
+                while True:
+                    f(x)
+            except Interrupted:
+                signal.setitimer(signal.ITIMER_REAL, 0)
+    finally:
+        signal.signal(signal.SIGALRM, handler)
+    last = threading.Thread(target=f, args=(x,), daemon=True)
+    last.start()
+    last.join(10)
+    assert not last.is_alive()
+
+
+# --- when numba is loaded ------------------------------------------------------------------------------------------
+
+
+def test_numba_is_loaded_only_where_the_budget_is_worth_it():
+    code = """if True:
+        import sys
+        import bench, numpy as np
+        from bench.objective import Objective, passes
+        problem = bench.FunctionProblem(lambda x: (x**2).sum(axis=1), [-5.0] * 10, [5.0] * 10)
+        small = Objective(problem, 999, np.random.default_rng(0))
+        assert small(np.ones(10)) == 10.0 and "numba" not in sys.modules
+        large = Objective(problem, 1000, np.random.default_rng(0))
+        assert large(np.ones(10)) == 10.0 and "numba" in sys.modules
+        assert passes(1, 1) == passes(10**9, 1)
+        """
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_without_a_folder_for_numbas_cache_the_passes_are_compiled_nevertheless():
+    from numba import float64
+
+    exec("def twice(x):\n    return 2 * x", names := {})  # of no file, so numba finds no folder for it
+    assert module._compiled(names["twice"], float64(float64))(2.5) == 5.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import multiprocessing
 import os
 import pickle
@@ -20,10 +19,10 @@ from typing import IO
 import cloudpickle
 
 from bench.check.conformance.recording import ViolationError, expect_same, explain_lost_process
-from bench.check.conformance.subject import START_PATIENCE, Subject, pack, parameters, unpack
+from bench.check.conformance.subject import PRINTED, START_SECONDS, Subject, pack, parameters, unpack
 from bench.check.problems import bowl
 from bench.sandbox.messages import describe_error
-from bench.sandbox.process import DiedError, Process, Pulse, SilentError
+from bench.sandbox.process import DiedError, PrintedTooMuchError, Process, TimeExceededError
 
 
 def check_repetition(subject: Subject) -> str:
@@ -46,22 +45,21 @@ def check_processes(subject: Subject) -> str:
     mend += "number, host name or environment variable, and keep nothing in the module or the class from run to run"
     seeds = [0, 1, 2]
     here = [subject.run(seed=seed).course() for seed in seeds]
-    with Process(hash_seed=1, nested=subject.pulse is not None) as process:
+    with Process(hash_seed=1) as process:
         try:
-            there = process.call(
-                courses, subject.packed or pack(subject), seeds[::-1], patience=START_PATIENCE, on_pulse=subject.pulse
-            )
-        except (SilentError, DiedError) as error:
-            finding, other_mend = explain_lost_process(error, process)
+            packed = subject.packed or pack(subject)
+            there = process.call(courses, packed, seeds[::-1], seconds=START_SECONDS, printed=PRINTED)
+        except (TimeExceededError, PrintedTooMuchError, DiedError) as error:
+            finding, other_mend = explain_lost_process(error, process.note)
             raise ViolationError(f"in another process, {finding}", other_mend) from error
     for mine, other in zip(here, reversed(there), strict=True):
         expect_same(mine, other, "a seed gives another run in another process, after other runs", mend)
     return f"{len(seeds)} trials gave the same runs in two processes, in two orders"
 
 
-def courses(packed: bytes, seeds: list[int], pulse: Pulse | None = None) -> list[list[int]]:
+def courses(packed: bytes, seeds: list[int]) -> list[list[int]]:
     """Return the courses of runs with these seeds."""
-    subject = dataclasses.replace(unpack(packed), pulse=pulse)
+    subject = unpack(packed)
     return [subject.run(seed=seed).course() for seed in seeds]
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import zip_longest
+from time import monotonic
 from typing import Any
 from zlib import crc32
 
@@ -17,11 +18,14 @@ from bench.execution.trial_process import STILL_ASKING
 from bench.objective import Objective
 from bench.optimizer import Optimizer
 from bench.problem import Floats
-from bench.sandbox.process import DiedError, Process, Pulse, SilentError
+from bench.sandbox.process import DiedError, PrintedTooMuchError, TimeExceededError
+from bench.sandbox.server import note
 from bench.seeds import global_states
 
 OFFERED = {"lower", "upper", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
 """Attributes that the contract offers, and ``evaluations``, which is ``budget`` minus ``remaining``."""
+
+_PAUSE = 0.5  # seconds between notes
 
 LET_IT_PASS = "let BudgetExhausted pass: catch Exception, never BaseException or everything (a bare except)"
 
@@ -68,33 +72,59 @@ def expect_same(one: list[int], other: list[int], finding: str, mend: str) -> No
         raise ViolationError(f"{finding} (from evaluation {first} on)", mend)
 
 
-def explain_lost_process(error: SilentError | DiedError, process: Process) -> tuple[str, str]:
-    """Return the finding on an optimizer that hung or ended its process, and how to mend it."""
-    made, budget = process.pulse or (0, 0)
+def explain_lost_process(error: TimeExceededError | PrintedTooMuchError | DiedError, noted: Any) -> tuple[str, str]:
+    """Return the finding on an optimizer that hung, printed too much or ended its process, and how to mend it.
+
+    Args:
+        error: how the process was lost.
+        noted: the last note of its :class:`Progress`; it may have sent another.
+    """
+    known = isinstance(noted, list) and [type(each) for each in noted] == [int, int]
+    made, budget = noted if known else (0, 0)
     if isinstance(error, DiedError) and error.code == STILL_ASKING:
         return f"it calls the objective for ever after its budget of {budget} is spent", LET_IT_PASS
     if isinstance(error, DiedError):
         mend = "raise an exception where it cannot go on; a signal means a crash in compiled code"
         return f"it ended the process that it ran in ({error})", mend
+    if isinstance(error, PrintedTooMuchError):
+        return "it printed without end", "print and log nothing; switch off the messages of the libraries that you call"
     if budget and made == budget:
         mend = f"{LET_IT_PASS}; or look for a loop that does not call the objective"
-        return f"it did not end within {error} after its budget of {budget} was spent", mend
-    mend = "look for a loop that never calls the objective, or for a lock that is never released"
-    return f"it asked for no value for {error}, after {made} evaluations", mend
+        return f"it did not end within {error}, after its budget of {budget} was spent", mend
+    mend = "look for a loop that never calls the objective, for a lock that is never released, or for slow code"
+    return f"it did not end within {error}, after {made} of {budget or 'its'} evaluations", mend
+
+
+class Progress:
+    """Note the evaluations that one run has made, and its budget, for the owner of this process, if there is one.
+
+    A note is sent at the begin and at the end of the budget, and at most twice a second between them.
+    """
+
+    def __init__(self, budget: int) -> None:
+        self._budget, self._due = budget, 0.0
+        self.report(0)
+
+    def report(self, made: int) -> None:
+        """Note the number of evaluations made, unless another was noted a moment ago."""
+        now = monotonic()
+        if now >= self._due or made >= self._budget:
+            self._due = now + _PAUSE
+            note([made, self._budget])
 
 
 class ObservedOptimizer(Optimizer):
     """An optimizer whose use of the objective and the generator is recorded in ``run``."""
 
-    def __init__(self, optimizer: Optimizer, run: RecordedRun, pulse: Pulse | None) -> None:
-        self._optimizer, self._run, self._pulse = optimizer, run, pulse
+    def __init__(self, optimizer: Optimizer, run: RecordedRun, progress: Progress) -> None:
+        self._optimizer, self._run, self._progress = optimizer, run, progress
         self.returned = False
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Run the optimizer on a stand-in for the objective."""
         lower, upper, before = objective.lower.copy(), objective.upper.copy(), _state(rng)
         try:
-            self._optimizer.minimize(_ObjectiveProxy(objective, self._run, self._pulse), rng)  # type: ignore[arg-type]
+            self._optimizer.minimize(_ObjectiveProxy(objective, self._run, self._progress), rng)  # type: ignore[arg-type]
             self.returned = True
         finally:
             self._run.drew = _state(rng) != before
@@ -108,10 +138,10 @@ class _ObjectiveProxy:
     A name that no objective has is not recorded: tools that inspect an object ask for many such names.
     """
 
-    __slots__ = ("_objective", "_pulse", "_reached")
+    __slots__ = ("_objective", "_progress", "_reached")
 
-    def __init__(self, objective: Objective, run: RecordedRun, pulse: Pulse | None) -> None:
-        for name, value in (("_objective", objective), ("_reached", run.reached), ("_pulse", pulse)):
+    def __init__(self, objective: Objective, run: RecordedRun, progress: Progress) -> None:
+        for name, value in (("_objective", objective), ("_reached", run.reached), ("_progress", progress)):
             object.__setattr__(self, name, value)
 
     @property  # type: ignore[misc]
@@ -130,8 +160,7 @@ class _ObjectiveProxy:
 
     def __call__(self, x: ArrayLike) -> Any:
         values = self._objective(x)
-        if self._pulse is not None:
-            self._pulse(self._objective.evaluations, self._objective.budget)
+        self._progress.report(self._objective.evaluations)
         return values
 
 

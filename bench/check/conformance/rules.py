@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from bench.check.conformance import isolation, parameters, robustness
+from bench.check.conformance import isolation, parameters, robustness, strictness
 from bench.check.conformance.recording import ViolationError
-from bench.check.conformance.subject import START_PATIENCE, Subject
+from bench.check.conformance.subject import START_SECONDS, Subject
 from bench.check.verdict import Verdict
 from bench.sandbox.messages import describe_error
 
-PATIENCE = 30.0  # seconds without a sign of life that are allowed once everything is imported and compiled
+SECONDS = 300.0  # that a rule may take: up to a dozen runs of about 150 evaluations, also of a slow optimizer
 
 
 @dataclass(frozen=True)
@@ -28,14 +28,14 @@ class Rule:
         examine: the rule's function; it may return None where the optimizer cannot be constructed.
         mend: how to mend an exception that the optimizer raises in this check.
         needs: the rules that an optimizer must keep before this one can be checked.
-        patience: seconds without a sign of life that are allowed.
+        seconds: that its check may take.
     """
 
     name: str
     examine: Callable[[Subject], str | None]
     mend: str
     needs: tuple[str, ...] = ("run",)
-    patience: float = PATIENCE
+    seconds: float = SECONDS
 
 
 _ORDINARY = "mend what raises: this is an ordinary function of three variables"
@@ -44,10 +44,10 @@ _ROBUST = "mend what raises: any dimension, any finite value and +inf can occur"
 
 RULES = (
     Rule("parameters", parameters.check_parameters, "declare fields of plain types with defaults that fit", ()),
-    Rule("run", robustness.check_run, _ORDINARY, (), START_PATIENCE),
+    Rule("run", robustness.check_run, _ORDINARY, (), START_SECONDS),
     Rule("budget", robustness.check_budget, "mend what raises: any budget from 1 on can occur"),
     Rule("repetition", isolation.check_repetition, "mend what raises: this is an ordinary run with another seed"),
-    Rule("processes", isolation.check_processes, "mend what raises in a new process", _REPEATED, 2 * START_PATIENCE),
+    Rule("processes", isolation.check_processes, "mend what raises in a new process", _REPEATED),
     Rule("no state", isolation.check_state, "a second run of an instance must start as the first did", _REPEATED),
     Rule("pickling", isolation.check_pickling, "keep plain values in the fields: no locks, no files", _REPEATED),
     Rule("global states", isolation.check_global_states, "draw from rng alone", _REPEATED),
@@ -62,10 +62,13 @@ RULES = (
 )
 """All rules, in the order in which they are checked."""
 
+STRICT = Rule("strict", strictness.check_strictly, "get values from objective(x) alone", _REPEATED)
+"""The rule that is checked only on request, as it takes processes that can be given sockets."""
+
 
 def find_rule(name: str) -> Rule:
     """Return the rule of that name."""
-    return next(rule for rule in RULES if rule.name == name)
+    return next(rule for rule in (*RULES, STRICT) if rule.name == name)
 
 
 def judge(rule: Rule, subject: Subject) -> Verdict | None:

@@ -15,18 +15,20 @@ from typing import Any, get_type_hints
 import cloudpickle
 from threadpoolctl import threadpool_limits
 
-from bench.check.conformance.recording import ObservedOptimizer, RecordedRun, seeded_global_states
+from bench.check.conformance.recording import ObservedOptimizer, Progress, RecordedRun, seeded_global_states
 from bench.check.problems import RecordingProblem, bowl
 from bench.errors import BenchError
 from bench.execution.trial_process import STILL_ASKING
 from bench.numbers import require_whole
 from bench.optimizer import Optimizer, build, settings
 from bench.plugins.loading import load_optimizer
-from bench.sandbox.process import Pulse
 from bench.trial import search
 
-START_PATIENCE = 120.0
-"""Seconds without a sign of life that are allowed while a process imports, compiles and makes its first run."""
+START_SECONDS = 120.0
+"""Seconds that a process may take to import the optimizer, to compile it and to make a few first runs."""
+
+PRINTED = 100_000_000
+"""Bytes that a process may print in one call: the file that takes them must not fill the disk."""
 
 _MOST_REFUSALS = 10_000  # calls after the end of the budget until the process is ended
 
@@ -39,16 +41,14 @@ class Subject:
         source: its name, its class, or an instance of it.
         options: its parameters, for a name or a class.
         seed: the first seed of its runs.
-        packed: the bytes that :func:`pack` made before its first run, where known.
-        pulse: called with the evaluations made and the budget after every call of the objective; given only in a
-            process that may be ended to stop an optimizer that calls the objective for ever.
+        packed: the bytes from which :func:`unpack` made it, in a process that may be ended to stop an optimizer that
+            calls the objective for ever; None elsewhere.
     """
 
     source: str | type[Optimizer] | Optimizer
     options: dict[str, Any] = dataclasses.field(default_factory=dict)
     seed: int = 0
     packed: bytes | None = None
-    pulse: Pulse | None = None
 
     @property
     def label(self) -> str:
@@ -87,14 +87,14 @@ class Subject:
         problem = problem if problem is not None else bowl()
         optimizer = optimizer if optimizer is not None else self.fresh()
         budget = budget if budget is not None else ordinary_budget(optimizer)
-        run = RecordedRun()
-        observed = ObservedOptimizer(optimizer, run, self.pulse)
+        run, progress = RecordedRun(), Progress(budget)
+        observed = ObservedOptimizer(optimizer, run, progress)
 
         def on_refusal(number: int) -> None:
             run.asked_after = number - 1
-            if number == 1 and self.pulse is not None:
-                self.pulse(budget, budget)
-            if number > _MOST_REFUSALS and self.pulse is not None:
+            if number == 1:
+                progress.report(budget)
+            if number > _MOST_REFUSALS and self.packed is not None:
                 os._exit(STILL_ASKING)
 
         with threadpool_limits(limits=1), seeded_global_states(global_seed) as changed:
@@ -154,7 +154,7 @@ def pack(subject: Subject) -> bytes:
     """Return the subject as bytes, including a class that no other process can import; raises what pickling raises."""
     cls = subject.source if isinstance(subject.source, type) else type(subject.source)
     local = [each for each in cls.__mro__ if not _importable(each)]
-    plain = dataclasses.replace(subject, packed=None, pulse=None)
+    plain = dataclasses.replace(subject, packed=None)
     with ExitStack() as stack:
         for name in {each.__module__ for each in local} & sys.modules.keys() - {"__main__"}:
             cloudpickle.register_pickle_by_value(sys.modules[name])

@@ -9,13 +9,14 @@ import pytest
 from bench.analysis.cells import in_study_order
 from bench.analysis.integrity import TRAITS, integrity
 from bench.objective import Trace
+from bench.storage.reading import StoreCheck
 from bench.study import Entry, Study
 
 BUDGET, TRIALS = 1_000, 6
 PROBLEMS, OPTIMIZERS = ("p", "q"), ("a", "b", "c")
 BOXES = {"p": {"u": (-1.0, 1.0), "v": (0.0, 10.0)}, "q": {"v": (0.0, 5.0), "u": (-2.0, 0.0)}}
 CHECKS = [
-    "completeness", "failures", "repeatability",
+    "completeness", "failures", "storage", "repeatability",
     "centre bias", "structural bias", "boundary clamping", "starts and seeds",
     "finite values", "budget", "records", "undeclared stops", "declared stops", "outside the box", "repeated points",
     "ceiling", "same algorithm", "clamping", "seeds", "random streams", "contention", "hidden threads",
@@ -54,6 +55,7 @@ class Sound:
         }
 
         self.verifications = [{"sentence": "12 of 12 trials of 6 cells are the same", "different": []}]
+        self.stores = [StoreCheck(n)]
 
     def diagnose(self, optimizer, check, figure):
         """Have an optimizer found to have a trait."""
@@ -87,6 +89,7 @@ class Sound:
             "boxes": BOXES,
             "diagnoses": self.diagnoses,
             "verifications": self.verifications,
+            "stores": self.stores,
         }
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -109,8 +112,8 @@ def test_sound_results_pass_every_check(sound):
 
 
 def test_what_cannot_be_checked_says_so(sound):
-    verdicts = sound.check(traces=None, boxes=None, diagnoses=None, verifications=[])["verdict"]
-    unchecked = ["repeatability", *TRAITS, "records", "same algorithm", "clamping", "random streams"]
+    verdicts = sound.check(traces=None, boxes=None, diagnoses=None, verifications=[], stores=[])["verdict"]
+    unchecked = ["storage", "repeatability", *TRAITS, "records", "same algorithm", "clamping", "random streams"]
     assert list(verdicts.index[verdicts == "not checked"]) == unchecked
     assert set(verdicts.drop(unchecked)) == {"pass"}
 
@@ -146,6 +149,18 @@ def a_trial_that_is_not_repeated(s):
 @trap("repeatability", "not checked", "Run 'bench verify'")
 def one_of_two_folders_not_verified(s):
     s.verifications += [{}]
+
+
+@trap(
+    "storage", "error", "2 of 36 trials are damaged (a on p, trial 1; b on q, trial 5); damaged", cells="a on p; b on q"
+)
+def trials_that_were_changed(s):
+    s.stores[0].damaged = {("p", "a", 1): None, ("q", "b", 5): None}
+
+
+@trap("storage", "note", "A change of the 36 trials cannot be noticed")
+def trials_without_digests(s):
+    s.stores += [StoreCheck(36, has_digests=False)]
 
 
 @trap("failures", "error", "2 of 36 trials did not finish (", "failed 1", "timeout 1", "in a on p, b on q. They")
@@ -345,14 +360,14 @@ class TestWithoutTrials:
         sound.frame = sound.frame.iloc[:0]
         if categories:
             sound.frame = in_study_order(sound.frame, Study("s", *map(tuple, entries), trials=TRIALS))
-        verdicts = sound.check(traces={}, diagnoses={}, verifications=[])["verdict"]
+        verdicts = sound.check(traces={}, diagnoses={}, verifications=[], stores=[])["verdict"]
         assert verdicts["completeness"] == "warning"
         assert set(verdicts.drop("completeness")) == {"not checked"}
 
     def test_nothing_but_failures(self, sound):
         numbers = dict.fromkeys(["fun", "nfev", "wall_s", "cpu_s", "objective_s", "stop", "x_u", "x_v", "outside_box"])
         sound.frame = sound.frame.assign(status="failed", **numbers)
-        verdicts = sound.check(traces={}, diagnoses={}, verifications=[])["verdict"]
+        verdicts = sound.check(traces={}, diagnoses={}, verifications=[], stores=[])["verdict"]
         assert (verdicts["completeness"], verdicts["failures"]) == ("pass", "error")
         assert set(verdicts.drop(["completeness", "failures"])) == {"not checked"}
 

@@ -4,8 +4,12 @@ import ctypes
 import functools
 import inspect
 import itertools
+import json
 import os
 import random
+import stat
+import struct
+import sys
 import threading
 import time
 import warnings
@@ -192,6 +196,30 @@ class Crashing(Walker):
     def move(self, x, f, objective, rng):
         if objective.dimension == 1:
             ctypes.string_at(0)
+        return super().move(x, f, objective, rng)
+
+
+@dataclass(frozen=True)
+class Forging(Walker):
+    """Replaces the harness's own function in one dimension."""
+
+    def move(self, x, f, objective, rng):
+        if objective.dimension == 1:
+            vars(sys.modules["bench.check.checker"])["_judge"] = lambda packed, name: {"check": name, "passed": "yes"}
+        return super().move(x, f, objective, rng)
+
+
+@dataclass(frozen=True)
+class Answering(Walker):
+    """Writes an answer of its own into every open socket in one dimension."""
+
+    def move(self, x, f, objective, rng):
+        if objective.dimension == 1:
+            answer = json.dumps(["value", None]).encode()
+            for number in range(3, 50):
+                with suppress(OSError):
+                    if stat.S_ISSOCK(os.fstat(number).st_mode):
+                        os.write(number, struct.pack("<QQ", 10**6, len(answer)) + answer)
         return super().move(x, f, objective, rng)
 
 

@@ -18,7 +18,7 @@ from bench.check.verdict import Verdict
 from tests.bench.check import faulty
 from tests.bench.check.conformance.examine import ALL, failures
 
-HURRIED = {faulty.Hanging: 8.0, faulty.Stuck: 2.0}  # seconds, where the check would wait for its whole patience
+HURRIED = {faulty.Hanging: 8.0, faulty.Stuck: 2.0}  # seconds, where the check would take all its time
 
 
 def test_the_readme_s_optimizer_passes_with_a_readable_report():
@@ -156,20 +156,27 @@ def test_an_optimizer_that_cannot_keep_its_budget_is_not_searched_for_biases(mon
         pytest.param(
             faulty.Hanging,
             "run",
-            "did not end within 8 s after its budget of 150 was spent",
+            "did not end within 8 s, after its budget of 150 was spent",
             "let BudgetExhausted pass",
             marks=pytest.mark.slow,
         ),
-        (faulty.Stuck, "box", "it asked for no value for 2 s, after 0 evaluations", "never calls the objective"),
+        (faulty.Stuck, "box", "it did not end within 2 s, after 0 of 600 evaluations", "never calls the objective"),
         (faulty.Quitting, "values", "ended the process that it ran in (exit code 3)", "raise an exception"),
         (faulty.Interrupting, "dimensions", "it raised KeyboardInterrupt: no message", "any dimension"),
         (faulty.Crashing, "dimensions", "ended the process that it ran in (", "crash in compiled code"),
+        (
+            faulty.Forging,
+            "values",
+            "its process gave an answer that is no verdict",
+            "leave the harness's objects alone",
+        ),
+        (faulty.Answering, "dimensions", "it sent what answers no call", ""),
         (faulty.Threaded, "leftovers", "every run leaves a thread running", "in a finally"),
     ],
 )
 def test_what_hangs_crashes_or_spoils_its_process_costs_its_own_check_alone(optimizer, check, finding, mend):
-    patience = HURRIED.get(optimizer, find_rule(check).patience)
-    rules = [replace(rule, patience=patience) if rule.name == check else rule for rule in RULES]
+    seconds = HURRIED.get(optimizer, find_rule(check).seconds)
+    rules = [replace(rule, seconds=seconds) if rule.name == check else rule for rule in RULES]
     with closing(Checker(Subject(optimizer))) as checker:
         found = {verdict.check: verdict for verdict in filter(None, map(checker.verdict, rules))}
     assert [verdict.check for verdict in failures(found)] == [check]

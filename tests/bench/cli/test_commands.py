@@ -9,6 +9,7 @@ import time
 import pytest
 
 from bench import Study, load_results, run
+from bench.storage.store import Store
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +43,7 @@ def test_status_prints_counts_reasons_and_provenance(bench_here, made):
     assert "failed: faulty on sphere-2, trial 0 and 2 more: RuntimeError: cannot do planes" in done.stdout
     record = json.loads((made / "out" / "environment.json").read_text())[0]
     for part in (
-        record["started"], record["ended"], "12 trials with 1 jobs (loky)", record["host"], record["processor"],
+        record["started"], record["ended"], "12 trials with 1 jobs (local)", record["host"], record["processor"],
         f"Python {record['python']}", f"numpy {record['packages']['numpy']}", record["command"], "threads: 1",
     ):  # fmt: skip
         assert part in done.stdout
@@ -138,13 +139,11 @@ def test_shards_run_merge_and_verify_by_command(bench_here, made, tmp_path):
 
 
 def test_resuming_with_other_versions_warns(bench_here, copied):
-    import sqlite3
-
-    with sqlite3.connect(copied / "out" / "trials.sqlite") as connection:
-        record = json.loads(connection.execute("SELECT record FROM environments").fetchone()[0])
-        record["packages"]["numpy"] = "1.99.0"
-        connection.execute("UPDATE environments SET record = ?", (json.dumps(record),))
-    connection.close()
+    store = Store(copied / "out")
+    (record,) = store.environments().values()
+    record["packages"]["numpy"] = "1.99.0"
+    with store.writer() as writer:
+        writer.change(1, record)
     done = bench_here(
         "run", copied / "mixed.toml", "--output", copied / "out", "--trials", 4, "--jobs", 1, "--no-report"
     )

@@ -5,12 +5,10 @@ import json
 import shutil
 from functools import partial
 
-import joblib
 import pytest
 
 from bench import BenchError, Study, run, write_report
-from bench.check.bias import diagnose
-from bench.check.problems import FUNCTIONS
+from bench.check.bias import diagnose_all
 from bench.check.verdict import Verdict
 
 ENTRIES = [{"name": "scatter", "agents": 7}, {"name": "early"}]
@@ -104,12 +102,15 @@ def test_a_process_of_its_own_says_and_ends_the_same(bench, bench_here, folders,
 
 def test_checking_a_folder_says_and_notes_what_was_found(bench_here, folders, tmp_path, monkeypatch):
     folder = shutil.copytree(folders / "old", tmp_path / "old")
-    monkeypatch.setattr("bench.check.bias.FUNCTIONS", {"sphere": FUNCTIONS["sphere"]})
-    monkeypatch.setattr("bench.check.bias.diagnose", partial(diagnose, dimension=2, runs=2, noise_runs=3))
-    with joblib.parallel_config("threading"):  # another process would not see the one function
-        done = bench_here("check", folder)
-    assert done.returncode == 0, done.stderr
-    assert "passed: early, centre bias" in done.stdout
+    sizes = {"dimension": 2, "runs": 1, "noise_runs": 3}
+    monkeypatch.setattr("bench.check.folder.diagnose_all", partial(diagnose_all, **sizes))
+    first, again, anew = (bench_here("check", folder, *options) for options in ((), (), ("--anew",)))
+    for done in (first, again, anew):
+        assert done.returncode == 0, done.stderr
+        assert "passed: early, centre bias" in done.stdout
+    kept = "not changed since their last check: scatter, early (--anew repeats it)\n"
+    assert again.stdout == first.stdout + kept
+    assert anew.stdout == first.stdout
     assert json.loads((folder / "checks.json").read_text()).keys() == {"scatter", "early"}
 
 

@@ -1,18 +1,22 @@
-import threading
+import pytest
 
+from bench import BenchError
 from bench.execution.backends import open_pool
 
 
-def test_threads_that_feed_workers_have_ended_when_the_pool_has():
-    """One that is cut off at the end of the process leaks a semaphore, of which Python complains on the screen."""
-    joined = threading.Event()
+@pytest.mark.parametrize(
+    ("backend", "scheduler", "sentence"),
+    [
+        ("docal", None, r"^unknown backend 'docal'.*'local'"),
+        ("dask", None, "^the dask backend needs --scheduler"),
+        ("local", "tcp://127.0.0.1:1", "no other backend takes one"),
+    ],
+)
+def test_backends_that_cannot_be_opened_are_refused(backend, scheduler, sentence):
+    with pytest.raises(BenchError, match=sentence):
+        open_pool(backend, 1, scheduler)
 
-    class Feeder(threading.Thread):
-        def join(self, timeout=None):
-            joined.set()
-            super().join(timeout)
 
-    feeder = Feeder(target=joined.wait, name="QueueFeederThread", daemon=True)
-    with open_pool("loky", 2, None):
-        feeder.start()
-    assert not feeder.is_alive()
+def test_minus_one_job_is_one_for_each_core():
+    with open_pool("local", -1, None) as every, open_pool("local", 3, None) as three:
+        assert (every.jobs >= 1, three.jobs) == (True, 3)

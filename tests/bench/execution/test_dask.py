@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import psutil
@@ -14,9 +15,11 @@ import pytest
 
 from bench import BenchError, Results, Study, load_results, run
 from bench.execution import dask as cluster
+from bench.execution import dask_worker
 from bench.execution.pool import WorkerDiedError
+from bench.execution.supervisor import KilledError, Task
 
-pytest.importorskip("distributed", reason="the optional extra 'dask' is not installed")
+distributed = pytest.importorskip("distributed", reason="the optional extra 'dask' is not installed")
 
 PATIENCE = 90  # seconds; ends a test that hangs, and decides nothing else
 HANG = """
@@ -28,22 +31,44 @@ def hang(objective, rng):
         file.write(f"{{os.getpid()}}\\n")
     time.sleep(3600)
 """
+KILL = """
+import psutil
+
+def kill(objective, rng):
+    with open({path!r}, "a+") as file:
+        if file.tell() < {times}:
+            file.write("x")
+            file.flush()
+            next(each for each in psutil.Process().parents() if "bench.sandbox" not in str(each.cmdline())).kill()
+    while True:
+        objective(objective.initial(1))
+"""
 
 
-def until(true, what):
-    deadline = time.monotonic() + PATIENCE
+def until(true, what, patience=PATIENCE):
+    deadline = time.monotonic() + patience
     while not (value := true()):
-        assert time.monotonic() < deadline, f"waited {PATIENCE} s for {what}"
+        assert time.monotonic() < deadline, f"waited {patience} s for {what}"
         time.sleep(0.05)
     return value
+
+
+def is_alive(process):
+    try:
+        return process.status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
 
 
 class Machines:
     """A scheduler and its workers, each a process of its own."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, allowed_failures):
         self.folder, self.processes = folder, []
-        self.scheduler = self._start("scheduler", "--host", "127.0.0.1", "--port", "0", file := folder / "scheduler")
+        self.scheduler = self._start(
+            "scheduler", "--host", "127.0.0.1", "--port", "0", file := folder / "scheduler",
+            environment={"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": str(allowed_failures)},
+        )  # fmt: skip
         self.address = until(lambda: file.exists() and _address(file), "the scheduler")
 
     def _start(self, what, *arguments, environment=None, cores=None):
@@ -59,8 +84,8 @@ class Machines:
         self.processes.append(process)
         return process
 
-    def worker(self, name, threads=1, **options):
-        arguments = ["--no-nanny", "--nthreads", threads, "--name", name, "--local-directory", self.folder / name]
+    def worker(self, name, threads=1, *, nanny="--no-nanny", **options):
+        arguments = [nanny, "--nthreads", threads, "--name", name, "--local-directory", self.folder / name]
         return self._start("worker", *arguments, self.address, **options)
 
     def registered(self, number):
@@ -83,13 +108,23 @@ def _address(file):
 
 
 @pytest.fixture
-def machines(tmp_path, monkeypatch):
+def machines(tmp_path, monkeypatch, request):
+    """Start a scheduler; a parameter is the number of workers that a batch may lose before dask gives it up."""
     monkeypatch.setattr(cluster, "RETURN", PATIENCE)  # a test that loses more than it means to shall end
     folder = tmp_path / "machines"
     folder.mkdir()
-    started = Machines(folder)
+    started = Machines(folder, getattr(request, "param", 3))
     yield started
     started.close()
+
+
+def study_of(optimizer, folder, code, trials):
+    """Return a study of one optimizer, whose code is written to a file."""
+    (folder / "mine.py").write_text(code)
+    return Study.from_dict(
+        {"name": "mine", "trials": trials, "budget": 30, "problems": [{"name": "sphere-2"}],
+         "optimizers": [{"name": f"{folder}/mine.py:{optimizer}"}]}
+    )  # fmt: skip
 
 
 def slow_study(trials):
@@ -102,11 +137,11 @@ def slow_study(trials):
 @pytest.mark.slow
 def test_a_run_that_loses_a_worker_ends_with_the_frame_of_one_machine(machines, tmp_path, capfd):
     core = min(os.sched_getaffinity(0))
-    (tmp_path / "meeting").mkdir()  # neither worker makes many trials before the other one has begun
-    meeting = {"MEETING": str(tmp_path / "meeting")}
+    meeting = tmp_path / "meeting"  # neither worker makes many trials before the other one has begun
+    meeting.mkdir()
     workers = [
-        machines.worker("one", threads=2, environment=meeting),
-        machines.worker("two", cores={core}, environment=meeting),
+        machines.worker("one", threads=2, environment={"MEETING": str(meeting / "one")}),
+        machines.worker("two", cores={core}, environment={"MEETING": str(meeting / "two")}),
     ]
     machines.registered(2)
     cores, made = {}, []
@@ -114,7 +149,7 @@ def test_a_run_that_loses_a_worker_ends_with_the_frame_of_one_machine(machines, 
     def kill_one(trial, row):
         made.append(trial.key)
         cores.update({record["cores"]: record for record in Results(tmp_path / "dask").environments})
-        if len(cores) == len(workers) == 2:
+        if len(cores) == len(workers) == len(list(meeting.iterdir())) == 2:
             os.killpg(workers.pop().pid, signal.SIGKILL)
 
     study = slow_study(10)
@@ -123,10 +158,10 @@ def test_a_run_that_loses_a_worker_ends_with_the_frame_of_one_machine(machines, 
     assert sorted(made) == sorted(trial.key for trial in study.plan())
     record = cores[1]
     assert (record["backend"], record["jobs"]) == ("dask", 3)
-    run(study, tmp_path / "loky", n_jobs=2)
+    run(study, tmp_path / "local", n_jobs=2)
     times = ["wall_s", "cpu_s", "objective_s"]
     assert load_results(tmp_path / "dask")["status"].eq("ok").all()
-    frames = [load_results(tmp_path / each).drop(columns=times) for each in ("dask", "loky")]
+    frames = [load_results(tmp_path / each).drop(columns=times) for each in ("dask", "local")]
     assert frames[0].equals(frames[1])
     assert capfd.readouterr().err == ""
 
@@ -149,16 +184,80 @@ def test_a_run_whose_scheduler_is_lost_ends_with_a_sentence_and_goes_on_later(ma
 def test_a_cluster_that_loses_all_its_workers_is_not_waited_for_for_ever(machines, tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "RETURN", 0.5)
     worker = machines.worker("one")
+    processes = []
+
+    def kill(trial, row):
+        if not processes:
+            processes.extend(psutil.Process(worker.pid).children(recursive=True))
+            os.killpg(worker.pid, signal.SIGKILL)
+
     with pytest.raises(WorkerDiedError, match=r"no workers for .* minutes; every finished trial is kept"):
-        machines.run(slow_study(20), tmp_path / "out", on_trial=lambda *_: os.killpg(worker.pid, signal.SIGKILL))
+        machines.run(slow_study(20), tmp_path / "out", on_trial=kill)
     assert len(load_results(tmp_path / "out")) > 0
+    assert processes
+    until(lambda: not any(map(is_alive, processes)), "the trial processes of the killed worker to end")
 
 
 @pytest.mark.slow
-def test_a_worker_with_other_code_is_refused_by_name_first_or_last(machines, tmp_path):
+@pytest.mark.parametrize("machines", [0], indirect=True)
+@pytest.mark.parametrize(("times", "ends"), [(2, False), (3, True)])
+def test_the_third_worker_in_a_row_that_is_killed_ends_the_run(times, ends, machines, tmp_path):
+    code = KILL.format(path=str(tmp_path / "kills"), times=times)
+    machines.worker("one", nanny="--nanny")
+    if ends:
+        with pytest.raises(WorkerDiedError, match=r"^3 worker processes in a row were killed .* run the same command"):
+            machines.run(study_of("kill", tmp_path, code, 3), tmp_path / "out")
+    else:
+        assert machines.run(study_of("kill", tmp_path, code, 3), tmp_path / "out").made == 3
+        assert load_results(tmp_path / "out")["status"].eq("ok").all()
+    assert (tmp_path / "kills").stat().st_size == times
+
+
+@pytest.mark.slow
+def test_short_trials_are_sent_in_batches_and_nothing_is_left_at_the_end(machines, small_study, tmp_path, monkeypatch):
+    submit, sizes = distributed.Client.submit, []
+
+    def count(self, work, name, task, batch, **options):
+        sizes.append(len(batch))
+        return submit(self, work, name, task, batch, **options)
+
+    monkeypatch.setattr(distributed.Client, "submit", count)
+    monkeypatch.setattr(cluster, "QUEUED", 1)
+    monkeypatch.setattr(cluster, "LARGEST", 7)
+    worker = psutil.Process(machines.worker("one").pid)
+    assert machines.run(replace(small_study, trials=50), tmp_path / "out").made == sum(sizes) == 300
+    assert (sizes[0], max(sizes)) == (1, 7)
+    until(lambda: not worker.children(), "the idle processes to end", patience=dask_worker.IDLE / 2)
+
+
+def test_idle_and_unwanted_trial_processes_end(small_study, monkeypatch):
+    monkeypatch.setattr(dask_worker, "LOOK", 0.1)
+    monkeypatch.setattr(dask_worker, "IDLE", 0.5)
+    monkeypatch.setattr(dask_worker, "_is_wanted", lambda: lambda: True)
+    task, trials = Task(small_study.to_toml()), list(small_study.plan())
+    before = set(psutil.Process().children())
+
+    def started():
+        return set(psutil.Process().children()) - before
+
+    first, _, _ = dask_worker.work("run", task, trials[:2])
+    kept = started()
+    second, _, _ = dask_worker.work("run", task, trials[:2])
+    assert [row["fun"] for row in first] == [row["fun"] for row in second]
+    assert started() == kept, "the second batch starts no process"
+    until(lambda: not started(), "the idle processes to end")
+    monkeypatch.setattr(dask_worker, "_is_wanted", lambda: lambda: False)
+    with pytest.raises(KilledError):
+        dask_worker.work("run", task, trials * 1000)
+    assert not started()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("module", "change"), [("seeds.py", "\n"), ("execution/dask_worker.py", "\nwork = None\n")])
+def test_a_worker_with_other_code_is_refused_by_name_first_or_last(module, change, machines, tmp_path):
     copy = tmp_path / "copy"
     shutil.copytree(Path(cluster.__file__).parents[1], copy / "bench", ignore=shutil.ignore_patterns("__pycache__"))
-    (copy / "bench" / "seeds.py").open("a").write("\n")
+    (copy / "bench" / module).open("a").write(change)
     path = os.pathsep.join([str(copy), os.environ["PYTHONPATH"]])
     said = r"^the worker tcp://127\.0\.0\.1:\d+ \(stranger on .*\) runs backlash-bench .*code .*, this process .*code "
     machines.worker("one")
@@ -182,12 +281,8 @@ def test_a_worker_with_other_code_is_refused_by_name_first_or_last(machines, tmp
 def test_nothing_is_left_on_the_workers_when_the_run_is_ended(number, machines, tmp_path):
     machines.worker("one")
     running = tmp_path / "running"
-    (tmp_path / "mine.py").write_text(HANG.format(path=str(running)))
     study = tmp_path / "study.toml"
-    study.write_text(
-        "name = 'hanging'\ntrials = 3\nbudget = 30\n[[problems]]\nname = 'sphere-2'\n"
-        f"[[optimizers]]\nname = '{tmp_path}/mine.py:hang'\n"
-    )
+    study.write_text(study_of("hang", tmp_path, HANG.format(path=str(running)), 3).to_toml())
     command = [sys.executable, "-m", "bench", "run", study, "--backend", "dask", "--scheduler", machines.address]
     process = subprocess.Popen(list(map(str, command)), cwd=tmp_path, stderr=subprocess.PIPE, text=True)
     try:

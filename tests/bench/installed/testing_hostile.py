@@ -61,10 +61,6 @@ def spin(objective, rng):
         pass
 
 
-def sleep(objective, rng):
-    time.sleep(1000)
-
-
 def hang_in_native_code(objective, rng):
     ctypes.PyDLL(None).sleep(1000)  # keeps the interpreter's lock
 
@@ -225,7 +221,6 @@ DEEDS = {
     "points-none": sends(None),
     "points-nan": sends(np.full((1000, 2), np.nan)),
     "spin": spin,
-    "sleep": sleep,
     "native": hang_in_native_code,
     "swallow": swallow,
     "freeze": kill(signal.SIGSTOP),

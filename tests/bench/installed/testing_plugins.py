@@ -66,13 +66,13 @@ class Early(Optimizer):
 
 
 def pause():
-    """Wait until the file $GATE exists, until two workers meet in the folder $MEETING, and $SLOW seconds."""
+    """Wait until the file $GATE exists, until the folder of the file $MEETING holds two, and $SLOW seconds."""
     gate, meeting = os.environ.get("GATE"), os.environ.get("MEETING")
     while gate and not Path(gate).exists():
         sleep(0.01)
     if meeting:
-        (Path(meeting) / str(os.getppid())).touch()
-        while len(list(Path(meeting).iterdir())) < 2:
+        Path(meeting).touch()
+        while len(list(Path(meeting).parent.iterdir())) < 2:
             sleep(0.01)
     sleep(float(os.environ.get("SLOW", "0.01")))
 

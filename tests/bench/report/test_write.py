@@ -1,5 +1,6 @@
 """The whole report, from a study's folder to the page."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import matplotlib.figure
@@ -76,9 +77,23 @@ def test_the_same_results_give_the_same_bytes(make, tmp_path):
     contents = []
     for _ in range(2):
         write_report(folder)
-        files = [path for path in sorted(folder.rglob("*")) if path.is_file() and "sqlite" not in path.name]
+        others = ("trials.sqlite", "store.json")  # the store, and when it was checked
+        files = [path for path in sorted(folder.rglob("*")) if path.is_file() and not path.name.startswith(others)]
         contents.append({path: path.read_bytes() for path in files})
     assert contents[0] == contents[1]
+
+
+@pytest.mark.slow
+def test_the_bytes_do_not_depend_on_the_number_of_processes(make, tmp_path, monkeypatch):
+    folder = make(tmp_path / "s", problems=tuple("pqrstu"))
+    monkeypatch.setattr("bench.report.drawing.cpu_count", lambda: 2)
+    contents = []
+    for n_jobs in (1, 2, -1):
+        out = tmp_path / str(n_jobs)
+        write_report(folder, output=out, n_jobs=n_jobs)
+        contents.append({path.relative_to(out): path.read_bytes() for path in out.rglob("*") if path.is_file()})
+    assert contents[0] == contents[1] == contents[2]
+    assert Path("figures", "convergence.pdf") in contents[0]
 
 
 def test_no_single_winner_is_said(make, read, tmp_path):

@@ -2,12 +2,13 @@
 
 from types import SimpleNamespace
 
+import matplotlib.figure
 import numpy as np
 import pandas as pd
 import pytest
 
 from bench import BenchError, Results, Study, run, write_report
-from bench.report import Section, Table, write
+from bench.report import Figure, Section, Table, write
 from bench.study import Study as StudyClass
 
 
@@ -75,6 +76,22 @@ def test_a_section_that_fails_half_way_leaves_no_download(folder, monkeypatch, t
     assert "The report section &#39;half&#39; failed and is left out: ValueError: later" in page
     assert "tables/mine.csv" not in page
     assert not (tmp_path / "out" / "tables" / "mine.csv").exists()
+
+
+def test_a_figure_that_cannot_be_drawn_costs_its_own_section_alone(folder, monkeypatch, tmp_path):
+    def sections(results):
+        wrong = matplotlib.figure.Figure()
+        wrong.suptitle("$\\frac{$")  # is no mathematics
+        return [Section("Bad", items=(Figure("wrong", "Wrong.", wrong, pd.DataFrame({"a": [1]})),))]
+
+    monkeypatch.setattr(write, "FEW", 0)
+    monkeypatch.setattr(
+        write, "registry", SimpleNamespace(entries=lambda group: {"bad": 1}, load=lambda group, name: sections)
+    )
+    page = text_of(write_report(folder, output=tmp_path / "out", n_jobs=2))
+    assert "The report section &#39;bad&#39; failed and is left out: ValueError: " in page
+    assert (tmp_path / "out" / "figures" / "convergence.svg").exists()
+    assert not list((tmp_path / "out" / "figures").glob("wrong*"))
 
 
 def test_a_folder_with_other_files_is_left_alone(folder, tmp_path):

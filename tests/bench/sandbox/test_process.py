@@ -7,15 +7,25 @@ import sys
 import time
 from contextlib import suppress
 from importlib import import_module
+from pathlib import Path
 from textwrap import dedent
 from threading import Thread
-from types import SimpleNamespace
 
 import psutil
 import pytest
 
+from bench.sandbox.channel import Channel
 from bench.sandbox.messages import describe_error, end_of_output
-from bench.sandbox.process import DiedError, MemoryExceededError, Process, RemoteError, SilentError
+from bench.sandbox.process import (
+    DiedError,
+    LostError,
+    MemoryExceededError,
+    PrintedTooMuchError,
+    Process,
+    RemoteError,
+    TimeExceededError,
+)
+from bench.sandbox.server import FORKS, UNANSWERABLE
 
 LONG = 60.0  # seconds; ends a test that hangs, and decides nothing else
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="what Linux alone offers")
@@ -67,32 +77,59 @@ def wait_for(condition):
 
 
 @pytest.fixture
-def clock(monkeypatch):
-    """The clock by which patience is measured; it stands still unless a test moves it."""
-    clock = SimpleNamespace(now=0.0)
-    monkeypatch.setattr("bench.sandbox.process.monotonic", lambda: clock.now)
-    return clock
+def template():
+    """One that is there to be forked."""
+    with Process(hash_seed=0, forks=True) as template:
+        yield template
+
+
+class Clocked(Process):
+    """A process for which a second passes with each of its notes, and no time otherwise."""
+
+    now = 0.0
+    received = 0
+
+    @property
+    def note(self):
+        return self._note
+
+    @note.setter
+    def note(self, value):
+        self._note = value
+        if value is not None:
+            Clocked.now += 1.0
+            Clocked.received += 1
+
+
+@pytest.fixture
+def clocked(monkeypatch):
+    monkeypatch.setattr("bench.sandbox.process.monotonic", lambda: Clocked.now)
+    monkeypatch.setattr(Clocked, "received", 0)
+    with Clocked(hash_seed=0) as process:
+        yield process
 
 
 # Answers
 
 
-def test_a_call_returns_what_the_function_does(calls, shared):
-    assert shared.call(calls.echo, 1, "two", patience=LONG) == (1, "two")
+def test_a_call_returns_what_the_function_does_as_json(calls, shared):
+    assert shared.call(calls.echo, 1, "two", None, (0.1, float("inf")), seconds=LONG) == [
+        1, "two", None, [0.1, float("inf")]
+    ]  # fmt: skip
     assert shared.alive
 
 
 def test_any_thread_may_call(calls, shared):
     answers = []
-    thread = Thread(target=lambda: answers.append(shared.call(calls.echo, 3, patience=LONG)))
+    thread = Thread(target=lambda: answers.append(shared.call(calls.echo, 3, seconds=LONG)))
     thread.start()
     thread.join()
-    assert answers == [(3,)]
+    assert answers == [[3]]
 
 
 def test_large_arguments_and_answers_pass(calls, shared):
-    large = b"x" * 3_000_000
-    assert shared.call(calls.echo, large, patience=LONG) == (large,)
+    large = "x" * 3_000_000
+    assert shared.call(calls.echo, large, seconds=LONG) == [large]
 
 
 @pytest.mark.parametrize(
@@ -109,9 +146,9 @@ def test_large_arguments_and_answers_pass(calls, shared):
 )
 def test_what_the_function_raises_is_one_line(calls, shared, error, said):
     with pytest.raises(RemoteError) as caught:
-        shared.call(calls.raise_, error, patience=LONG)
+        shared.call(calls.raise_, error, seconds=LONG)
     assert str(caught.value) == said
-    assert shared.call(calls.echo, patience=LONG) == ()
+    assert shared.call(calls.echo, seconds=LONG) == []
 
 
 def test_a_message_of_megabytes_is_cut():
@@ -120,31 +157,100 @@ def test_a_message_of_megabytes_is_cut():
     assert len(said) == 301
 
 
-@pytest.mark.parametrize(
-    ("expression", "said"),
-    [("lambda: 0", "pickle"), ("Reluctant()", "its answer cannot be read: ValueError: invalid literal")],
-)
-def test_an_answer_that_cannot_be_sent_or_read_is_an_error(calls, shared, expression, said):
-    with pytest.raises(RemoteError, match=said):
-        shared.call(calls.evaluate, expression, patience=LONG)
-    assert shared.call(calls.echo, patience=LONG) == ()
+@pytest.mark.parametrize("expression", ["lambda: 0", "b'bytes'", "{(): 0}", "(a := [], a.append(a))", "1j"])
+def test_an_answer_that_is_no_json_is_an_error(calls, shared, expression):
+    with pytest.raises(RemoteError, match="its answer is no JSON: "):
+        shared.call(calls.evaluate, expression, seconds=LONG)
+    assert shared.call(calls.echo, seconds=LONG) == []
 
 
-def test_the_answer_to_a_call_that_was_interrupted_is_not_the_next_one_s(calls, shared, tmp_path):
-    def interrupt(made, budget):
-        (tmp_path / "enough").touch()
-        raise KeyboardInterrupt
+def test_an_answer_too_long_is_an_error(calls, shared, monkeypatch):
+    with pytest.raises(RemoteError, match="its answer is too long"):
+        shared.call(calls.evaluate, "'x' * (1 << 26)", seconds=LONG)
+    assert shared.call(calls.echo, seconds=LONG) == []
 
-    with pytest.raises(KeyboardInterrupt):
-        shared.call(calls.work, str(tmp_path / "enough"), patience=LONG, on_pulse=interrupt)
-    assert shared.call(calls.echo, "mine", patience=LONG) == ("mine",)
+
+def test_arguments_that_cannot_be_unpickled_are_an_error(calls, shared, monkeypatch):
+    monkeypatch.setattr(calls.Bomb, "__reduce__", lambda self: (exec, ("raise OSError('on its way')",)))
+    with pytest.raises(RemoteError, match="OSError: on its way"):
+        shared.call(calls.echo, calls.Bomb(""), seconds=LONG)
+    assert shared.call(calls.echo, seconds=LONG) == []
 
 
 def test_a_fork_that_comes_back_from_its_call_answers_nobody(calls, shared):
-    pulses = []
-    assert shared.call(calls.fork, patience=LONG, on_pulse=lambda *pulse: pulses.append(pulse)) == 0
-    assert shared.call(calls.echo, "mine", patience=LONG) == ("mine",)
-    assert pulses == []
+    assert shared.call(calls.fork, seconds=LONG) == 0
+    assert shared.note is None
+    assert shared.call(calls.echo, "mine", seconds=LONG) == ["mine"]
+
+
+# Messages that plug-in code sends itself
+
+
+def of_call(number):
+    return f'["value", {number}]'.encode()
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [
+        b"", b"\x80\x04.", b"no JSON", b'{"value": 5}', b"5", b'["value"]', b'["value", 5, 5]', b'["answer", 5]',
+        b'[["value"], 5]', b'["value", 5', b'\xff\xfe["value", 5]', b"[" * 1_000_000,
+        b'["value", ' + b"9" * 10_000 + b"]", b'{"a":' * 100_000,
+        b'["value", [' + b"{}," * 20_000_000 + b"0]]",
+    ],
+    ids=lambda payload: repr(payload[:12]),
+)  # fmt: skip
+def test_what_is_no_message_ends_its_sender(calls, process, payload):
+    with pytest.raises(RemoteError, match="it sent what answers no call"):
+        process.call(calls.send, payload, seconds=LONG)
+    assert not process.alive
+
+
+@pytest.mark.parametrize("ahead", [-1, 1, 2**40])
+def test_an_answer_to_another_call_ends_its_sender(calls, process, ahead):
+    process.call(calls.echo, seconds=LONG)
+    with pytest.raises(RemoteError, match="it sent what answers no call"):
+        process.call(calls.send, of_call(5), ahead, seconds=LONG)
+    assert not process.alive
+
+
+def test_a_second_answer_is_not_the_next_call_s(calls, process):
+    assert process.call(calls.send, of_call(5), seconds=LONG) == 5  # to be judged by whoever asked
+    with pytest.raises(RemoteError, match="it sent what answers no call"):  # "honest", the call's own answer
+        process.call(calls.echo, "mine", seconds=LONG)
+    assert not process.alive
+
+
+def test_an_answer_is_never_unpickled(calls, process, tmp_path):
+    mark = tmp_path / "unpickled"
+    with pytest.raises(RemoteError, match="it sent what answers no call"):
+        process.call(calls.send_bomb, str(mark), seconds=LONG)
+    assert not mark.exists()
+
+
+@pytest.mark.parametrize("length", [(1 << 26) + 1, 1 << 63])
+def test_one_that_announces_too_long_a_message_is_ended(calls, process, length):
+    with pytest.raises(DiedError) as caught:
+        process.call(calls.send_head, length, seconds=LONG)
+    assert caught.value.code == UNANSWERABLE
+    assert not process.alive
+
+
+def test_one_that_announces_a_message_and_does_not_send_it_is_ended_in_time(calls, process):
+    with pytest.raises(TimeExceededError):
+        process.call(calls.send_head, 1 << 26, seconds=0.5)
+    assert not process.alive
+
+
+def open_files():
+    return len(list(Path("/proc/self/fd").iterdir()))
+
+
+@LINUX
+def test_files_that_come_with_a_message_are_not_kept(calls, process):
+    before = open_files()
+    process.call(calls.send_files, 100, seconds=LONG)
+    assert open_files() <= before + 1
 
 
 # What is around the function
@@ -153,65 +259,70 @@ def test_a_fork_that_comes_back_from_its_call_answers_nobody(calls, shared):
 def test_numerical_libraries_find_one_core(calls, shared):
     names = ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA", "BLIS")
     asked = f"[os.environ[f'{{name}}_NUM_THREADS'] for name in {names}] + [os.environ['VECLIB_MAXIMUM_THREADS']]"
-    assert shared.call(calls.evaluate, asked, patience=LONG) == ["1"] * 7
+    assert shared.call(calls.evaluate, asked, seconds=LONG) == ["1"] * 7
 
 
 def test_keys_of_the_terminal_do_not_reach_it(calls, shared):
-    session, pid = shared.call(calls.evaluate, "(os.getsid(0), os.getpid())", patience=LONG)
+    session, pid = shared.call(calls.evaluate, "(os.getsid(0), os.getpid())", seconds=LONG)
     assert session == pid
 
 
 @LINUX
 def test_the_kernel_ends_it_first_where_memory_is_short(calls, shared):
-    assert shared.call(calls.evaluate, "Path('/proc/self/oom_score_adj').read_text()", patience=LONG) == "1000\n"
+    assert shared.call(calls.evaluate, "Path('/proc/self/oom_score_adj').read_text()", seconds=LONG) == "1000\n"
 
 
 def test_prints_block_nobody_and_are_not_kept(calls, process):
-    assert process.call(calls.print_much, 100, patience=LONG) == "done"
+    assert process.call(calls.print_much, 100, seconds=LONG) == "done"
     with pytest.raises(DiedError) as caught:
-        process.call(calls.leave, 3, b"x" * 1_000_000 + b"\nthe end\n", patience=LONG)
+        process.call(calls.leave, 3, b"x" * 1_000_000 + b"\nthe end\n", seconds=LONG)
     assert caught.value.end_of_output.endswith("the end")
     assert len(caught.value.end_of_output) <= 1000
+
+
+def test_one_that_prints_more_than_allowed_is_ended(calls, process):
+    assert process.call(calls.print_much, 1, seconds=LONG, printed=10_000_000) == "done"
+    with pytest.raises(PrintedTooMuchError):
+        process.call(calls.print_much, 1, seconds=LONG, printed=1_000_000)
+    assert not process.alive
 
 
 # Its end
 
 
-def test_one_that_hangs_is_ended_after_the_patience(calls, process, clock):
-    def pass_time(made, budget):
-        clock.now += 0.7
-
-    with pytest.raises(SilentError, match=r"0\.7 s"):
-        process.call(calls.sleep, 10 * LONG, patience=0.7, on_pulse=pass_time)
-    assert process.pulse == (1, 2)
+@pytest.mark.parametrize("limits", [{"seconds": 0.7}, {"silence": 0.7}, {"seconds": LONG, "silence": 0.7}])
+def test_one_that_hangs_is_ended_after_its_time(calls, process, limits):
+    with pytest.raises(TimeExceededError, match=r"^0\.7 s$"):
+        process.call(calls.sleep, 10 * LONG, **limits)
     assert not process.alive
 
 
-def test_pulses_are_signs_of_life(calls, shared, clock, tmp_path):
-    pulses = []
-
-    def pass_time(*pulse):
-        clock.now += 1.0
-        pulses.append(pulse)
-        if len(pulses) == 4:
-            (tmp_path / "enough").touch()
-
-    sent = shared.call(calls.work, str(tmp_path / "enough"), patience=1.5, on_pulse=pass_time)
-    assert 4 <= len(pulses) < sent / 10  # most of them are kept back
-    assert shared.pulse == (1, 2)
+def test_notes_break_a_silence(calls, clocked, tmp_path):
+    path = tmp_path / "enough"
+    Thread(target=lambda: wait_for(lambda: Clocked.received >= 4) and path.touch()).start()
+    assert clocked.call(calls.work, str(path), silence=1.5) >= 4
+    assert clocked.note >= 4
 
 
-def test_one_that_does_not_read_its_call_holds_nobody_up(calls, process):
-    pid = process.call(calls.evaluate, "os.getpid()", patience=LONG)
+def test_notes_prolong_no_time_limit(calls, clocked, tmp_path):
+    with pytest.raises(TimeExceededError, match=r"^9 s$"):
+        clocked.call(calls.work, str(tmp_path / "never"), seconds=9.0, silence=1.5)
+    assert 9 <= Clocked.received <= 10
+    assert not clocked.alive
+
+
+def test_one_that_does_not_read_its_call_holds_nobody_up(calls, process, monkeypatch):
+    monkeypatch.setattr("bench.sandbox.process._ANSWER", 0.2)
+    pid = process.call(calls.evaluate, "os.getpid()", seconds=LONG)
     os.kill(pid, signal.SIGSTOP)
-    with pytest.raises(SilentError):
-        process.call(calls.echo, b"x" * 3_000_000, patience=0.5)
+    with pytest.raises(TimeExceededError):
+        process.call(calls.echo, b"x" * 3_000_000, seconds=0.5)
     assert gone(pid)
 
 
 def test_a_crash_gives_its_place(calls, process):
     with pytest.raises(DiedError) as caught:
-        process.call(calls.crash, patience=LONG)
+        process.call(calls.crash, seconds=LONG)
     assert caught.value.code == -signal.SIGSEGV
     assert str(caught.value) == "signal SIGSEGV"
     lines = caught.value.end_of_output.splitlines()
@@ -223,35 +334,35 @@ def test_a_crash_gives_its_place(calls, process):
 
 def test_an_exit_gives_its_code_and_last_output(calls, process):
     with pytest.raises(DiedError) as caught:
-        process.call(calls.leave, 3, b"\x1b[31mno licence\x00\xff\n", patience=None)
+        process.call(calls.leave, 3, b"\x1b[31mno licence\x00\xff\n")
     assert (caught.value.code, str(caught.value)) == (3, "exit code 3")
     assert caught.value.end_of_output == "�[31mno licence��"
     assert not process.alive
-    with pytest.raises(DiedError):
-        process.call(calls.echo, patience=LONG)
+    with pytest.raises(LostError):
+        process.call(calls.echo, seconds=LONG)
 
 
 def test_the_end_of_output_is_that_of_the_call(calls, process):
-    assert process.call(calls.evaluate, "os.write(2, b'a warning')", patience=LONG) == 9
+    assert process.call(calls.evaluate, "os.write(2, b'a warning')", seconds=LONG) == 9
     assert wait_for(lambda: process.printed == 9)
-    process.call(calls.echo, patience=LONG)
+    process.call(calls.echo, seconds=LONG)
     with pytest.raises(DiedError) as caught:
-        process.call(calls.leave, 3, b"", patience=LONG)
+        process.call(calls.leave, 3, b"", seconds=LONG)
     assert caught.value.end_of_output == ""
 
 
-def test_one_that_closes_its_pipes_is_ended(calls, process):
+def test_one_that_closes_its_channel_is_ended(calls, process):
     with pytest.raises(DiedError):
-        process.call(calls.lose_pipes, patience=LONG)
+        process.call(calls.lose_channel, seconds=LONG)
     assert not process.alive
 
 
 @pytest.mark.parametrize("own_session", [False, True])
-def test_an_end_is_noticed_though_a_fork_keeps_the_pipes_open(calls, process, tmp_path, own_session):
+def test_an_end_is_noticed_though_a_fork_keeps_the_channel_open(calls, process, tmp_path, own_session):
     path = tmp_path / "pid"
     try:
         with pytest.raises(DiedError) as caught:
-            process.call(calls.fork_and_leave, str(path), own_session, str(path), patience=LONG)
+            process.call(calls.fork_and_leave, str(path), own_session, seconds=LONG)
         assert caught.value.code == 3
         assert own_session or gone(*written(path))
     finally:
@@ -259,61 +370,49 @@ def test_an_end_is_noticed_though_a_fork_keeps_the_pipes_open(calls, process, tm
             os.kill(written(path)[0], signal.SIGKILL)
 
 
-def test_a_child_that_was_seen_is_ended_though_its_parent_died_first(calls, process, tmp_path):
-    path, seen = tmp_path / "pid", tmp_path / "seen"
-
-    def look():
-        (child,) = written(path)
-        if wait_for(lambda: child in {member.pid for member in tuple(process._tree._members)}):
-            seen.touch()
-
-    Thread(target=look).start()
-    with pytest.raises(DiedError):
-        process.call(calls.fork_and_leave, str(path), True, str(seen), patience=LONG, memory=10**12)
-    assert gone(*written(path))
-
-
 @pytest.mark.parametrize("function", ["hog", "have_a_child_hog"])
 def test_one_that_takes_too_much_memory_is_ended(calls, process, function):
     with pytest.raises(MemoryExceededError, match=r"it held .* MB of memory, where 300 MB are allowed"):
-        process.call(getattr(calls, function), 600, patience=LONG, memory=300_000_000)
+        process.call(getattr(calls, function), 600, seconds=LONG, memory=300_000_000)
     assert not process.alive
-
-
-def test_the_memory_that_it_holds_is_known(calls, shared):
-    assert 10e6 < shared.resident < 1e9
 
 
 @LINUX
 def test_what_it_started_ends_with_it(calls, process):
-    others = process.call(calls.start_others, patience=LONG)
+    others = process.call(calls.start_others, seconds=LONG)
     assert all(map(running, others))
     process.close()
     assert gone(*others)
     process.close()
 
 
+def test_any_thread_may_kill_it_in_mid_call(calls, process, tmp_path):
+    path = tmp_path / "pid"
+    Thread(target=lambda: written(path) and process.kill()).start()
+    with pytest.raises(DiedError):
+        process.call(calls.hang_in_native_code, str(path), seconds=LONG)
+
+
 @LINUX
 def test_it_ends_in_the_middle_of_a_call_when_its_owner_is_killed(tmp_path):
-    """One of the processes keeps its interpreter locked, the other one was started by no main thread."""
+    """Of two copies, one keeps its interpreter locked and one has a child; another process was started by a thread."""
     script = dedent(
         f"""
         from threading import Thread
         from bench.sandbox.process import Process
         from testing_calls import hang_in_native_code, hang_with_a_child
 
-        def call(process, function, path):
-            process.call(function, path, patience=None)
-
-        native = Process(0)
-        Thread(target=call, args=(native, hang_in_native_code, {str(tmp_path / "native")!r})).start()
-        Thread(target=lambda: call(Process(0), hang_with_a_child, {str(tmp_path / "child")!r})).start()
+        templates = [Process(0, forks=True) for _ in range(2)]
+        first, second = [each.fork() for each in templates]
+        Thread(target=first.call, args=(hang_in_native_code, {str(tmp_path / "native")!r})).start()
+        Thread(target=second.call, args=(hang_with_a_child, {str(tmp_path / "child")!r})).start()
+        Thread(target=lambda: Process(0).call(hang_with_a_child, {str(tmp_path / "thread")!r})).start()
         """
     )
     owner = subprocess.Popen([sys.executable, "-c", script])
-    pids = [*written(tmp_path / "native"), *written(tmp_path / "child")]
+    pids = [pid for name in ("native", "child", "thread") for pid in written(tmp_path / name)]
     try:
-        assert len(pids) == 3
+        assert len(pids) == 5
         assert all(map(running, pids))
         owner.kill()
         owner.wait()
@@ -322,6 +421,207 @@ def test_it_ends_in_the_middle_of_a_call_when_its_owner_is_killed(tmp_path):
         for pid in pids:
             with suppress(OSError):
                 os.kill(pid, signal.SIGKILL)
+
+
+# Copies
+
+
+@pytest.fixture(params=[True, False], ids=["forked", "made again"])
+def forks(request, monkeypatch):
+    """Whether copies are forked; elsewhere they are new processes in which the same calls are made."""
+    if request.param and not FORKS:
+        pytest.skip("processes do not fork here")
+    monkeypatch.setattr("bench.sandbox.process.FORKS", request.param)
+    return request.param
+
+
+def number(calls, process):
+    return process.call(calls.evaluate, "os.getpid()", seconds=LONG)
+
+
+def test_copies_hold_what_was_loaded_and_share_no_change(calls, template, forks):
+    assert template.call(calls.load, "one", seconds=LONG) == ["one"]
+    with template.fork() as first, template.fork() as second:
+        assert first.call(calls.load, "two", seconds=LONG) == ["one", "two"]
+        assert second.call(calls.load, "three", seconds=LONG) == ["one", "three"]
+        with first.fork() as third:
+            assert third.call(calls.load, "four", seconds=LONG) == ["one", "two", "four"]
+        assert template.call(calls.load, "five", seconds=LONG) == ["one", "five"]
+        assert len({number(calls, each) for each in (template, first, second)}) == 3
+        parents = [each.call(calls.evaluate, "os.getppid()", seconds=LONG) for each in (first, second)]
+        assert parents == [number(calls, template) if forks else os.getpid()] * 2
+
+
+def test_a_call_that_raised_is_not_made_again(calls, template, forks):
+    with pytest.raises(RemoteError):
+        template.call(calls.evaluate, "loaded.append(1) or 1 / 0", seconds=LONG)
+    with template.fork() as copy:
+        assert copy.call(calls.evaluate, "loaded", seconds=LONG) == ([1] if forks else [])
+
+
+def test_a_copy_has_an_output_and_a_session_of_its_own(calls, template, forks):
+    with template.fork() as copy:
+        copy.call(calls.evaluate, "os.write(2, b'much')", seconds=LONG)
+        assert wait_for(lambda: copy.printed == 4)
+        assert template.printed == 0
+        session, pid = copy.call(calls.evaluate, "(os.getsid(0), os.getpid())", seconds=LONG)
+        assert session == pid
+
+
+@pytest.mark.parametrize("exit_code", [0, 3])
+def test_a_copy_that_ends_costs_no_other(calls, template, forks, exit_code):
+    with template.fork() as first, template.fork() as second:
+        with pytest.raises(DiedError) as caught:
+            first.call(calls.leave, exit_code, b"the reason", seconds=LONG)
+        assert (caught.value.code, caught.value.end_of_output) == (exit_code, "the reason")
+        assert second.call(calls.echo, seconds=LONG) == []
+        with template.fork() as third:
+            assert third.call(calls.echo, seconds=LONG) == []
+
+
+def test_a_crash_and_a_limit_of_a_copy_are_reported_as_its_own(calls, template, forks):
+    with pytest.raises(DiedError, match="signal SIGSEGV"):
+        template.fork().call(calls.crash, seconds=LONG)
+    with pytest.raises(MemoryExceededError):
+        template.fork().call(calls.hog, 600, seconds=LONG, memory=300_000_000)
+    with pytest.raises(TimeExceededError):
+        template.fork().call(calls.sleep, LONG, seconds=0.2)
+    assert template.call(calls.echo, seconds=LONG) == []
+
+
+@LINUX
+@pytest.mark.parametrize("end", ["close", "die"])
+def test_what_a_copy_started_ends_with_it_and_nothing_else_does(calls, template, end):
+    with template.fork() as kept:
+        others = kept.call(calls.start_others, seconds=LONG)
+        copy = template.fork()
+        strays = copy.call(calls.start_others, seconds=LONG)
+        assert all(map(running, [*others, *strays]))
+        if end == "close":
+            copy.close()
+        else:
+            with pytest.raises(DiedError):
+                copy.call(calls.leave, 3, b"", seconds=LONG)
+        assert gone(*strays)
+        assert all(map(running, others))
+
+
+@pytest.mark.parametrize("end", [Process.close, Process.kill])
+def test_copies_end_with_the_first_of_their_templates(calls, template, forks, end):
+    first = template.fork()
+    second = first.fork()
+    pids = [number(calls, each) for each in (first, second)]
+    Thread(target=lambda: wait_for(lambda: second._begun[0] is calls.sleep) and end(template)).start()
+    with pytest.raises((DiedError, LostError)):
+        second.call(calls.sleep, 10 * LONG)
+    assert gone(*pids)
+
+
+@LINUX
+@pytest.mark.parametrize("end", [Process.close, Process.kill, lambda template: os.kill(template._process.pid, 9)])
+def test_copies_end_with_their_template(calls, template, end):
+    copies = [template.fork()]
+    copies.append(copies[0].fork())
+    pids = [number(calls, each) for each in copies]
+    end(template)
+    assert gone(*pids)
+    for each in copies:
+        with pytest.raises(LostError):
+            each.call(calls.echo, seconds=LONG)
+    with pytest.raises(LostError):
+        template.fork()
+
+
+@LINUX
+def test_a_template_that_is_killed_in_mid_call_of_its_copy_is_lost(calls, template, tmp_path):
+    path = tmp_path / "pid"
+    copy = template.fork()
+    Thread(target=lambda: written(path) and os.kill(template._process.pid, signal.SIGKILL)).start()
+    with pytest.raises(LostError):
+        copy.call(calls.hang_in_native_code, str(path), seconds=LONG)
+    assert gone(*written(path))
+
+
+@LINUX
+def test_a_template_that_is_stopped_is_given_up(calls, template, monkeypatch):
+    copy = template.fork()
+    pid = number(calls, copy)
+    monkeypatch.setattr("bench.sandbox.process._ANSWER", 0.5)
+    os.kill(template._process.pid, signal.SIGSTOP)
+    assert copy.call(calls.echo, seconds=LONG) == []  # which needs no template
+    with pytest.raises(LostError):
+        template.fork()
+    with pytest.raises(LostError):
+        copy.close()
+    assert gone(pid, template._process.pid)
+
+
+@LINUX
+def test_templates_that_are_all_stopped_are_waited_for_once(calls, template, monkeypatch):
+    waited = []
+    receive = Channel.receive
+
+    def count(self, seconds=None):
+        message = receive(self, seconds)
+        waited.extend([seconds] * (message is None))
+        return message
+
+    first = template.fork()
+    second = first.fork()
+    monkeypatch.setattr("bench.sandbox.process._ANSWER", 0.53)
+    monkeypatch.setattr(Channel, "receive", count)
+    for each in (first._pid, template._process.pid):
+        os.kill(each, signal.SIGSTOP)
+    with pytest.raises(LostError):
+        second.call(calls.leave, 3, b"", seconds=LONG)
+    for each in (second, first):
+        with suppress(LostError):
+            each.close()
+    assert waited.count(0.53) <= 2  # its own template, and that one's
+
+
+@LINUX
+def test_a_template_in_which_plug_in_code_answers_is_ended(calls, template):
+    first, other = template.fork(), template.fork()
+    assert first.call(calls.send, of_call(5), seconds=LONG) == 5
+    with pytest.raises(RemoteError, match="it sent what answers no call"):
+        first.fork()
+    assert first.closed
+    assert not other.closed
+    assert other.call(calls.echo, seconds=LONG) == []
+
+
+@LINUX
+def test_a_stopped_template_hides_no_time_limit_of_its_copy(calls, template, monkeypatch):
+    copy = template.fork()
+    monkeypatch.setattr("bench.sandbox.process._ANSWER", 0.5)
+    os.kill(template._process.pid, signal.SIGSTOP)
+    with pytest.raises(LostError):
+        copy.call(calls.sleep, 10 * LONG, seconds=LONG)  # it is looked at before that
+
+
+@LINUX
+def test_a_template_with_threads_is_not_forked(calls, template):
+    template.call(calls.load, "one", seconds=LONG)
+    template.call(calls.start_threads, 2, seconds=LONG)
+    with template.fork() as copy:
+        assert copy.call(calls.evaluate, "os.getppid()", seconds=LONG) == os.getpid()
+        assert copy.call(calls.evaluate, "loaded, threading.active_count() >= 3", seconds=LONG) == [["one"], True]
+
+
+def test_calls_that_are_made_again_have_the_limits_that_they_had(calls, template, tmp_path, monkeypatch):
+    monkeypatch.setattr("bench.sandbox.process.FORKS", False)
+    template.call(calls.load_once, "one", str(tmp_path / "called"), seconds=1.0)
+    with pytest.raises(TimeExceededError, match=r"^1 s$"):
+        template.fork()
+
+
+def test_calls_that_change_nothing_are_not_kept_to_be_made_again(calls, template, monkeypatch):
+    monkeypatch.setattr("bench.sandbox.process.FORKS", False)
+    template.call(calls.load, "one", seconds=LONG)
+    template.call(calls.load, "two", seconds=LONG, again=False)
+    with template.fork() as copy:
+        assert copy.call(calls.evaluate, "loaded", seconds=LONG) == ["one"]
 
 
 # Words

@@ -2,14 +2,16 @@
 
 import json
 import shutil
-import sqlite3
 
 import pandas as pd
 import pytest
 
 from bench import BenchError, Results, Study, load_results, run
 from bench.execution.verify import verify
+from bench.storage.folder import Folder
 from bench.storage.merge import merge
+from bench.storage.store import Store
+from tests.bench.storage.changes import SCATTER, change, forge
 
 TIMES = ["wall_s", "cpu_s", "objective_s"]
 
@@ -22,13 +24,8 @@ def same(a, b):
     }
 
 
-def change(folder, what, where="problem = 'sphere-2' AND optimizer = 'scatter'"):
-    with sqlite3.connect(folder / "trials.sqlite") as connection:
-        done = connection.execute(
-            f"UPDATE results SET {what} WHERE trial = 1 AND cell = (SELECT id FROM cells WHERE {where})"
-        )
-        assert done.rowcount == 1
-    connection.close()
+def forged(folder, what):
+    forge(folder / "trials.sqlite", f"UPDATE results SET {what} WHERE trial = 1 AND cell = {SCATTER}")
 
 
 @pytest.fixture(scope="module")
@@ -85,11 +82,8 @@ def test_the_same_trial_twice_is_taken_once_and_the_most_trials_count(copied, tm
 
 def test_a_finished_trial_takes_the_place_of_a_failed_one(copied, tmp_path):
     _, place = copied
-    change(place / "whole", "status = 'failed', error = 'boom', fun = NULL")
-    with sqlite3.connect(place / "whole" / "trials.sqlite") as connection:
-        lost = "SELECT cell, trial FROM results WHERE error = 'boom'"
-        connection.execute(f"DELETE FROM traces WHERE (cell, trial) IN ({lost})")
-    connection.close()
+    change(place / "whole" / "trials.sqlite", f"DELETE FROM traces WHERE trial = 1 AND cell = {SCATTER}")
+    forged(place / "whole", "status = 'failed', error = 'boom', fun = NULL")
     shards = [place / f"shard-{number}" for number in (1, 2, 3)]
     for order in ([place / "whole", *shards], [*shards, place / "whole"]):
         target = tmp_path / f"united-{order[0].name}"
@@ -100,7 +94,7 @@ def test_a_finished_trial_takes_the_place_of_a_failed_one(copied, tmp_path):
 @pytest.mark.parametrize("what", ["fun = fun * (1 + 1e-15) + 1e-300", "seed = seed + 1", "nfev = nfev - 1"])
 def test_conflicting_trials_are_refused_and_name_the_trial(what, copied, tmp_path):
     _, place = copied
-    change(place / "whole", what)
+    forged(place / "whole", what)
     shards = [place / f"shard-{number}" for number in (1, 2, 3)]
     with pytest.raises(BenchError, match=f"trial 1 of scatter on sphere-2 has another {what.split()[0]} in .*whole"):
         merge([*shards, place / "whole"], tmp_path / "united")
@@ -133,14 +127,14 @@ def test_verify_finds_all_trials_repeated_and_notes_it(copied):
     steps = []
     found = verify(place / "whole", n_jobs=2, on_progress=lambda *step: steps.append(step[1:]))
     assert (found.cells, found.trials, found.jobs, found.different) == (6, 12, 2, {})
-    assert steps[-1] == (12, 12)
+    assert steps[-1] == (18, 18)  # one of each cell first and last
     assert Results(place / "whole").verifications[0]["sentence"] == found.sentence
     assert "12 of 12 trials of 6 cells are the same bit by bit with 2 workers" in found.sentence
 
 
 def test_verify_reports_what_is_not_repeated(copied):
     _, place = copied
-    change(place / "whole", "fun = fun * (1 + 1e-15) + 1e-300")
+    forged(place / "whole", "fun = fun * (1 + 1e-15) + 1e-300")
     found = verify(place / "whole", trials=3, n_jobs=1)
     assert [trial.key for trial in found.different] == [("sphere-2", "scatter", 1)]
     assert "17 of 18 trials" in found.sentence
@@ -149,12 +143,10 @@ def test_verify_reports_what_is_not_repeated(copied):
 
 def test_verify_compares_whole_courses(copied):
     _, place = copied
-    with sqlite3.connect(place / "whole" / "trials.sqlite") as connection:
-        where = "trial = 1 AND cell = (SELECT id FROM cells WHERE problem = 'sphere-2' AND optimizer = 'scatter')"
-        blob = bytearray(connection.execute(f"SELECT trace FROM traces WHERE {where}").fetchone()[0])
-        blob[len(blob) // 2] ^= 1  # the last bit of the first value
-        connection.execute(f"UPDATE traces SET trace = ? WHERE {where}", (bytes(blob),))
-    connection.close()
+    store = Store(place / "whole")
+    blob = bytearray(store.find("sphere-2", "scatter", 1)["trace"])
+    blob[len(blob) // 2] ^= 1  # the last bit of the first value
+    forge(store.path, f"UPDATE traces SET trace = x'{blob.hex()}' WHERE trial = 1 AND cell = {SCATTER}")
     found = verify(place / "whole", trials=3, n_jobs=1)
     assert list(found.different.values()) == ["another course, the same end"]
 
@@ -187,3 +179,22 @@ def test_verify_refuses_what_it_cannot_make_again(copied, tmp_path):
     run(faulty, tmp_path / "none", n_jobs=1)
     with pytest.raises(BenchError, match="holds no finished trial to verify"):
         verify(tmp_path / "none")
+
+
+def test_damaged_trials_are_left_out_and_named(copied, tmp_path):
+    _, place = copied
+    shards = [place / f"shard-{number}" for number in (1, 2, 3)]
+    change(shards[1] / "trials.sqlite", "UPDATE results SET nfev = nfev - 1 WHERE cell = 1")
+    damaged = Store(shards[1]).check().damaged
+    assert damaged
+    merged = merge(shards, tmp_path / "united")
+    assert merged.rows == merged.added == 18 - len(damaged)
+    (note,) = merged.notes
+    assert note.startswith(f"{shards[1]}: {len(damaged)} of 6 trials are damaged (")
+    assert not {*damaged} & {
+        *load_results(tmp_path / "united")[["problem", "optimizer", "trial"]].itertuples(index=False)
+    }
+    assert Folder(shards[1]).store_note()["sound"] is False
+    change(tmp_path / "united" / "trials.sqlite", "UPDATE results SET fun = 0 WHERE cell = 1")
+    with pytest.raises(BenchError, match=r"united: .* are damaged"):
+        merge(shards, tmp_path / "united")

@@ -1,12 +1,12 @@
 """The record of a run, and findings on runs that differ and on processes that are lost."""
 
 import random
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from bench.check import problems
+from bench.check.conformance import recording
 from bench.check.conformance.recording import (
     LET_IT_PASS,
     RecordedRun,
@@ -16,7 +16,7 @@ from bench.check.conformance.recording import (
 )
 from bench.check.conformance.subject import Subject
 from bench.execution.trial_process import STILL_ASKING
-from bench.sandbox.process import DiedError, SilentError
+from bench.sandbox.process import DiedError, PrintedTooMuchError, TimeExceededError
 from tests.bench.check import faulty
 
 
@@ -64,10 +64,12 @@ def test_what_the_optimizer_raises_passes_through():
         record(faulty.Broken())
 
 
-def test_pulses_count_evaluations_to_the_end_of_the_budget():
-    pulses = []
-    record(faulty.Sound(), budget=10, pulse=lambda made, budget: pulses.append((made, budget)))
-    assert pulses == [(4, 10), (8, 10), (10, 10)]
+def test_notes_count_evaluations_at_the_begin_and_the_end_of_the_budget_and_twice_a_second(monkeypatch):
+    notes, clock = [], iter([0.0, 0.1, 0.2, 0.6, 0.7, 0.8])
+    monkeypatch.setattr(recording, "note", notes.append)
+    monkeypatch.setattr(recording, "monotonic", lambda: next(clock))
+    record(faulty.Sound(), budget=18)
+    assert notes == [[0, 18], [12, 18], [18, 18]]  # batches of 4
 
 
 def test_the_global_random_states_are_restored():
@@ -93,16 +95,19 @@ def test_the_first_evaluation_that_differs_is_named(one, other, evaluation):
 
 
 @pytest.mark.parametrize(
-    ("error", "pulse", "finding", "mend"),
+    ("error", "noted", "finding", "mend"),
     [
-        (DiedError(STILL_ASKING), (9, 9), "for ever after its budget of 9 is spent", LET_IT_PASS),
-        (DiedError(3), (2, 9), "it ended the process that it ran in (exit code 3)", "raise an exception"),
-        (SilentError("30 s"), (9, 9), "it did not end within 30 s after its budget of 9 was spent", LET_IT_PASS),
-        (SilentError("30 s"), (2, 9), "it asked for no value for 30 s, after 2 evaluations", "never calls"),
-        (SilentError("30 s"), None, "it asked for no value for 30 s, after 0 evaluations", "never calls"),
+        (DiedError(STILL_ASKING), [9, 9], "for ever after its budget of 9 is spent", LET_IT_PASS),
+        (DiedError(3), [2, 9], "it ended the process that it ran in (exit code 3)", "raise an exception"),
+        (PrintedTooMuchError(), [2, 9], "it printed without end", "print and log nothing"),
+        (TimeExceededError("30 s"), [9, 9], "did not end within 30 s, after its budget of 9 was spent", LET_IT_PASS),
+        (TimeExceededError("30 s"), [2, 9], "did not end within 30 s, after 2 of 9 evaluations", "never calls"),
+        (TimeExceededError("30 s"), None, "did not end within 30 s, after 0 of its evaluations", "never calls"),
+        (TimeExceededError("30 s"), ["2", 9], "after 0 of its evaluations", "never calls"),
+        (TimeExceededError("30 s"), {"made": 2}, "after 0 of its evaluations", "never calls"),
     ],
 )
-def test_a_lost_process_is_explained_by_its_last_pulse(error, pulse, finding, mend):
-    said, advice = explain_lost_process(error, SimpleNamespace(pulse=pulse))
+def test_a_lost_process_is_explained_by_its_last_note(error, noted, finding, mend):
+    said, advice = explain_lost_process(error, noted)
     assert finding in said
     assert mend in advice

@@ -6,7 +6,7 @@ RECORD = {
     "blas": [{"library": "openblas", "version": "0.3.30", "threads": 1}],
     "git": {"commit": "6b3d6c0" + "0" * 33, "dirty": False, "diff": None}, "checkouts": {},
     "started": "2026-01-02T03:04:05+00:00", "ended": "2026-01-02T04:00:00+00:00", "command": "bench run s", "jobs": 2,
-    "backend": "loky", "study": "abc", "data": {}, "code": {}, "timeout": None, "shard": None,
+    "backend": "local", "study": "abc", "data": {}, "code": {}, "timeout": None, "shard": None,
 }  # fmt: skip
 NEWER = RECORD | {"packages": {"numpy": "2.5.0", "scipy": "1.17.1"}, "started": "2026-02-02T03:04:05+00:00"}
 OLD = {

@@ -26,8 +26,8 @@ def test_one_environment_is_one_short_table(render):
         "run", "trials", "started", "ended", "machine", "jobs", "backend", "command",
     ]  # fmt: skip
     assert shown(runs) == [
-        ["1", "20", "2026-01-02 03:04:05", "2026-01-02 04:00:00", "one", "2", "loky", "bench run s"],
-        ["2", "4", "later", "–", "two", "2", "loky", "bench run s"],
+        ["1", "20", "2026-01-02 03:04:05", "2026-01-02 04:00:00", "one", "2", "local", "bench run s"],
+        ["2", "4", "later", "–", "two", "2", "local", "bench run s"],
     ]
 
 

@@ -1,0 +1,99 @@
+"""Diagnose the optimizers of a study's folder for biases, and keep the verdicts on those that have not changed."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bench.check.bias import CHECKS, diagnose_all
+from bench.check.verdict import Verdict
+from bench.errors import BenchError
+from bench.optimizer import Optimizer
+from bench.storage import provenance
+from bench.storage.folder import Folder
+from bench.storage.versions import checkout_states, content_hash, package_versions
+from bench.study import Entry
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The diagnosis of one optimizer of a study.
+
+    Attributes:
+        label: the optimizer's label.
+        verdicts: the verdicts on its biases, empty where it failed.
+        failed: why it could not be diagnosed, "" where it could.
+        kept: whether the verdicts are those of an earlier check of the same code with the same parameters.
+    """
+
+    label: str
+    verdicts: list[Verdict]
+    failed: str = ""
+    kept: bool = False
+
+
+def diagnose_folder(folder: Folder, n_jobs: int = -1, *, anew: bool = False) -> Iterator[Diagnosis]:
+    """Yield a diagnosis of every optimizer of a study, with its own options; each is noted in the folder for reports.
+
+    Args:
+        folder: the folder of a study.
+        n_jobs: runs made at a time, -1 for one a core.
+        anew: whether to diagnose again what has not changed since it was diagnosed.
+    """
+    study, noted = folder.study(), folder.checks()
+    noted = {entry.label: noted[entry.label] for entry in study.optimizers if entry.label in noted}
+    changed: dict[str, tuple[Optimizer, str]] = {}  # with the key of its verdicts
+    for entry in study.optimizers:
+        try:
+            optimizer = study.optimizer(entry.label)
+        except BenchError as error:  # the other optimizers get their verdicts all the same
+            noted.pop(entry.label, None)
+            yield Diagnosis(entry.label, [], str(error))
+            continue
+        code = key(entry, optimizer)
+        kept = [] if anew else _kept([dict(each) for each in noted.get(entry.label, [])], code)
+        if kept:
+            yield Diagnosis(entry.label, kept, kept=True)
+        else:
+            changed[entry.label] = optimizer, code
+    found = diagnose_all([optimizer for optimizer, _ in changed.values()], n_jobs=n_jobs)
+    for (label, (_, code)), each in zip(changed.items(), found, strict=True):
+        if isinstance(each, BenchError):
+            noted.pop(label, None)
+            diagnosis = Diagnosis(label, [], str(each))
+        else:
+            noted[label] = [verdict.as_dict() | {"code": code} for verdict in each]
+            diagnosis = Diagnosis(label, each)
+        folder.note_checks(noted)
+        yield diagnosis
+    folder.note_checks(noted)
+
+
+def key(entry: Entry, optimizer: Optimizer) -> str:
+    """Return a hash of all that verdicts on an optimizer depend on: its code, its parameters, and the checks' code.
+
+    The code is that of this package, of the modules that define the optimizer, and the versions of what they use.
+    """
+    modules = provenance.modules([optimizer])
+    files = {name: getattr(sys.modules.get(name), "__file__", None) for name in modules}
+    about: list[Any] = [
+        provenance.package(), platform.python_version(), package_versions(modules), checkout_states(modules),
+        {name: content_hash(Path(file)).hex() for name, file in files.items() if file}, optimizer.fingerprint,
+        entry.name, entry.options,
+    ]  # fmt: skip
+    return hashlib.sha256(json.dumps(about, sort_keys=True, default=str).encode()).hexdigest()[:16]
+
+
+def _kept(noted: list[dict[str, Any]], code: str) -> list[Verdict]:
+    """Return the noted verdicts where they are those of all checks of this code, else none."""
+    if len(noted) == len(CHECKS) and all(each.pop("code") == code for each in noted):
+        with suppress(ValueError):  # the file was edited
+            return [Verdict.from_dict(each) for each in noted]
+    return []

@@ -1,0 +1,204 @@
+"""Make the runs from which the biases of optimizers are judged: on functions and on noise, on every core."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from bench.check.conformance.subject import PRINTED, make_subject, pack, unpack
+from bench.check.problems import FUNCTIONS, classic, noise
+from bench.check.verdict import LONGEST
+from bench.errors import BenchError
+from bench.execution.trial_process import STILL_ASKING
+from bench.optimizer import Optimizer
+from bench.problem import Floats
+from bench.sandbox.crew import Crew
+from bench.sandbox.messages import describe_error
+from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, RemoteError
+from bench.seeds import trial_seed
+from bench.text import printable
+from bench.trial import search
+
+GENERATIONS = 50  # of a run, at least: a bias of the moves needs time to show
+FUNCTION_BUDGET = 10_000  # evaluations of a function, at least
+NOISE_BUDGET = 1_000  # evaluations of noise, at least: without a field ``agents`` a generation counts as one evaluation
+
+BOXES = {"[0, 1]": (0.0, 1.0), "[-1, 1]": (-1.0, 1.0)}
+"""The boxes of the noise. The origin is a corner of the first, the box of the toolbox BIAS, and the centre of the
+second, so that a method that is drawn to the origin shows it in one of them."""
+
+_REFUSALS = 10_000  # calls after the end of the budget until the process is ended
+
+
+@dataclass(frozen=True)
+class RunSummary:
+    """The record of one run; points are shares of the box, 0 at the lower and 1 at the upper bounds.
+
+    Attributes:
+        best: the lowest value.
+        x: (d,) where it was found.
+        first: (m, d) the points of the first generation, fewer where the run ended earlier.
+        clamped: the share of all evaluated coordinates that lay exactly on a bound.
+        course: a hash of all points in the order of their evaluation.
+    """
+
+    best: float
+    x: Floats
+    first: Floats
+    clamped: float
+    course: str
+
+
+@dataclass(frozen=True)
+class Runs:
+    """The runs from which an optimizer is judged.
+
+    Attributes:
+        centred: by function, those with the optimum at the centre of the box; each has a seed of its own.
+        moved: the same with the optimum moved by 10 % of the box.
+        noise: those on noise, by box; their seeds are adjacent numbers in each, and each has noise of its own.
+    """
+
+    centred: dict[str, list[RunSummary]]
+    moved: dict[str, list[RunSummary]]
+    noise: dict[str, list[RunSummary]]
+
+
+@dataclass(frozen=True)
+class Task:
+    """One run: its kind ("centred", "moved" or "noise"), its function or box, its number, and its least budget."""
+
+    kind: str
+    name: str
+    run: int
+    dimension: int
+    budget: int
+    seed: int
+
+
+def make_runs(
+    optimizers: Sequence[Optimizer], *, dimension: int, runs: int, noise_runs: int, n_jobs: int = -1, seed: int = 0
+) -> Iterator[Runs | BenchError]:
+    """Yield the runs of each optimizer, or why it failed; see :func:`bench.check.bias.diagnose`.
+
+    All cores stay busy to the last run of the last optimizer. No run shares a process with another optimizer's.
+    """
+    tasks = [
+        Task(kind, name, run, dimension, FUNCTION_BUDGET, seed)
+        for name in FUNCTIONS
+        for kind in ("centred", "moved")
+        for run in range(runs)
+    ]
+    tasks += [Task("noise", box, run, dimension, NOISE_BUDGET, seed) for box in BOXES for run in range(noise_runs)]
+    with Crew(n_jobs, ready) as crew:
+        begun = [_begin(crew, number, optimizer, tasks) for number, optimizer in enumerate(optimizers)]
+        for each in begun:
+            yield each if isinstance(each, BenchError) else _collect(tasks, each)
+
+
+def _begin(crew: Crew, group: int, optimizer: Optimizer, tasks: list[Task]) -> list[Future[Any]] | BenchError:
+    try:
+        packed = pack(make_subject(optimizer, {}, 0))
+    except Exception as error:  # pickling runs a plug-in's code
+        return BenchError(f"the optimizer cannot be sent to another process: {describe_error(error)}")
+    return [crew.submit(group, make_run, packed, task, printed=PRINTED) for task in tasks]
+
+
+def _collect(tasks: list[Task], begun: list[Future[Any]]) -> Runs | BenchError:
+    """Wait for the runs of one optimizer; with the first that fails the others are given up."""
+    made: dict[str, dict[str, list[RunSummary]]] = {"centred": {}, "moved": {}, "noise": {}}
+    try:
+        for task, each in zip(tasks, begun, strict=True):
+            made[task.kind].setdefault(task.name, []).append(_summary(each.result(), task.dimension))
+    except BenchError as error:
+        return error
+    except DiedError as error:
+        stuck = error.code == STILL_ASKING
+        why = "went on asking for values after its budget was spent" if stuck else f"ended its process ({error})"
+        return BenchError(f"the optimizer {why}")
+    except PrintedTooMuchError:
+        return BenchError(f"the optimizer printed more than {PRINTED / 1e6:g} MB in one run")
+    except (RemoteError, LostError) as error:
+        return BenchError(f"the optimizer failed: {error}")
+    finally:
+        for each in begun:
+            each.cancel()
+    return Runs(**made)
+
+
+def ready() -> None:
+    """Load this module."""
+
+
+def make_run(packed: bytes, task: Task) -> dict[str, Any]:
+    """Make one run; return the fields of its summary, or the error it ended with, as JSON values."""
+    try:
+        made = summarise(unpack(packed).fresh(), task)
+    except BenchError as error:
+        return {"error": str(error)}
+    return vars(made) | {"x": made.x.tolist(), "first": made.first.tolist()}
+
+
+def summarise(optimizer: Optimizer, task: Task) -> RunSummary:
+    """Make one run; its seed depends on its problem and number alone, so that other runs do not change it.
+
+    Raises:
+        BenchError: when the optimizer fails.
+    """
+    if task.kind == "noise":
+        label = f"noise {task.name}"
+        problem = noise(BOXES[task.name], task.dimension, trial_seed(task.seed, label, "values", task.run))
+        own = trial_seed(task.seed, label, "structural bias", 0) + task.run
+    else:
+        label = f"{task.name} {task.kind}"
+        problem = classic(task.name, task.dimension, moved=task.kind == "moved")
+        own = trial_seed(task.seed, label, "centre bias", task.run)
+    generation = optimizer.minimum_budget
+    try:
+        with threadpool_limits(limits=1):  # results must not depend on the number of BLAS threads
+            found = search(problem, optimizer, max(task.budget, GENERATIONS * generation), own, _end_if_stuck)
+    except BenchError:
+        raise
+    except (Exception, SystemExit) as error:  # a plug-in may raise anything
+        raise BenchError(f"the optimizer failed on {problem.name}: {describe_error(error)}") from error
+    points = problem.points
+    return RunSummary(
+        best=found.fun,
+        x=problem.share(found.x),
+        first=problem.share(points[:generation]),
+        clamped=float(on_bound(problem.share(points)).mean()),
+        course=hashlib.sha256(points.tobytes()).hexdigest(),
+    )
+
+
+def on_bound(x: Floats) -> NDArray[np.bool_]:
+    """Return where points, as shares of the box, lie exactly on a bound, as a clip leaves them in these boxes."""
+    return np.asarray((x == 0) | (x == 1))
+
+
+def _summary(answer: Any, dimension: int) -> RunSummary:
+    """Return the summary in a process's answer; raises BenchError for an error, or for what is no summary."""
+    if isinstance(answer, dict) and "error" in answer:
+        raise BenchError(printable(str(answer["error"]), LONGEST))
+    try:
+        x, first = (np.asarray(answer[key], dtype=np.float64) for key in ("x", "first"))
+        made = RunSummary(float(answer["best"]), x, first, float(answer["clamped"]), str(answer["course"]))
+        if x.shape != (dimension,) or first.ndim != 2 or first.shape[1] != dimension:
+            raise ValueError
+    except (TypeError, ValueError, KeyError) as error:
+        raise BenchError("the optimizer's process gave an answer that is no record of a run") from error
+    return made
+
+
+def _end_if_stuck(number: int) -> None:
+    """End this process when an optimizer keeps ignoring BudgetExhausted: nothing else stops it."""
+    if number > _REFUSALS:
+        os._exit(STILL_ASKING)

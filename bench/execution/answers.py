@@ -1,0 +1,185 @@
+"""Check what a trial process answers: an optimizer may have written it, so nothing in it is believed unseen."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import inf, isfinite, isnan
+from typing import Any
+
+import numpy as np
+
+from bench.objective import Trace
+from bench.problem import Floats
+from bench.text import printable
+from bench.trial import Result
+
+ROUNDING = 1e-9
+"""By how much a value may differ, relative to itself, when its point is evaluated alone.
+
+Some libraries round a point alone otherwise than in a batch.
+"""
+
+_SPREADS = 100.0  # by how many times the differences seen among batches it may differ, near 0 as a difference of terms
+
+_SECONDS = 0.05  # by which two clocks may differ
+
+
+class RefusedError(RuntimeError):
+    """An answer is refused, with the reason."""
+
+
+@dataclass(frozen=True)
+class Box:
+    """What must be known of a problem to check an answer: its variables, and its box as (d,) bounds."""
+
+    variables: tuple[str, ...]
+    lower: Floats
+    upper: Floats
+
+    @classmethod
+    def of(cls, given: Any) -> Box:
+        """Return the box that :func:`bench.execution.trial_process.load_problems` describes.
+
+        Raises:
+            RefusedError: for what describes none.
+        """
+        try:
+            lower, upper = (np.array(given[key], dtype=np.float64) for key in ("lower", "upper"))
+            variables = tuple(given["variables"])
+        except (TypeError, ValueError, KeyError) as error:
+            raise RefusedError("its problem's bounds cannot be read") from error
+        if lower.ndim != 1 or lower.shape != upper.shape or not all(isinstance(each, str) for each in variables):
+            raise RefusedError("its problem's bounds cannot be read")
+        return cls(variables, lower, upper)
+
+
+def boxes(found: Any, labels: Iterable[str]) -> dict[str, Box | str]:
+    """Return for each label what :func:`bench.execution.trial_process.load_problems` found: a box, or an error."""
+    held: dict[str, Box | str] = {}
+    for label in labels:
+        given = found.get(label) if isinstance(found, dict) else None
+        try:
+            held[label] = printable(given, 4000) if isinstance(given, str) else Box.of(given)
+        except RefusedError as refused:
+            held[label] = f"its answer is refused: {refused}"
+    return held
+
+
+def error(answer: Any) -> str:
+    """Return why a trial failed by its own account, "" where it claims a result; raises RefusedError for neither."""
+    if not isinstance(answer, dict):
+        raise RefusedError("it is no table of fields")
+    reason = answer.get("error", "")
+    if not isinstance(reason, str):
+        raise RefusedError("its error is no text")
+    return printable(reason, 4000)
+
+
+def result(answer: Mapping[str, Any], box: Box, budget: int, seed: int, seconds: float) -> Result:
+    """Return the result that an answer claims, without metrics, where it can be one.
+
+    Args:
+        answer: the fields of :func:`bench.execution.trial_process.as_answer`.
+        box: of the trial's problem.
+        budget: evaluations that the trial may have made.
+        seed: of the trial.
+        seconds: that the trial took by the supervisor's clock.
+
+    Raises:
+        RefusedError: for missing fields, other types, and values that contradict each other or the study.
+    """
+    nfev, outside = (_whole(answer, name) for name in ("nfev", "outside_box"))
+    if not 1 <= nfev <= budget:
+        raise RefusedError(f"it made {nfev} evaluations, of a budget of {budget}")
+    if not 0 <= outside <= nfev:
+        raise RefusedError(f"{outside} of its {nfev} evaluations lie outside the box")
+    wall, cpu, objective = (_number(answer, name) for name in ("wall_s", "cpu_s", "objective_s"))
+    if not (0 <= objective <= wall + _SECONDS and wall <= seconds + _SECONDS and 0 <= cpu < inf):
+        raise RefusedError("its times contradict the clock")
+    fun, x = _number(answer, "fun"), _array(answer, "x", "<f8")
+    trace = Trace(_array(answer, "evaluations", "<i8"), _array(answer, "values", "<f8"))
+    _check_trace(trace, fun, nfev)
+    if x.shape != box.lower.shape:
+        raise RefusedError(f"its best point has {len(x)} values, in {len(box.lower)} dimensions")
+    if fun < inf and not ((x >= box.lower) & (x <= box.upper)).all():
+        raise RefusedError("its best point lies outside the box")
+    stop = answer.get("stop")
+    if not isinstance(stop, str):
+        raise RefusedError("its reason to stop is no text")
+    if nfev == budget and stop != "budget":
+        raise RefusedError(f"it stopped by {printable(stop, 50)!r} after {nfev} of {budget} evaluations")
+    return Result(x, fun, nfev, trace, wall, cpu, objective, printable(stop, 201), outside, {}, seed)
+
+
+def confirm(claimed: Result, again: Any) -> dict[str, float]:
+    """Return the metrics of a claimed result whose best point has been evaluated again.
+
+    Args:
+        claimed: what the trial answered.
+        again: the answer of :func:`bench.execution.trial_process.evaluate`.
+
+    Raises:
+        RefusedError: where the value is another one, or there is none.
+    """
+    found = metrics(again)
+    if claimed.fun == inf:  # no point inside the box
+        return found
+    value, spread = again.get("fun"), again.get("spread")
+    if type(value) is not float or type(spread) is not float:
+        raise RefusedError("its best point has no value")
+    value = inf if isnan(value) else value
+    # Nothing here may depend on the trace, whose first value an optimizer can choose.
+    allowed = ROUNDING * abs(value) + _SPREADS * spread if isfinite(value) else 0.0
+    if not (value == claimed.fun or abs(value - claimed.fun) <= allowed):
+        raise RefusedError(f"its best value is {claimed.fun!r}, and its best point has {value!r}")
+    return found
+
+
+def metrics(answer: Any) -> dict[str, float]:
+    """Return the metrics of an answer of the problem's side; raises RefusedError for what are none."""
+    found = answer.get("metrics") if isinstance(answer, dict) else None
+    if not isinstance(found, dict) or not all(type(value) is float for value in found.values()):
+        raise RefusedError("the metrics of its best point are no numbers")
+    return found
+
+
+def _check_trace(trace: Trace, fun: float, nfev: int) -> None:
+    """Refuse a trace that is none of the run."""
+    made, values = trace.evaluations, trace.values
+    if len(made) != len(values) or not len(made):
+        if fun == inf and not len(made) and not len(values):
+            return  # no point inside the box
+        raise RefusedError("its trace is empty, or its halves differ in length")
+    if made[0] < 1 or made[-1] > nfev or (made[1:] <= made[:-1]).any():  # differences may overflow
+        raise RefusedError("the evaluations of its trace do not increase from 1 to their number")
+    if not np.isfinite(values).all() or (values[1:] >= values[:-1]).any():
+        raise RefusedError("the values of its trace do not decrease")
+    if values[-1] != fun:
+        raise RefusedError(f"its trace ends at {float(values[-1])!r}, its best value is {fun!r}")
+
+
+def _whole(answer: Mapping[str, Any], name: str) -> int:
+    value = answer.get(name)
+    if type(value) is not int:
+        raise RefusedError(f"its {name} is no whole number")
+    return value
+
+
+def _number(answer: Mapping[str, Any], name: str) -> float:
+    value = answer.get(name)
+    if type(value) is not float or isnan(value):
+        raise RefusedError(f"its {name} is no number")
+    return value
+
+
+def _array(answer: Mapping[str, Any], name: str, dtype: str) -> np.ndarray[Any, Any]:
+    """Return an array of one dimension from its bytes in base 64."""
+    text = answer.get(name)
+    try:
+        data = base64.b64decode(text, validate=True)  # type: ignore[arg-type]
+        return np.frombuffer(data, dtype=dtype).astype(np.dtype(dtype).newbyteorder("="))
+    except (TypeError, ValueError, binascii.Error) as error:
+        raise RefusedError(f"its {name} cannot be read") from error

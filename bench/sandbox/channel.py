@@ -1,0 +1,127 @@
+"""Messages over a socket: a number, a length and the payload; a server may receive open files with them."""
+
+from __future__ import annotations
+
+import os
+import select
+import socket
+import struct
+from array import array
+from collections.abc import Sequence
+from contextlib import suppress
+from time import monotonic
+
+LONGEST = 1 << 26
+"""Bytes of a message that are accepted; a longer one breaks the channel."""
+
+_HEAD = struct.Struct("<QQ")  # the call's number, and the number of bytes that follow
+_CHUNK = 1 << 18
+_FILES = 4  # that may go with one message
+_FIRST = 10  # the least number of a file that came with a message
+
+
+class BrokenChannelError(RuntimeError):
+    """The other side has ended, has closed the channel, takes no message, or sent what is none."""
+
+
+class Channel:
+    """One end of a channel; a receive that runs out of time keeps what has arrived.
+
+    Args:
+        end: a connected stream socket.
+        takes_files: whether open files are accepted with messages. The side that plug-in code writes to refuses them.
+    """
+
+    def __init__(self, end: socket.socket, *, takes_files: bool = False) -> None:
+        end.setblocking(False)
+        self._end, self._takes_files = end, takes_files
+        self._arrived = bytearray()
+        self.files: list[int] = []  # that came with messages and have not been taken
+
+    def fileno(self) -> int:
+        """Return the socket's file number."""
+        return self._end.fileno()
+
+    def close(self) -> None:
+        """Close this end."""
+        self._end.close()
+
+    def send(self, number: int, payload: bytes, files: Sequence[int] = (), seconds: float | None = None) -> None:
+        """Send a message; raises BrokenChannelError, also where the other side does not take it for ``seconds``."""
+        message = memoryview(_HEAD.pack(number, len(payload)) + payload)
+        until = None if seconds is None else monotonic() + seconds
+        try:
+            if files:
+                message = message[socket.send_fds(self._end, [message], list(files)) :]
+            while message:
+                with suppress(BlockingIOError):
+                    message = message[self._end.send(message) :]
+                if message and not self._wait(select.POLLOUT, until):
+                    raise BrokenChannelError("the other side takes no message")
+        except OSError as error:
+            raise BrokenChannelError(str(error)) from error
+
+    def receive(self, seconds: float | None = None) -> tuple[int, bytes] | None:
+        """Return a message's number and payload, None where none has arrived after ``seconds``.
+
+        Raises:
+            BrokenChannelError: at the end of the channel, and for a message of more than ``LONGEST`` bytes.
+        """
+        until = None if seconds is None else monotonic() + seconds
+        late = False
+        while (message := self._whole()) is None:
+            if late or not self._read(until):
+                return None
+            late = until is not None and monotonic() >= until  # though more may be arriving
+        return message
+
+    def _whole(self) -> tuple[int, bytes] | None:
+        """Return the first message that has arrived, None while it has not arrived whole."""
+        if len(self._arrived) < _HEAD.size:
+            return None
+        number, length = _HEAD.unpack_from(self._arrived)
+        if length > LONGEST:
+            raise BrokenChannelError("a message is too long")
+        whole = _HEAD.size + length
+        if len(self._arrived) < whole:
+            return None
+        payload = bytes(self._arrived[_HEAD.size : whole])
+        del self._arrived[:whole]
+        return number, payload
+
+    def _read(self, until: float | None) -> bool:
+        """Append what arrives before ``until``; return whether anything did."""
+        try:
+            if not self._wait(select.POLLIN, until):
+                return False
+            chunk = self._read_with_files() if self._takes_files else self._end.recv(_CHUNK)
+        except BlockingIOError:
+            return True
+        except OSError as error:
+            raise BrokenChannelError(str(error)) from error
+        if not chunk:
+            raise BrokenChannelError("the other side has ended")
+        self._arrived += chunk
+        return True
+
+    def _wait(self, event: int, until: float | None) -> bool:
+        """Wait until the socket is ready to read or to write; return whether it is."""
+        poll = select.poll()
+        poll.register(self._end, event)
+        return bool(poll.poll(None if until is None else max(0.0, 1e3 * (until - monotonic()))))
+
+    def _read_with_files(self) -> bytes:
+        chunk, beside, _, _ = self._end.recvmsg(_CHUNK, socket.CMSG_SPACE(_FILES * array("i").itemsize))
+        for level, kind, data in beside:
+            if (level, kind) == (socket.SOL_SOCKET, socket.SCM_RIGHTS):
+                self.files += map(_moved, array("i", data))
+        return chunk
+
+
+def _moved(file: int) -> int:
+    """Move an open file out of the numbers of the standard streams, which plug-in code may have closed."""
+    import fcntl
+
+    moved = fcntl.fcntl(file, fcntl.F_DUPFD_CLOEXEC, _FIRST)
+    os.close(file)
+    return moved

@@ -1,0 +1,48 @@
+"""A process and all that it started: which they are, how much memory they hold, and their end."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+import psutil
+
+
+def children() -> set[int]:
+    """Return the numbers of this process's children, ended ones included."""
+    found: set[int] = set()
+    try:
+        for task in Path("/proc/self/task").iterdir():
+            found |= set(map(int, (task / "children").read_text().split()))
+    except (OSError, ValueError):  # no Linux, or a kernel without this list
+        with suppress(psutil.Error):
+            found = {each.pid for each in psutil.Process().children()}
+    return found
+
+
+def resident(pid: int) -> int | None:
+    """Return the bytes of memory that a process and its descendants hold, None where it has ended.
+
+    Shared memory counts for each.
+    """
+    held = 0
+    try:
+        first = psutil.Process(pid)
+        if first.status() == psutil.STATUS_ZOMBIE:
+            return None
+        members = [first, *first.children(recursive=True)]
+    except psutil.Error:
+        return None
+    for member in members:
+        with suppress(psutil.Error):
+            held += member.memory_info().rss
+    return held
+
+
+def kill(pid: int) -> None:
+    """End a process and its descendants."""
+    with suppress(psutil.Error):
+        first = psutil.Process(pid)
+        for member in [*first.children(recursive=True), first]:
+            with suppress(psutil.Error):
+                member.kill()

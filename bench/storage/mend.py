@@ -1,0 +1,67 @@
+"""Replace a damaged store by one of its sound trials, so that a run makes only the others again."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any
+
+from bench.atomic import replacing
+from bench.errors import BenchError
+from bench.storage.folder import ENVIRONMENT, Folder
+from bench.storage.merge import copy
+from bench.storage.reading import StoreCheck
+from bench.storage.store import BEYOND_REPAIR, FILE, DamagedStoreError, Store
+
+ASIDE = f"{FILE}.damaged"
+"""The copy of the last damaged store."""
+
+
+def mend(folder: Folder, trials: int) -> str:
+    """Check the store of a locked folder and replace a damaged one; return a sentence on it, "" for a sound one.
+
+    A damaged store is kept beside the new one. The lost trials are missing from the new one, and rows whose
+    environment's record is lost refer to none.
+
+    Args:
+        folder: the study's folder.
+        trials: the study's number of trials in each cell.
+
+    Raises:
+        BenchError: when the store is damaged beyond repair.
+    """
+    store = folder.store
+    try:
+        found = store.check(structure=True)
+    except DamagedStoreError as error:
+        found = StoreCheck(structure=str(error.__cause__))
+    if found.sound and not found.has_digests:
+        with store.writer():
+            return f"the {found.trials:,} trials of {folder.path}, stored by an older version, have digests from now on"
+    if found.sound:
+        folder.note_store(found)
+        return ""
+    rows = store.rescued_rows(trials) if found.structure else store.sound_rows(found, traces=True)
+    try:
+        with replacing(store.path) as temporary:
+            with Store(folder.path, temporary.name).writer() as writer:
+                kept, _ = copy(rows, _environments(folder), writer, str(store.path))
+            shutil.copy(store.path, folder.path / ASIDE)
+            for beside in ("-wal", "-shm"):  # of the damaged store; the new one has none
+                store.path.with_name(FILE + beside).unlink(missing_ok=True)
+    except DamagedStoreError as error:
+        raise BenchError(f"the store {store.path} cannot be used: {error.__cause__}; {BEYOND_REPAIR}") from error
+    folder.note_store(StoreCheck(kept))
+    return f"{found.sentence}; {kept:,} sound trials are kept, and the damaged store is now {ASIDE}"
+
+
+def _environments(folder: Folder) -> Mapping[int, Mapping[str, Any]]:
+    """Return what can be read of the store's environments; environment.json may hold a copy of a damaged record."""
+    copies = []
+    with suppress(OSError, ValueError, RecursionError):
+        copies = json.loads((folder.path / ENVIRONMENT).read_text(encoding="utf-8"))
+    with suppress(DamagedStoreError):
+        return folder.store.environments(copies if isinstance(copies, list) else ())
+    return {}

@@ -1,0 +1,98 @@
+"""The runs from which biases are judged: their record, their seeds, and optimizers that fail, crash or lie in them."""
+
+import pytest
+
+from bench import BenchError, load_optimizer
+from bench.check import runs
+from bench.check.runs import BOXES, Runs, Task, make_run, make_runs
+from bench.sandbox.process import Process
+from tests.bench.check import biased, faulty
+from tests.bench.check.biased import Chains, Clipping
+
+pytestmark = pytest.mark.usefixtures("little_work")
+
+
+def made_here(optimizer, **sizes):
+    (made,) = make_runs([optimizer], dimension=2, n_jobs=1, **sizes)
+    assert isinstance(made, Runs)
+    return made
+
+
+def failures(*optimizers, n_jobs=2):
+    """Return why each failed, or None."""
+    made = make_runs(optimizers, dimension=2, runs=1, noise_runs=3, n_jobs=n_jobs)
+    return [str(each) if isinstance(each, BenchError) else None for each in made]
+
+
+@pytest.mark.usefixtures("in_this_process")
+def test_runs_are_kept_as_shares_of_their_box():
+    made = made_here(Clipping(), runs=1, noise_runs=3)
+    assert [len(those) for those in made.noise.values()] == [3, 3]
+    for each in (*made.noise["[-1, 1]"], *made.centred["sphere"]):
+        assert each.first.shape == (20, 2)
+        assert 0.2 < each.first.mean() < 0.8
+        assert ((each.x >= 0) & (each.x <= 1)).all()
+    assert made.centred["sphere"][0].x == pytest.approx(0.5, abs=1e-3)
+    assert made.moved["sphere"][0].x == pytest.approx(0.6, abs=1e-3)
+    assert all(0 < run.clamped < 0.5 for run in made.noise["[0, 1]"])
+
+
+@pytest.mark.usefixtures("in_this_process")
+def test_a_run_is_the_same_among_fewer_others():
+    many, few = (made_here(Chains(), runs=number, noise_runs=number) for number in (2, 1))
+    assert [run.course for run in few.moved["sphere"]] == [run.course for run in many.moved["sphere"][:1]]
+    for box in BOXES:
+        assert [run.course for run in few.noise[box]] == [run.course for run in many.noise[box][:1]]
+
+
+@pytest.mark.usefixtures("in_this_process")
+def test_the_first_generation_has_the_size_of_the_population():
+    climber = made_here(load_optimizer("hill-climber"), runs=1, noise_runs=2)
+    large = made_here(Chains(agents=100), runs=1, noise_runs=2)
+    assert climber.noise["[0, 1]"][0].first.shape == (1, 2)
+    assert large.noise["[0, 1]"][0].first.shape == (100, 2)
+
+
+def test_an_optimizer_that_fails_or_crashes_costs_the_others_nothing():
+    found = failures(biased.Exiting(), Chains(), biased.Raising(), faulty.Endless(), faulty.Locked(), Chains(agents=5))
+    assert [each is None for each in found] == [False, True, False, False, False, True]
+    assert found[0] == "the optimizer ended its process (exit code 1)"
+    assert found[2] == "the optimizer failed on sphere: ZeroDivisionError: boom"
+    assert found[3] == "the optimizer went on asking for values after its budget was spent"
+    assert "cannot be sent to another process: TypeError: cannot pickle" in found[4]
+
+
+def test_an_optimizer_that_prints_without_end_is_stopped(monkeypatch):
+    monkeypatch.setattr(runs, "PRINTED", 100)
+    assert failures(faulty.Chatty(), n_jobs=1) == ["the optimizer printed more than 0.0001 MB in one run"]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"x": None}, {"x": [1.0]}, {"x": "ab"}, {"first": [1.0, 2.0]}, {"first": [[1.0]]}, {"best": []},
+        {"clamped": "much"},
+    ],
+)  # fmt: skip
+def test_an_answer_that_is_no_record_of_a_run_is_refused(change, monkeypatch, in_this_process):
+    def lie(packed, task):
+        return make_run(packed, task) | change
+
+    monkeypatch.setattr(runs, "make_run", lie)
+    assert failures(Chains()) == ["the optimizer's process gave an answer that is no record of a run"]
+
+
+@pytest.mark.parametrize("answer", [None, 5, [], "x", {}])
+def test_an_answer_of_another_kind_is_refused(answer, monkeypatch, in_this_process):
+    monkeypatch.setattr(runs, "make_run", lambda packed, task: answer)
+    assert failures(Chains()) == ["the optimizer's process gave an answer that is no record of a run"]
+
+
+def test_values_survive_their_way_between_processes(monkeypatch):
+    """Infinity and every digit."""
+    task = Task("noise", "[0, 1]", 0, 3, 100, 0)
+    packed = runs.pack(runs.make_subject(Chains(), {}, 0))
+    with Process(0) as process:
+        there = process.call(make_run, packed, task)
+    assert there == make_run(packed, task)
+    assert runs._summary(there | {"best": float("inf")}, 3).best == float("inf")

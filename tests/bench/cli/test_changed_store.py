@@ -1,0 +1,140 @@
+"""What commands print of a store that another program changed, and what they do about it."""
+
+import json
+import shutil
+
+import pytest
+
+from bench import load_results, run
+from bench.storage.folder import Folder
+from tests.bench.storage.changes import SCATTER, change
+
+SENTENCE = (
+    "1 of 18 trials are damaged (scatter on sphere-2, trial 1); damaged trials count as missing, and 'bench run' makes "
+    "them again"
+)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory, small):
+    place = tmp_path_factory.mktemp("made")
+    (place / "small.toml").write_text(small.to_toml())
+    run(small, place / "out", n_jobs=1)
+    return place
+
+
+@pytest.fixture(scope="module")
+def small():
+    from bench import Study
+
+    return Study.from_dict(
+        {"name": "small", "trials": 3, "budget": 60, "seed": 5, "problems": [{"names": ["sphere-2", "sphere-3"]}],
+         "optimizers": [{"name": "hill-climber"}, {"name": "scatter", "agents": 7}, {"name": "early"}]}
+    )  # fmt: skip
+
+
+@pytest.fixture
+def changed(made, tmp_path):
+    """The study's file and folder, with a trial that was changed by plain SQL."""
+    shutil.copytree(made, tmp_path / "copy")
+    change(
+        tmp_path / "copy" / "out" / "trials.sqlite", f"UPDATE results SET fun = 0 WHERE trial = 1 AND cell = {SCATTER}"
+    )
+    return tmp_path / "copy" / "small.toml", tmp_path / "copy" / "out"
+
+
+def test_status_prints_when_the_store_was_last_checked(bench_here, changed, made):
+    assert "store checked 20" not in bench_here("status", made / "out").stdout
+    assert "store not checked yet" in bench_here("status", made / "out").stdout
+    _, out = changed
+    assert "store not checked yet" in bench_here("status", out).stdout
+    assert SENTENCE in bench_here("status", out, "--check").stdout
+    noted = Folder(out).store_note()
+    assert f"store checked {noted['checked']}: {SENTENCE}" in bench_here("status", out).stdout.splitlines()
+
+
+def test_a_report_names_a_changed_trial_and_leaves_it_out(bench_here, changed):
+    _, out = changed
+    done = bench_here("report", out)
+    assert done.returncode == 0
+    assert f"{out}: {SENTENCE}" in done.stdout.splitlines()
+    page = (out / "report.html").read_text()
+    assert "Error: Storage: 1 of 18 trials are damaged (scatter on sphere-2, trial 1)" in page
+    assert "1 of 18 planned trials are missing" in page
+    assert SENTENCE in bench_here("status", out).stdout
+
+
+def test_an_export_names_a_changed_trial_and_leaves_it_out(bench_here, changed, tmp_path):
+    _, out = changed
+    done = bench_here("export", out, "--format", "csv", "--output", tmp_path / "csv")
+    assert f"note: out: {SENTENCE}" in done.stdout.splitlines()
+    assert SENTENCE in (tmp_path / "csv" / "README.txt").read_text()
+    assert len((tmp_path / "csv" / "trials.csv").read_text().splitlines()) == 18
+
+
+def test_verify_names_a_changed_trial_and_ends_with_one(bench_here, changed):
+    _, out = changed
+    done = bench_here("verify", out, "--trials", 3, "--jobs", 1)
+    assert done.returncode == 1
+    assert SENTENCE in done.stdout.splitlines()
+    assert "17 of 17 trials of 6 cells are the same bit by bit" in done.stdout
+
+
+def test_merge_names_a_changed_trial(bench_here, changed, tmp_path):
+    _, out = changed
+    done = bench_here("merge", out, "-o", tmp_path / "all")
+    assert f"{out}: {SENTENCE}" in done.stdout.splitlines()
+    assert "17 trials in" in done.stdout
+
+
+def test_the_next_run_makes_it_again(bench_here, changed, made):
+    study, out = changed
+    planned = bench_here("run", study, "--output", out, "--dry-run")
+    assert SENTENCE in planned.stdout
+    assert "17 of them already done" in planned.stdout
+    done = bench_here("run", study, "--output", out, "--jobs", 1)
+    assert f"{SENTENCE}; 17 sound trials are kept, and the damaged store is now trials.sqlite.damaged" in done.stdout
+    again, before = load_results(out), load_results(made / "out")
+    times = ["wall_s", "cpu_s", "objective_s"]
+    assert again.drop(columns=times).equals(before.drop(columns=times))
+    assert "all 18 trials are as they were written" in bench_here("status", out).stdout
+    assert "all 18 trials are as they were written" in bench_here("verify", out, "--jobs", 1).stdout
+
+
+HOSTILE = """
+import sqlite3
+
+def edit(objective, rng):
+    objective(objective.initial(3))
+    store = sqlite3.connect({path!r}, timeout=30)
+    with store:
+        store.execute(
+            "UPDATE results SET fun = fun + 1 WHERE cell IN (SELECT id FROM cells WHERE optimizer = 'scatter')"
+        )
+    store.close()
+"""
+
+
+def test_an_optimizer_that_edits_the_rows_of_another_is_noticed(bench_here, tmp_path):
+    out = tmp_path / "out"
+    (tmp_path / "hostile.py").write_text(HOSTILE.format(path=str(out / "trials.sqlite")))
+    study = tmp_path / "study.toml"
+    study.write_text(
+        'name = "edited"\ntrials = 4\nbudget = 30\nproblems = [{ name = "sphere-2" }]\n'
+        f'optimizers = [{{ name = "scatter" }}, {{ name = "{tmp_path}/hostile.py:edit", label = "hostile" }}]\n'
+    )
+    done = bench_here("run", study, "--output", out, "--jobs", 1)
+    assert "of 8 trials are damaged (scatter on sphere-2, trial" in done.stdout
+    assert "Error: Storage: " in (out / "report.html").read_text()
+    verified = bench_here("verify", out, "--jobs", 1)
+    assert verified.returncode == 1
+    assert "of 8 trials are damaged (scatter on sphere-2, trial" in verified.stdout
+
+
+def test_a_record_of_an_environment_that_was_changed_is_printed(bench_here, changed):
+    study, out = changed
+    change(out / "trials.sqlite", "UPDATE environments SET record = '{}'")
+    assert "environment 1: damaged record" in bench_here("status", out).stdout
+    bench_here("run", study, "--output", out, "--jobs", 1, "--no-report")
+    assert "damaged" not in bench_here("status", out).stdout
+    assert len(json.loads((out / "environment.json").read_text())) == 2

@@ -1,0 +1,324 @@
+"""What a trial process answers is refused unless it can be the result of its trial; honest results pass to the bit."""
+
+import base64
+import json
+from math import inf, nan, nextafter
+
+import numpy as np
+import pytest
+
+from bench import FunctionProblem, Optimizer, load_optimizer
+from bench.execution import answers
+from bench.execution.answers import Box, RefusedError
+from bench.execution.trial_process import as_answer
+from bench.trial import search
+
+BOX = Box(("a", "b"), np.array([-1.0, -1.0]), np.array([1.0, 2.0]))
+BUDGET, SEED, SECONDS = 60, 2**63 - 1, 1.5
+
+
+def text(values, dtype="<f8"):
+    return base64.b64encode(np.array(values, dtype=dtype).tobytes()).decode()
+
+
+HONEST = {
+    "x": text([0.5, -0.25]), "evaluations": text([1, 4, 60], "<i8"), "values": text([3.0, 2.5, 0.125]), "fun": 0.125,
+    "nfev": 60, "wall_s": 1.0, "cpu_s": 0.9, "objective_s": 0.5, "stop": "budget", "outside_box": 2, "altered": False,
+}  # fmt: skip
+
+
+def read(**changes):
+    return answers.result(HONEST | changes, BOX, BUDGET, SEED, SECONDS)
+
+
+def test_an_answer_that_can_be_a_result_is_one():
+    found = read()
+    assert (found.x.tolist(), found.fun, found.nfev, found.seed) == ([0.5, -0.25], 0.125, 60, SEED)
+    assert (found.time, found.cpu_time, found.objective_time) == (1.0, 0.9, 0.5)
+    assert (found.stop, found.outside_box, found.metrics) == ("budget", 2, {})
+    assert (found.trace.evaluations.tolist(), found.trace.values.tolist()) == ([1, 4, 60], [3.0, 2.5, 0.125])
+    assert (found.x.dtype, found.trace.evaluations.dtype) == (np.float64, np.int64)
+    found.x[0] = 1.0  # it is a copy
+
+
+WRONG = ["missing", None, [], {}, True, "text", b"bytes", 10**400, nan, "\ud800", [0.5]]
+TEXTS = [("stop", "text"), ("stop", "\ud800")]
+PAIRS = [(name, value) for name in HONEST if name != "altered" for value in WRONG if (name, value) not in TEXTS]
+
+
+@pytest.mark.parametrize(("name", "value"), PAIRS)
+def test_a_field_that_is_missing_or_of_another_type_is_refused(name, value):
+    answer = HONEST | {name: value}
+    if value == "missing":
+        del answer[name]
+    with pytest.raises(RefusedError, match=f"its {name}|it made 1|1000000|its reason to stop|the values of its trace"):
+        answers.result(answer, BOX, BUDGET, SEED, SECONDS)
+
+
+STOPPED = {"nfev": 59, "evaluations": text([1, 4, 59], "<i8"), "stop": "tired"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"nfev": 61}, "it made 61 evaluations, of a budget of 60"),
+        ({"nfev": 0}, "it made 0 evaluations"),
+        ({"nfev": -(2**70)}, "evaluations, of a budget of 60"),
+        ({"nfev": 60.0}, "its nfev is no whole number"),
+        ({"outside_box": 61}, "61 of its 60 evaluations lie outside"),
+        ({"outside_box": -1}, "-1 of its 60"),
+        ({"fun": 1}, "its fun is no number"),
+        ({"fun": 0.1}, "its trace ends at 0.125, its best value is 0.1"),
+        ({"fun": nextafter(0.125, 0)}, "its trace ends at 0.125"),
+        ({"fun": -inf}, "its trace ends at 0.125"),
+        ({"fun": inf}, "its trace ends at 0.125"),
+        ({"values": text([3.0, 2.5, -inf]), "fun": -inf}, "values of its trace do not decrease"),
+        ({"values": text([inf, 2.5, 0.125])}, "values of its trace do not decrease"),
+        ({"values": text([3.0, nan, 0.125])}, "values of its trace do not decrease"),
+        ({"values": text([2.5, 3.0, 0.125])}, "values of its trace do not decrease"),
+        ({"values": text([2.5, 2.5, 0.125])}, "values of its trace do not decrease"),
+        ({"values": text([1.7e308, -1.7e308, 0.125])}, "values of its trace do not decrease"),
+        ({"values": text([0.125])}, "its halves differ in length"),
+        ({"values": text([]), "evaluations": text([])}, "its trace is empty"),
+        ({"values": text([]), "evaluations": text([]), "fun": 1.0}, "its trace is empty"),
+        ({"values": text([]), "fun": inf}, "its trace is empty"),
+        ({"values": HONEST["values"][:-4]}, "its values cannot be read"),
+        ({"values": HONEST["values"] + "AAAA"}, "its values cannot be read"),
+        ({"values": "!" + HONEST["values"][1:]}, "its values cannot be read"),
+        ({"values": "\u0661" * 32}, "its values cannot be read"),
+        ({"evaluations": text([0, 4, 60], "<i8")}, "the evaluations of its trace"),
+        ({"evaluations": text([-5, 4, 60], "<i8")}, "the evaluations of its trace"),
+        ({"evaluations": text([1, 4, 61], "<i8")}, "the evaluations of its trace"),
+        ({"evaluations": text([1, 4, 4], "<i8")}, "the evaluations of its trace"),
+        ({"evaluations": text([4, 1, 60], "<i8")}, "the evaluations of its trace"),
+        ({"evaluations": text([1.0, 4.0, 60.0])}, "the evaluations of its trace"),
+        # differences that increase only because they overflow
+        ({"evaluations": text([5, 2 - 2**63, -1, 60], "<i8"), "values": text([3, 2, 1, 0.125])}, "the evaluations of"),
+        ({"x": text([0.5])}, "its best point has 1 values, in 2 dimensions"),
+        ({"x": text([])}, "its best point has 0 values"),
+        ({"x": text([0.5] * 3)}, "its best point has 3 values"),
+        ({"x": text([1.5, 0.0])}, "its best point lies outside the box"),
+        ({"x": text([0.5, nextafter(-1.0, -2)])}, "its best point lies outside the box"),
+        ({"x": text([0.5, nan])}, "its best point lies outside the box"),
+        ({"x": text([0.5, -inf])}, "its best point lies outside the box"),
+        ({"wall_s": -0.1}, "its times contradict the clock"),
+        ({"wall_s": 2.0}, "its times contradict the clock"),
+        ({"wall_s": inf}, "its times contradict the clock"),
+        ({"cpu_s": -1.0}, "its times contradict the clock"),
+        ({"cpu_s": inf}, "its times contradict the clock"),
+        ({"objective_s": 1.2}, "its times contradict the clock"),
+        ({"objective_s": -1e-9}, "its times contradict the clock"),
+        ({"stop": "tired"}, "it stopped by 'tired' after 60 of 60 evaluations"),
+        ({"stop": "undeclared"}, "it stopped by 'undeclared' after 60"),
+        ({"stop": "\x1b" * 10**6}, "it stopped by .{0,60} after 60"),
+        (STOPPED | {"nfev": 58}, "the evaluations of its trace"),
+    ],
+)
+def test_what_contradicts_itself_or_the_study_is_refused(changes, reason):
+    with pytest.raises(RefusedError, match=reason) as refused:
+        read(**changes)
+    assert len(str(refused.value)) < 200
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        STOPPED, STOPPED | {"stop": ""}, {"outside_box": 60}, {"outside_box": 0}, {"cpu_s": 1e4}, {"wall_s": 1.52},
+        {"x": text([1.0, 2.0])}, {"x": text([-1.0, -1.0])}, {"objective_s": 1.0},
+        {"evaluations": text([1, 2, 3], "<i8")},
+        {"values": text([0.125]), "evaluations": text([60], "<i8")},
+        {"values": text([1.7e308, -1.7e308]), "evaluations": text([1, 2], "<i8"), "fun": -1.7e308},
+        {"fun": inf, "values": "", "evaluations": "", "x": text([nan, 7.0])},  # no point inside the box
+    ],
+)  # fmt: skip
+def test_what_an_honest_trial_may_answer_passes(changes):
+    found = read(**changes)
+    assert found.fun == (HONEST | changes)["fun"]
+
+
+def test_a_reason_to_stop_is_cut_and_printable():
+    assert read(**STOPPED | {"stop": "\x1b" + "x" * 1000}).stop == "\ufffd" + "x" * 200 + "…"
+
+
+@pytest.mark.parametrize("answer", [5, None, "text", [], [["fun", 1.0]]])
+def test_an_answer_is_a_table_of_fields(answer):
+    with pytest.raises(RefusedError, match="no table of fields"):
+        answers.error(answer)
+
+
+@pytest.mark.parametrize("reason", [5, None, ["no"], {"no": 1}])
+def test_an_error_is_a_text(reason):
+    with pytest.raises(RefusedError, match="its error is no text"):
+        answers.error({"error": reason})
+
+
+def test_an_error_is_cut_and_printable():
+    assert answers.error({}) == ""
+    assert answers.error({"error": "\x1b[31m\ud800" + "x" * 10**6}) == "\ufffd[31m\ufffd" + "x" * 3994 + "…"
+
+
+# From a search to a result, through what crosses the channel
+
+
+class Given(Optimizer):
+    """Evaluates what it is given."""
+
+    def __init__(self, *batches):
+        self.batches = batches
+
+    def minimize(self, objective, rng):
+        for batch in self.batches:
+            objective(np.array(batch))
+        objective.stop(" ")
+
+
+def through(result, problem, budget):
+    answer = json.loads(json.dumps(as_answer(result)))
+    assert answers.error(answer) == ""
+    box = Box(problem.variables, problem.lower, problem.upper)
+    return answers.result(answer, box, budget, result.seed, result.time + 1e-3)
+
+
+def same(found, result):
+    for name in ("fun", "nfev", "time", "cpu_time", "objective_time", "stop", "outside_box", "seed"):
+        assert getattr(found, name) == getattr(result, name)
+        assert type(getattr(found, name)) is type(getattr(result, name))
+    assert found.x.tobytes() == result.x.tobytes()
+    assert found.trace.values.tobytes() == result.trace.values.tobytes()
+    assert found.trace.evaluations.tobytes() == result.trace.evaluations.tobytes()
+
+
+FUNCTIONS = {
+    "sphere": lambda x: (x * x).sum(axis=1),
+    "smallest": lambda x: np.arange(len(x), 0, -1) * 5e-324,
+    "largest": lambda x: -1.7e308 * (np.abs(x[:, 0]) / 2),
+    "negative zero": lambda x: np.full(len(x), -0.0),
+    "infinite": lambda x: np.full(len(x), inf),
+    "undefined": lambda x: np.where(x[:, 0] > 0, nan, x[:, 0]),
+}
+
+
+@pytest.mark.parametrize("optimizer", ["hill-climber", "scatter", "early", "random-search"])
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_honest_results_pass_to_the_last_bit(optimizer, function, testing_plugins):
+    problem = FunctionProblem(FUNCTIONS[function], [-2.0, -3.0], [2.0, 3.0])
+    for seed in range(5):
+        result = search(problem, load_optimizer(optimizer), 40, seed)
+        same(through(result, problem, 40), result)
+
+
+@pytest.mark.parametrize(
+    "batches",
+    [
+        [[[7.0, 0.0]]],
+        [[[nan, nan]], [[inf, 0.0]]],
+        [[[7.0, 0.0]], [[1.0, 1.0], [nan, 0.0]], [[0.5, 0.5]] * 37],
+        [[[1.0, 1.0], [0.5, 1.0], [0.5, 1.0], [0.25, 1.0]]],
+    ],
+)
+def test_honest_results_with_points_outside_the_box_pass(batches):
+    problem = FunctionProblem(FUNCTIONS["sphere"], [-2.0, -3.0], [2.0, 3.0])
+    result = search(problem, Given(*batches), 40, 1)
+    same(through(result, problem, 40), result)
+
+
+# The value of the best point
+
+
+def confirm(fun=0.125, first=3.0, again=None):
+    trace = ([first, fun], [1, 2]) if fun < inf else ([], [])
+    claimed = read(fun=fun, values=text(trace[0]), evaluations=text(trace[1], "<i8"))
+    return answers.confirm(claimed, {"fun": 0.125, "metrics": {"radius": 0.5}, "spread": 0.0} | (again or {}))
+
+
+@pytest.mark.parametrize(
+    ("fun", "again"),
+    [
+        (0.125, {}),
+        (0.125 * (1 + 0.9e-9), {}),
+        (0.125 * (1 - 0.9e-9), {}),
+        (-0.0, {"fun": 0.0}),
+        (1e-17, {"fun": 0.0, "spread": 2e-17}),  # what is left where large terms cancel
+        (inf, {}),
+        (inf, {"fun": nan}),
+    ],
+)
+def test_a_value_that_the_best_point_has_is_confirmed(fun, again):
+    assert confirm(fun, again=again) == {"radius": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("fun", "again"),
+    [
+        (0.125 * (1 + 1.1e-9), {}),
+        (0.125 * (1 - 1.1e-9), {}),
+        (-0.125, {}),
+        (1e-300, {"fun": 2e-300}),
+        (1e-17, {"fun": 0.0}),
+        (1e-17, {"fun": 0.0, "spread": 1e-20}),
+        (0.0, {"fun": 100.0}),
+        (0.0, {"fun": inf}),
+        (0.0, {"fun": -inf}),
+        (0.0, {"fun": nan}),
+        (0.0, {"spread": nan}),
+        (1e300, {"fun": 1.0}),
+    ],
+)
+@pytest.mark.parametrize("first", [3.0, 1.7e308])
+def test_a_value_that_the_best_point_does_not_have_is_refused(fun, again, first):
+    """Whatever the trace begins with: an optimizer writes it."""
+    with pytest.raises(RefusedError, match=r"its best value is .*, and its best point has "):
+        confirm(fun, max(first, 10 * abs(fun)), again)
+
+
+@pytest.mark.parametrize(
+    "again",
+    [
+        {"fun": "0.125"}, {"fun": None}, {"fun": 1}, {"spread": None}, {"spread": [0.0]}, {"metrics": None},
+        {"metrics": 5}, {"metrics": [["radius", 1.0]]}, {"metrics": {"radius": "wide"}}, {"metrics": {"radius": None}},
+        {"metrics": {"radius": [1.0]}}, {"metrics": {"radius": True}},
+    ],
+)  # fmt: skip
+def test_what_is_no_value_confirms_nothing(again):
+    with pytest.raises(RefusedError, match="best point"):
+        confirm(again=again)
+
+
+@pytest.mark.parametrize("again", [None, 5, "text", [], {}, {"fun": 0.125}, {"fun": 0.125, "spread": 0.0}])
+def test_an_answer_without_its_fields_confirms_nothing(again):
+    with pytest.raises(RefusedError, match="best point"):
+        answers.confirm(read(), again)
+
+
+# Boxes
+
+
+def test_boxes_are_read_and_errors_kept():
+    given = {"variables": ["a", "b"], "lower": [-1.0, -inf], "upper": [0.1, 1e308]}
+    found = answers.boxes({"one": given, "two": "OSError: no disk\x1b", "three": {}}, ["one", "two"])
+    assert set(found) == {"one", "two"}
+    assert (found["one"].variables, found["one"].lower.tolist()) == (("a", "b"), [-1.0, -inf])
+    assert found["one"].upper.tolist() == [0.1, 1e308]
+    assert found["two"] == "OSError: no disk\ufffd"
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        None, 5, [], {}, {"lower": [0.0], "upper": [1.0]}, {"variables": 5, "lower": [0.0], "upper": [1.0]},
+        {"variables": [5], "lower": [0.0], "upper": [1.0]}, {"variables": ["a"], "lower": ["x"], "upper": [1.0]},
+        {"variables": ["a"], "lower": [0.0], "upper": [1.0, 2.0]}, {"variables": ["a"], "lower": 0.0, "upper": 1.0},
+        {"variables": ["a"], "lower": [[0.0]], "upper": [[1.0]]}, {"variables": ["a"], "lower": [{}], "upper": [1.0]},
+    ],
+)  # fmt: skip
+def test_what_is_no_box_is_an_error_of_its_problem_alone(given):
+    honest = {"variables": ["a"], "lower": [0.0], "upper": [1.0]}
+    found = answers.boxes({"odd": given, "honest": honest}, ["odd", "honest"])
+    assert found["odd"] == "its answer is refused: its problem's bounds cannot be read"
+    assert found["honest"].upper.tolist() == [1.0]
+
+
+@pytest.mark.parametrize("found", [None, 5, "text", []])
+def test_an_answer_that_holds_no_problems_is_an_error_of_each(found):
+    assert set(answers.boxes(found, ["a", "b"])) == {"a", "b"}
+    assert all(isinstance(each, str) for each in answers.boxes(found, ["a", "b"]).values())

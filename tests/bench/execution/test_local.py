@@ -1,0 +1,57 @@
+import threading
+from itertools import count
+
+import pytest
+
+from bench.execution import local as module
+from bench.execution.local import Local
+from bench.execution.supervisor import KilledError
+
+
+class Supervisor:
+    """Makes a trial, a number, at once; those from 100 on wait until they are killed."""
+
+    def __init__(self, task):
+        self._killed = threading.Event()
+
+    def make(self, trial):
+        if trial == 13:
+            raise ZeroDivisionError
+        if trial >= 100:
+            self._killed.wait()
+            raise KilledError
+        return {"fun": trial}
+
+    def kill(self):
+        self._killed.set()
+
+    close = kill
+
+
+@pytest.fixture
+def local(monkeypatch):
+    monkeypatch.setattr(module, "Supervisor", Supervisor)
+    before = set(threading.enumerate())
+    yield Local
+    for thread in set(threading.enumerate()) - before:
+        thread.join(10.0)
+        assert not thread.is_alive()
+
+
+@pytest.mark.parametrize("jobs", [1, 3])
+class TestLocal:
+    def test_every_trial_is_answered_once_with_the_machine(self, local, jobs):
+        begun = []
+        answers = list(local(jobs).answers(None, "machine", lambda: range(10), lambda *each: begun.append(each)))
+        assert [trial for _, trial in begun] == list(range(10))
+        assert {job for job, _ in begun} <= set(range(jobs))
+        assert sorted(answers, key=lambda each: each[0]) == [(i, {"fun": i}, "machine") for i in range(10)]
+
+    def test_an_error_reaches_the_run(self, local, jobs):
+        with pytest.raises(ZeroDivisionError):
+            list(local(jobs).answers(None, "", lambda: range(10, 20)))
+
+    def test_a_run_that_is_given_up_ends_the_trials_under_way(self, local, jobs):
+        answers = local(jobs).answers(None, "", lambda: count(99))
+        assert next(answers)[0] == 99
+        answers.close()

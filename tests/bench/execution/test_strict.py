@@ -1,0 +1,103 @@
+"""Strict trials: the same bits for the honest; no peeking, no overspending, and no problem to import."""
+
+import sys
+from textwrap import dedent
+
+import pytest
+
+from bench import Study, load_results, run
+from bench.execution.verify import verify
+from bench.storage.store import REPEATABLE, Store
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="strict trials need processes that fork, as on Linux"),
+]
+
+CHEATS = """
+    import itertools
+
+    def overspends(objective, rng):
+        for call in itertools.count():
+            objective(objective.initial(5))
+            if getattr(objective, "_improved_at", None) and call < 30:
+                objective._evaluations = objective._improved_at[-1]  # as few as its trace allows
+
+    def peeks(objective, rng):
+        points = objective.initial(5)
+        problem = getattr(objective, "_problem", None)
+        if problem is not None:
+            many = objective.initial(500)
+            points[0] = many[problem.evaluate(many).argmin()]
+        while True:
+            objective(points)
+            points = objective.initial(5)
+
+    def imports(objective, rng):
+        from bench import load_problem
+
+        problem = load_problem("signature-12")
+        while True:
+            objective(objective.initial(5))
+
+    def swallows(objective, rng):
+        for _ in range(8):
+            try:
+                while True:
+                    objective(objective.initial(7))
+            except BaseException:
+                pass
+"""
+HONEST = [{"name": "gwo", "agents": 10}, {"name": "hill-climber"}, {"name": "scipy:differential_evolution"}]
+
+
+@pytest.fixture(scope="module")
+def cheats(tmp_path_factory):
+    path = tmp_path_factory.mktemp("cheats") / "cheats.py"
+    path.write_text(dedent(CHEATS))
+    return path
+
+
+def study(*optimizers):
+    return Study.from_dict(
+        {"name": "s", "trials": 2, "budget": 200, "problems": [{"names": ["signature-12", "sphere-3"]}],
+         "optimizers": list(optimizers)}
+    )  # fmt: skip
+
+
+def test_an_honest_optimizer_gives_the_same_bits(tmp_path):
+    stored = []
+    for strict in (False, True):
+        run(study(*HONEST), tmp_path / str(strict), n_jobs=2, strict=strict)
+        found = sorted(Store(tmp_path / str(strict)).rows(traces=True), key=lambda row: row["seed"])
+        stored.append([{name: row[name] for name in ("problem", "optimizer", *REPEATABLE)} for row in found])
+    assert stored[0] == stored[1]
+    assert {row["status"] for row in stored[0]} == {"ok"}
+    assert len(stored[0]) == 12
+
+
+def test_who_peeks_or_overspends_is_named_by_a_strict_verification(cheats, tmp_path):
+    cheating = [{"name": f"{cheats}:{name}"} for name in ("overspends", "peeks")]
+    run(study(*cheating, {"name": "hill-climber"}), tmp_path / "out", n_jobs=2)
+    frame = load_results(tmp_path / "out")
+    assert frame["status"].eq("ok").all()  # what is stored by default is not proof against them
+    found = verify(tmp_path / "out", trials=2, strict=True)
+    assert {trial.optimizer for trial in found.different} == {"overspends", "peeks"}
+    assert verify(tmp_path / "out", trials=2).different == {}
+
+
+def test_installed_problems_are_hidden(cheats, tmp_path):
+    run(study({"name": f"{cheats}:imports"}), tmp_path / "out", n_jobs=1, strict=True)
+    frame = load_results(tmp_path / "out")
+    assert frame["status"].eq("failed").all()
+    assert frame["error"].str.contains("hidden from the optimizers of strict trials").all(), list(frame["error"])
+
+
+def test_the_budget_is_kept_where_the_optimizer_cannot_reach(cheats, tmp_path):
+    run(
+        study({"name": f"{cheats}:swallows"}, {"name": f"{cheats}:overspends"}), tmp_path / "out", n_jobs=1, strict=True
+    )
+    frame = load_results(tmp_path / "out")
+    assert frame["status"].eq("ok").all(), list(frame["error"])
+    assert frame["nfev"].eq(200).all()
+    assert frame["stop"].eq("budget").all()

@@ -1,0 +1,59 @@
+"""A small study's folder that is filled by hand, and what makes it whole again after damage."""
+
+import random
+
+import numpy as np
+import pandas as pd
+
+from bench import Results
+from bench.objective import Trace
+from bench.storage.mend import mend
+from bench.trial import Trial
+
+PROBLEMS, OPTIMIZERS, TRIALS = ("sphere-2", "sphere-3"), ("scatter", "early"), 30
+
+
+def rows():
+    """Yield trials and rows, of which some failed."""
+    rng = random.Random(3)
+    for number in range(TRIALS):
+        for problem in PROBLEMS:
+            for optimizer in OPTIMIZERS:
+                count = rng.randint(1, 12)
+                values = np.array([rng.random() for _ in range(count)])
+                row = {
+                    "status": "ok", "fun": rng.random(), "nfev": 60, "wall_s": rng.random(), "cpu_s": rng.random(),
+                    "objective_s": rng.random(), "stop": "budget", "outside_box": rng.randrange(2),
+                    "x": {"x1": rng.random(), "x2": -0.0}, "figures": {"radius": rng.random()},
+                    "trace": Trace(np.arange(1, count + 1), values),
+                }  # fmt: skip
+                lost = {"status": "failed", "error": "RuntimeError: ä no"}
+                yield Trial(problem, optimizer, number, rng.getrandbits(62)), lost if number % 10 == 3 else row
+
+
+RECORD = {"host": "here", "started": "2026-01-01T00:00:00+00:00", "packages": {f"p{i}": "1.2.3" for i in range(40)}}
+
+
+def add_missing(folder):
+    """Store the trials that a folder lacks, as a run does that makes them again with the same outcome."""
+    done = folder.store.keys()
+    missing = [each for each in rows() if each[0].key not in done]
+    if missing:
+        with folder.store.writer() as writer:
+            number = writer.environment(RECORD)
+            for trial, row in missing:
+                writer.add(trial, row, number)
+
+
+def traces(results):
+    return {key: (each.evaluations.tobytes(), each.values.tobytes()) for key, each in results.traces.items()}
+
+
+def assert_mended(folder, whole):
+    """Mend a store, add what is missing, and compare all of it with the original."""
+    mend(folder, TRIALS)
+    add_missing(folder)
+    assert folder.store.check(structure=True).sound
+    results, original = Results(folder.path), Results(whole.path)
+    pd.testing.assert_frame_equal(results.frame, original.frame, check_exact=True)
+    assert traces(results) == traces(original)
