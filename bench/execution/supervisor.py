@@ -32,9 +32,9 @@ from bench.trial import Result, Row, Trial, as_row
 CHECKING = 300.0  # seconds for loading all plug-ins of a study once
 CHECKS = 4  # attempts at it, where its process is killed from outside
 ATTEMPTS = 2  # at a trial whose process, or the one it was forked from, is killed from outside
-KILLED = [-getattr(signal, name) for name in ("SIGKILL", "SIGTERM") if hasattr(signal, name)]
-KILLED += [128 - each for each in KILLED]  # as a sandbox reports them
-"""Exit codes after a kill from outside: by the system when memory runs out, or by a person."""
+_SIGNALS = [getattr(signal, name) for name in ("SIGKILL", "SIGTERM") if hasattr(signal, name)]
+KILLED = {code for number in _SIGNALS for code in (-number, 128 + number)}
+"""Exit codes after a kill from outside, by the system when memory runs out or by a person; a sandbox adds 128."""
 
 
 @dataclass(frozen=True)
@@ -163,10 +163,15 @@ class Supervisor:
                 raise KilledError
             if self._processes is None:
                 task = self._task
-                self._processes = Templates(
-                    self._study, task.hash_seed, task.timeout, task.memory, strictly=task.strict,
-                    command=bubblewrap.command(task.sandbox) if task.sandbox else (),
-                )  # fmt: skip
+                try:
+                    self._processes = Templates(
+                        self._study, task.hash_seed, task.timeout, task.memory, strictly=task.strict,
+                        command=bubblewrap.command(task.sandbox) if task.sandbox else (),
+                    )  # fmt: skip
+                except DiedError as error:
+                    if error.code in KILLED:
+                        raise _KilledFromOutsideError(f"the first process of its job ended with {error}") from error
+                    raise BenchError(f"no process can be started: {_why_it_ended(error)}") from error
             return self._processes
 
     def _make(self, trial: Trial, processes: Templates) -> Row:

@@ -77,7 +77,11 @@ class Templates:
         self._families = {entry.label: loading.family(entry.name) for entry in study.problems}
         self._sources = {entry.label: loading.package(entry.name) for entry in study.optimizers}
         self._root = Process(hash_seed, forks=True, command=command)
-        self._root.call(trial_process.begin, study.to_toml())
+        try:
+            self._root.call(trial_process.begin, study.to_toml())
+        except BaseException:
+            self._root.close()
+            raise
         self._boxes: dict[str, Box | str] = {}
         self._problems: dict[str, Process] = {}
         self._judges: dict[str, Process] = {}

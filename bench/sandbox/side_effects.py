@@ -103,9 +103,11 @@ def _left_running(deadline: float) -> int:
     if not hasattr(os, "WNOHANG"):
         return 0
     while True:
-        with suppress(ChildProcessError):
+        try:
             while os.waitpid(-1, os.WNOHANG)[0]:
                 pass
+        except ChildProcessError:
+            return 0  # there is none
         running = len(children() - _resource_trackers())
         if not running or time.monotonic() >= deadline:
             return running
