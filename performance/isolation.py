@@ -10,6 +10,7 @@ of the job's processes: the pages that they share are counted once (proportional
 
 import sys
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from statistics import median
 from time import perf_counter
@@ -31,8 +32,10 @@ def main() -> None:
          "optimizers": [{"name": "random-search", "agents": 10}]}
     )  # fmt: skip
     for study in (small, replace(thesis.override(budget=300), problems=thesis.problems[:2])):
-        for how, slice_, strict in (("shared", 1e9, False), ("a fork each", 0.0, False), ("strict", 0.0, True)):
-            templates.SLICE = slice_
+        for how, worth, strict in (
+            ("default", templates.WORTH, False), ("a fork each", 0.0, False), ("strict", 0.0, True)
+        ):  # fmt: skip
+            templates.WORTH = worth
             ms, memory = overhead(study.override(trials=trials), Task(study.to_toml(), strict=strict))
             print(f"{study.name:<8}{how:<14}{ms:7.2f} ms a trial beside its search; {memory:6.0f} MB a job", flush=True)
     for optimizer, agents in (("random-search", 1), ("random-search", 300)):
@@ -42,17 +45,13 @@ def main() -> None:
 
 
 def overhead(study: Study, task: Task) -> tuple[float, float]:
-    """Return the median milliseconds of a trial beside its search, and the job's memory in MB."""
-    supervisor, beside, warm = Supervisor(task), [], len(study.problems) * len(study.optimizers)
+    """Return the mean milliseconds of a trial beside its search, and the job's memory in MB."""
+    supervisor, plan = Supervisor(task), study.plan()
     try:
-        for number, trial in enumerate(study.plan()):
-            began = perf_counter()
-            row = supervisor.make(trial)
-            if number >= warm:
-                beside.append(perf_counter() - began - row["wall_s"])
-            if len(beside) >= study.trials:
-                break
-        return 1e3 * median(beside), memory()
+        for _ in supervisor.make(islice(plan, len(study.problems) * len(study.optimizers))):
+            pass  # warm
+        began, made = perf_counter(), [row["wall_s"] for _, row in supervisor.make(islice(plan, study.trials))]
+        return 1e3 * (perf_counter() - began - sum(made)) / len(made), memory()
     finally:
         supervisor.close()
 
@@ -74,7 +73,7 @@ def call_cost(optimizer: str, agents: int) -> float:
     )  # fmt: skip
     plain, strict = (Supervisor(Task(study.to_toml(), strict=each)) for each in (False, True))
     try:
-        pairs = [(plain.make(trial)["wall_s"], strict.make(trial)["wall_s"]) for trial in study.plan()]
+        pairs = [[row["wall_s"] for each in (plain, strict) for _, row in each.make([trial])] for trial in study.plan()]
     finally:
         plain.close()
         strict.close()

@@ -136,7 +136,7 @@ class Cluster:
                         raise found
                     rows, machine, took = found
                     made, seconds = _KEPT * made + len(batch), _KEPT * seconds + took
-                    for trial, row in zip(batch, rows, strict=True):
+                    for trial, row in rows:
                         yield trial, row, machine
         finally:
             for future in pending:

@@ -22,8 +22,8 @@ _idle: dict[Supervisor, str] = {}  # those of them that wait for a batch, with t
 _ended: set[str] = set()  # runs
 
 
-def work(run: str, task: Task, trials: Sequence[Trial]) -> tuple[list[Row], str, float]:
-    """Make a batch of trials; return their rows, the machine's record (JSON), and the seconds that they took.
+def work(run: str, task: Task, trials: Sequence[Trial]) -> tuple[list[tuple[Trial, Row]], str, float]:
+    """Make a batch of trials; return them with their rows, the machine's record (JSON), and the seconds that they took.
 
     Dask cannot interrupt a thread. When the parent has released the batch, was killed or has lost the scheduler, the
     trial processes are ended from another thread.
@@ -52,13 +52,13 @@ def work(run: str, task: Task, trials: Sequence[Trial]) -> tuple[list[Row], str,
         supervisor = next((each for each, its in _idle.items() if its == run), None) or Supervisor(task)
         _idle.pop(supervisor, None)
         _wanted[supervisor] = is_wanted
-    rows = [supervisor.make(trial) for trial in trials]
+    made = [*supervisor.make(trials)]
     ended = monotonic()
     with _lock:
         if supervisor in _wanted and is_wanted():
             _idle[supervisor] = run
             _wanted[supervisor] = lambda: run not in _ended and monotonic() - ended < IDLE
-    return rows, machine, ended - began
+    return made, machine, ended - began
 
 
 def end(run: str) -> None:

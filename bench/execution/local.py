@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import partial
 from queue import SimpleQueue
 from threading import Lock
+from typing import Any
 
 from joblib import Parallel, delayed
 
@@ -29,9 +31,8 @@ class Local:
         trials = iter(missing())
         try:
             if self.jobs == 1:
-                for trial in trials:
-                    on_begin(0, trial)
-                    yield trial, supervisors[0].make(trial), machine
+                for trial, row in supervisors[0].make(_noted(trials, partial(on_begin, 0), nullcontext())):
+                    yield trial, row, machine
                 return
             made: SimpleQueue[tuple[Trial, Row] | BaseException | None] = SimpleQueue()
             with _running(supervisors, trials, made, on_begin):
@@ -43,6 +44,19 @@ class Local:
         finally:
             for each in supervisors:
                 each.close()
+
+
+def _noted(
+    trials: Iterator[Trial], on_begin: Callable[[Trial], None], turn: AbstractContextManager[Any]
+) -> Iterator[Trial]:
+    """Yield trials that other jobs take from as well, in turn; note each when it begins."""
+    while True:
+        with turn:
+            trial = next(trials, None)
+            if trial is None:
+                return
+            on_begin(trial)
+        yield trial
 
 
 @contextmanager
@@ -60,13 +74,8 @@ def _running(
 
     def supervise(job: int, supervisor: Supervisor) -> None:
         try:
-            while True:
-                with turn:
-                    trial = next(trials, None)
-                    if trial is None:
-                        break
-                    on_begin(job, trial)
-                made.put((trial, supervisor.make(trial)))
+            for answer in supervisor.make(_noted(trials, partial(on_begin, job), turn)):
+                made.put(answer)
         except KilledError:
             pass
         except BaseException as error:

@@ -6,13 +6,17 @@ import json
 import signal
 import threading
 import tomllib
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import partial
+from time import monotonic
+from typing import Any, TypeVar
 
 from bench.errors import BenchError
 from bench.execution import answers, trial_process
 from bench.execution.answers import RefusedError
-from bench.execution.templates import PRINTED, Templates
+from bench.execution.templates import LOSSES, PRINTED, Templates
 from bench.sandbox import bubblewrap
 from bench.sandbox.process import (
     DiedError,
@@ -31,6 +35,7 @@ from bench.trial import Result, Row, Trial, as_row
 
 CHECKING = 300.0  # seconds for loading all plug-ins of a study once
 CHECKS = 4  # attempts at it, where its process is killed from outside
+TOGETHER = 0.1  # seconds of trials whose best points are evaluated again together: a call costs more than a point
 ATTEMPTS = 2  # at a trial whose process, or the one it was forked from, is killed from outside
 _SIGNALS = [getattr(signal, name) for name in ("SIGKILL", "SIGTERM") if hasattr(signal, name)]
 KILLED = {code for number in _SIGNALS for code in (-number, 128 + number)}
@@ -56,6 +61,27 @@ class Checked:
 
     fingerprints: Fingerprints
     machine: str
+
+
+@dataclass(frozen=True)
+class _Claim:
+    """What a trial's process claims as its result: possible, but not confirmed."""
+
+    trial: Trial
+    result: Result  # without metrics
+    variables: tuple[str, ...]
+
+    @property
+    def point(self) -> tuple[str, list[float]]:
+        """The problem and the best point."""
+        return self.trial.problem, self.result.x.tolist()
+
+    def row(self, metrics: dict[str, float]) -> Row:
+        """Return the row of the result; raises ValueError for metrics or variables that are no columns."""
+        return as_row(replace(self.result, metrics=metrics), self.variables)
+
+
+_Found = TypeVar("_Found")
 
 
 class KilledError(RuntimeError):
@@ -118,6 +144,7 @@ class Supervisor:
         self._task, self._study = task, Study.from_dict(tomllib.loads(task.study))
         self._lock, self._killed = threading.Lock(), False
         self._processes: Templates | None = None
+        self._doing = ""  # beside the trial itself, for messages
 
     def close(self) -> None:
         """End all processes."""
@@ -133,29 +160,27 @@ class Supervisor:
             if self._processes is not None:
                 self._processes.kill()
 
-    def make(self, trial: Trial) -> Row:
-        """Return the row of a trial, whether it finishes, fails or times out.
+    def make(self, trials: Iterable[Trial]) -> Iterator[tuple[Trial, Row]]:
+        """Yield each trial with its row, whether it finishes, fails or times out.
 
-        A trial whose process is killed from outside is begun once more, as that may not be the trial's fault.
+        A trial whose process is killed from outside is begun once more, as that may not be the trial's fault. The best
+        points of short trials are evaluated again together.
 
         Raises:
             KilledError: after :meth:`kill`.
         """
-        lost = ""
-        for _ in range(ATTEMPTS):
-            try:
-                row = self._make(trial, self._started())
-            except _KilledFromOutsideError as error:
-                lost = str(error)
-            except LostError:
-                lost = "a process that its own was forked from was ended or stopped"
+        claims: list[_Claim] = []
+        judged = monotonic()
+        for trial in trials:
+            found = self._insist(partial(self._claim, trial))
+            if isinstance(found, _Claim):
+                claims.append(found)
             else:
-                if not self._killed:
-                    return row
-            self.close()  # what killed one process may have killed or stopped others
-            if self._killed:
-                raise KilledError
-        return failed(f"{lost} twice; the machine may be short of memory")
+                yield trial, found
+            if monotonic() - judged > TOGETHER:
+                yield from self._judge(claims)
+                claims, judged = [], monotonic()
+        yield from self._judge(claims)
 
     def _started(self) -> Templates:
         with self._lock:
@@ -174,25 +199,30 @@ class Supervisor:
                     raise BenchError(f"no process can be started: {_why_it_ended(error)}") from error
             return self._processes
 
-    def _make(self, trial: Trial, processes: Templates) -> Row:
-        doing = "while its plug-ins were loaded"
+    def _insist(self, work: Callable[[Templates], _Found]) -> _Found | Row:
+        """Return what ``work`` finds with the processes, or the row of its failure; repeat it where one is killed."""
+        lost = ""
+        for _ in range(ATTEMPTS):
+            try:
+                found = self._try(work, self._started())
+            except _KilledFromOutsideError as error:
+                lost = str(error)
+            except LostError:
+                lost = "a process that its own was forked from was ended or stopped"
+            else:
+                if not self._killed:
+                    return found
+            self.close()  # what killed one process may have killed or stopped others
+            if self._killed:
+                raise KilledError
+        return failed(f"{lost} twice; the machine may be short of memory")
+
+    def _try(self, work: Callable[[Templates], _Found], processes: Templates) -> _Found | Row:
+        self._doing = ""
         try:
-            box = processes.box(trial.problem)
-            if isinstance(box, str):
-                return failed(box)
-            template = processes.prepare(trial)
-            doing = ""
-            make = processes.make_strictly if self._task.strict else processes.make
-            answer, seconds = make(trial, template)
-            if reason := answers.error(answer):
-                return failed(reason)
-            claimed = answers.result(answer, box, self._study.budget, trial.seed, seconds)
-            if self._task.strict:
-                return as_row(replace(claimed, metrics=answers.metrics(answer)), box.variables)
-            doing = "while its best point was evaluated again"
-            return as_row(self._confirmed(claimed, trial, processes), box.variables)
+            return work(processes)
         except TimeExceededError as error:
-            where = f"{doing}, after {error}" if doing else f"after {error}, the limit of a trial"
+            where = f"{self._doing}, after {error}" if self._doing else f"after {error}, the limit of a trial"
             return {"status": "timeout", "error": f"stopped {where} (--timeout)"}
         except MemoryExceededError as error:
             return failed(f"{error} (--memory)")
@@ -205,18 +235,44 @@ class Supervisor:
         except RefusedError as error:
             return failed(f"its answer is refused: {error}")
         except (RemoteError, ValueError) as error:  # ValueError: metrics or variables that are no columns
-            return failed(f"{error} {doing}".strip())
+            return failed(f"{error} {self._doing}".strip())
 
-    def _confirmed(self, claimed: Result, trial: Trial, processes: Templates) -> Result:
-        """Return the result with its metrics, once its best point has been evaluated again."""
-        for anew in (False, True):
-            again: Any = processes.evaluate(trial.problem, claimed.x.tolist(), anew=anew)
+    def _claim(self, trial: Trial, processes: Templates) -> Row | _Claim:
+        """Have a trial made; return what its optimizer's process claims, or the row where another one kept account."""
+        self._doing = "while its plug-ins were loaded"
+        box = processes.box(trial.problem)
+        if isinstance(box, str):
+            return failed(box)
+        template = processes.prepare(trial)
+        self._doing = ""
+        make = processes.make_strictly if self._task.strict else processes.make
+        answer, seconds = make(trial, template)
+        if reason := answers.error(answer):
+            return failed(reason)
+        claim = _Claim(trial, answers.result(answer, box, self._study.budget, trial.seed, seconds), box.variables)
+        return claim.row(answers.metrics(answer)) if self._task.strict else claim
+
+    def _judge(self, claims: Sequence[_Claim]) -> Iterator[tuple[Trial, Row]]:
+        """Yield the trials of claims with their rows, once their best points have been evaluated again.
+
+        Where anything goes wrong with one of many, each is evaluated alone, so that it alone fails.
+        """
+        found: list[Any] = [None] * len(claims)
+        if claims:
+            with suppress(*LOSSES, LostError, _KilledFromOutsideError):
+                found = self._started().evaluate([claim.point for claim in claims])
+        for claim, again in zip(claims, found, strict=True):
             try:
-                return replace(claimed, metrics=answers.confirm(claimed, again))
-            except RefusedError:
-                if anew:
-                    raise
-        raise AssertionError("the second refusal is raised")
+                row = claim.row(answers.confirm(claim.result, again))
+            except (RefusedError, ValueError):
+                row = self._insist(partial(self._reconsider, claim))
+            yield claim.trial, row
+
+    def _reconsider(self, claim: _Claim, processes: Templates) -> Row:
+        """Return the row of a claim whose best point is evaluated again by a new judge."""
+        self._doing = "while its best point was evaluated again"
+        (again,) = processes.evaluate([claim.point], anew=True)
+        return claim.row(answers.confirm(claim.result, again))
 
 
 def _why_it_ended(error: DiedError) -> str:

@@ -5,7 +5,7 @@
       ├ judge       evaluates best points again
       └ optimizers  of one package or file, loaded
         └ optimizer warmed up
-          └ trial   makes trials of this optimizer until they have taken SLICE seconds; then another is forked
+          └ trial   makes trials of this optimizer until they have taken WORTH times as long as its fork
 
 So no optimizer runs in a process in which another one has run or has been imported, unless one package holds both.
 """
@@ -32,7 +32,6 @@ from bench.sandbox.process import (
     RemoteError,
     TimeExceededError,
 )
-from bench.sandbox.server import FORKS
 from bench.study import Study
 from bench.trial import Trial
 
@@ -40,11 +39,11 @@ LOADING = 60.0  # seconds, beside the limit of a trial, for loading plug-ins and
 SILENCE = 3.0  # least seconds of a warm-up in which nothing is imported or compiled
 PRINTED = 1_000_000  # bytes that a trial may print: they are discarded, but writing them takes time from other trials
 KEPT = 64  # warmed-up optimizers; more are warmed up again when their turn comes
-SLICE = 0.1 if FORKS else 60.0  # seconds of trials of one optimizer after which its process is replaced
+WORTH = 50.0  # a process is replaced once its trials have taken so many times the seconds of its fork
 
 Key = tuple[str, str]  # what holds the problems loaded, and the optimizer's label
 
-_LOSSES = (TimeExceededError, MemoryExceededError, PrintedTooMuchError, DiedError, RemoteError)
+LOSSES = (TimeExceededError, MemoryExceededError, PrintedTooMuchError, DiedError, RemoteError)
 
 
 class Templates:
@@ -87,7 +86,7 @@ class Templates:
         self._judges: dict[str, Process] = {}
         self._packages: dict[Key, tuple[Process, set[str]]] = {}  # with the optimizers loaded there
         self._optimizers: OrderedDict[Key, tuple[Process, set[str]]] = OrderedDict()  # with the problems warmed up on
-        self._trials: dict[Process, tuple[Process, float]] = {}  # by template, with the seconds of trials made there
+        self._trials: dict[Process, tuple[Process, float]] = {}  # by template, with the seconds left for trials there
         self._sandboxed = bool(command)
         self._alone: set[str] = set()  # labels whose loading has ended a process that others would share
         self._cold: set[Key] = set()  # optimizers whose warm-up has ended their process: it is not repeated
@@ -116,8 +115,12 @@ class Templates:
 
     def make(self, trial: Trial, template: Process) -> tuple[Any, float]:
         """Have a trial made; return what its process answers, which is not to be believed, and the seconds it took."""
-        held = self._trials.pop(template, None)
-        process, used = held or (template.fork(), 0.0)
+        if template in self._trials:
+            process, left = self._trials.pop(template)
+        else:
+            began = monotonic()
+            process = template.fork()
+            left = WORTH * (monotonic() - began)
         began = monotonic()
         try:
             answer = process.call(
@@ -128,8 +131,8 @@ class Templates:
             raise
         took = monotonic() - began
         sound = isinstance(answer, dict) and answer.get("altered") is False
-        if sound and used + took < SLICE and not self._sandboxed:
-            self._trials[template] = process, used + took
+        if sound and took < left and not self._sandboxed:
+            self._trials[template] = process, left - took
         else:
             process.close()
         self._tidy()
@@ -160,26 +163,34 @@ class Templates:
             cpu = answer.get("cpu_s") if isinstance(answer, dict) else None
             return (kept | {"cpu_s": cpu} if isinstance(kept, dict) else kept), took
 
-    def evaluate(self, problem: str, x: list[float], *, anew: bool = False) -> Any:
-        """Return the value and the metrics of a point, from a process in which no optimizer runs.
+    def evaluate(self, points: Sequence[tuple[str, list[float]]], *, anew: bool = False) -> list[Any]:
+        """Return the values and the metrics of points, each of a problem, from processes in which no optimizer runs.
 
-        With ``anew`` the process is a new one, in case the problem has changed the other, and the point is evaluated in
-        batches too.
+        With ``anew`` the processes are new ones, in case a problem has changed the others, and each point is evaluated
+        in batches too.
         """
-        family, template = self._loaded_problems(problem)
-        judge = self._judges.pop(family, None)
-        if judge is not None and anew:
-            judge.close()
-            judge = None
-        judge = judge or template.fork()
-        try:
-            found = judge.call(
-                trial_process.evaluate, problem, x, anew, seconds=self._timeout, memory=self._memory, again=False
-            )
-        except RemoteError:
-            judge.close()
-            raise
-        self._judges[family] = judge
+        found: list[Any] = [None] * len(points)
+        families: dict[str, list[int]] = {}
+        for number, (problem, _) in enumerate(points):
+            families.setdefault(self._loaded_problems(problem)[0], []).append(number)
+        for family, numbers in families.items():
+            judge = self._judges.pop(family, None)
+            if judge is not None and anew:
+                judge.close()
+                judge = None
+            judge = judge or self._problems[family].fork()
+            try:
+                answer = judge.call(
+                    trial_process.evaluate, [points[each] for each in numbers], anew,
+                    seconds=self._timeout, memory=self._memory, again=False,
+                )  # fmt: skip
+            except RemoteError:
+                judge.close()
+                raise
+            self._judges[family] = judge
+            if isinstance(answer, list) and len(answer) == len(numbers):
+                for number, each in zip(numbers, answer, strict=True):
+                    found[number] = each
         return found
 
     def _loaded_problems(self, problem: str) -> tuple[str, Process]:
@@ -194,7 +205,7 @@ class Templates:
             process = self._root.fork()
             try:
                 found = process.call(trial_process.load_problems, labels, seconds=self._loading, memory=self._memory)
-            except _LOSSES:
+            except LOSSES:
                 process.close()
                 if problem in self._alone:
                     raise
@@ -214,7 +225,7 @@ class Templates:
         if optimizer not in loaded:
             try:
                 process.call(trial_process.load_optimizer, optimizer, seconds=self._loading, memory=self._memory)
-            except _LOSSES:
+            except LOSSES:
                 process.close()
                 if optimizer in self._alone:
                     raise
@@ -246,7 +257,7 @@ class Templates:
                 warmed = process.call(
                     *what, seconds=self._loading, silence=self._silence, memory=self._memory, printed=PRINTED
                 )
-            except _LOSSES:
+            except LOSSES:
                 self._drop(process)
                 self._cold.add(key)
                 process, warm = loaded.fork(), set()

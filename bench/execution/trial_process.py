@@ -23,7 +23,7 @@ from threadpoolctl import threadpool_limits
 from bench.errors import BenchError
 from bench.execution import strict
 from bench.objective import Objective, passes
-from bench.problem import FunctionProblem, Problem
+from bench.problem import Floats, FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import note
 from bench.sandbox.side_effects import SideEffects, reset_random
@@ -152,10 +152,12 @@ def keep(trial: Trial, end: int) -> dict[str, Any]:
     return as_answer(found) | {"metrics": numbers(found.metrics)}
 
 
-def evaluate(label: str, x: list[float], batches: bool) -> dict[str, Any]:
-    """Return the value and the metrics of a point, and by how much its value differs in ``batches`` of itself."""
-    problem = _problem(label)
-    point = np.array(x, dtype=np.float64)
+def evaluate(points: list[tuple[str, list[float]]], batches: bool) -> list[dict[str, Any]]:
+    """Return the value and the metrics of points, each of a problem, and by how much each differs in ``batches``."""
+    return [_evaluated(_problem(label), np.array(x, dtype=np.float64), batches) for label, x in points]
+
+
+def _evaluated(problem: Problem, point: Floats, batches: bool) -> dict[str, Any]:
     value = float(np.asarray(problem.evaluate(point[np.newaxis].copy()))[0])
     metrics = numbers(problem.describe(point))
     spread = 0.0

@@ -5,6 +5,7 @@ This protects the next trial of the same optimizer from accidents; other optimiz
 
 from __future__ import annotations
 
+import _signal  # type: ignore[import-not-found]
 import _thread
 import gc
 import os
@@ -25,7 +26,7 @@ from bench.sandbox.tree import children
 
 _GRACE = 0.1  # seconds for threads and processes to end after their trial
 _SIGNALS = [
-    getattr(signal, name)
+    int(getattr(signal, name))  # of which the module signal would make an enumeration at every look
     for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM", "SIGUSR1", "SIGUSR2", "SIGCHLD", "SIGPIPE")
     if hasattr(signal, name)
 ]
@@ -80,7 +81,7 @@ def _state() -> tuple[Any, ...]:
         sys.getrecursionlimit(), sys.gettrace(), list(sys.path), len(sys.modules), gc.isenabled(), gc.get_threshold(),
         dict(getattr(os.environ, "_data", os.environ)), _folder(), np.geterr(), np.geterrcall(), list(warnings.filters),
         sys.stdin, sys.stdout, sys.stderr, *(_identity(number) for number in range(3)),
-        *(signal.getsignal(number) for number in _SIGNALS), *(signal.getitimer(timer) for timer in _TIMERS),
+        *map(_signal.getsignal, _SIGNALS), *map(signal.getitimer, _TIMERS),
         1.0 + _HALF_ULP, 1.0 + 1.5 * _HALF_ULP, _SMALLEST / 2 * 4,  # by the processor's arithmetic modes
     )  # fmt: skip
 

@@ -243,7 +243,7 @@ def test_idle_and_unwanted_trial_processes_end(small_study, monkeypatch):
     first, _, _ = dask_worker.work("run", task, trials[:2])
     kept = started()
     second, _, _ = dask_worker.work("run", task, trials[:2])
-    assert [row["fun"] for row in first] == [row["fun"] for row in second]
+    assert [row["fun"] for _, row in first] == [row["fun"] for _, row in second]
     assert started() == kept, "the second batch starts no process"
     until(lambda: not started(), "the idle processes to end")
     monkeypatch.setattr(dask_worker, "_is_wanted", lambda: lambda: False)

@@ -9,18 +9,19 @@ from bench.execution.supervisor import KilledError
 
 
 class Supervisor:
-    """Makes a trial, a number, at once; those from 100 on wait until they are killed."""
+    """Makes trials, which are numbers, at once; those from 100 on wait until they are killed."""
 
     def __init__(self, task):
         self._killed = threading.Event()
 
-    def make(self, trial):
-        if trial == 13:
-            raise ZeroDivisionError
-        if trial >= 100:
-            self._killed.wait()
-            raise KilledError
-        return {"fun": trial}
+    def make(self, trials):
+        for trial in trials:
+            if trial == 13:
+                raise ZeroDivisionError
+            if trial >= 100:
+                self._killed.wait()
+                raise KilledError
+            yield trial, {"fun": trial}
 
     def kill(self):
         self._killed.set()
