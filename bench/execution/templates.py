@@ -16,6 +16,7 @@ import socket
 from collections import OrderedDict
 from collections.abc import Sequence
 from contextlib import suppress
+from itertools import count
 from time import monotonic
 from typing import Any
 
@@ -40,6 +41,8 @@ SILENCE = 3.0  # least seconds of a warm-up in which nothing is imported or comp
 PRINTED = 1_000_000  # bytes that a trial may print: they are discarded, but writing them takes time from other trials
 KEPT = 64  # warmed-up optimizers; more are warmed up again when their turn comes
 WORTH = 50.0  # a process is replaced once its trials have taken so many times the seconds of its fork
+
+_cores = count()
 
 Key = tuple[str, str]  # what holds the problems loaded, and the optimizer's label
 
@@ -88,6 +91,7 @@ class Templates:
         self._optimizers: OrderedDict[Key, tuple[Process, set[str]]] = OrderedDict()  # with the problems warmed up on
         self._trials: dict[Process, tuple[Process, float]] = {}  # by template, with the seconds left for trials there
         self._sandboxed = bool(command)
+        self._core = next(_cores)  # of strict trials
         self._alone: set[str] = set()  # labels whose loading has ended a process that others would share
         self._cold: set[Key] = set()  # optimizers whose warm-up has ended their process: it is not repeated
 
@@ -150,8 +154,8 @@ class Templates:
         with problems.fork() as keeper, template.fork() as process:
             one, other = socket.socketpair()
             with one, other:
-                keeper.start(trial_process.keep, trial, files=[one.fileno()])
-                process.start(trial_process.make_strictly, trial, *bounds, files=[other.fileno()])
+                keeper.start(trial_process.keep, trial, self._core, files=[one.fileno()])
+                process.start(trial_process.make_strictly, trial, self._core, *bounds, files=[other.fileno()])
             began = monotonic()
             answer = process.finish(seconds=self._timeout, memory=self._memory, printed=PRINTED)
             took = monotonic() - began

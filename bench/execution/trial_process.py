@@ -123,13 +123,14 @@ def warm_up_strictly(optimizer: str, lower: list[float], upper: list[float]) -> 
     return _warm_up(lambda: FunctionProblem(lambda x: (x * x).sum(axis=1), lower, upper), optimizer, counts=False)
 
 
-def make_strictly(trial: Trial, lower: list[float], upper: list[float], end: int) -> dict[str, Any]:
+def make_strictly(trial: Trial, core: int, lower: list[float], upper: list[float], end: int) -> dict[str, Any]:
     """Run the optimizer of a trial on the objective that :func:`keep` keeps at the other end of the socket.
 
     Return its processor seconds, or the reason why the trial failed.
     """
     effects = SideEffects()
     with _answering(effects) as answer:
+        _stay_on(core)
         optimizer = _study().optimizer(trial.optimizer)
         objective = strict.RemoteObjective(end, np.array(lower), np.array(upper), _study().budget, _end_if_stuck)
         with effects:
@@ -141,11 +142,12 @@ def make_strictly(trial: Trial, lower: list[float], upper: list[float], end: int
     return answer
 
 
-def keep(trial: Trial, end: int) -> dict[str, Any]:
+def keep(trial: Trial, core: int, end: int) -> dict[str, Any]:
     """Keep the problem, the budget and the trace of a strict trial until its optimizer has ended.
 
     Return what :func:`bench.execution.answers.result` reads, and the metrics of the best point.
     """
+    _stay_on(core)
     problem = _problem(trial.problem)
     objective = Objective(problem, _study().budget, streams(trial.seed)[0])
     found = result(objective, problem, trial.seed, strict.serve(objective, end), 0.0)
@@ -238,6 +240,17 @@ def _settle() -> None:
     """Limit the libraries loaded by now to one thread, and set the global random states that every trial finds."""
     threadpool_limits(limits=1)  # the environment may not reach all of them
     reset_random()
+
+
+def _stay_on(core: int) -> None:
+    """Keep this process on one of its cores.
+
+    Two processes that take turns wake each other several times as fast on one core as on two, and a trial may use no
+    more than one.
+    """
+    with contextlib.suppress(OSError):  # such as a core that was taken away meanwhile
+        allowed = sorted(os.sched_getaffinity(0))
+        os.sched_setaffinity(0, {allowed[core % len(allowed)]})
 
 
 def _study() -> Study:
