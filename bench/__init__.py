@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from bench.errors import BenchError
     from bench.execution.runner import run
     from bench.execution.solve import solve
+    from bench.grid import Grid
     from bench.objective import BudgetExhausted, Objective, Trace
     from bench.optimizer import Optimizer, parameter
     from bench.plugins.loading import load_optimizer, load_problem
@@ -27,6 +28,7 @@ __all__ = [
     "BenchError",
     "BudgetExhausted",
     "FunctionProblem",
+    "Grid",
     "Objective",
     "Optimizer",
     "Problem",
@@ -46,11 +48,11 @@ __all__ = [
 
 # Every name is imported at its first use: importing pandas or numba takes longer than many commands.
 _HOMES = {
-    "BenchError": "errors", "BudgetExhausted": "objective", "FunctionProblem": "problem", "Objective": "objective",
-    "Optimizer": "optimizer", "Problem": "problem", "Result": "trial", "Results": "storage.results", "Study": "study",
-    "Trace": "objective", "check_optimizer": "check", "load_optimizer": "plugins.loading",
-    "load_problem": "plugins.loading", "load_results": "storage.results", "parameter": "optimizer",
-    "run": "execution.runner", "solve": "execution.solve", "write_report": "report",
+    "BenchError": "errors", "BudgetExhausted": "objective", "FunctionProblem": "problem", "Grid": "grid",
+    "Objective": "objective", "Optimizer": "optimizer", "Problem": "problem", "Result": "trial",
+    "Results": "storage.results", "Study": "study", "Trace": "objective", "check_optimizer": "check",
+    "load_optimizer": "plugins.loading", "load_problem": "plugins.loading", "load_results": "storage.results",
+    "parameter": "optimizer", "run": "execution.runner", "solve": "execution.solve", "write_report": "report",
 }  # fmt: skip
 _PACKAGES = ("analysis", "plots")
 

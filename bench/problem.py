@@ -27,6 +27,8 @@ class Problem(ABC):
         optimum: the best known objective value, or None where none is known.
         expected: the true value and the acceptable error of domain metrics, by their names in :meth:`describe`, such as
             ``{"amplitude_rpm": (140.2, 1.93)}``; reports draw them.
+        features: what kind of problem it is, by which reports can group problems, such as ``{"suite": "bbob",
+            "function": "f08", "instance": 1, "group": "low or moderate conditioning"}``; empty where nothing is known.
     """
 
     name: str
@@ -35,6 +37,7 @@ class Problem(ABC):
     upper: Floats
     optimum: float | None = None
     expected: Mapping[str, tuple[float, float]] = MappingProxyType({})
+    features: Mapping[str, str | int] = MappingProxyType({})
 
     @property
     def dimension(self) -> int:
@@ -72,6 +75,7 @@ class FunctionProblem(Problem):
         vectorized: whether ``fun`` takes many points at once.
         optimum: the best known value, if any.
         variables: d different names of the search variables; by default x1, x2, …
+        features: what kind of problem it is, see :class:`Problem`.
 
     Raises:
         BenchError: when the bounds are not two finite vectors of one length with lower < upper, or names repeat.
@@ -87,6 +91,7 @@ class FunctionProblem(Problem):
         vectorized: bool = True,
         optimum: float | None = None,
         variables: Sequence[str] | None = None,
+        features: Mapping[str, str | int] = MappingProxyType({}),
     ) -> None:
         self.lower = np.array(lower, dtype=np.float64, ndmin=1)
         self.upper = np.array(upper, dtype=np.float64, ndmin=1)
@@ -98,6 +103,7 @@ class FunctionProblem(Problem):
             raise BenchError(f"problem {name!r}: every lower bound must be finite and below its upper bound")
         self.name = name
         self.optimum = optimum
+        self.features = features
         self.variables = (
             tuple(variables) if variables is not None else tuple(f"x{i + 1}" for i in range(self.dimension))
         )

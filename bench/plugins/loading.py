@@ -55,7 +55,7 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     if colon and prefix in families:
         return _problem(_call_loader(registry.load("problems", prefix).load, name, options), name)
     known: list[str] = []
-    for family in sorted(families, key=lambda family: not name.startswith(family)):
+    for family in sorted(families, key=lambda family: -len(family) if name.startswith(family) else 0):
         try:
             plugin = registry.load("problems", family)
             names = plugin.names()
@@ -63,7 +63,8 @@ def load_problem(name: str, /, **options: Any) -> Problem:
             if name.startswith(family):
                 raise BenchError(f"problem {name!r} cannot be looked up: {_first_line(error)}") from error
             continue
-        if name in names:
+        on_grid = f"{name}-".startswith(f"{family}-") and hasattr(plugin, "grid")  # more problems than are listed
+        if on_grid or name in names:
             return _problem(_call_loader(plugin.load, name, options), name)
         known += names
     raise BenchError(f"unknown problem {name!r}{nearest(name, known)}")

@@ -20,7 +20,8 @@ DISTRIBUTION = "backlash-bench"
 class Family(Protocol):
     """Many optimizers or problems behind one entry point, such as ``signature-01`` … ``signature-20``.
 
-    A family of another library's optimizers may have an attribute ``extra``, the optional extra it needs.
+    A family of another library's optimizers may have an attribute ``extra``, the optional extra it needs, and a family
+    of problems an attribute ``grid`` (:class:`bench.Grid`), from which patterns and studies select.
     """
 
     def names(self) -> list[str]:

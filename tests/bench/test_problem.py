@@ -53,3 +53,8 @@ def test_the_bounds_are_copies():
     problem = plane(lower)
     lower[:] = 1.0
     assert problem.lower.tolist() == [0.0, 0.0]
+
+
+def test_a_problem_may_say_what_kind_it_is():
+    assert plane().features == {}
+    assert plane(features={"suite": "planes", "instance": 2}).features == {"suite": "planes", "instance": 2}

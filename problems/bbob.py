@@ -1,0 +1,63 @@
+"""The families ``bbob``, ``bbob-boxed`` and ``bbob-largescale``: COCO's noiseless suites, computed by its own C code.
+
+Sources: the 24 functions, Hansen, Finck, Ros and Auger 2009, "Real-Parameter Black-Box Optimization Benchmarking 2009:
+Noiseless Functions Definitions", INRIA RR-6829; the platform and its package ``coco-experiment``, Hansen, Auger, Ros,
+Mersmann, Tusar and Brockhoff 2021, Optimization Methods and Software 36, doi:10.1080/10556788.2020.1808977; the
+large-scale suite, Varelas et al. 2020, Applied Soft Computing 97, doi:10.1016/j.asoc.2020.106737.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from bench import Problem
+from bench.errors import require
+from bench.grid import Grid, Member
+from bench.problem import Floats
+from problems.common import Suite, SuiteProblem
+
+FUNCTIONS = range(1, 25)
+BOX = 5.0  # every variable is searched in [-5, 5]
+INSTANCES = 15  # a COCO experiment has 15 instances of each function and dimension
+
+GROUPS = {
+    "separable": range(1, 6),
+    "low or moderate conditioning": range(6, 10),
+    "high conditioning, unimodal": range(10, 15),
+    "multimodal, adequate global structure": range(15, 20),
+    "multimodal, weak global structure": range(20, 25),
+}
+"""The functions of each of the suite's five groups, as RR-6829 has them."""
+
+
+def _suite(suite: str, dimensions: tuple[int, ...]) -> Suite:
+    grid = Grid(suite, {f"f{number:02d}": dimensions for number in FUNCTIONS}, INSTANCES)
+    return Suite(grid, partial(_problem, suite))
+
+
+def _problem(suite: str, name: str, member: Member) -> Problem:
+    cocoex = require("cocoex", "suites", f"problem {name!r} needs")
+    number, dimension, instance = int(member.function[1:]), member.dimension, member.instance
+    only = f"dimensions: {dimension} function_indices: {number}"
+    function = cocoex.Suite(suite, f"instances: {instance}", only)[0]
+    # The three suites share the optimal value of a function's instance, which depends on no dimension.
+    optimum = cocoex.BareProblem("bbob", number, 2, instance).best_value()
+
+    def evaluate(x: Floats) -> Floats:
+        return np.fromiter(map(function, x), np.float64, len(x))  # COCO evaluates one point a call
+
+    features: dict[str, str | int] = {
+        "suite": suite,
+        "function": member.function,
+        "instance": instance,
+        "group": next(group for group, numbers in GROUPS.items() if number in numbers),
+    }
+    box = np.full(dimension, BOX)
+    return SuiteProblem(evaluate, -box, box, name=name, optimum=optimum, features=features)
+
+
+bbob = _suite("bbob", (2, 3, 5, 10, 20, 40))
+boxed = _suite("bbob-boxed", (2, 3, 5, 10, 20, 40))
+largescale = _suite("bbob-largescale", (20, 40, 80, 160, 320, 640))

@@ -1,0 +1,47 @@
+"""The names of a suite's problems."""
+
+import pytest
+
+from bench import BenchError, Grid
+
+NUMBERED = Grid("suite", {"f01": (2, 5), "f03": (5,)}, instances=2)
+NAMED = Grid("other", {"ball": (2,), "saw-tooth": (2, 30)})
+
+
+def test_the_names_are_those_of_each_function_in_its_dimensions_and_instances():
+    assert list(NUMBERED.names()) == [
+        "suite-f01-d2-i1", "suite-f01-d2-i2", "suite-f01-d5-i1", "suite-f01-d5-i2", "suite-f03-d5-i1",
+        "suite-f03-d5-i2",
+    ]  # fmt: skip
+    assert list(NAMED.names()) == ["other-ball-d2", "other-saw-tooth-d2", "other-saw-tooth-d30"]
+    assert list(NUMBERED.names(["f03"], [2, 5], [9])) == ["suite-f03-d5-i9"]
+    assert NUMBERED.dimensions == [2, 5]
+
+
+@pytest.mark.parametrize("grid", [NUMBERED, NAMED])
+def test_every_name_says_what_it_is(grid):
+    for name in grid.names():
+        function, dimension, instance = grid.member(name)
+        assert list(grid.names([function], [dimension], [instance])) == [name]
+
+
+def test_a_name_may_have_an_instance_that_is_not_listed():
+    assert NUMBERED.member("suite-f03-d5-i77") == ("f03", 5, 77)
+
+
+@pytest.mark.parametrize(
+    ("grid", "name", "sentence"),
+    [
+        (NUMBERED, "suite-f02-d2-i1", "suite has no function 'f02'; it has f01 to f03 without f02"),
+        (NUMBERED, "suite-f03-d2-i1", "f03 of suite has no dimension 2; it has 5"),
+        (NUMBERED, "suite-f03-d5-i0", "instance of 'suite-f03-d5-i0' must be a whole number from 1 to 200000, not 0"),
+        (NUMBERED, "suite-f03-d5", "the problems of suite have names such as 'suite-f01-d2-i1'"),
+        (NUMBERED, "suite-f01-d02-i1", "unknown problem 'suite-f01-d02-i1'"),
+        (NAMED, "other-ball-d2-i1", "unknown problem 'other-ball-d2-i1'"),
+        (NAMED, "other-bell-d2", "other has no function 'bell'; did you mean 'ball'?"),
+    ],
+)  # fmt: skip
+def test_one_sentence_names_what_there_is(grid, name, sentence):
+    with pytest.raises(BenchError) as caught:
+        grid.member(name)
+    assert sentence in str(caught.value)

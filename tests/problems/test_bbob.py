@@ -1,0 +1,136 @@
+"""The families bbob, bbob-boxed and bbob-largescale against COCO's own package."""
+
+import os
+import subprocess
+import sys
+
+import cocoex
+import numpy as np
+import pytest
+
+from bench import BenchError, load_problem
+from tests.problems.suites import assert_pure_and_reloadable, best_found
+
+CASES = [
+    *(("bbob", function, 5, instance) for function in range(1, 25) for instance in (1, 15)),
+    *(("bbob-boxed", function, 3, 2) for function in range(1, 25)),
+    *(("bbob-largescale", function, 20, 3) for function in range(1, 25)),
+    ("bbob", 8, 2, 1000), ("bbob", 8, 40, 71), ("bbob-boxed", 24, 40, 4),
+]  # fmt: skip
+
+
+def name(suite, function, dimension, instance):
+    return f"{suite}-f{function:02d}-d{dimension}-i{instance}"
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_values_are_those_of_coco_bit_for_bit(case):
+    suite, function, dimension, instance = case
+    problem = load_problem(name(*case))
+    only = f"dimensions: {dimension} function_indices: {function}"
+    theirs = cocoex.Suite(suite, f"instances: {instance}", only)[0]
+    assert theirs.id_triple == (function, dimension, instance)
+    np.testing.assert_array_equal(problem.lower, theirs.lower_bounds)
+    np.testing.assert_array_equal(problem.upper, theirs.upper_bounds)
+    x = np.random.default_rng(1).uniform(-6, 6, (20, dimension))  # some outside the box
+    np.testing.assert_array_equal(problem.evaluate(x), [theirs(row) for row in x])
+
+
+@pytest.fixture(scope="module")
+def best_points(tmp_path_factory):
+    """COCO's best point of each case: it prints them to a file in the working folder, so in another process."""
+    folder = tmp_path_factory.mktemp("coco")
+    code = f"""
+import cocoex
+for suite, function, dimension, instance in {CASES}:
+    only = f"dimensions: {{dimension}} function_indices: {{function}}"
+    cocoex.Suite(suite, f"instances: {{instance}}", only)[0]._best_parameter("print")
+    print(*open("._bbob_problem_best_parameter.txt").read().split())
+"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=True)
+    return dict(zip(CASES, (np.array(line.split(), float) for line in done.stdout.splitlines()), strict=True))
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_optimum_is_the_value_of_coco_s_best_point(case, best_points):
+    problem = load_problem(name(*case))
+    value = problem.evaluate(best_points[case][None])[0]
+    assert problem.optimum <= value <= problem.optimum + 1e-8
+
+
+@pytest.mark.parametrize("function", range(1, 25))
+def test_no_search_beats_the_optimum(function, best_points):
+    case = ("bbob", function, 5, 1)
+    problem = load_problem(name(*case))
+    found = best_found(problem, start=best_points[case] + 1e-3, points=2_000)
+    assert found >= problem.optimum - 1e-12 * abs(problem.optimum)
+
+
+@pytest.mark.parametrize("case", [("bbob", 3, 10, 2), ("bbob-boxed", 7, 5, 1), ("bbob-largescale", 21, 40, 1)])
+def test_values_depend_on_the_point_alone(case):
+    assert_pure_and_reloadable(load_problem(name(*case)))
+
+
+def test_a_problem_says_its_suite_function_instance_and_group():
+    groups = [load_problem(name("bbob", function, 2, 4)).features["group"] for function in range(1, 25)]
+    assert [groups.count(each) for each in dict.fromkeys(groups)] == [5, 4, 5, 5, 5]
+    assert load_problem("bbob-f08-d10-i3").features == {
+        "suite": "bbob", "function": "f08", "instance": 3, "group": "low or moderate conditioning",
+    }  # fmt: skip
+
+
+def test_a_loaded_problem_works_in_a_forked_process():
+    problem = load_problem("bbob-f16-d5-i1")
+    x = np.full((3, 5), 0.5)
+    before = problem.evaluate(x).tobytes()
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.write(writer, problem.evaluate(x).tobytes())
+        os._exit(0)
+    os.waitpid(child, 0)
+    assert os.read(reader, 100) == before
+
+
+def test_loading_leaves_no_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    load_problem("bbob-f20-d3-i9").evaluate(np.zeros((1, 3)))
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        ("bbob-f25-d5-i1", "bbob has no function 'f25'; it has f01 to f24"),
+        ("bbob-f8-d5-i1", "bbob has no function 'f8'; it has f01 to f24"),
+        ("bbob-f08-d7-i1", "f08 of bbob has no dimension 7; it has 2, 3, 5, 10, 20, 40"),
+        ("bbob-f08-d5-i0", "the instance of 'bbob-f08-d5-i0' must be a whole number from 1 to 200000, not 0"),
+        ("bbob-f08-d5-i999999", "must be a whole number from 1 to 200000, not 999999"),
+        ("bbob-f08-d5-i01", "have names such as 'bbob-f01-d2-i1'"),
+        ("bbob-f08-d5", "have names such as 'bbob-f01-d2-i1'"),
+        ("bbob-largescale-f08-d5-i1", "f08 of bbob-largescale has no dimension 5; it has 20, 40, 80, 160, 320, 640"),
+        ("bbob-boxed", "the problems of bbob-boxed have names such as"),
+    ],
+)
+def test_one_sentence_names_what_there_is(wrong, sentence):
+    with pytest.raises(BenchError) as caught:
+        load_problem(wrong)
+    assert sentence in str(caught.value)
+
+
+def test_an_option_is_refused():
+    with pytest.raises(BenchError, match="'bbob-f08-d5-i1' has no options, and so no 'rotate'"):
+        load_problem("bbob-f08-d5-i1", rotate=True)
+
+
+def test_without_the_extra_one_sentence_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "cocoex", None)
+    with pytest.raises(BenchError, match=r"'bbob-f08-d5-i1' needs cocoex; install it with: .*backlash-bench\[suites\]"):
+        load_problem("bbob-f08-d5-i1")
+
+
+def test_names_are_listed_without_the_package():
+    code = "import sys; from bench.plugins import registry as r; print(len(r.load('problems', 'bbob').names())); "
+    code += "print(*{'cocoex', 'minionpy', 'numba', 'pandas'} & {*sys.modules})"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [str(24 * 6)]
