@@ -1,0 +1,100 @@
+"""The families ``cec2011`` … ``cec2022``: the CEC competitions on real-parameter optimization, computed by minionpy.
+
+minionpy (MIT licence) has the organisers' C code for 2014 to 2022 and a C++ translation of their Matlab code for 2011.
+Sources, all technical reports of Nanyang Technological University, Singapore, unless noted:
+
+- 2011: Das and Suganthan 2010, Problem Definitions and Evaluation Criteria for CEC 2011 Competition on Testing
+  Evolutionary Algorithms on Real World Optimization Problems, Jadavpur University
+- 2014: Liang, Qu and Suganthan 2013, Problem Definitions … CEC 2014 …, 201311
+- 2017: Awad, Ali, Liang, Qu and Suganthan 2016, Problem Definitions … CEC 2017 …; f02 was withdrawn by the organisers
+- 2019: Price, Awad, Ali and Suganthan 2018, Problem Definitions … for the 100-Digit Challenge …
+- 2020: Yue, Price, Suganthan, Liang, Ali, Qu, Awad and Biswas 2019, Problem Definitions … CEC 2020 …, 201911;
+  the competition left f06 and f07 out in 5 dimensions
+- 2022: Kumar, Price, Mohamed, Hadi and Suganthan 2021, Problem Definitions … CEC 2022 …
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from bench import Problem
+from bench.errors import require
+from bench.grid import Grid, Member
+from bench.problem import Floats
+from problems.common import Suite, SuiteProblem
+
+REAL_WORLD = (6, 30, 1, 1, 30, 30, 20, 7, 126, 12, 120, 240, 6, 13, 15, 40, 140, 96, 96, 96, 26, 22)
+"""The dimensions of the problems of 2011."""
+
+GROUPS: dict[str, dict[str, range]] = {
+    "cec2011": {"real-world": range(1, 23)},
+    "cec2014": {
+        "unimodal": range(1, 4), "multimodal": range(4, 17), "hybrid": range(17, 23), "composition": range(23, 31),
+    },
+    "cec2017": {
+        "unimodal": range(1, 4), "multimodal": range(4, 11), "hybrid": range(11, 21), "composition": range(21, 31),
+    },
+    "cec2019": {"multimodal": range(1, 11)},
+    "cec2020": {
+        "unimodal": range(1, 2), "multimodal": range(2, 5), "hybrid": range(5, 8), "composition": range(8, 11),
+    },
+    "cec2022": {
+        "unimodal": range(1, 2), "multimodal": range(2, 6), "hybrid": range(6, 9), "composition": range(9, 13),
+    },
+}  # fmt: skip
+"""The functions of each group, by suite, as the technical reports have them; they call the multimodal ones simple or
+basic."""
+
+
+def _dimensions(suite: str, number: int) -> tuple[int, ...]:
+    """Return the dimensions that a competition has a function in."""
+    if suite == "cec2011":
+        return (REAL_WORLD[number - 1],)
+    if suite == "cec2019":
+        return ({1: 9, 2: 16, 3: 18}.get(number, 10),)
+    if suite == "cec2020":
+        return (10, 15, 20) if number in (6, 7) else (5, 10, 15, 20)
+    return (10, 20) if suite == "cec2022" else (10, 30, 50, 100)
+
+
+def _suite(suite: str) -> Suite:
+    withdrawn = [2] if suite == "cec2017" else []
+    numbers = [number for group in GROUPS[suite].values() for number in group if number not in withdrawn]
+    grid = Grid(suite, {f"f{number:02d}": _dimensions(suite, number) for number in numbers})
+    return Suite(grid, partial(_problem, suite))
+
+
+def _problem(suite: str, name: str, member: Member) -> Problem:
+    minionpy = require("minionpy", "suites", f"problem {name!r} needs")
+    number = int(member.function[1:])
+    function = getattr(minionpy, f"CEC{suite[3:]}Functions")(number, member.dimension)
+    lower, upper = np.array(function.get_bounds(), dtype=np.float64).T
+    features: dict[str, str | int] = {
+        "suite": suite,
+        "function": member.function,
+        "group": next(group for group, numbers in GROUPS[suite].items() if number in numbers),
+    }
+    # Of the problems of 2011, only the first has a proven optimum: its data are made by known parameters.
+    optimum = 0.0 if (suite, number) == ("cec2011", 1) else function.get_f_opt()
+
+    def evaluate(x: Floats) -> Floats:
+        try:
+            values = np.array(function(x.tolist()), dtype=np.float64)  # lists take half the time of arrays
+        except RuntimeError:  # far outside the box: a spacecraft that would arrive before it starts
+            if len(x) == 1:
+                return np.array([np.inf])
+            return np.concatenate([evaluate(row[None]) for row in x])
+        values[np.isnan(values)] = np.inf
+        return values
+
+    return SuiteProblem(evaluate, lower, upper, name=name, optimum=optimum, features=features)
+
+
+cec2011 = _suite("cec2011")
+cec2014 = _suite("cec2014")
+cec2017 = _suite("cec2017")
+cec2019 = _suite("cec2019")
+cec2020 = _suite("cec2020")
+cec2022 = _suite("cec2022")

@@ -1,0 +1,151 @@
+"""The families of the CEC competitions against minionpy and the organisers' own code."""
+
+import json
+import sys
+from pathlib import Path
+
+import minionpy
+import numpy as np
+import pytest
+
+from bench import BenchError, load_problem
+from bench.plugins import registry
+from tests.problems.suites import assert_pure_and_reloadable, best_found
+
+YEARS = (2011, 2014, 2017, 2019, 2020, 2022)
+# Where the data of a function of 2020 lie: it took over functions of 2014 and 2017, whose numbers the files keep.
+DATA_2020 = dict(zip(range(1, 11), (1, 2, 3, 7, 4, 16, 6, 22, 24, 25), strict=True))
+
+
+def grid(year):
+    return registry.load("problems", f"cec{year}").grid
+
+
+def shifts(year, number, dimension):
+    """Return the point where the organisers moved a function's optimum to, from minionpy's copy of their data."""
+    if (year, number) == (2020, 4):  # the organisers' code neither shifts nor rotates it
+        return np.zeros(dimension)
+    folder = Path(minionpy.__file__).parent / "cec_input_data" / f"input_data_{year}"
+    file = folder / f"shift_data_{DATA_2020[number] if year == 2020 else number}.txt"
+    return np.array(file.read_text().split()[:dimension], float)
+
+
+@pytest.mark.parametrize("name", [name for year in YEARS for name in grid(year).names() if "d100" not in name])
+def test_values_are_those_of_minionpy_bit_for_bit(name):
+    suite, function, dimension = name.split("-")
+    theirs = getattr(minionpy, f"CEC{suite[3:]}Functions")(int(function[1:]), int(dimension[1:]))
+    problem = load_problem(name)
+    assert list(zip(problem.lower, problem.upper, strict=True)) == theirs.get_bounds()
+    x = np.random.default_rng(1).uniform(problem.lower, problem.upper, (4, problem.dimension))
+    np.testing.assert_array_equal(problem.evaluate(x), theirs(x.tolist()))
+
+
+@pytest.mark.parametrize("key", ["cec2017-d10", "cec2017-d30", "cec2017-d50", "cec2022-d10", "cec2022-d20"])
+def test_values_are_those_of_the_organisers_code(key, published):
+    file = published / "cec-values.json"
+    if not file.exists():
+        pytest.skip(f"no values of the organisers' code at {file}")
+    fixture = json.loads(file.read_text())[key]
+    suite, dimension = key.split("-")
+    tested = 0
+    for number, values in fixture["values"].items():
+        if (suite, number) == ("cec2017", "2"):  # withdrawn
+            continue
+        problem = load_problem(f"{suite}-f{int(number):02d}-{dimension}")
+        np.testing.assert_allclose(problem.evaluate(np.array(fixture["points"])), values, rtol=1e-9)
+        tested += 1
+    assert tested == {"cec2017": 29, "cec2022": 12}[suite]
+
+
+SHIFTED = [
+    (year, name)
+    for year in (2014, 2017, 2019, 2020, 2022)
+    for name in grid(year).names()
+    if not (year == 2017 and "f09" in name)  # Levy's function has its optimum beside the shift
+    and not (year == 2019 and grid(year).member(name).function in ("f01", "f02", "f03"))  # these are not shifted
+]
+
+
+@pytest.mark.parametrize(("year", "name"), SHIFTED)
+def test_the_optimum_is_the_value_at_the_organisers_shift(year, name):
+    function, dimension, _ = grid(year).member(name)
+    problem = load_problem(name)
+    value = problem.evaluate(shifts(year, int(function[1:]), dimension)[None])[0]
+    assert problem.optimum <= value <= problem.optimum + 1e-6
+
+
+@pytest.mark.parametrize(
+    "name", [name for year in YEARS[1:] for name in grid(year).names() if grid(year).member(name).dimension in (9, 10, 16, 18)]
+)  # fmt: skip
+def test_no_search_beats_the_optimum(name):
+    problem = load_problem(name)
+    year, number = int(name[3:7]), int(name[9:11])
+    start = shifts(year, number, problem.dimension) + 1e-3 if (year, name) in SHIFTED else None
+    assert best_found(problem, start, points=10_000) >= problem.optimum - 1e-12 * problem.optimum
+
+
+def test_frequency_modulation_has_its_optimum_at_the_parameters_of_its_data():
+    problem = load_problem("cec2011-f01-d6")
+    known = np.array([[1.0, 5.0, -1.5, 4.8, 2.0, 4.9]])  # Das and Suganthan 2010, problem 1
+    assert problem.evaluate(known)[0] == pytest.approx(problem.optimum, abs=1e-12)
+    assert load_problem("cec2011-f02-d30").optimum is None
+
+
+@pytest.mark.parametrize("name", ["cec2011-f05-d30", "cec2014-f18-d10", "cec2017-f30-d30", "cec2019-f02-d16", "cec2022-f12-d20"])  # fmt: skip
+def test_values_depend_on_the_point_alone(name):
+    assert_pure_and_reloadable(load_problem(name))
+
+
+def test_where_minionpy_raises_or_returns_nan_the_value_is_inf():
+    problem = load_problem("cec2011-f21-d26")
+    x = np.stack([problem.lower, problem.upper * 1e10, problem.upper])
+    values = problem.evaluate(x)
+    assert np.isfinite(values).tolist() == [True, False, True]
+    assert values[1] == np.inf
+    np.testing.assert_array_equal(values, np.concatenate([problem.evaluate(row[None]) for row in x]))
+
+
+@pytest.mark.parametrize(
+    ("year", "groups"),
+    [  # the numbers of functions in the tables of the technical reports
+        (2011, {"real-world": 22}),
+        (2014, {"unimodal": 3, "multimodal": 13, "hybrid": 6, "composition": 8}),
+        (2017, {"unimodal": 2, "multimodal": 7, "hybrid": 10, "composition": 10}),
+        (2019, {"multimodal": 10}),
+        (2020, {"unimodal": 1, "multimodal": 3, "hybrid": 3, "composition": 3}),
+        (2022, {"unimodal": 1, "multimodal": 4, "hybrid": 3, "composition": 4}),
+    ],
+)
+def test_a_problem_says_its_suite_function_and_group(year, groups):
+    names = {grid(year).member(name).function: name for name in grid(year).names()}
+    features = [load_problem(name).features for name in names.values()]
+    assert [each["function"] for each in features] == list(names)
+    assert {each["suite"] for each in features} == {f"cec{year}"}
+    found = [each["group"] for each in features]
+    assert {group: found.count(group) for group in found} == groups
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        ("cec2017-f02-d10", "cec2017 has no function 'f02'; it has f01 to f30 without f02"),
+        ("cec2022-f13-d10", "cec2022 has no function 'f13'; it has f01 to f12"),
+        ("cec2022-f05-d30", "f05 of cec2022 has no dimension 30; it has 10, 20"),
+        ("cec2020-f06-d5", "f06 of cec2020 has no dimension 5; it has 10, 15, 20"),
+        ("cec2019-f01-d10", "f01 of cec2019 has no dimension 10; it has 9"),
+        ("cec2022-f05-d20-i1", "the problems of cec2022 have names such as 'cec2022-f01-d10'"),
+        ("cec2013-f01-d10", "unknown problem 'cec2013-f01-d10'; did you mean 'cec201"),
+    ],
+)
+def test_one_sentence_names_what_there_is(wrong, sentence):
+    with pytest.raises(BenchError) as caught:
+        load_problem(wrong)
+    assert sentence in str(caught.value)
+
+
+def test_without_the_extra_one_sentence_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "minionpy", None)
+    with pytest.raises(
+        BenchError, match=r"'cec2022-f05-d10' needs minionpy; install it with: .*backlash-bench\[suites\]"
+    ):
+        load_problem("cec2022-f05-d10")
