@@ -19,7 +19,7 @@ import tomli_w
 from bench.errors import BenchError, nearest
 from bench.numbers import require_whole
 from bench.optimizer import Optimizer
-from bench.plugins import from_file, loading, registry
+from bench.plugins import from_file, loading, registry, selection
 from bench.problem import Problem
 from bench.seeds import trial_seed
 from bench.trial import Trial
@@ -117,12 +117,14 @@ class Study:
         _check_numbers(given, "")
         return dataclasses.replace(self, **given)
 
-    def beside(self, names: Iterable[str]) -> Study:
-        """Return a copy with more optimizers, given by name; raises BenchError for a label that is in the study."""
-        added = _entries([{"name": name} for name in names], "optimizers", repr(self.name)) if names else ()
-        optimizers = self.optimizers + added
-        _refuse_duplicates(optimizers, "optimizers", repr(self.name))
-        return dataclasses.replace(self, optimizers=optimizers)
+    def beside(self, optimizers: Iterable[str] = (), problems: Iterable[str] = ()) -> Study:
+        """Return a copy with more optimizers and problems, by name or pattern; raises BenchError for a label twice."""
+        both = {}
+        for key, names in (("optimizers", optimizers), ("problems", problems)):
+            added = _entries([{"name": name} for name in names], key, repr(self.name)) if names else ()
+            both[key] = (*getattr(self, key), *added)
+            _refuse_duplicates(both[key], key, repr(self.name))
+        return dataclasses.replace(self, **both)
 
     def problem(self, label: str) -> Problem:
         """Load the problem of that label."""
@@ -202,21 +204,27 @@ def _read(source: str | os.PathLike[str]) -> tuple[str, str]:
 
 
 def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
-    """Return the entries of a ``[[problems]]`` or ``[[optimizers]]`` list; ``names`` gives one entry for each name."""
+    """Return the entries of a ``[[problems]]`` or ``[[optimizers]]`` list.
+
+    ``names`` gives one entry for each name, a pattern one for each name that matches, and ``suite`` one for each
+    problem that is selected from the suite.
+    """
     if not isinstance(items, list) or not items or not all(isinstance(item, dict) for item in items):
         raise BenchError(f"study {where} needs at least one [[{key}]] table with a name")
     entries: list[Entry] = []
     for item in items:
         options = dict(item)
-        if "names" in options and "name" in options:
-            raise BenchError(f"study {where}: a [[{key}]] table has a name or names, not both")
+        if sum(each in options for each in ("name", "names", "suite")) > 1:
+            raise BenchError(f"study {where}: a [[{key}]] table has one of name, names and suite")
+        if key == "problems" and "suite" in options:
+            options["names"] = selection.selected(*(options.pop(each, None) for each in selection.KEYS))
         names = options.pop("names") if "names" in options else [options.pop("name", None)]
         label = options.pop("label", None)
         texts = isinstance(names, list) and names and all(isinstance(name, str) and name.strip() for name in names)
         if not texts or not (label is None or (isinstance(label, str) and label.strip())):
             raise BenchError(f"study {where}: a [[{key}]] table needs a name (or a list of names), all of them texts")
-        if key == "optimizers":
-            names = [each for name in names for each in loading.matching(name)]
+        expand = loading.matching if key == "optimizers" else selection.matching
+        names = [each for name in names for each in expand(name)]
         entries += [Entry(name, label or _label(name), options) for name in names]
         if not all(entry.label.isprintable() for entry in entries):
             raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")

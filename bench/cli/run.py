@@ -37,6 +37,10 @@ def run(
         list[str] | None,
         typer.Option(help="Add an optimizer to the study's: a name, or path/to/file.py:ClassName; repeatable."),
     ] = None,
+    problem: Annotated[
+        list[str] | None,
+        typer.Option(help="Add a problem to the study's: a name, or a pattern such as 'bbob-f*-d5-*'; repeatable."),
+    ] = None,
     timeout: Annotated[
         float | None,
         typer.Option(metavar="SECONDS", help="Wall-clock limit of a trial; a trial that exceeds it is stopped."),
@@ -69,7 +73,7 @@ def run(
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
     console = Console()
-    chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed).beside(optimizer or [])
+    chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed).beside(optimizer or [], problem or [])
     if dry_run:
         _show_estimate(plan_study(chosen, output, shard=shard), jobs, console)
         return

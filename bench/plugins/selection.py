@@ -1,0 +1,136 @@
+"""Select many problems at once: by a pattern of their names, or by functions, dimensions and instances of a suite."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import suppress
+from fnmatch import translate
+from itertools import islice
+from typing import Any
+
+from bench.errors import BenchError, nearest
+from bench.grid import LARGEST_INSTANCE, Grid, nearest_function
+from bench.numbers import is_whole
+from bench.plugins import registry
+
+MOST = 100_000
+"""The largest number of problems that one pattern or table may select: each is loaded before a study begins."""
+
+KEYS = ("suite", "functions", "dimensions", "instances")
+
+
+def matching(pattern: str) -> list[str]:
+    """Return the problems whose names match a pattern such as ``"bbob-f*-d5-*"``, or the name if it is no pattern.
+
+    ``*`` stands for any characters, ``?`` for one, ``[13]`` for one of these. Of a suite, all functions, all dimensions
+    and the first instances are searched; of another family, the names that it lists.
+
+    Raises:
+        BenchError: where none or more than 100,000 problems match.
+    """
+    if ":" in pattern or not re.search(r"[*?[]", pattern):  # recording:<path> may hold any character
+        return [pattern]
+    matches = re.compile(translate(pattern)).fullmatch
+    names = list(islice(filter(matches, _all_names()), MOST + 1))
+    if not names:
+        raise BenchError(f"no problem matches {pattern!r}; 'bench list problems' shows the families")
+    return _limited(names, repr(pattern))
+
+
+def selected(suite: Any, functions: Any = None, dimensions: Any = None, instances: Any = None) -> list[str]:
+    """Return the names of a suite's problems by what a ``[[problems]]`` table says.
+
+    Args:
+        suite: the name of a family with a grid.
+        functions: a number or a name, a range of numbers such as ``"1-24"``, or a list of these; by default all.
+        dimensions: a number or a range, or a list of these; by default all. A function is left out in the dimensions
+            that it does not have.
+        instances: likewise; by default the first of the suite, such as 1 to 15.
+
+    Raises:
+        BenchError: for a function, dimension or instance that there is not, and for more than 100,000 problems. Both
+            ends of a range must exist; the numbers between them may have gaps.
+    """
+    grid = _grid(suite)
+    if instances is not None and not grid.instances:
+        raise BenchError(f"the problems of {suite} have no instances; leave them out")
+    chosen = None if functions is None else _functions(grid, functions)
+    sizes = None if dimensions is None else _numbers(dimensions, "dimension", grid, grid.dimensions)
+    numbers = None if instances is None else _numbers(instances, "instance", grid, range(1, LARGEST_INSTANCE + 1))
+    names = list(islice(grid.names(chosen, sizes, numbers), MOST + 1))
+    if not names:
+        raise BenchError(f"no function selected from {suite} has any of the dimensions {dimensions!r}")
+    return _limited(names, f"the selection from {suite}")
+
+
+def _limited(names: list[str], what: str) -> list[str]:
+    if len(names) > MOST:
+        raise BenchError(f"{what} stands for more than {MOST:,} problems; select fewer")
+    return names
+
+
+def _all_names() -> Iterator[str]:
+    """Yield the names of every problem that can be listed, and of all that are on a grid."""
+    for family in registry.entries("problems"):
+        with suppress(Exception):  # a broken family must not hide another's problems
+            plugin = registry.load("problems", family)
+            grid = getattr(plugin, "grid", None)
+            yield from grid.names() if isinstance(grid, Grid) else plugin.names()
+
+
+def _grid(suite: Any) -> Grid:
+    families = registry.entries("problems")
+    if not isinstance(suite, str) or suite not in families:
+        raise BenchError(f"unknown suite {suite!r}{nearest(str(suite), families)}")
+    grid = getattr(registry.load("problems", suite), "grid", None)
+    if not isinstance(grid, Grid):
+        raise BenchError(f"the problems of {suite!r} are no suite with functions and dimensions; give their names")
+    return grid
+
+
+def _functions(grid: Grid, given: Any) -> list[str]:
+    """Return the names of functions that are given as numbers, ranges or names."""
+    numbered = {int(name[1:]): name for name in grid.functions if re.fullmatch(r"f\d+", name)}
+    found: list[str] = []
+    for item in _items(given, "functions"):
+        if isinstance(item, str) and item in grid.functions:
+            found.append(item)
+        elif numbered and (span := _span(item)) and span[0] in numbered and span[1] in numbered:
+            found += [numbered[number] for number in range(span[0], span[1] + 1) if number in numbered]
+        else:
+            raise BenchError(f"{grid.suite} has no function {item!r}{nearest_function(str(item), grid.functions)}")
+    return list(dict.fromkeys(found))
+
+
+def _numbers(given: Any, what: str, grid: Grid, known: list[int] | range) -> list[int]:
+    """Return the numbers that are given as such or as ranges, among those that there are."""
+    found: list[int] = []
+    for item in _items(given, f"{what}s"):
+        span = _span(item)
+        if span is None or span[0] not in known or span[1] not in known:
+            there = f"{known[0]} to {known[-1]}" if isinstance(known, range) else ", ".join(map(str, known))
+            raise BenchError(f"{grid.suite} has no {what} {item!r}; it has {there}")
+        found += [number for number in range(span[0], span[1] + 1) if number in known]
+    return list(dict.fromkeys(found))
+
+
+def _items(given: Any, what: str) -> list[Any]:
+    """Return a list of numbers and texts; ``"1-5, 8"`` has two."""
+    if given == []:
+        raise BenchError(f"a list of {what} is empty; leave it out to select all")
+    found: list[Any] = []
+    for item in given if isinstance(given, list) else [given]:
+        found += [part.strip() for part in item.split(",")] if isinstance(item, str) else [item]
+    return found
+
+
+def _span(item: Any) -> tuple[int, int] | None:
+    """Return both ends of a number or of a range such as ``"1-24"``, or None for anything else."""
+    if is_whole(item):
+        return int(item), int(item)
+    match = re.fullmatch(r"([0-9]{1,9})(?:\s*-\s*([0-9]{1,9}))?", item) if isinstance(item, str) else None
+    if match is None:
+        return None
+    low, high = int(match[1]), int(match[2] or match[1])
+    return (low, high) if low <= high else None
