@@ -119,7 +119,7 @@ class Study:
 
     def beside(self, optimizers: Iterable[str] = (), problems: Iterable[str] = ()) -> Study:
         """Return a copy with more optimizers and problems, by name or pattern; raises BenchError for a label twice."""
-        both = {}
+        both: dict[str, Any] = {}
         for key, names in (("optimizers", optimizers), ("problems", problems)):
             added = _entries([{"name": name} for name in names], key, repr(self.name)) if names else ()
             both[key] = (*getattr(self, key), *added)
