@@ -132,7 +132,10 @@ class Objective:
         return self.repair(self.lower + span * self._rng.random((n, self.dimension)))
 
     def stop(self, reason: str) -> None:
-        """Declare that the optimizer ends before its budget by a criterion of its own, such as ``"tolfun"``."""
+        """Declare that the optimizer ends before its budget by a criterion of its own, such as ``"tolfun"``.
+
+        A study refuses the reason ``"budget"`` of a trial that has evaluations left.
+        """
         self._stop_reason = printable(" ".join(str(reason).split()), _LONGEST_REASON)
 
     def __call__(self, x: ArrayLike) -> Any:

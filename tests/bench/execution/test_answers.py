@@ -112,6 +112,7 @@ STOPPED = {"nfev": 59, "evaluations": text([1, 4, 59], "<i8"), "stop": "tired"}
         ({"stop": "undeclared"}, "it stopped by 'undeclared' after 60"),
         ({"stop": "\x1b" * 10**6}, "it stopped by .{0,60} after 60"),
         (STOPPED | {"nfev": 58}, "the evaluations of its trace"),
+        (STOPPED | {"stop": "budget"}, "it stopped by 'budget' after 59 of 60 evaluations"),
     ],
 )
 def test_what_contradicts_itself_or_the_study_is_refused(changes, reason):
