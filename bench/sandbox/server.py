@@ -34,7 +34,7 @@ _LOOK = 0.5  # seconds between looks for the owner
 _REAP = 5.0  # seconds for killed processes to end
 _PAUSE = 0.0005  # seconds between looks for the end of a process
 
-_PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36  # linux/prctl.h
+_PR_SET_PDEATHSIG, _PR_SET_DUMPABLE, _PR_SET_CHILD_SUBREAPER = 1, 4, 36  # linux/prctl.h
 
 
 def serve(end: int, owner: int, forks: bool) -> None:
@@ -49,6 +49,8 @@ def serve(end: int, owner: int, forks: bool) -> None:
     with suppress(OSError):  # ended first when the machine runs out of memory
         Path("/proc/self/oom_score_adj").write_text("1000")
     _adopt_orphans()
+    if not owner:  # in a sandbox no copy may write to the memory of the process that it was forked from
+        _prctl(_PR_SET_DUMPABLE, 0)
     if not forks and owner:
         Thread(target=_end_with_owner, args=(owner,), daemon=True).start()
     _Server(Channel(socket.socket(fileno=end), takes_files=hasattr(socket, "recv_fds"))).loop()

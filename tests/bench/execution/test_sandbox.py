@@ -58,6 +58,16 @@ ATTACKS = """
             pass
         _search(objective, rng)
 
+    def rewrites(objective, rng):
+        for each in Path("/proc").iterdir():  # its template holds the problem that the next trial is given
+            if each.name.isdigit() and int(each.name) not in (1, os.getpid()):
+                try:
+                    (each / "mem").open("r+b").close()
+                except PermissionError:
+                    continue
+                raise AssertionError("it can write to the memory of another process")
+        _search(objective, rng)
+
     def litters(objective, rng):
         scratch = Path(os.environ["TMPDIR"])
         if list(scratch.glob("left-*")):
@@ -71,6 +81,7 @@ EXPECTED = {
     "writes": ("failed", "Read-only file system"),
     "connects": ("failed", "ConnectionRefusedError|Network is unreachable"),
     "kills": ("failed", "ended or stopped twice|exit code 137 twice"),
+    "rewrites": ("ok", None),
     "litters": ("ok", None),
 }
 
