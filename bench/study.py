@@ -136,6 +136,13 @@ class Study:
         entry = self._named("optimizer", label)
         return loading.load_optimizer(entry.name, **entry.options)
 
+    def packages(self) -> dict[str, list[str]]:
+        """Return the optimizers' labels by the file, family or package that each comes from; nothing is loaded."""
+        found: dict[str, list[str]] = {}
+        for entry in self.optimizers:
+            found.setdefault(loading.package(entry.name), []).append(entry.label)
+        return found
+
     def _named(self, kind: str, label: str) -> Entry:
         found: dict[str, Entry] = {entry.label: entry for entry in getattr(self, f"{kind}s")}
         if label not in found:
@@ -148,13 +155,22 @@ class Study:
         Raises:
             BenchError: for the first name, parameter, recording or budget that cannot work.
         """
+        code = self.code(entry.label for entry in self.optimizers)
+        return Fingerprints(self.data(), code)
+
+    def data(self) -> dict[str, str]:
+        """Load every problem and return the hashes of their data; raises BenchError as :meth:`check`."""
+        return {entry.label: self.problem(entry.label).fingerprint() for entry in self.problems}
+
+    def code(self, labels: Iterable[str]) -> dict[str, str]:
+        """Load these optimizers, check their budget, and return the hashes of their files, as :meth:`check`."""
         code = {}
-        for entry in self.optimizers:
-            optimizer = self.optimizer(entry.label)
-            optimizer.check_budget(self.budget, entry.label)
+        for label in labels:
+            optimizer = self.optimizer(label)
+            optimizer.check_budget(self.budget, label)
             if optimizer.fingerprint:
-                code[entry.label] = optimizer.fingerprint
-        return Fingerprints({entry.label: self.problem(entry.label).fingerprint() for entry in self.problems}, code)
+                code[label] = optimizer.fingerprint
+        return code
 
     def plan(self) -> Iterator[Trial]:
         """Yield every trial of the study in randomised complete blocks: one trial of each cell, in random order.

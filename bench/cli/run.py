@@ -13,6 +13,7 @@ from rich.console import Console
 from bench.cli.check import check_folder
 from bench.cli.console import Jobs, Sandbox, Strict, duration, print_error, print_line
 from bench.cli.report import report_on
+from bench.errors import BenchError
 
 if TYPE_CHECKING:
     from bench.execution.plan import Plan
@@ -71,6 +72,8 @@ def run(
     from bench.execution.runner import run as run_study
     from bench.study import Study
 
+    if check and sandbox:
+        raise BenchError("--check runs optimizers outside the sandbox; leave out --check or --sandbox")
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
     console = Console()
     chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed).beside(optimizer or [], problem or [])

@@ -17,6 +17,7 @@ from bench.errors import BenchError
 from bench.execution import answers, trial_process
 from bench.execution.answers import RefusedError
 from bench.execution.templates import LOSSES, PRINTED, Templates
+from bench.plugins import from_file
 from bench.sandbox import bubblewrap
 from bench.sandbox.process import (
     DiedError,
@@ -93,38 +94,57 @@ class _KilledFromOutsideError(RuntimeError):
 
 
 def check(task: Task) -> Checked:
-    """Load all plug-ins of a study in a process of their own (:meth:`bench.study.Study.check`).
+    """Load all plug-ins of a study (:meth:`bench.study.Study.check`), the optimizers of each package in their own copy.
+
+    So no package's code can change the fingerprints of the data, or of another package.
 
     Raises:
         BenchError: for the first name, parameter, recording or budget that cannot work, or for plug-ins that hang or
             crash while they are loaded.
     """
-    loading = "loading the study's problems and optimizers"
+    doing = "loading the study's problems and optimizers"
     command = bubblewrap.command(task.sandbox) if task.sandbox else ()
     for left in reversed(range(CHECKS)):
-        # In a copy, so that the parent of the process in which all plug-ins run is not this one.
-        with Process(task.hash_seed, forks=FORKS, command=command) as root:
-            try:
-                process = root.fork() if FORKS else root
-                process.call(trial_process.begin, task.study)
-                found = process.call(trial_process.check, seconds=CHECKING)
-            except TimeExceededError as error:
-                raise BenchError(
-                    f"{loading} takes more than {error}; try each with 'bench solve' to find which hangs"
-                ) from error
-            except (DiedError, RemoteError, LostError) as error:
-                killed = isinstance(error, LostError) or (isinstance(error, DiedError) and error.code in KILLED)
-                if not (killed and left):
-                    raise BenchError(f"{loading} failed: {error}") from error
-                continue
-        if isinstance(found, dict) and "error" in found:
-            raise BenchError(printable(str(found["error"]), 4000))
         try:
-            hashes = [{str(label): str(each) for label, each in found[kind].items()} for kind in ("data", "code")]
-            return Checked(Fingerprints(*hashes), json.dumps(dict(found["machine"])))
+            with Process(task.hash_seed, forks=FORKS, command=command) as root:
+                return _checked(root, task)
+        except BenchError:
+            raise
+        except TimeExceededError as error:
+            raise BenchError(
+                f"{doing} takes more than {error}; try each with 'bench solve' to find which hangs"
+            ) from error
+        except (DiedError, RemoteError, LostError) as error:
+            killed = isinstance(error, LostError) or (isinstance(error, DiedError) and error.code in KILLED)
+            if not (killed and left):
+                raise BenchError(f"{doing} failed: {error}") from error
         except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise BenchError(f"{loading} failed: a plug-in answered in place of the harness") from error
+            raise BenchError(f"{doing} failed: a plug-in answered in place of the harness") from error
     raise AssertionError("the last loss is raised")
+
+
+def _checked(root: Process, task: Task) -> Checked:
+    """Return what the copies of a process find; raises what they raise, or whatever a strange answer leads to."""
+
+    def ask(process: Process, labels: Iterable[str], *call: Any) -> tuple[dict[str, str], dict[str, Any]]:
+        found = process.call(*call, seconds=CHECKING)
+        if "error" in found:
+            raise BenchError(printable(str(found["error"]), 4000))
+        hashes = {label: str(found["hashes"][label]) for label in labels if label in found["hashes"]}
+        return hashes, dict(found["machine"])
+
+    study = Study.from_dict(tomllib.loads(task.study))
+    # In a copy, so that the parent of the process in which plug-ins run is not this one.
+    problems = root.fork() if FORKS else root
+    problems.call(trial_process.begin, task.study)
+    data, machine = ask(problems, [each.label for each in study.problems], trial_process.check_problems)
+    code: dict[str, str] = {}
+    for labels in study.packages().values():
+        process = problems.fork() if FORKS else problems
+        hashes, other = ask(process, labels, trial_process.check_optimizers, labels)
+        code, machine = code | hashes, provenance.united(machine, other)
+    files = {each.label: from_file.fingerprint(each.name) for each in study.optimizers if from_file.split(each.name)}
+    return Checked(Fingerprints(data, code | files), json.dumps(machine))
 
 
 def failed(reason: str) -> Row:

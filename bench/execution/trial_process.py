@@ -46,19 +46,40 @@ def begin(study_text: str) -> None:
     _begun = Study.from_dict(tomllib.loads(study_text))
 
 
-def check() -> dict[str, Any]:
-    """Load all plug-ins; return the study's fingerprints, or a sentence on why it cannot be run, and the machine.
+def check_problems() -> dict[str, Any]:
+    """Load all problems; return the hashes of their data and the machine, or a sentence on why one cannot be loaded.
 
     The machine's record is that of :func:`bench.storage.provenance.machine`.
     """
+    study = _study()
+    return _checked(study.data, lambda: [_problem(each.label) for each in study.problems])
+
+
+def check_optimizers(labels: list[str]) -> dict[str, Any]:
+    """Load the optimizers of one package; return the hashes of their files and the machine, as for problems."""
+    study = _study()
+    return _checked(lambda: study.code(labels), lambda: [study.optimizer(label) for label in labels])
+
+
+def _checked(hashes: Callable[[], dict[str, str]], plugins: Callable[[], list[Any]]) -> dict[str, Any]:
     try:
-        study = _study()
-        data, code = study.check()
+        return {"hashes": hashes(), "machine": provenance.machine(provenance.modules(plugins()))}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
-    plugins = [study.optimizer(each.label) for each in study.optimizers]
-    held = [_problem(each.label) for each in study.problems]
-    return {"data": data, "code": code, "machine": provenance.machine(provenance.modules([*plugins, *held]))}
+
+
+def bibtex(labels: list[str]) -> dict[str, str]:
+    """Return the BibTeX of optimizers by label, without those that cannot be loaded."""
+    return bibtex_of(_study(), labels)
+
+
+def bibtex_of(study: Study, labels: list[str]) -> dict[str, str]:
+    """Return the BibTeX of optimizers of this study by label, without those that cannot be loaded."""
+    found = {}
+    for label in labels:
+        with contextlib.suppress(Exception):  # a plug-in may raise anything
+            found[label] = study.optimizer(label).bibtex
+    return found
 
 
 def load_problems(labels: list[str]) -> dict[str, Any]:

@@ -39,15 +39,24 @@ def load(name: str) -> type[Optimizer]:
     Raises:
         BenchError: where the file is missing or fails to run, or holds no such class or function.
     """
+    path, attribute = _parts(name)
+    return _optimizer(name, attribute, path.resolve(), fingerprint(name))
+
+
+def fingerprint(name: str) -> str:
+    """Return a hash of the file of such a name, whose code is not run; raises BenchError where it cannot be read."""
+    path, _ = _parts(name)
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    except OSError as error:
+        raise BenchError(f"the optimizer file {path} cannot be read: {error.strerror}") from error
+
+
+def _parts(name: str) -> tuple[Path, str]:
     parts = split(name)
     if parts is None:
         raise BenchError(f"{name!r} is not of the form path/to/file.py:ClassName")
-    path, attribute = parts
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise BenchError(f"the optimizer file {path} cannot be read: {error.strerror}") from error
-    return _optimizer(name, attribute, path.resolve(), hashlib.sha256(content).hexdigest()[:16])
+    return parts
 
 
 @cache

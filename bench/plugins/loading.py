@@ -87,6 +87,13 @@ def package(optimizer: str) -> str:
     return prefix if colon or not installed else installed
 
 
+def is_built_in(optimizer: str) -> bool:
+    """Return whether an optimizer's code, if not the library behind it, comes with the harness; nothing is loaded."""
+    installed = registry.entries("optimizers")
+    entry = None if from_file.split(optimizer) else installed.get(optimizer, installed.get(optimizer.partition(":")[0]))
+    return entry is not None and entry.dist is not None and entry.dist.name == registry.DISTRIBUTION
+
+
 def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:
     """Call a family's loader; turn any exception into a BenchError of one sentence."""
     try:

@@ -9,9 +9,9 @@ from typing import Any
 import pandas as pd
 
 from bench import analysis
+from bench.execution.citations import bibtex
 from bench.report.methods import Methods, MethodsFacts, methods
 from bench.storage.results import ProblemFacts, Results
-from bench.study import Study
 
 
 @dataclass(frozen=True)
@@ -142,13 +142,14 @@ class Findings:
     def methods(self) -> Methods:
         """The methods section of a paper about this run."""
         study, pairs, early = self.results.study, self.pairs, analysis.stopped_early(self.frame)
+        sandboxes = (record.get("sandbox") for record in self.results.environments)
         return methods(
             MethodsFacts(
                 study=study,
                 trials=self.trials,
                 empty=int((self.coverage["stored"] == 0).sum()),
                 failed=int(self.coverage["failed"].sum()),
-                bibtex={entry.label: _bibtex(study, entry.label) for entry in study.optimizers},
+                bibtex=bibtex(study, next(filter(None, sandboxes), None)),
                 environments=self.results.environments,
                 tests=len(pairs) if pairs["testable"].any() else 0,
                 permutation_tests=int((pairs["method"] == "permutation").sum()),
@@ -170,12 +171,3 @@ class Findings:
             for each in checks
             if each["check"] == check
         }
-
-
-def _bibtex(study: Study, label: str) -> str:
-    """Return the BibTeX of an optimizer, "" where its plug-in is missing here or gives no text."""
-    try:
-        entry: Any = study.optimizer(label).bibtex
-    except Exception:  # a plug-in may raise anything
-        return ""
-    return entry if isinstance(entry, str) else ""

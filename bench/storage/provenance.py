@@ -52,6 +52,13 @@ def machine(plugins: Sequence[str] = ()) -> dict[str, Any]:
     }
 
 
+def united(record: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a machine's record with those packages, checkouts and BLAS that only another process's record has."""
+    both = {key: dict(other.get(key) or {}) | record[key] for key in ("packages", "checkouts")}
+    blas = [*record["blas"], *(each for each in other.get("blas") or () if each not in record["blas"])]
+    return dict(record) | both | {"blas": sorted(blas, key=str)}
+
+
 def run(
     study: Study,
     fingerprints: Fingerprints,

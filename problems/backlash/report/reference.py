@@ -8,8 +8,10 @@ import pandas as pd
 
 from bench import Results, Study
 from bench.analysis import labels, scores
+from bench.plugins.loading import is_built_in
 from bench.report import Section, Table
 from bench.report.wording import count, listing
+from bench.study import Entry
 from problems.backlash.signature.model import TAU
 from problems.backlash.signature.problem import FOUND, TOLERANCE_RPM, SignatureFit
 
@@ -45,16 +47,19 @@ def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
 def under_constraints(study: Study) -> dict[str, bool]:
     """Return by label whether an optimizer kept to the constraints: not with ``handling="box"``.
 
-    An optimizer without such an option is assumed to repair its points.
+    An optimizer without such an option is assumed to repair its points. A stranger's is not loaded to look for it.
     """
 
-    def handling(label: str, given: object) -> object:
+    def handling(entry: Entry) -> object:
+        given = entry.options.get("handling")
+        if not is_built_in(entry.name):
+            return given
         try:
-            return getattr(study.optimizer(label), "handling", given)
-        except Exception:  # a plug-in may be missing, and may raise anything
+            return getattr(study.optimizer(entry.label), "handling", given)
+        except Exception:  # its library may be missing, and may raise anything
             return given
 
-    return {each.label: handling(each.label, each.options.get("handling")) != "box" for each in study.optimizers}
+    return {each.label: handling(each) != "box" for each in study.optimizers}
 
 
 def reference_fits(problems: dict[str, SignatureFit], *, constraints: bool) -> pd.DataFrame:

@@ -126,6 +126,7 @@ def test_an_optimizer_that_edits_the_rows_of_another_is_noticed(bench_here, tmp_
     done = bench_here("run", study, "--output", out, "--jobs", 1)
     assert "of 8 trials are damaged (scatter on sphere-2, trial" in done.stdout
     assert "Error: Storage: " in (out / "report.html").read_text()
+    assert "of 8 trials are damaged (scatter on sphere-2, trial" in bench_here("status", out, "--check").stdout
     verified = bench_here("verify", out, "--jobs", 1)
     assert verified.returncode == 1
     assert "of 8 trials are damaged (scatter on sphere-2, trial" in verified.stdout

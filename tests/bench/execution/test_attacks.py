@@ -5,6 +5,8 @@ other processes in test_sandbox.py, budgets and values beside the objective in t
 the call in tests/bench/test_objective.py, edited rows in tests/bench/cli/test_changed_store.py.
 """
 
+import json
+import os
 import signal
 import sys
 
@@ -12,6 +14,8 @@ import pandas as pd
 import pytest
 
 from bench import Results, Study, load_problem, load_results, run
+from bench.execution.supervisor import Task, check
+from bench.plugins.from_file import fingerprint
 from bench.sandbox import process
 
 pytestmark = [
@@ -146,3 +150,45 @@ def test_a_run_whose_own_process_is_killed_leaves_the_names_of_the_trials_under_
     assert ended.returncode == -signal.SIGKILL
     (said,) = [line for line in bench_here("status", tmp_path / "out").stdout.splitlines() if "was killed" in line]
     assert "under way were kill-main on " in said
+
+
+FORGER = """
+import bench.plugins.from_file, bench.study, bench.storage.provenance
+from problems.backlash.signature.problem import SignatureFit
+
+SignatureFit.fingerprint = lambda self: "forged"
+bench.study.Study.data = lambda self: {entry.label: "forged" for entry in self.problems}
+bench.study.Study.code = lambda self, labels: {entry.label: "forged" for entry in self.optimizers}
+bench.plugins.from_file.fingerprint = lambda name: "forged"
+machine = bench.storage.provenance.machine
+bench.storage.provenance.machine = lambda *_: machine() | {"packages": {"numpy": "0.0"}, "host": "forged"}
+
+def mine(objective, rng):
+    objective(objective.initial(5))
+"""
+
+
+def test_an_import_forges_no_fingerprint(tmp_path, testing_plugins):
+    found = []
+    for name, code in (("forger", FORGER), ("other", FORGER[FORGER.index("def") :])):
+        (tmp_path / f"{name}.py").write_text(code)
+    honest = [{"name": "hill-climber"}, {"name": f"{tmp_path}/other.py:mine", "label": "other"}]
+    for optimizers in (honest, [{"name": f"{tmp_path}/forger.py:mine", "label": "forger"}, *honest]):
+        made = {"name": "s", "problems": [{"name": "signature-12"}], "optimizers": optimizers}
+        found.append(check(Task(Study.from_dict(made).to_toml())))
+    (alone, beside) = (each.fingerprints for each in found)
+    assert beside.data == alone.data
+    assert beside.code == alone.code | {"forger": fingerprint(f"{tmp_path}/forger.py:mine")}
+    assert json.loads(found[0].machine) == json.loads(found[1].machine)
+
+
+def test_no_file_is_imported_by_the_command_or_its_report(bench_here, tmp_path):
+    code = "import os\nopen(__file__ + '.pids', 'a').write(f'{os.getpid()} ')\n" + FORGER[FORGER.index("def") :]
+    (tmp_path / "mine.py").write_text(code)
+    (tmp_path / "study.toml").write_text(study(2, []).to_toml())
+    command = ["run", tmp_path / "study.toml", "--output", tmp_path / "out", "--jobs", 1]
+    bench_here(*command, "--optimizer", f"{tmp_path}/mine.py:mine")
+    assert "mine" in (tmp_path / "out" / "report.html").read_text()
+    imported = {int(pid) for pid in (tmp_path / "mine.py.pids").read_text().split()}
+    assert len(imported) > 2
+    assert os.getpid() not in imported

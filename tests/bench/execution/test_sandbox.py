@@ -152,3 +152,9 @@ def test_one_that_is_unknown_or_missing_is_one_sentence(monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     with pytest.raises(BenchError, match="needs bubblewrap, which is not installed here; install it"):
         bubblewrap.command("bwrap")
+
+
+def test_checks_which_run_outside_are_refused_beside_it(bench_here):
+    done = bench_here("run", "quick", "--check", "--sandbox", "bwrap")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("bench: --check runs optimizers outside the sandbox")

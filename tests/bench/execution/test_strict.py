@@ -15,7 +15,25 @@ pytestmark = [
 ]
 
 CHEATS = """
-    import itertools
+    import gc, itertools, sys
+    from pathlib import Path
+
+    import numpy as np
+
+    from bench import Problem
+
+    def found(objective, way):
+        if way == "attribute":
+            return getattr(objective, "_problem", None)
+        if way == "method":
+            return getattr(objective.repair.__self__, "_problem", None)
+        if way == "collector":
+            gc.unfreeze()
+            return next((each for each in gc.get_objects() if isinstance(each, Problem)), None)
+        frame = sys._getframe()
+        while frame and "problem" not in frame.f_locals:
+            frame = frame.f_back
+        return frame and frame.f_locals["problem"]
 
     def overspends(objective, rng):
         for call in itertools.count():
@@ -23,14 +41,25 @@ CHEATS = """
             if getattr(objective, "_improved_at", None) and call < 30:
                 objective._evaluations = objective._improved_at[-1]  # as few as its trace allows
 
-    def peeks(objective, rng):
-        points = objective.initial(5)
-        problem = getattr(objective, "_problem", None)
-        if problem is not None:
+    def peeks(objective, rng, way="attribute"):
+        points, problem = objective.initial(5), found(objective, way)
+        if hasattr(problem, "evaluate") and problem.dimension == objective.dimension:
             many = objective.initial(500)
             points[0] = many[problem.evaluate(many).argmin()]
         while True:
             objective(points)
+            points = objective.initial(5)
+
+    def learns(objective, rng):
+        notes, best = Path(__file__).with_suffix(f".{objective.dimension}.npy"), np.inf
+        points = objective.initial(5)
+        if notes.exists():
+            points[0] = np.load(notes)
+        while True:
+            values = objective(points)
+            if values.min() < best:
+                best = values.min()
+                np.save(notes, points[values.argmin()])
             points = objective.initial(5)
 
     def imports(objective, rng):
@@ -76,14 +105,16 @@ def test_an_honest_optimizer_gives_the_same_bits(tmp_path):
     assert len(stored[0]) == 12
 
 
-def test_who_peeks_or_overspends_is_named_by_a_strict_verification(cheats, tmp_path):
-    cheating = [{"name": f"{cheats}:{name}"} for name in ("overspends", "peeks")]
+def test_who_peeks_overspends_or_learns_is_named_by_a_verification(cheats, tmp_path):
+    ways = "attribute", "method", "collector", "frames"
+    cheating = [{"name": f"{cheats}:peeks", "label": way, "way": way} for way in ways]
+    cheating += [{"name": f"{cheats}:{name}"} for name in ("overspends", "learns")]
     run(study(*cheating, {"name": "hill-climber"}), tmp_path / "out", n_jobs=2)
     frame = load_results(tmp_path / "out")
     assert frame["status"].eq("ok").all()  # what is stored by default is not proof against them
     found = verify(tmp_path / "out", trials=2, strict=True)
-    assert {trial.optimizer for trial in found.different} == {"overspends", "peeks"}
-    assert verify(tmp_path / "out", trials=2).different == {}
+    assert {trial.optimizer for trial in found.different} == {*ways, "overspends", "learns"}
+    assert {trial.optimizer for trial in verify(tmp_path / "out", trials=2).different} == {"learns"}
 
 
 def test_installed_problems_are_hidden(cheats, tmp_path):

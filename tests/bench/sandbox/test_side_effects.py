@@ -67,6 +67,8 @@ def test_what_is_put_back_or_ends_is_no_side_effect(template, statement):
         "import os; os.dup2(os.open('/dev/null', os.O_RDWR), 2)",
         "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN)",
         "import signal; signal.setitimer(signal.ITIMER_VIRTUAL, 500)",
+        "import os; os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))",
+        "import os; os.nice(1)",
         pytest.param(f"{FENV}(0x400)", id="rounding downwards", marks=X86),
         pytest.param(f"{FENV}(0x800)", id="rounding upwards", marks=X86),
         pytest.param(f"{FENV}(0xc00)", id="rounding to zero", marks=X86),

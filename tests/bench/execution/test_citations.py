@@ -1,0 +1,65 @@
+"""The BibTeX that a report reads: of every optimizer that gives one, and no stranger's code runs in the report."""
+
+import os
+
+import pytest
+
+from bench import Study, load_optimizer
+from bench.execution.citations import bibtex
+
+CODE = """
+import os
+from dataclasses import dataclass
+from pathlib import Path
+import bench
+
+Path(__file__).with_suffix(".pid").write_text(str(os.getpid()))
+
+@dataclass(frozen=True)
+class Mine(bench.Optimizer):
+    bibtex = {bibtex}
+
+    def minimize(self, objective, rng):
+        {deed}
+
+{deed}
+"""
+
+
+@pytest.fixture
+def file(tmp_path):
+    """Return a function that writes an optimizer's file and returns its name."""
+
+    def write(name, bibtex, deed="pass"):
+        path = tmp_path / f"{name}.py"
+        path.write_text(CODE.format(bibtex=repr(bibtex), deed=deed))
+        return f"{path}:Mine"
+
+    return write
+
+
+def cited(*names, sandbox=None):
+    optimizers = [{"name": name, "label": str(number)} for number, name in enumerate(names)]
+    study = Study.from_dict({"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": optimizers})
+    return [*bibtex(study, sandbox).values()]
+
+
+def test_each_optimizer_s_own_text_is_read(file, testing_plugins):
+    expected = [load_optimizer("gwo").bibtex, "@misc{mine}", "", "", ""]
+    assert expected[0].startswith("@")
+    assert cited("gwo", file("mine", "@misc{mine}"), "hill-climber", "gone.py:Mine", "broken") == expected
+
+
+def test_what_is_no_text_or_ends_its_process_costs_only_itself(file, testing_plugins):
+    names = [file("odd", 5), file("deadly", "@misc{b}", "os._exit(0)"), file("sound", "@misc{c}")]
+    assert cited(*names) == ["", "", "@misc{c}"]
+
+
+def test_no_file_is_imported_here(file, tmp_path, testing_plugins):
+    assert cited(file("mine", "@misc{mine}")) == ["@misc{mine}"]
+    assert int((tmp_path / "mine.pid").read_text()) != os.getpid()
+
+
+def test_a_stranger_s_is_not_read_without_the_sandbox_that_the_run_had(file, tmp_path, testing_plugins):
+    assert cited("gwo", file("mine", "@misc{mine}"), sandbox="none")[1] == ""
+    assert not (tmp_path / "mine.pid").exists()
