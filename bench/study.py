@@ -9,13 +9,15 @@ import os
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import tomli_w
 
+from bench import budget as budgets
+from bench.budget import Budget
 from bench.errors import BenchError, nearest
 from bench.numbers import require_whole
 from bench.optimizer import Optimizer
@@ -60,7 +62,8 @@ class Study:
         problems: the problems, with distinct labels.
         optimizers: the optimizers, with distinct labels.
         trials: the number of runs of each optimizer on each problem.
-        budget: evaluations a run may spend.
+        budget: evaluations a run may spend: a number, a multiple of the dimension such as ``"1e4 * d"``, or a table by
+            dimension such as ``{"10": 200_000}``.
         seed: the seed that all trials' seeds derive from.
         title: one line on what is compared.
     """
@@ -69,7 +72,7 @@ class Study:
     problems: tuple[Entry, ...]
     optimizers: tuple[Entry, ...]
     trials: int = 30
-    budget: int = 10_000
+    budget: Budget = 10_000
     seed: int = 0
     title: str = ""
 
@@ -97,7 +100,7 @@ class Study:
         for key in ("name", "title"):
             if not isinstance(data.get(key, ""), str):
                 raise BenchError(f"study {where}: {key!r} must be a text, not {data[key]!r}")
-        _check_numbers(data, f"study {where}: ")
+        data = data | _checked(data, f"study {where}: ")
         if not data.get("name"):
             raise BenchError(f'study {where} has no name; add a line such as name = "my-study"')
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", data["name"]):
@@ -114,8 +117,11 @@ class Study:
     def override(self, **changes: Any) -> Study:
         """Return a copy with the given fields replaced; None leaves a field as it is."""
         given = {key: value for key, value in changes.items() if value is not None}
-        _check_numbers(given, "")
-        return dataclasses.replace(self, **given)
+        return dataclasses.replace(self, **given | _checked(given, ""))
+
+    def evaluations(self, dimension: int) -> int:
+        """Return the evaluations of a trial in so many dimensions; raises BenchError where the budget has none."""
+        return budgets.evaluations(self.budget, dimension)
 
     def beside(self, optimizers: Iterable[str] = (), problems: Iterable[str] = ()) -> Study:
         """Return a copy with more optimizers and problems, by name or pattern; raises BenchError for a label twice."""
@@ -155,19 +161,27 @@ class Study:
         Raises:
             BenchError: for the first name, parameter, recording or budget that cannot work.
         """
-        code = self.code(entry.label for entry in self.optimizers)
-        return Fingerprints(self.data(), code)
+        data, least = self.data()
+        return Fingerprints(data, self.code((entry.label for entry in self.optimizers), least))
 
-    def data(self) -> dict[str, str]:
-        """Load every problem and return the hashes of their data; raises BenchError as :meth:`check`."""
-        return {entry.label: self.problem(entry.label).fingerprint() for entry in self.problems}
+    def data(self, load: Callable[[str], Problem] | None = None) -> tuple[dict[str, str], int]:
+        """Load every problem; return the hashes of their data and the smallest budget; raises as :meth:`check`.
 
-    def code(self, labels: Iterable[str]) -> dict[str, str]:
-        """Load these optimizers, check their budget, and return the hashes of their files, as :meth:`check`."""
+        ``load`` returns the problem of a label.
+        """
+        problems = {entry.label: (load or self.problem)(entry.label) for entry in self.problems}
+        least = min(self.evaluations(dimension) for dimension in {each.dimension for each in problems.values()})
+        return {label: problem.fingerprint() for label, problem in problems.items()}, least
+
+    def code(self, labels: Iterable[str], least: int) -> dict[str, str]:
+        """Load these optimizers; return the hashes of their files; raises as :meth:`check`.
+
+        ``least`` is the smallest budget of any problem.
+        """
         code = {}
         for label in labels:
             optimizer = self.optimizer(label)
-            optimizer.check_budget(self.budget, label)
+            optimizer.check_budget(least, label)
             if optimizer.fingerprint:
                 code[label] = optimizer.fingerprint
         return code
@@ -195,10 +209,12 @@ class Study:
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
-def _check_numbers(given: Mapping[str, Any], where: str) -> None:
-    for key, least in (("seed", None), ("trials", 1), ("budget", 1)):
+def _checked(given: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Return the budget as a study holds it, where one is given; raises BenchError for numbers that cannot be."""
+    for key, least in (("seed", None), ("trials", 1)):
         if key in given:
             require_whole(f"{where}{key!r}", given[key], least)
+    return {"budget": budgets.checked(given["budget"], f"{where}'budget'")} if "budget" in given else {}
 
 
 def _read(source: str | os.PathLike[str]) -> tuple[str, str]:

@@ -18,7 +18,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
-from bench.analysis.cells import Traces, labels, reference_values
+from bench.analysis.cells import Traces, budgets, labels, reference_values
 from bench.objective import Trace
 from bench.problem import Floats
 
@@ -105,19 +105,23 @@ def targets(traces: Traces, optima: Mapping[str, float] | None = None) -> pd.Dat
     return _stacked(tables, ["problem", "tau", "target", "reference", "known"])
 
 
-def hitting_times(frame: pd.DataFrame, traces: Traces, targets: pd.DataFrame, budget: int) -> pd.DataFrame:
+def hitting_times(
+    frame: pd.DataFrame, traces: Traces, targets: pd.DataFrame, budget: int | Mapping[str, int]
+) -> pd.DataFrame:
     """Return one row a trial and target: problem, optimizer, trial, tau, target, evaluations and spent.
 
     ``evaluations`` is when the trial first reached the target, +inf where it never did. ``spent`` is what the trial
     used in all. A failed trial reached nothing and spent the whole budget, whatever it found before, so that a
     crash is not cheaper than an unsuccessful search. Problem and optimizer stay categories where they are in ``frame``.
-    A trial without a trace reached nothing; trials of a problem without ``targets`` have no row.
+    A trial without a trace reached nothing; trials of a problem without ``targets`` have no row. ``budget`` is one
+    number, or a number by problem.
     """
     ladders = {
         problem: rungs[["tau", "target"]].to_numpy(dtype=float).T
         for problem, rungs in targets.groupby("problem", sort=False, observed=True)
     }
-    spent = pd.to_numeric(frame["nfev"], errors="coerce").astype(float).where(frame["status"] == "ok").fillna(budget)
+    spent = pd.to_numeric(frame["nfev"], errors="coerce").astype(float).where(frame["status"] == "ok")
+    spent = spent.fillna(budgets(frame, budget))
     blocks = [np.empty((3, 0))]
     for problem, trace in zip(frame["problem"], _traces_of(frame, traces), strict=True):
         tau, target = ladders.get(problem, np.empty((2, 0)))
@@ -156,14 +160,20 @@ def success_rates(hits: pd.DataFrame, taus: Iterable[float] = (1e-1, 1e-2, 1e-3)
     return table[columns].assign(rate=rate, low=low, high=high)
 
 
-def ecdf(hits: pd.DataFrame, grid: Counts) -> pd.DataFrame:
+def ecdf(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None = None) -> pd.DataFrame:
     """Return the runtime distribution of each optimizer over all problems: optimizer, evaluations, fraction.
+
+    With ``dimensions``, the d of each problem, the unit is an evaluation a dimension, in which COCO compares problems
+    of different dimensions and budgets; the column is then ``per_dimension``.
 
     ``fraction`` is the share of all (target, problem, trial) reached within that many evaluations (Hansen et al. 2016,
     without simulated restarts). Every trial weighs the same, also where problems have ladders of different lengths.
     Compare optimizers only where they have trials on the same problems. Missing for an optimizer without trials.
     """
     tables = []
+    unit = "evaluations" if dimensions is None else "per_dimension"
+    if dimensions is not None:
+        hits = hits.assign(evaluations=hits["evaluations"] / hits["problem"].astype(object).map(dimensions))
     for optimizer in labels(hits, "optimizer"):
         own = hits[hits["optimizer"] == optimizer]
         groups = [group for _, group in own.groupby("problem", sort=False, observed=True)]
@@ -171,8 +181,8 @@ def ecdf(hits: pd.DataFrame, grid: Counts) -> pd.DataFrame:
         shares = np.array([_share_within(group["evaluations"], grid) for group in groups]).reshape(-1, len(grid))
         # A plain sum, not a matrix product: its rounding is the same everywhere, so that no curve ever falls.
         fraction = (trials[:, np.newaxis] * shares).sum(axis=0) / trials.sum() if groups else np.nan
-        tables.append(pd.DataFrame({"optimizer": optimizer, "evaluations": grid, "fraction": fraction}))
-    return _stacked(tables, ["optimizer", "evaluations", "fraction"])
+        tables.append(pd.DataFrame({"optimizer": optimizer, unit: grid, "fraction": fraction}))
+    return _stacked(tables, ["optimizer", unit, "fraction"])
 
 
 def data_profiles(

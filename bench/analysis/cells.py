@@ -47,6 +47,13 @@ def in_study_order(frame: pd.DataFrame, study: Study) -> pd.DataFrame:
     )
 
 
+def budgets(frame: pd.DataFrame, budget: int | Mapping[str, int]) -> pd.Series[float]:
+    """Return the evaluations that each trial was allowed: one number for all, or a number by problem."""
+    if isinstance(budget, Mapping):
+        return frame["problem"].astype(object).map(budget).astype(float)
+    return pd.Series(float(budget), index=frame.index)
+
+
 def labels(frame: pd.DataFrame, column: str) -> list[str]:
     """Return the labels of ``problem`` or ``optimizer``: the study's where known, else in order of appearance."""
     values = frame[column]

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import pandas as pd
 
-from bench.analysis.cells import CONTENTION, HIDDEN_THREADS, Traces, scores, stopped_early, timing, variables
+from bench.analysis.cells import CONTENTION, HIDDEN_THREADS, Traces, budgets, scores, stopped_early, timing, variables
 from bench.objective import Trace
 
 UNUSED = 0.01  # share of the budget that may be left without a reason
@@ -43,9 +43,14 @@ class Evidence:
     """The trials that the checks look at and what is known about them; see :func:`bench.analysis.integrity`."""
 
     frame: pd.DataFrame
-    budget: int
+    budget: int | Mapping[str, int]  # of every trial, or by problem
     traces: Traces
     boxes: Boxes
+
+    @property
+    def allowed(self) -> str:
+        """The budget in words."""
+        return "its budget allows" if isinstance(self.budget, Mapping) else f"the budget of {self.budget:,}"
 
     @cached_property
     def finished(self) -> pd.DataFrame:
@@ -112,11 +117,11 @@ def _finite(evidence: Evidence) -> Finding:
 def _budget(evidence: Evidence) -> Finding:
     return judge(
         evidence.finished,
-        evidence.finished["nfev"] > evidence.budget,
+        evidence.finished["nfev"] > budgets(evidence.finished, evidence.budget),
         "error",
-        f"record more evaluations than the budget of {evidence.budget:,}",
+        f"record more evaluations than {evidence.allowed}",
         "The harness prevents this, so the results were changed.",
-        well=f"No trial made more than the {evidence.budget:,} evaluations of the budget.",
+        well=f"No trial made more evaluations than {evidence.allowed}.",
     )
 
 
@@ -140,7 +145,7 @@ def _undeclared_stops(evidence: Evidence) -> Finding:
     trials = evidence.finished
     return judge(
         trials,
-        (trials["nfev"] < (1 - UNUSED) * evidence.budget) & ~stopped_early(trials),
+        (trials["nfev"] < (1 - UNUSED) * budgets(trials, evidence.budget)) & ~stopped_early(trials),
         "warning",
         f"left more than {percent(UNUSED)} of the budget unused without a declared reason",
         well=f"Every trial used at least {percent(1 - UNUSED)} of its budget or declared why it stopped.",

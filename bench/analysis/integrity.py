@@ -58,7 +58,7 @@ TRAITS = {
 def integrity(
     frame: pd.DataFrame,
     *,
-    study_budget: int,
+    study_budget: int | Mapping[str, int],
     planned_trials: int,
     traces: Traces | None = None,
     boxes: Boxes | None = None,
@@ -74,7 +74,7 @@ def integrity(
     reason in a sentence; ``cells`` names every "optimizer on problem" concerned, separated by semicolons.
 
     Args:
-        study_budget: evaluations that each trial was allowed.
+        study_budget: evaluations that each trial was allowed, or those by problem.
         planned_trials: trials that each cell should hold.
         boxes: the lower and upper bound of each variable, by problem and by variable.
         diagnoses: the results of ``bench check`` for each optimizer, by label: check, passed and, where there is one,

@@ -19,6 +19,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from bench.budget import described
 from bench.cli.console import duration, print_line
 from bench.execution.plan import Plan
 from bench.trial import Trial
@@ -86,7 +87,7 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
     size = f"{len(study.problems)} problems x {len(study.optimizers)} optimizers x {study.trials} trials"
     part = f"; shard {plan.shard} of them: {total} runs" if plan.shard else f" = {total} runs"
     done = f", {present} of them already done" if present else ""
-    print_line(f"study {study.name}: {size}{part} of {study.budget} evaluations{done}", console=console)
+    print_line(f"study {study.name}: {size}{part} of {described(study.budget)}{done}", console=console)
     for note in plan.notes:
         print_line(note, "yellow", console)
 

@@ -30,7 +30,10 @@ def run(
     trials: Annotated[
         int | None, typer.Option(help="Trials of each optimizer on each problem, instead of the study's number.")
     ] = None,
-    budget: Annotated[int | None, typer.Option(help="Evaluations per trial, instead of the study's budget.")] = None,
+    budget: Annotated[
+        str | None,
+        typer.Option(help="Evaluations per trial, instead of the study's budget: a number, or such as '1e4 * d'."),
+    ] = None,
     seed: Annotated[
         int | None, typer.Option(help="Seed that all trials' seeds derive from, instead of the study's.")
     ] = None,

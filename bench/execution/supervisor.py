@@ -130,19 +130,19 @@ def _checked(root: Process, task: Task) -> Checked:
         found = process.call(*call, seconds=CHECKING)
         if "error" in found:
             raise BenchError(printable(str(found["error"]), 4000))
-        hashes = {label: str(found["hashes"][label]) for label in labels if label in found["hashes"]}
-        return hashes, dict(found["machine"])
+        return {label: str(found["hashes"][label]) for label in labels if label in found["hashes"]}, found
 
     study = Study.from_dict(tomllib.loads(task.study))
     # In a copy, so that the parent of the process in which plug-ins run is not this one.
     problems = root.fork() if FORKS else root
     problems.call(trial_process.begin, task.study)
-    data, machine = ask(problems, [each.label for each in study.problems], trial_process.check_problems)
+    data, found = ask(problems, [each.label for each in study.problems], trial_process.check_problems)
     code: dict[str, str] = {}
+    machine, least = dict(found["machine"]), int(found["least"])
     for labels in study.packages().values():
         process = problems.fork() if FORKS else problems
-        hashes, other = ask(process, labels, trial_process.check_optimizers, labels)
-        code, machine = code | hashes, provenance.united(machine, other)
+        hashes, found = ask(process, labels, trial_process.check_optimizers, labels, least)
+        code, machine = code | hashes, provenance.united(machine, dict(found["machine"]))
     files = {each.label: from_file.fingerprint(each.name) for each in study.optimizers if from_file.split(each.name)}
     return Checked(Fingerprints(data, code | files), json.dumps(machine))
 
@@ -269,7 +269,8 @@ class Supervisor:
         answer, seconds = make(trial, template)
         if reason := answers.error(answer):
             return failed(reason)
-        claim = _Claim(trial, answers.result(answer, box, self._study.budget, trial.seed, seconds), box.variables)
+        budget = self._study.evaluations(len(box.lower))
+        claim = _Claim(trial, answers.result(answer, box, budget, trial.seed, seconds), box.variables)
         return claim.row(answers.metrics(answer)) if self._task.strict else claim
 
     def _judge(self, claims: Sequence[_Claim]) -> Iterator[tuple[Trial, Row]]:

@@ -47,23 +47,27 @@ def begin(study_text: str) -> None:
 
 
 def check_problems() -> dict[str, Any]:
-    """Load all problems; return the hashes of their data and the machine, or a sentence on why one cannot be loaded.
+    """Load all problems; return the hashes of their data, the smallest budget and the machine.
 
-    The machine's record is that of :func:`bench.storage.provenance.machine`.
+    The machine's record is that of :func:`bench.storage.provenance.machine`. Where one cannot be loaded, return a
+    sentence on why.
     """
-    study = _study()
-    return _checked(study.data, lambda: [_problem(each.label) for each in study.problems])
-
-
-def check_optimizers(labels: list[str]) -> dict[str, Any]:
-    """Load the optimizers of one package; return the hashes of their files and the machine, as for problems."""
-    study = _study()
-    return _checked(lambda: study.code(labels), lambda: [study.optimizer(label) for label in labels])
-
-
-def _checked(hashes: Callable[[], dict[str, str]], plugins: Callable[[], list[Any]]) -> dict[str, Any]:
     try:
-        return {"hashes": hashes(), "machine": provenance.machine(provenance.modules(plugins()))}
+        study = _study()
+        hashes, least = study.data(_problem)
+        modules = provenance.modules([_problem(each.label) for each in study.problems])
+        return {"hashes": hashes, "least": least, "machine": provenance.machine(modules)}
+    except BenchError as error:
+        return {"error": printable(str(error), 4000)}
+
+
+def check_optimizers(labels: list[str], least: int) -> dict[str, Any]:
+    """Load the optimizers of one package; return the hashes of their files and the machine, as for problems."""
+    try:
+        study = _study()
+        hashes = study.code(labels, least)
+        modules = provenance.modules([study.optimizer(label) for label in labels])
+        return {"hashes": hashes, "machine": provenance.machine(modules)}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
 
@@ -101,7 +105,7 @@ def load_problems(labels: list[str]) -> dict[str, Any]:
             found[label] = _failure(error)
             continue
         with contextlib.suppress(BaseException):  # the trials will report it
-            passes(_study().budget, problem.dimension)
+            passes(_study().evaluations(problem.dimension), problem.dimension)
             if type(problem) not in kinds:
                 kinds.add(type(problem))
                 problem.describe(problem.repair(problem.lower[np.newaxis])[0])
@@ -135,7 +139,8 @@ def make(trial: Trial) -> dict[str, Any]:
         study = _study()
         problem, optimizer = _problem(trial.problem), study.optimizer(trial.optimizer)
         with effects:
-            answer |= as_answer(search(problem, optimizer, study.budget, trial.seed, _end_if_stuck))
+            budget = study.evaluations(problem.dimension)
+            answer |= as_answer(search(problem, optimizer, budget, trial.seed, _end_if_stuck))
     return answer | {"altered": effects.any}
 
 
@@ -153,7 +158,8 @@ def make_strictly(trial: Trial, core: int, lower: list[float], upper: list[float
     with _answering(effects) as answer:
         _stay_on(core)
         optimizer = _study().optimizer(trial.optimizer)
-        objective = strict.RemoteObjective(end, np.array(lower), np.array(upper), _study().budget, _end_if_stuck)
+        budget = _study().evaluations(len(lower))
+        objective = strict.RemoteObjective(end, np.array(lower), np.array(upper), budget, _end_if_stuck)
         with effects:
             objective.begin()
             cpu = process_time()
@@ -170,7 +176,7 @@ def keep(trial: Trial, core: int, end: int) -> dict[str, Any]:
     """
     _stay_on(core)
     problem = _problem(trial.problem)
-    objective = Objective(problem, _study().budget, streams(trial.seed)[0])
+    objective = Objective(problem, _study().evaluations(problem.dimension), streams(trial.seed)[0])
     found = result(objective, problem, trial.seed, strict.serve(objective, end), 0.0)
     return as_answer(found) | {"metrics": numbers(found.metrics)}
 
@@ -211,10 +217,11 @@ def _warm_up(load: Callable[[], Problem], optimizer: str, *, counts: bool) -> bo
         if (type(loaded), optimizer) in _warm:
             return False
         _warm.add((type(loaded), optimizer))
+        budget = study.evaluations(loaded.dimension)
         with _noting():
-            search(loaded, chosen, min(study.budget, 3 * chosen.minimum_budget), 0, _end_if_stuck)
+            search(loaded, chosen, min(budget, 3 * chosen.minimum_budget), 0, _end_if_stuck)
             if counts:
-                passes(study.budget, loaded.dimension)  # the optimizer may have imported numba
+                passes(budget, loaded.dimension)  # the optimizer may have imported numba
     _settle()
     return True
 

@@ -9,6 +9,7 @@ from itertools import chain
 import numpy as np
 import pandas as pd
 
+from bench.budget import described
 from bench.errors import require
 from bench.export.trials import readme
 from bench.objective import Trace
@@ -40,7 +41,7 @@ def files(results: Results, kind: str) -> Iterator[tuple[str, str | bytes]]:
 
 def about(results: Results) -> str:
     """Return the export's README."""
-    return readme("tables", budget=results.study.budget)
+    return readme("tables", budget=described(results.study.budget))
 
 
 def trials(results: Results) -> pd.DataFrame:

@@ -10,7 +10,7 @@ from matplotlib.ticker import FixedLocator
 from bench.plots import style
 
 EVALUATIONS = "evaluations"
-AXES = {"evaluations": EVALUATIONS, "groups": "groups of d + 1 evaluations"}
+AXES = {"evaluations": EVALUATIONS, "per_dimension": "evaluations / d", "groups": "groups of d + 1 evaluations"}
 
 
 def convergence(
@@ -109,7 +109,7 @@ def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:
 
 def _fractions(curves: pd.DataFrame, share: str, looks: style.Looks | None, legend: bool, ax: Axes | None) -> Axes:
     ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
-    along = "groups" if "groups" in curves else "evaluations"
+    along = next(name for name in AXES if name in curves)
     for place, (optimizer, look) in enumerate(looks.items()):
         x, fraction = curves.loc[curves["optimizer"] == optimizer, [along, "fraction"]].to_numpy(dtype=float).T
         _curve(ax, x, fraction, look, place, steps=True)

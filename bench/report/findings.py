@@ -60,6 +60,28 @@ class Findings:
         return {label: reference.value for label, reference in found.items() if reference.known}
 
     @cached_property
+    def dimensions(self) -> dict[str, int]:
+        """The number of search variables of each problem, as far as a trial or the problem shows it."""
+        shown = {
+            str(label): len(analysis.variables(own)) for label, own in self.frame.groupby("problem", observed=True)
+        }
+        return {label: number for label in self.problems if (number := shown[label] or len(self.known[label].box))}
+
+    @cached_property
+    def budgets(self) -> dict[str, int]:
+        """The evaluations that a trial on each problem was allowed."""
+        study = self.results.study
+        if isinstance(study.budget, int):
+            return dict.fromkeys(self.problems, study.budget)
+        own = {label: study.evaluations(dimension) for label, dimension in self.dimensions.items()}
+        return {label: own.get(label, max(own.values(), default=1)) for label in self.problems}
+
+    @property
+    def scaled(self) -> bool:
+        """Whether evaluations are compared by evaluation / dimension, as budgets differ."""
+        return len(set(self.budgets.values())) > 1
+
+    @cached_property
     def trials(self) -> tuple[int, int]:
         """The fewest and the most trials of a cell that has any; (0, 0) where no cell has."""
         stored = self.coverage.loc[self.coverage["stored"] > 0, "stored"]
@@ -115,7 +137,7 @@ class Findings:
     @cached_property
     def hits(self) -> pd.DataFrame:
         """The evaluations that each trial took to reach each target."""
-        return analysis.hitting_times(self.frame, self.results.traces, self.targets, self.results.study.budget)
+        return analysis.hitting_times(self.frame, self.results.traces, self.targets, self.budgets)
 
     @cached_property
     def success(self) -> pd.DataFrame:
@@ -129,7 +151,7 @@ class Findings:
         """The checks of the results themselves."""
         return analysis.integrity(
             self.frame,
-            study_budget=self.results.study.budget,
+            study_budget=budget if isinstance(budget := self.results.study.budget, int) else self.budgets,
             planned_trials=self.results.study.trials,
             traces=self.results.traces,
             boxes={label: each.box for label, each in self.known.items() if each.box},

@@ -17,6 +17,7 @@ from bench.analysis import ALPHA
 from bench.analysis.cells import NEAR
 from bench.analysis.pairwise import RESAMPLES, TIED
 from bench.bibtex import Work, parse, read
+from bench.budget import described
 from bench.errors import BenchError
 from bench.report.latex import escape
 from bench.report.wording import count, listing, options
@@ -118,6 +119,7 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         alike.setdefault(options(entry.options), []).append(entry.label)
     return vars(facts) | {
         "count": count,
+        "described": described,
         "listing": listing,
         "alpha": ALPHA,
         "near": NEAR,

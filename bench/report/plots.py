@@ -118,17 +118,19 @@ def ecdf_figure(reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequen
     ecdf(reached, looks=looks, legend=False, ax=left)
     data_profile(profile, looks=looks, legend=False, ax=right)
     style.legend_above(figure, style.handles(looks))
-    unit = ", over groups of d + 1 evaluations" if "groups" in profile else ""
-    caption = (
-        "Left: the share of all targets, of all problems and trials, that was reached, over evaluations. Right: the "
-        f"data profile at tau = {tau:g}, the share of all trials that reached this one target{unit}."
-    )
     along = "groups" if "groups" in profile else "evaluations"
-    panels = {"targets reached": (reached, "evaluations"), "data profile": (profile, along)}
+    over = "per_dimension" if "per_dimension" in reached else "evaluations"
+    unit = ", over groups of d + 1 evaluations" if along == "groups" else ""
+    caption = (
+        "Left: the share of all targets, of all problems and trials, that was reached, over evaluations"
+        f"{' / d' if over == 'per_dimension' else ''}. Right: the data profile at tau = {tau:g}, the share of all "
+        f"trials that reached this one target{unit}."
+    )
+    panels = {"targets reached": (reached, over), "data profile": (profile, along)}
     data = pd.concat([frame.assign(panel=name) for name, (frame, _) in panels.items()], ignore_index=True)
     shown = pd.concat(
         {name: _at_round_numbers(frame, [by], "fraction", (1, 2, 5)) for name, (frame, by) in panels.items()},
-        names=["panel", "evaluations" if along == "evaluations" else "evaluations or groups"],
+        names=["panel", "evaluations" if along == over else "evaluations or groups"],
     )
     return Figure("targets-reached", caption, figure, data, shown)
 

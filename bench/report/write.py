@@ -14,6 +14,7 @@ from types import ModuleType
 import matplotlib.figure
 import pandas as pd
 
+from bench.budget import described
 from bench.errors import BenchError
 from bench.plots import style
 from bench.plugins import registry
@@ -140,7 +141,7 @@ class _Report:
         lead = (
             f"Study {study.name}: {count(len(study.optimizers), 'optimizer')} on "
             f"{count(len(study.problems), 'problem')}, {count(study.trials, 'trial')} each, "
-            f"{count(study.budget, 'evaluation')} a trial."
+            f"{described(study.budget)} a trial."
         )
         page = self.save(PAGE, render(study.title or study.name, lead, self.views), "This page.")
         self.clean()

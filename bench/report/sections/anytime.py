@@ -21,19 +21,21 @@ def section(findings: Findings) -> Section:
     """Return the anytime view: convergence, targets reached, expected running time and success rates."""
     if not findings.results.traces:
         return Section(TITLE, ("No trial left a trace, so there is nothing to draw.",))
-    budget, hits = findings.results.study.budget, findings.hits
+    budgets, dimensions, hits = findings.budgets, findings.dimensions, findings.hits
+    budget = max(budgets.values())
     grid = analysis.evaluation_grid(budget)
-    dimensions = {
-        str(label): len(analysis.variables(own)) for label, own in findings.frame.groupby("problem", observed=True)
-    }
-    groups = analysis.evaluation_grid(ceil(budget / (1 + min(dimensions.values()))))
+    groups = analysis.evaluation_grid(max(ceil(budgets[label] / (1 + d)) for label, d in dimensions.items()))
     profiles = analysis.data_profiles(hits, PROFILE, groups, dimensions)
+    reached = analysis.ecdf(hits, grid)
+    if findings.scaled:
+        along = np.geomspace(1 / max(dimensions.values()), max(budgets[label] / d for label, d in dimensions.items()))
+        reached = analysis.ecdf(hits, along, dimensions)
     curves = analysis.convergence(findings.frame, findings.results.traces, grid)
     above = analysis.regret(curves, findings.unbeaten, ("median", "q1", "q3"))
     items: tuple[Part, ...] = (
         convergence_figure(curves, findings.optimizers),
         *([regret_figure(above, findings.optimizers)] if len(above) else []),
-        ecdf_figure(analysis.ecdf(hits, grid), profiles, findings.optimizers, tau=PROFILE),
+        ecdf_figure(reached, profiles, findings.optimizers, tau=PROFILE),
         ert_figure(analysis.expected_running_time(hits), findings.optimizers),
         _success(findings.success),
     )

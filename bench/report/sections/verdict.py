@@ -7,6 +7,7 @@ from math import comb
 import pandas as pd
 
 from bench.analysis import ALPHA
+from bench.budget import described
 from bench.report.findings import Findings
 from bench.report.parts import Card, Section, Table
 from bench.report.sections import integrity
@@ -42,7 +43,7 @@ def _claim(findings: Findings) -> str:
     low, high = findings.trials
     trials = count(low, "trial") if low == high else f"{low} to {count(high, 'trial')}"
     conditions = (
-        f"n = {trials} of at most {count(study.budget, 'evaluation')} on each of "
+        f"n = {trials} of at most {described(study.budget)} on each of "
         f"N = {count(len(findings.medians), 'problem')}, alpha = {ALPHA:g}"
     )
     failed = findings.coverage.groupby("optimizer", sort=False, observed=False)["failed"].sum()

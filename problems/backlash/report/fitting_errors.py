@@ -9,6 +9,7 @@ import pandas as pd
 
 from bench import Study
 from bench.analysis import ALPHA, comparison_matrix, pairwise_tests, summarise, table
+from bench.budget import described
 from bench.report import Section, Table
 from bench.report.wording import count, leaders, listing
 
@@ -169,7 +170,7 @@ def conditions(study: Study) -> str:
         return f"Both are means over {asked}."
     return (
         f"The published means are over {asked}; these are over {count(study.trials, 'trial')} of "
-        f"{count(study.budget, 'evaluation')}, so they need not agree."
+        f"{described(study.budget)}, so they need not agree."
     )
 
 

@@ -1,0 +1,75 @@
+"""The budget of a study: a number of evaluations, a multiple of the dimension ("1e4 * d"), or a number by dimension."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from bench.errors import BenchError
+from bench.numbers import is_whole, require_whole
+
+Budget = int | str | dict[str, int]
+"""As a study holds it: evaluations, the text of a multiple of d, or evaluations by the dimension as a text."""
+
+_MULTIPLE = re.compile(r"\s*([0-9][0-9_]*(?:\.[0-9]+)?(?:[eE]\+?[0-9]+)?)\s*\*\s*d\s*", re.ASCII)
+_LARGEST = 10**15  # evaluations a dimension, which no run reaches
+
+
+def checked(given: Any, what: str) -> Budget:
+    """Return a budget as a study holds it.
+
+    Args:
+        given: a whole number of at least 1; a text of one, or of a multiple of the dimension such as ``"1e4 * d"``; or
+            a table of evaluations by dimension, such as ``{"10": 200_000, "20": 1_000_000}``.
+        what: the subject of a sentence about it, such as ``"the budget"``.
+
+    Raises:
+        BenchError: for anything else.
+    """
+    if isinstance(given, Mapping):
+        for dimension, own in given.items():
+            if not re.fullmatch(r"[1-9][0-9]{0,8}", str(dimension)):
+                raise BenchError(f"{what} has a table of evaluations by dimension, but {dimension!r} is no dimension")
+            require_whole(f"{what} at d = {dimension}", own, 1)
+        if not given:
+            raise BenchError(f"{what} is an empty table; give evaluations by dimension, such as {{10 = 200_000}}")
+        return {str(dimension): int(own) for dimension, own in given.items()}
+    if isinstance(given, str):
+        if re.fullmatch(r"[0-9][0-9_]*", given.strip(), re.ASCII):
+            given = int(given)
+        elif 0 < _multiple(given) <= _LARGEST:
+            return given.strip()
+    if is_whole(given) and given >= 1:
+        return int(given)
+    raise BenchError(
+        f"{what} must be a whole number of at least 1 or a multiple of the dimension such as '1e4 * d', not {given!r}"
+    )
+
+
+def evaluations(budget: Budget, dimension: int) -> int:
+    """Return the evaluations of a trial in so many dimensions; raises BenchError where a table lacks the dimension."""
+    if isinstance(budget, int):
+        return budget
+    if isinstance(budget, str):
+        return max(1, round(_multiple(budget) * dimension))
+    if str(dimension) not in budget:
+        known = ", ".join(budget)
+        raise BenchError(f"the budget has no evaluations for problems of dimension {dimension}; it has {known}")
+    return budget[str(dimension)]
+
+
+def described(budget: Budget) -> str:
+    """Return a budget in words, such as ``"10,000 d evaluations"``."""
+    if isinstance(budget, int):
+        return f"{budget:,} evaluation{'' if budget == 1 else 's'}"
+    if isinstance(budget, str):
+        return f"{_multiple(budget):,.10g} d evaluations"
+    parts = [f"{own:,} evaluations at d = {dimension}" for dimension, own in budget.items()]
+    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
+
+
+def _multiple(text: str) -> float:
+    """Return the evaluations a dimension of a text such as ``"1e4 * d"``, 0 for another text."""
+    found = _MULTIPLE.fullmatch(text)
+    return float(found[1].replace("_", "")) if found else 0.0
