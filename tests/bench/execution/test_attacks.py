@@ -185,10 +185,11 @@ def test_an_import_forges_no_fingerprint(tmp_path, testing_plugins):
 def test_no_file_is_imported_by_the_command_or_its_report(bench_here, tmp_path):
     code = "import os\nopen(__file__ + '.pids', 'a').write(f'{os.getpid()} ')\n" + FORGER[FORGER.index("def") :]
     (tmp_path / "mine.py").write_text(code)
-    (tmp_path / "study.toml").write_text(study(2, []).to_toml())
-    command = ["run", tmp_path / "study.toml", "--output", tmp_path / "out", "--jobs", 1]
-    bench_here(*command, "--optimizer", f"{tmp_path}/mine.py:mine")
-    assert "mine" in (tmp_path / "out" / "report.html").read_text()
+    optimizers = [{"name": "random-search"}, {"name": f"{tmp_path}/mine.py:mine"}]
+    made = {"name": "s", "trials": 2, "budget": 60, "problems": [{"name": "signature-12"}], "optimizers": optimizers}
+    (tmp_path / "study.toml").write_text(Study.from_dict(made).to_toml())
+    bench_here("run", tmp_path / "study.toml", "--output", tmp_path / "out", "--jobs", 1)
+    assert "Reference fit" in (tmp_path / "out" / "report.html").read_text()
     imported = {int(pid) for pid in (tmp_path / "mine.py.pids").read_text().split()}
     assert len(imported) > 2
     assert os.getpid() not in imported
