@@ -81,7 +81,7 @@ def run(
     console = Console()
     chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed).beside(optimizer or [], problem or [])
     if dry_run:
-        _show_estimate(plan_study(chosen, output, shard=shard), jobs, console)
+        _show_estimate(plan_study(chosen, output, shard=shard, sandbox=sandbox), jobs, console)
         return
     try:
         with Display(console) as display:

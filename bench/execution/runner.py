@@ -105,11 +105,15 @@ def run(
 
 
 def plan(
-    study: Study | str | PathLike[str], output: str | PathLike[str] | None = None, *, shard: str | None = None
+    study: Study | str | PathLike[str],
+    output: str | PathLike[str] | None = None,
+    *,
+    shard: str | None = None,
+    sandbox: str | None = None,
 ) -> Plan:
     """Return the plan of :func:`run`, and write nothing; raises BenchError as it does."""
     study, folder, part = _resolved(study, output, shard)
-    prepare(study, folder)
+    prepare(study, folder, sandbox)
     stored = folder.store.check()
     plan = _plan(folder.extended(study), folder, part, "" if stored.sound else stored.sentence)
     for key in stored.damaged:

@@ -154,6 +154,18 @@ def test_one_that_is_unknown_or_missing_is_one_sentence(monkeypatch):
         bubblewrap.command("bwrap")
 
 
+@needed
+def test_a_plan_loads_no_optimizer_outside_it(bench_here, tmp_path):
+    mark = tmp_path / "mark"
+    (tmp_path / "mine.py").write_text(f"open({str(mark)!r}, 'w')\ndef mine(objective, rng): pass\n")
+    command = ["run", "quick", "--dry-run", "--output", tmp_path / "out", "--optimizer", f"{tmp_path}/mine.py:mine"]
+    done = bench_here(*command, "--sandbox", "bwrap")
+    assert "Read-only file system" in done.stderr
+    assert not mark.exists()
+    assert bench_here(*command).returncode == 0
+    assert mark.exists()
+
+
 def test_checks_which_run_outside_are_refused_beside_it(bench_here):
     done = bench_here("run", "quick", "--check", "--sandbox", "bwrap")
     assert (done.returncode, done.stdout) == (2, "")
