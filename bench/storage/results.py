@@ -291,13 +291,22 @@ def _tidy(rows: Iterable[Row], problems: Sequence[str], optimizers: Sequence[str
     """
     left = iter(rows)
     parts: list[tuple[pd.DataFrame, ...]] = []
+    shown: dict[str, tuple[dict[str, float], dict[str, float]]] = {}  # a point and its metrics, by problem
     while slice_ := list(islice(left, SLICE)):
         own = pd.DataFrame({name: [row[name] for row in slice_] for name in COLUMNS})
-        parts.append((own, *(pd.DataFrame(_parsed(slice_, name)) for name in ("x", "figures"))))
+        x, metrics = _parsed(slice_, "x"), _parsed(slice_, "figures")
+        for row, point, figures in zip(slice_, x, metrics, strict=True):
+            if point and row["problem"] not in shown:
+                shown[row["problem"]] = point, figures
+        parts.append((own, pd.DataFrame(x).add_prefix("x_"), pd.DataFrame(metrics)))
     if not parts:
         return pd.DataFrame(columns=[*COLUMNS])
-    own, points, figures = (pd.concat(each, ignore_index=True) for each in zip(*parts, strict=True))
-    frame: pd.DataFrame = pd.concat([own, points.add_prefix("x_"), figures], axis=1)
+    frame: pd.DataFrame = pd.concat([pd.concat(each, ignore_index=True) for each in zip(*parts, strict=True)], axis=1)
+    # Problems may have different variables and metrics, whose columns must not be in the order of the commits.
+    known = [shown[problem] for problem in problems if problem in shown]
+    ordered = [*COLUMNS, *(f"x_{name}" for point, _ in known for name in point)]
+    ordered += [name for _, figures in known for name in figures]
+    frame = frame[list(dict.fromkeys([*ordered, *frame]))]
     problem = pd.Index(problems).get_indexer(pd.Index(frame["problem"]))
     optimizer = pd.Index(optimizers).get_indexer(pd.Index(frame["optimizer"]))
     order = np.lexsort((frame["trial"], optimizer, problem))
