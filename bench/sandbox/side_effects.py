@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from bench import seeds
-from bench.sandbox.tree import children
+from bench.sandbox.tree import children, is_stopped
 
 _GRACE = 0.1  # seconds for threads and processes to end after their trial
 _SIGNALS = [
@@ -58,7 +58,7 @@ class SideEffects:
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.altered = _state() != self._state
+        self.altered = _state() != self._state or is_stopped(os.getppid())
         deadline = time.monotonic() + _GRACE
         for each in set(threading.enumerate()) - self._threads:
             each.join(max(0.0, deadline - time.monotonic()))

@@ -20,6 +20,15 @@ def children() -> set[int]:
     return found
 
 
+def is_stopped(pid: int) -> bool:
+    """Return whether a process has been stopped, as by SIGSTOP; False where this system does not show it."""
+    try:
+        with open(f"/proc/{pid}/stat", "rb") as file:  # noqa: PTH123 - faster, and read after every trial
+            return file.read().rpartition(b")")[2].split()[0] in (b"T", b"t")
+    except (OSError, IndexError):
+        return False
+
+
 def resident(pid: int) -> int | None:
     """Return the bytes of memory that a process and its descendants hold, None where it has ended.
 
