@@ -48,6 +48,7 @@ from bench.analysis.cells import (
     CONTENTION,
     HIDDEN_THREADS,
     NEAR,
+    Traces,
     budgets,
     cells,
     coverage,
@@ -62,6 +63,7 @@ from bench.analysis.cells import (
     variables,
 )
 from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
+from bench.analysis.instances import SOLVED, Pooled, pool_instances
 from bench.analysis.integrity import integrity
 from bench.analysis.pairwise import (
     ALPHA,
@@ -82,7 +84,10 @@ __all__ = [
     "CUTOFFS",
     "HIDDEN_THREADS",
     "NEAR",
+    "SOLVED",
     "TIED",
+    "Pooled",
+    "Traces",
     "a12",
     "average_ranks",
     "best_so_far",
@@ -113,6 +118,7 @@ __all__ = [
     "nemenyi",
     "normalised_errors",
     "pairwise_tests",
+    "pool_instances",
     "power_table",
     "probability_of_improvement",
     "ranking",

@@ -143,10 +143,13 @@ def regret(table: pd.DataFrame, optima: Mapping[str, float], columns: Sequence[s
     return own.assign(**above.mask(above.abs().le(NEAR * optimum.abs(), axis=0), 0.0))
 
 
-def coverage(frame: pd.DataFrame, planned: int) -> pd.DataFrame:
-    """Return problem, optimizer, stored, failed and missing (of ``planned``) trials of each cell."""
+def coverage(frame: pd.DataFrame, planned: int | Mapping[str, int]) -> pd.DataFrame:
+    """Return problem, optimizer, stored, failed and missing (of ``planned``) trials of each cell.
+
+    ``planned`` is one number for all cells, or a number by problem.
+    """
     rows = [
-        (*cell, len(values), int(np.isinf(values).sum()), max(planned - len(values), 0))
+        (*cell, len(values), int(np.isinf(values).sum()), max(_of(planned, cell[0]) - len(values), 0))
         for cell, values in cells(frame).items()
     ]
     return pd.DataFrame(rows, columns=["problem", "optimizer", "stored", "failed", "missing"])
@@ -202,6 +205,10 @@ def timing(frame: pd.DataFrame) -> pd.DataFrame:
             }
         )
     return pd.DataFrame(rows, columns=list(TIMES))
+
+
+def _of(number: int | Mapping[str, int], problem: str) -> int:
+    return number if isinstance(number, int) else number[problem]
 
 
 def _reference_value(lowest: float, optimum: float) -> ReferenceValue:

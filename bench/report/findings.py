@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -12,6 +12,7 @@ from bench import analysis
 from bench.execution.citations import bibtex
 from bench.report.methods import Methods, MethodsFacts, methods
 from bench.storage.results import ProblemFacts, Results
+from bench.study import Entry, Study
 
 
 @dataclass(frozen=True)
@@ -23,9 +24,35 @@ class Findings:
     # what was run
 
     @cached_property
+    def pooled(self) -> analysis.Pooled:
+        """The trials with the instances of each function pooled; a study without instances stays as it is."""
+        names = [entry.label for entry in self.results.study.problems]
+        known = {label: self.results.facts(label) for label in names}
+        optima = {label: each.optimum for label, each in known.items() if each.optimum is not None}
+        features = {label: each.features for label, each in known.items()}
+        return analysis.pool_instances(self.results.frame, self.results.traces, names, features, optima)
+
+    @cached_property
+    def planned(self) -> dict[str, int]:
+        """The trials that a cell should hold, by problem."""
+        return {label: self.results.study.trials * len(own) for label, own in self.pooled.members.items()}
+
+    @cached_property
+    def study(self) -> Study:
+        """The study as it is compared: a function in a dimension is one problem, whatever its instances."""
+        entries = {entry.label: entry for entry in self.results.study.problems}
+        problems = tuple(entries.get(label) or Entry(label, label) for label in self.pooled.members)
+        return replace(self.results.study, problems=problems, trials=max(self.planned.values()))
+
+    @cached_property
     def frame(self) -> pd.DataFrame:
-        """The tidy frame with problems and optimizers as categories."""
-        return analysis.in_study_order(self.results.frame, self.results.study)
+        """The tidy frame with problems and optimizers as categories, and instances pooled."""
+        return analysis.in_study_order(self.pooled.frame, self.study)
+
+    @property
+    def traces(self) -> analysis.Traces:
+        """The traces of its trials."""
+        return self.pooled.traces
 
     @cached_property
     def problems(self) -> list[str]:
@@ -40,12 +67,22 @@ class Findings:
     @cached_property
     def coverage(self) -> pd.DataFrame:
         """Stored, failed and missing trials of each cell."""
-        return analysis.coverage(self.frame, self.results.study.trials)
+        return analysis.coverage(self.frame, self.planned)
 
     @cached_property
     def known(self) -> dict[str, ProblemFacts]:
         """The optimum, bounds and expected values of each problem, as far as they are known."""
-        return {label: self.results.facts(label) for label in self.problems}
+        members = self.pooled.members
+        return {
+            label: self.results.facts(label) if members[label] == [label] else self._function(members[label])
+            for label in self.problems
+        }
+
+    def _function(self, instances: list[str]) -> ProblemFacts:
+        """Return the facts of a function, whose values are precisions."""
+        one = self.results.facts(instances[0])
+        features = {name: each for name, each in one.features.items() if name != "instance"}
+        return ProblemFacts(0.0, {}, one.box, features)
 
     @cached_property
     def optima(self) -> dict[str, float]:
@@ -132,12 +169,12 @@ class Findings:
     @cached_property
     def targets(self) -> pd.DataFrame:
         """The ladder of targets of each problem."""
-        return analysis.targets(self.results.traces, self.optima)
+        return analysis.targets(self.traces, self.optima)
 
     @cached_property
     def hits(self) -> pd.DataFrame:
         """The evaluations that each trial took to reach each target."""
-        return analysis.hitting_times(self.frame, self.results.traces, self.targets, self.budgets)
+        return analysis.hitting_times(self.frame, self.traces, self.targets, self.budgets)
 
     @cached_property
     def success(self) -> pd.DataFrame:
@@ -148,13 +185,17 @@ class Findings:
 
     @cached_property
     def integrity(self) -> pd.DataFrame:
-        """The checks of the results themselves."""
+        """The checks of the results themselves, of which instances are problems of their own."""
+        study, results = self.results.study, self.results
+        members = {label: self.pooled.members[label] for label in self.problems}
+        budgets = {each: self.budgets[label] for label, own in members.items() for each in own}
+        facts = {each: results.facts(each) for own in members.values() for each in own}
         return analysis.integrity(
-            self.frame,
-            study_budget=budget if isinstance(budget := self.results.study.budget, int) else self.budgets,
-            planned_trials=self.results.study.trials,
-            traces=self.results.traces,
-            boxes={label: each.box for label, each in self.known.items() if each.box},
+            analysis.in_study_order(results.frame, study),
+            study_budget=study.budget if isinstance(study.budget, int) else budgets,
+            planned_trials=study.trials,
+            traces=results.traces,
+            boxes={label: each.box for label, each in facts.items() if each.box},
             diagnoses=self.results.checks,
             verifications=self.results.verifications,
             stores=self.results.stores,
@@ -163,7 +204,7 @@ class Findings:
     @cached_property
     def methods(self) -> Methods:
         """The methods section of a paper about this run."""
-        study, pairs, early = self.results.study, self.pairs, analysis.stopped_early(self.frame)
+        study, pairs, early = self.study, self.pairs, analysis.stopped_early(self.frame)
         sandboxes = (record.get("sandbox") for record in self.results.environments)
         return methods(
             MethodsFacts(

@@ -121,7 +121,7 @@ class _Report:
         self._steps = 0
 
     def write(self) -> Path:
-        study = self.results.study
+        study = self.findings.study
         if not (self.folder / MANIFEST).exists():  # marks the folder as a report's, also after an interruption
             (self.folder / MANIFEST).write_text("[]", encoding="utf-8")
         plugged = sorted(registry.entries("report_sections"))

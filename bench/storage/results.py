@@ -39,6 +39,7 @@ class ProblemFacts:
     optimum: float | None = None  # its best known objective value
     expected: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)  # metrics: true value, tolerance
     box: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)  # bounds by search variable
+    features: dict[str, str | int] = dataclasses.field(default_factory=dict)  # what kind of problem it is
     reason: str = ""  # why the problem cannot be loaded, so that no fact is known
 
 
@@ -148,7 +149,10 @@ class Results:
                 raise ValueError(f"its optimum is {optimum}")
             expected = {str(name): (float(true), float(near)) for name, (true, near) in problem.expected.items()}
             box = zip(map(float, problem.lower), map(float, problem.upper), strict=True)
-            return ProblemFacts(optimum, expected, dict(zip(problem.variables, box, strict=True)))
+            features = {
+                str(name): each if isinstance(each, int) else str(each) for name, each in problem.features.items()
+            }
+            return ProblemFacts(optimum, expected, dict(zip(problem.variables, box, strict=True)), features)
         except BenchError as error:
             return ProblemFacts(reason=str(error))
         except Exception as error:  # a plug-in may raise anything

@@ -19,7 +19,7 @@ PROFILE = 1e-2  # Moré and Wild (2009) draw data profiles at 1e-1 to 1e-7; here
 
 def section(findings: Findings) -> Section:
     """Return the anytime view: convergence, targets reached, expected running time and success rates."""
-    if not findings.results.traces:
+    if not findings.traces:
         return Section(TITLE, ("No trial left a trace, so there is nothing to draw.",))
     budgets, dimensions, hits = findings.budgets, findings.dimensions, findings.hits
     budget = max(budgets.values())
@@ -30,7 +30,7 @@ def section(findings: Findings) -> Section:
     if findings.scaled:
         along = np.geomspace(1 / max(dimensions.values()), max(budgets[label] / d for label, d in dimensions.items()))
         reached = analysis.ecdf(hits, along, dimensions)
-    curves = analysis.convergence(findings.frame, findings.results.traces, grid)
+    curves = analysis.convergence(findings.frame, findings.traces, grid)
     above = analysis.regret(curves, findings.unbeaten, ("median", "q1", "q3"))
     items: tuple[Part, ...] = (
         convergence_figure(curves, findings.optimizers),
@@ -47,7 +47,7 @@ def _leaders(findings: Findings, budget: int) -> list[str]:
     if len(findings.optimizers) < 2:
         return []
     stages = np.unique([max(round(share * budget), 1) for share in (0.01, 0.1, 1.0)])
-    curves = analysis.convergence(findings.frame, findings.results.traces, stages)
+    curves = analysis.convergence(findings.frame, findings.traces, stages)
     sentences = []
     for spent, reached in curves.groupby("evaluations"):
         median = analysis.table(reached, "median")

@@ -18,8 +18,8 @@ TAU = 1e-2  # one of the targets of the success rates
 
 def section(findings: Findings) -> Section:
     """Return a section for each problem of the study: all its trials, their statistics and the tests of every pair."""
-    every = [entry.label for entry in findings.results.study.problems]
-    rates = findings.success if findings.results.traces else pd.DataFrame()
+    every = [entry.label for entry in findings.study.problems]
+    rates = findings.success if findings.traces else pd.DataFrame()
     words, bounds = zip(*reversed(CUTOFFS.items()), strict=True)  # from small to large
     above, below = (listing([f"{bound:.2f}" for bound in side]) for side in (bounds, [1 - each for each in bounds]))
     how_to_read = (

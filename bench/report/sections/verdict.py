@@ -39,7 +39,7 @@ def section(findings: Findings) -> Section:
 
 def _claim(findings: Findings) -> str:
     """Return one sentence: which optimizer leads where, on how much evidence, and with how many warnings."""
-    study = findings.results.study
+    study = findings.study
     low, high = findings.trials
     trials = count(low, "trial") if low == high else f"{low} to {count(high, 'trial')}"
     conditions = (

@@ -1,0 +1,99 @@
+"""Pool the instances of a function: a cell is then (function, dimension) and optimizer, over instances and trials.
+
+That is how COCO compares (Hansen, Auger, Ros, Mersmann, Tušar and Brockhoff 2021, Optimization Methods and Software
+36). Instances have different optima, so what is compared is the precision f - f_opt.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from bench.analysis.cells import NEAR, Traces
+from bench.objective import Trace
+
+SOLVED = 1e-8
+"""The last target of COCO, below which the CEC competitions take an error as 0 too; a better precision is rounding."""
+
+Features = Mapping[str, Mapping[str, str | int]]  # of problems, by label
+
+
+@dataclass(frozen=True)
+class Pooled:
+    """The trials of a study with instances pooled.
+
+    Attributes:
+        frame: the tidy frame; pooled trials have their function as problem, numbers that do not repeat, their
+            ``instance``, and the precision as ``fun``, 0 where it is at most 1e-8.
+        traces: their traces, likewise.
+        members: the labels of the problems that each problem of the frame stands for, in their order.
+    """
+
+    frame: pd.DataFrame
+    traces: Traces
+    members: dict[str, list[str]]
+
+    @property
+    def functions(self) -> list[str]:
+        """The problems of the frame whose values are precisions."""
+        return [label for label, own in self.members.items() if own != [label]]
+
+
+def pool_instances(
+    frame: pd.DataFrame, traces: Traces, problems: Iterable[str], features: Features, optima: Mapping[str, float]
+) -> Pooled:
+    """Pool the instances of each function and dimension.
+
+    A problem takes part where its ``features`` have an instance, its label ends with it (``bbob-f08-d5-i1``), its
+    optimum is known, and no trial beat it by more than rounding. One instance alone stays as it is.
+
+    Args:
+        frame: the tidy frame.
+        traces: of its trials.
+        problems: the labels, in the study's order.
+        features: of the problems, by label.
+        optima: the known optima, by label.
+    """
+    values = pd.to_numeric(frame["fun"], errors="coerce").astype(float)
+    lowest = values.groupby(frame["problem"].astype(object)).min()
+    groups: dict[str, list[str]] = {}
+    for label in problems:
+        function = label.removesuffix(f"-i{features.get(label, {}).get('instance')}")
+        least = optima[label] - max(SOLVED, NEAR * abs(optima[label])) if label in optima else np.inf
+        groups.setdefault(function if lowest.get(label, np.inf) >= least else label, []).append(label)
+    pools = {function: own for function, own in groups.items() if len(own) > 1}
+    function_of = {label: function for function, own in pools.items() for label in own}
+    members = {function_of.get(label, label): pools.get(function_of.get(label, label), [label]) for label in problems}
+    if not pools:
+        return Pooled(frame, traces, members)
+    trials = int(frame["trial"].max()) + 1 if len(frame) else 1
+    offset = {label: trials * number for own in pools.values() for number, label in enumerate(own)}
+    problem = frame["problem"].astype(object)
+    changed = frame.assign(
+        problem=problem.map(function_of).fillna(problem),
+        trial=frame["trial"] + problem.map(offset).fillna(0).astype(int),
+        fun=values.where(~problem.isin(function_of), _precision(values - problem.map(optima).astype(float))),
+        instance=problem.map({label: features[label]["instance"] for label in function_of}),
+    )
+    moved = {
+        (function_of.get(problem, problem), optimizer, trial + offset.get(problem, 0)): _above(trace, optima[problem])
+        if problem in function_of
+        else trace
+        for (problem, optimizer, trial), trace in traces.items()
+    }
+    return Pooled(changed, moved, members)
+
+
+def _precision(above: pd.Series[float]) -> pd.Series[float]:
+    """Return differences from the optimum, 0 where they are within the last target."""
+    return above.mask(above <= SOLVED, 0.0)
+
+
+def _above(trace: Trace, optimum: float) -> Trace:
+    """Return the trace of precisions, which ends where the last target is reached."""
+    values = np.where(trace.values - optimum <= SOLVED, 0.0, trace.values - optimum)
+    new = np.append(True, values[1:] < values[:-1])[: len(values)]  # rounding may make neighbours equal
+    return Trace(trace.evaluations[new], values[new])
