@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from bench import FunctionProblem, Problem, load_problem
-from bench.errors import BenchError
-from bench.grid import Grid, Member
+from bench.errors import BenchError, nearest
+from bench.grid import Grid
 
 
 class SuiteProblem(FunctionProblem):
-    """A function of a suite; it is pickled as its name, because compiled objects cannot be pickled."""
+    """A function of a suite; it is pickled as name and options, because compiled objects cannot be pickled."""
 
-    def __reduce__(self) -> tuple[Callable[[str], Problem], tuple[str]]:
-        return load_problem, (self.name,)
+    def __init__(self, *arguments: Any, options: Mapping[str, Any] | None = None, **naming: Any) -> None:
+        super().__init__(*arguments, **naming)
+        self._load = partial(load_problem, self.name, **(options or {}))
+
+    def __reduce__(self) -> tuple[Callable[[], Problem], tuple[()]]:
+        return self._load, ()
 
 
 @dataclass(frozen=True)
@@ -24,18 +29,21 @@ class Suite:
 
     Attributes:
         grid: all names; the first instance of each function and dimension is listed.
-        make: returns the problem of a name and what the name says.
+        make: returns the problem of a name, what the name says, and options.
+        options: the options that ``make`` takes.
     """
 
     grid: Grid
-    make: Callable[[str, Member], Problem]
+    make: Callable[..., Problem]
+    options: tuple[str, ...] = ()
 
     def names(self) -> list[str]:
         """Return the names that are listed; ``load`` takes other instances, too."""
         return list(self.grid.names(instances=[1]))
 
     def load(self, name: str, /, **options: Any) -> Problem:
-        """Return the problem of that name; raises BenchError where there is none, and for any option."""
+        """Return the problem of that name; raises BenchError where there is none, and for an unknown option."""
         for option in options:
-            raise BenchError(f"problem {name!r} has no options, and so no {option!r}")
-        return self.make(name, self.grid.member(name))
+            if option not in self.options:
+                raise BenchError(f"problem {name!r} has no option {option!r}{nearest(option, self.options)}")
+        return self.make(name, self.grid.member(name), **options)

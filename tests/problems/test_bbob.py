@@ -119,7 +119,7 @@ def test_one_sentence_names_what_there_is(wrong, sentence):
 
 
 def test_an_option_is_refused():
-    with pytest.raises(BenchError, match="'bbob-f08-d5-i1' has no options, and so no 'rotate'"):
+    with pytest.raises(BenchError, match="'bbob-f08-d5-i1' has no option 'rotate'; there are none"):
         load_problem("bbob-f08-d5-i1", rotate=True)
 
 

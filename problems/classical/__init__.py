@@ -1,0 +1,1 @@
+"""The family ``classical``: textbook functions of global optimization, moved and rotated by an instance's number."""

@@ -1,0 +1,91 @@
+"""The problem family ``classical-rastrigin-d30-i2``: function, dimension, instance."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from bench import Problem
+from bench.errors import BenchError
+from bench.grid import Grid, Member
+from bench.problem import Floats
+from problems.common import Suite, SuiteProblem
+
+DIMENSIONS = (2, 3, 5, 10, 20, 30, 40, 50, 100)
+INSTANCES = 15
+
+
+class Function(NamedTuple):
+    """A function's usual box, the same for every variable, and what is known of it.
+
+    ``separable``: as in BBOB, the best value of each variable is the same whatever the others are, without a rotation.
+    """
+
+    lower: float
+    upper: float
+    modality: str
+    separable: bool
+
+
+FUNCTIONS = {
+    "sphere": Function(-5.12, 5.12, "unimodal", True),
+    "ellipsoid": Function(-5, 5, "unimodal", True),
+    "cigar": Function(-5, 5, "unimodal", True),
+    "discus": Function(-5, 5, "unimodal", True),
+    "different-powers": Function(-5, 5, "unimodal", True),
+    "sharp-ridge": Function(-5, 5, "unimodal", True),
+    "step": Function(-100, 100, "unimodal", True),
+    "schwefel-1-2": Function(-100, 100, "unimodal", False),
+    "schwefel-2-22": Function(-10, 10, "unimodal", True),
+    "zakharov": Function(-5, 10, "unimodal", False),
+    "rosenbrock": Function(-30, 30, "multimodal", False),
+    "rastrigin": Function(-5.12, 5.12, "multimodal", True),
+    "ackley": Function(-32, 32, "multimodal", True),
+    "griewank": Function(-600, 600, "multimodal", False),
+    "levy": Function(-10, 10, "multimodal", True),
+    "schwefel-2-26": Function(-500, 500, "multimodal", True),
+    "weierstrass": Function(-0.5, 0.5, "multimodal", True),
+    "katsuura": Function(-5, 5, "multimodal", True),
+    "salomon": Function(-100, 100, "multimodal", False),
+    "schaffer-f6": Function(-100, 100, "multimodal", False),
+    "schaffer-f7": Function(-100, 100, "multimodal", False),
+    "styblinski-tang": Function(-5, 5, "multimodal", True),
+    "happy-cat": Function(-2, 2, "multimodal", False),
+    "griewank-rosenbrock": Function(-5, 5, "multimodal", False),
+    "lunacek": Function(-5, 5, "multimodal", False),
+}
+
+
+def _problem(name: str, member: Member, rotate: object = True) -> Problem:
+    if not isinstance(rotate, bool):
+        raise BenchError(f"problem {name!r}: rotate must be true or false, not {rotate!r}")
+    from problems.classical import multimodal, unimodal  # the compiler is imported where a problem is loaded
+    from problems.classical.instance import instance, rotated
+
+    function = FUNCTIONS[member.function]
+    home = unimodal if function.modality == "unimodal" else multimodal
+    compiled = getattr(home, member.function.replace("-", "_"))
+    lower, upper = np.full(member.dimension, function.lower), np.full(member.dimension, function.upper)
+    shares, rotation = instance(*member)
+    best = lower + shares * (upper - lower)
+
+    def evaluate(x: Floats) -> Floats:
+        points = np.ascontiguousarray(x, dtype=np.float64)
+        offsets = rotated(points, best, rotation) if rotate else points - best
+        values: Floats = compiled(offsets)
+        return values
+
+    evaluate(best[None])  # compile before processes are forked
+    separable = function.separable and (not rotate or member.function == "sphere")
+    features: dict[str, str | int] = {
+        "suite": "classical",
+        "function": member.function,
+        "instance": member.instance,
+        "group": f"{function.modality}, {'separable' if separable else 'non-separable'}",
+    }
+    options = {} if rotate else {"rotate": False}
+    return SuiteProblem(evaluate, lower, upper, name=name, optimum=0.0, features=features, options=options)
+
+
+classical = Suite(Grid("classical", dict.fromkeys(FUNCTIONS, DIMENSIONS), INSTANCES), _problem, ("rotate",))

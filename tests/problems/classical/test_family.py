@@ -1,0 +1,126 @@
+"""The family classical: names, instances, features and the contract."""
+
+import pickle
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from bench import BenchError, load_problem
+from problems.classical.family import DIMENSIONS, FUNCTIONS, classical
+from problems.classical.instance import MARGIN, instance
+from tests.problems.suites import assert_pure_and_reloadable, best_found
+
+
+def place(problem):
+    shares, rotation = instance(*classical.grid.member(problem.name))
+    return problem.lower + shares * (problem.upper - problem.lower), rotation
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize("dimension", [2, 10, 100])
+def test_the_optimum_is_zero_and_well_within_the_box(function, dimension):
+    problem = load_problem(f"classical-{function}-d{dimension}-i3")
+    best, _ = place(problem)
+    assert problem.evaluate(best[None]).tolist() == [0.0] == [problem.optimum]
+    share = (best - problem.lower) / (problem.upper - problem.lower)
+    assert (share >= MARGIN - 1e-12).all()
+    assert (share <= 1 - MARGIN + 1e-12).all()
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize("options", [{}, {"rotate": False}])
+def test_no_search_beats_the_optimum(function, options):
+    problem = load_problem(f"classical-{function}-d5-i1", **options)
+    best, _ = place(problem)
+    assert best_found(problem, start=best + 1e-3, points=10_000) >= (-1e-9 if function == "schwefel-2-26" else 0.0)
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_values_depend_on_the_point_alone(function):
+    assert_pure_and_reloadable(load_problem(f"classical-{function}-d10-i4"))
+
+
+def test_an_unrotated_problem_is_reloaded_unrotated():
+    problem = load_problem("classical-rastrigin-d5-i1", rotate=False)
+    x = np.random.default_rng(0).uniform(-5, 5, (4, 5))
+    again = pickle.loads(pickle.dumps(problem))
+    np.testing.assert_array_equal(again.evaluate(x), problem.evaluate(x))
+    assert again.features == problem.features
+    assert not np.allclose(load_problem("classical-rastrigin-d5-i1").evaluate(x), problem.evaluate(x))
+
+
+@pytest.mark.parametrize("dimension", DIMENSIONS)
+def test_every_rotation_is_orthogonal(dimension):
+    _, rotation = instance("rastrigin", dimension, 1)
+    np.testing.assert_allclose(rotation @ rotation.T, np.eye(dimension), atol=1e-14 * dimension)
+    assert not np.allclose(np.abs(rotation), np.eye(dimension), atol=0.1)
+
+
+def test_functions_dimensions_and_instances_have_places_of_their_own():
+    keys = [("ackley", 5, 1), ("ackley", 5, 2), ("levy", 5, 1), ("ackley", 10, 1)]
+    assert len({tuple(instance(*key)[0][:2]) for key in keys}) == 4
+
+
+@pytest.mark.parametrize("function", [name for name, function in FUNCTIONS.items() if function.separable])
+def test_a_separable_function_is_minimised_one_variable_at_a_time(function):
+    problem = load_problem(f"classical-{function}-d5-i2", rotate=False)
+    assert problem.features["group"].endswith(", separable")
+    best, _ = place(problem)
+    rng = np.random.default_rng(5)
+    for others in rng.uniform(problem.lower, problem.upper, (20, 5)):
+        for variable in range(5):
+            line = np.tile(others, (201, 1))
+            line[:200, variable] = np.linspace(problem.lower[variable], problem.upper[variable], 200)
+            line[200, variable] = best[variable]
+            values = problem.evaluate(line)
+            assert values[200] <= values.min() * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("function", [name for name, function in FUNCTIONS.items() if not function.separable])
+def test_the_others_are_not(function):
+    problem = load_problem(f"classical-{function}-d5-i2", rotate=False)
+    assert problem.features["group"].endswith(", non-separable")
+    best, _ = place(problem)
+    lower = []
+    for others in np.random.default_rng(5).uniform(problem.lower, problem.upper, (50, 5)):
+        line = np.tile(others, (2001, 1))
+        line[:2000, 0] = np.linspace(problem.lower[0], problem.upper[0], 2000)
+        line[2000, 0] = best[0]
+        values = problem.evaluate(line)
+        lower.append(values[2000] > values.min())
+    assert any(lower)
+
+
+def test_a_problem_says_its_suite_function_instance_and_group():
+    assert load_problem("classical-rastrigin-d30-i2").features == {
+        "suite": "classical", "function": "rastrigin", "instance": 2, "group": "multimodal, non-separable",
+    }  # fmt: skip
+    assert load_problem("classical-rastrigin-d30-i2", rotate=False).features["group"] == "multimodal, separable"
+    assert load_problem("classical-sphere-d2-i1").features["group"] == "unimodal, separable"
+    assert load_problem("classical-zakharov-d2-i1", rotate=False).features["group"] == "unimodal, non-separable"
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "sentence"),
+    [
+        ("classical-rastrign-d30-i2", {}, "classical has no function 'rastrign'; did you mean 'rastrigin'?"),
+        ("classical-rastrigin-d4-i2", {}, "rastrigin of classical has no dimension 4; it has 2, 3, 5, 10"),
+        ("classical-rastrigin-d5-i0", {}, "must be a whole number from 1 to 200000, not 0"),
+        ("classical-rastrigin-d5", {}, "have names such as 'classical-sphere-d2-i1'"),
+        ("classical-rastrigin-d5-i1", {"rotated": True}, "no option 'rotated'; did you mean 'rotate'?"),
+        ("classical-rastrigin-d5-i1", {"rotate": "no"}, "rotate must be true or false, not 'no'"),
+    ],
+)
+def test_one_sentence_names_what_there_is(name, options, sentence):
+    with pytest.raises(BenchError) as caught:
+        load_problem(name, **options)
+    assert sentence in str(caught.value)
+
+
+def test_names_are_listed_without_the_compiler():
+    code = "import sys; from problems.classical.family import classical; "
+    code += "print(len(classical.names()), 'numba' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [str(len(FUNCTIONS) * len(DIMENSIONS)), "False"]
