@@ -1,0 +1,1 @@
+"""The family ``engineering``: the usual constrained design problems, with their best-known designs."""
