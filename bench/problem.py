@@ -103,7 +103,7 @@ class FunctionProblem(Problem):
             raise BenchError(f"problem {name!r}: every lower bound must be finite and below its upper bound")
         self.name = name
         self.optimum = optimum
-        self.features = features
+        self.features = dict(features)
         self.variables = (
             tuple(variables) if variables is not None else tuple(f"x{i + 1}" for i in range(self.dimension))
         )

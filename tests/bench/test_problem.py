@@ -1,5 +1,7 @@
 """The contract of a problem, and a user's own function as a problem."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -57,4 +59,5 @@ def test_the_bounds_are_copies():
 
 def test_a_problem_may_say_what_kind_it_is():
     assert plane().features == {}
+    assert pickle.loads(pickle.dumps(FunctionProblem(np.sum, [0], [1]))).features == {}
     assert plane(features={"suite": "planes", "instance": 2}).features == {"suite": "planes", "instance": 2}

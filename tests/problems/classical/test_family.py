@@ -58,6 +58,13 @@ def test_every_rotation_is_orthogonal(dimension):
     assert not np.allclose(np.abs(rotation), np.eye(dimension), atol=0.1)
 
 
+def test_an_instance_is_pinned():
+    """Another version of numpy may draw other numbers from a seed, which would be other problems of the same names."""
+    shares, rotation = instance("rastrigin", 2, 1)
+    np.testing.assert_allclose(shares, [0.5756733083722866, 0.11164308380772336], rtol=1e-15)
+    np.testing.assert_allclose(rotation[0], [0.2234607477984766, 0.9747129291198234], rtol=1e-14)
+
+
 def test_functions_dimensions_and_instances_have_places_of_their_own():
     keys = [("ackley", 5, 1), ("ackley", 5, 2), ("levy", 5, 1), ("ackley", 10, 1)]
     assert len({tuple(instance(*key)[0][:2]) for key in keys}) == 4
