@@ -58,13 +58,13 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     for family in sorted(families, key=lambda family: -len(family) if name.startswith(family) else 0):
         try:
             plugin = registry.load("problems", family)
-            names = plugin.names()
+            on_grid = f"{name}-".startswith(f"{family}-") and hasattr(plugin, "grid")  # it loads more than it lists
+            names = [name] if on_grid else plugin.names()
         except Exception as error:  # a broken family must not block another's problem
             if name.startswith(family):
                 raise BenchError(f"problem {name!r} cannot be looked up: {_first_line(error)}") from error
             continue
-        on_grid = f"{name}-".startswith(f"{family}-") and hasattr(plugin, "grid")  # more problems than are listed
-        if on_grid or name in names:
+        if name in names:
             return _problem(_call_loader(plugin.load, name, options), name)
         known += names
     raise BenchError(f"unknown problem {name!r}{nearest(name, known)}")
