@@ -131,8 +131,9 @@ def peers(d: int) -> None:
 
             wrapped = ioh.wrap_problem(one, name="sphere of Python", dimension=d, lb=-5, ub=5)
             compiled = ioh.get_problem("Sphere", 1, d, ioh.ProblemClass.BBOB)
-            for each, name in ((wrapped, "wrapped"), (compiled, "compiled")):
-                each.attach_logger(ioh.logger.Analyzer(root=folder, folder_name=name))
+            loggers = [ioh.logger.Analyzer(root=folder, folder_name=name) for name in ("wrapped", "compiled")]
+            for each, logger in zip((wrapped, compiled), loggers, strict=True):  # neither keeps its logger alive
+                each.attach_logger(logger)
             ours, alone, theirs, theirs_alone, with_sphere = us_a_call(
                 (objective, x), (problem.evaluate, rows), (wrapped, x), (one, x), (compiled, x)
             )
@@ -142,7 +143,8 @@ def peers(d: int) -> None:
         with suppress(ImportError):
             import cocoex
 
-            (watched,) = cocoex.Suite("bbob", "", f"dimensions:{d} function_indices:1 instance_indices:1")
+            suite = cocoex.Suite("bbob", "", f"dimensions:{d} function_indices:1 instance_indices:1")
+            watched = suite.get_problem(0)  # a loop would free it
             watched.observe_with(cocoex.Observer("bbob", "result_folder: observed"))
             ours, alone, theirs = us_a_call((objective, x), (problem.evaluate, rows), (watched, x))
             print(f"cocoex with its observer, d = {d}, with its own compiled sphere {theirs:>21.2f}")

@@ -22,6 +22,7 @@ from bench.execution import templates
 from bench.execution.supervisor import Supervisor, Task
 
 CALLS = 3000
+DEFAULT = templates.WORTH
 
 
 def main() -> None:
@@ -33,7 +34,7 @@ def main() -> None:
     )  # fmt: skip
     for study in (small, replace(thesis.override(budget=300), problems=thesis.problems[:2])):
         for how, worth, strict in (
-            ("default", templates.WORTH, False), ("a fork each", 0.0, False), ("strict", 0.0, True)
+            ("default", DEFAULT, False), ("a fork each", 0.0, False), ("strict", 0.0, True)
         ):  # fmt: skip
             templates.WORTH = worth
             ms, memory = overhead(study.override(trials=trials), Task(study.to_toml(), strict=strict))
@@ -69,7 +70,7 @@ def call_cost(optimizer: str, agents: int) -> float:
     """Return the microseconds by which a call of the objective takes longer in a strict trial."""
     study = Study.from_dict(
         {"name": "calls", "trials": 6, "budget": CALLS * agents, "problems": [{"name": "signature-12"}],
-         "optimizers": [{"name": optimizer, "agents": agents}]}
+         "optimizers": [{"name": optimizer, "agents": agents, "handling": "box"}]}
     )  # fmt: skip
     plain, strict = (Supervisor(Task(study.to_toml(), strict=each)) for each in (False, True))
     try:

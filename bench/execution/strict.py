@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from importlib.machinery import ModuleSpec
+from io import BufferedReader
 from threading import Lock
 from time import perf_counter
 from types import SimpleNamespace
@@ -29,6 +30,7 @@ _HEAD = struct.Struct("<BQ")  # what is asked or answered, and how many rows (or
 _EVALUATE, _REPAIR, _INITIAL, _STOP, _BEGIN, _END = range(6)
 _DONE, _EXHAUSTED, _RAISED = range(3)
 _LONGEST = 1 << 24  # rows of a request
+_CHUNK = 1 << 16  # bytes read at once: a message and its head rarely need two reads
 
 
 class RemoteObjective:
@@ -48,6 +50,7 @@ class RemoteObjective:
         self.budget, self.evaluations = budget, 0
         self.stop_reason: str | None = None
         self._end, self._lock = _opened(end), Lock()
+        self._arriving = _arriving(self._end)
         self._refusals, self._on_refusal = 0, on_refusal
 
     @property
@@ -107,10 +110,12 @@ class RemoteObjective:
     def _ask(self, request: int, n: int, rows: np.ndarray[Any, Any], width: int) -> tuple[bool, Floats]:
         """Return whether the budget is spent, and the (n * width,) numbers of the answer."""
         self._end.sendall(_HEAD.pack(request, n) + rows.tobytes())
-        kind, count = _HEAD.unpack(_receive(self._end, _HEAD.size))
+        kind, count = _HEAD.unpack(_receive(self._arriving, _HEAD.size))
         if kind == _RAISED:
-            raise RuntimeError(bytes(_receive(self._end, count)).decode(errors="replace"))
-        return kind == _EXHAUSTED, np.frombuffer(_receive(self._end, 8 * count * width), dtype=np.float64)
+            raise RuntimeError(_receive(self._arriving, count).decode(errors="replace"))
+        values = np.empty(count * width)  # the optimizer's own, to write to
+        values.data.cast("B")[:] = _receive(self._arriving, values.nbytes)
+        return kind == _EXHAUSTED, values
 
 
 def serve(objective: Objective, file: int) -> float:
@@ -125,23 +130,23 @@ def serve(objective: Objective, file: int) -> float:
     """
     began, ended = 0.0, None
     d, raised = objective.dimension, None
-    with _opened(file) as end, suppress(EOFError, OSError):
+    with _opened(file) as end, _arriving(end) as arriving, suppress(EOFError, OSError):
         while ended is None:
-            request, n = _HEAD.unpack(_receive(end, _HEAD.size))
+            request, n = _HEAD.unpack(_receive(arriving, _HEAD.size))
             if n > _LONGEST:
                 break
             answer, kind, count = np.empty(0), _DONE, 0
             try:
                 if request == _EVALUATE:
-                    points = np.frombuffer(_receive(end, 8 * n * d), dtype=np.float64).reshape(n, d)
+                    points = np.frombuffer(_receive(arriving, 8 * n * d)).reshape(n, d)
                     answer, count = objective(points), n
                 elif request == _REPAIR:
-                    points = np.frombuffer(_receive(end, 8 * n * d), dtype=np.float64).reshape(n, d).copy()
+                    points = np.frombuffer(_receive(arriving, 8 * n * d)).reshape(n, d).copy()
                     answer, count = objective.repair(points), n
                 elif request == _INITIAL:
                     answer, count = objective.initial(n), n
                 elif request == _STOP:
-                    objective.stop(bytes(_receive(end, n)).decode(errors="replace"))
+                    objective.stop(_receive(arriving, n).decode(errors="replace"))
                 elif request == _BEGIN:
                     began = perf_counter()
                 elif request == _END:
@@ -164,14 +169,14 @@ def _opened(file: int) -> socket.socket:
     return end
 
 
-def _receive(end: socket.socket, length: int) -> bytearray:
-    data = bytearray(length)
-    view = memoryview(data)
-    while view:
-        read = end.recv_into(view)
-        if not read:
-            raise EOFError
-        view = view[read:]
+def _arriving(end: socket.socket) -> BufferedReader:
+    return BufferedReader(socket.SocketIO(end, "r"), _CHUNK)
+
+
+def _receive(arriving: BufferedReader, length: int) -> bytes:
+    data = arriving.read(length)
+    if len(data) < length:
+        raise EOFError
     return data
 
 
