@@ -15,7 +15,6 @@ from bench.problem import Floats
 from optimizers.common.base import Population, compiled, works
 
 Indices = NDArray[np.uint64]  # unsigned: compiled code then asks of none whether it counts from the end
-Marks = NDArray[np.uint8]
 
 BETA = 1.5  # (below eq. 3.9)
 SIGMA = gamma(1 + BETA) * sin(pi * BETA / 2) / (gamma((1 + BETA) / 2) * BETA * 2 ** ((BETA - 1) / 2))  # (eq. 3.10)
@@ -108,7 +107,7 @@ def fly(
     """
     s, a, c, f, e, w = weights
     d, N = x.shape
-    near, neighbours = np.empty(N, dtype=np.uint8), np.empty(N, dtype=np.uint64)
+    near, neighbours = np.empty(N), np.empty(N, dtype=np.uint64)
     S, A, C = np.zeros(d), np.empty(d), np.zeros(d)
     for i in range(N):
         far, threatened = False, True
@@ -147,21 +146,21 @@ def fly(
 
 
 @compiled
-def find_neighbours(x: Floats, i: int, r: Floats, near: Marks, neighbours: Indices) -> int:
+def find_neighbours(x: Floats, i: int, r: Floats, near: Floats, neighbours: Indices) -> int:
     """Return how many neighbours ``i`` has, and set so many of ``neighbours`` (N,) to their increasing indices.
 
     A neighbour is at most ``r`` away in every coordinate and equal in none, which excludes ``i`` itself. ``near`` (N,)
     is room for marks.
     """
     d, N = x.shape
-    near[:] = 1
+    near[:] = 1.0
     for k in range(d):
         row, here, radius = x[k], x[k, i], r[k]
         for j in range(N):
             distance = abs(row[j] - here)
-            near[j] = near[j] if (distance > 0) & (distance <= radius) else 0  # no early exit: it is vectorised
+            near[j] = near[j] if (distance > 0) & (distance <= radius) else 0.0  # no early exit: it is vectorised
     count = 0
     for j in range(N):
         neighbours[count] = j  # stays if it is one; without a branch, as no CPU would predict it
-        count += near[j]
+        count += near[j] > 0
     return count
