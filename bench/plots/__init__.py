@@ -12,7 +12,7 @@ Example:
 """
 
 from bench.plots import style
-from bench.plots.curves import convergence, data_profile, ecdf, ert, regret
+from bench.plots.curves import convergence, data_profile, ecdf, ert, regret, scaling
 from bench.plots.ranks import a12_forest, cd_diagram
 from bench.plots.rows import box_plot, timing
 
@@ -25,6 +25,7 @@ __all__ = [
     "ecdf",
     "ert",
     "regret",
+    "scaling",
     "style",
     "timing",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.ticker import FixedLocator
+from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from bench.plots import style
 
@@ -94,6 +94,27 @@ def ert(
     if len(own):
         ax.set_xlim(own["tau"].max() * 1.2, own["tau"].min() / 1.2)
     return _finish(ax, "target tau", f"ERT in {EVALUATIONS}", looks if legend else None, problem)
+
+
+def scaling(
+    table: pd.DataFrame, problem: str, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Draw the expected running time / d of each optimizer on a function over the dimension, on log axes.
+
+    ``table`` has problem (the function), dimension, optimizer and ert, in evaluations / d; infinite ones are not drawn.
+    """
+    ax, looks = style.own_axes(ax), style.looks_of(table, looks)
+    own = style.rows_of(table, problem)
+    for place, (optimizer, look) in enumerate(looks.items()):
+        one = own[(own["optimizer"] == optimizer) & style.drawable(own["ert"])].sort_values("dimension")
+        _curve(ax, one["dimension"].to_numpy(dtype=float), one["ert"].to_numpy(dtype=float), look, place)
+    dimensions = sorted(table["dimension"].unique())
+    ax.set_xscale("log")
+    ax.set_xlim(dimensions[0] / 1.2, dimensions[-1] * 1.2)
+    ax.xaxis.set_major_locator(FixedLocator(dimensions))
+    ax.xaxis.set_major_formatter(FixedFormatter([f"{each:g}" for each in dimensions]))
+    ax.xaxis.set_minor_locator(NullLocator())
+    return _finish(ax, "dimension d", "ERT / d", looks if legend else None, problem)
 
 
 def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:

@@ -15,7 +15,19 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from bench.analysis.cells import NEAR, labels, scores
-from bench.plots import a12_forest, box_plot, cd_diagram, convergence, data_profile, ecdf, ert, regret, style, timing
+from bench.plots import (
+    a12_forest,
+    box_plot,
+    cd_diagram,
+    convergence,
+    data_profile,
+    ecdf,
+    ert,
+    regret,
+    scaling,
+    style,
+    timing,
+)
 from bench.plots.ranks import RANK_NAME, cd_height, forest_names
 from bench.report.parts import Figure
 from bench.report.wording import listing
@@ -133,6 +145,47 @@ def ecdf_figure(reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequen
         names=["panel", "evaluations" if along == over else "evaluations or groups"],
     )
     return Figure("targets-reached", caption, figure, data, shown)
+
+
+def group_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
+    """Return the share of targets reached over evaluations / d, a panel a group of functions and dimension.
+
+    ``curves`` are those of :func:`bench.analysis.ecdf` with a column problem, the panel's name.
+    """
+
+    def draw(frame: pd.DataFrame, problem: str, *, looks: style.Looks, legend: bool, ax: Axes) -> Axes:
+        ecdf(frame[frame["problem"] == problem], looks=looks, legend=legend, ax=ax)
+        ax.set_title(style.plain(problem), loc="left")
+        ax.set_ylabel("share reached")
+        return ax
+
+    figure, _ = _multiples(curves, style.looks(optimizers), draw, across=0.46)
+    caption = (
+        "The share of all targets, of all problems and trials of a group, that was reached, over evaluations / d. "
+        "Higher and further left is better."
+    )
+    shown = _at_round_numbers(curves, ["problem", "per_dimension"], "fraction", (1,))
+    return Figure("targets-by-group", caption, figure, curves, shown)
+
+
+def scaling_figure(table: pd.DataFrame, optimizers: Sequence[str], *, tau: float) -> Figure:
+    """Return the expected running time to one target over the dimension, a panel a function.
+
+    ``table`` has problem (the function), dimension, optimizer and ert, in evaluations / d.
+    """
+    figure, axes = _multiples(table, style.looks(optimizers), scaling, across=0.3)
+    times = table["ert"].to_numpy(dtype=float)
+    shown = times[style.drawable(times)]
+    for ax in axes:
+        if len(shown):
+            ax.set_ylim(shown.min() / 2, 4 * shown.max())
+            style.log_scale(ax, "y")
+    caption = (
+        f"Expected running time / d to the target tau = {tau:g}, over the dimension d. A horizontal line grows in "
+        "proportion to d; a point is missing where no trial reached the target."
+    )
+    data = table.pivot(index=["problem", "dimension"], columns="optimizer", values="ert")
+    return Figure("scaling", caption, figure, table, data[list(optimizers)].rename_axis(columns=None))
 
 
 def rank_figure(

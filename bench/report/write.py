@@ -131,11 +131,11 @@ class _Report:
             middle = [self.prepare_plugin(name) for name in plugged]
             closing = [self.prepare(part) for part in CLOSING]
             self.drawer.help()
-            for section in opening:
+            for section in filter(None, opening):
                 self.append(section)
             for name, sections in zip(plugged, middle, strict=True):
                 self.append_plugin(name, sections)
-            for section in closing:
+            for section in filter(None, closing):
                 self.append(section)
         self.add_downloads()
         lead = (
@@ -147,11 +147,12 @@ class _Report:
         self.clean()
         return page
 
-    def prepare(self, part: ModuleType) -> Section:
-        """Return a part's section, whose figures are then drawn while others are prepared."""
+    def prepare(self, part: ModuleType) -> Section | None:
+        """Return a part's section, whose figures are then drawn while others are prepared; None where it has none."""
         self.step(part.TITLE)
-        section: Section = part.section(self.findings)
-        self.drawer.begin(_figures(section))
+        section: Section | None = part.section(self.findings)
+        if section is not None:
+            self.drawer.begin(_figures(section))
         return section
 
     def prepare_plugin(self, name: str) -> list[Section] | Exception:

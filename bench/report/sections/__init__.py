@@ -9,11 +9,12 @@ from bench.report.sections import (
     integrity,
     methods,
     power,
+    suite,
     time,
     verdict,
 )
 
-OPENING = (verdict, integrity, comparison)
+OPENING = (verdict, integrity, suite, comparison)
 """The parts before the plug-ins' sections."""
 
 CLOSING = (across, anytime, datasets, time, power, methods, environment)

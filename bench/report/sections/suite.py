@@ -1,0 +1,108 @@
+"""A suite at a glance: ranks and targets reached by group of functions and dimension, and how running times scale."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from bench import analysis
+from bench.report.findings import Findings
+from bench.report.parts import Part, Section, Table
+from bench.report.plots import group_figure, scaling_figure
+from bench.report.wording import count, listing
+
+TITLE = "The suite at a glance"
+TAU = 1e-2  # the target whose running time is drawn over the dimension
+ALL = "all functions"
+
+
+def section(findings: Findings) -> Section | None:
+    """Return the overview of a study whose problems are functions of groups, in dimensions; None for any other."""
+    members = _members(findings)
+    if len(findings.optimizers) < 2 or members.empty or len(members[["group", "dimension"]].drop_duplicates()) < 2:
+        return None
+    items: list[Part] = [_ranks(findings, members)]
+    if findings.traces:
+        items.append(group_figure(_reached(findings, members), findings.optimizers))
+        if members["dimension"].nunique() > 1:
+            items.append(scaling_figure(_scaling(findings, members), findings.optimizers, tau=TAU))
+    return Section(TITLE, (_meaning(findings, members),), tuple(items))
+
+
+def _members(findings: Findings) -> pd.DataFrame:
+    """Return problem, function, group and dimension of the problems that have all of these features."""
+    rows = [
+        (label, f"{known.features.get('suite', '')} {known.features.get('function', label)}".strip(),
+         str(known.features["group"]), findings.dimensions[label])
+        for label, known in findings.known.items()
+        if "group" in known.features and label in findings.dimensions
+    ]  # fmt: skip
+    return pd.DataFrame(rows, columns=["problem", "function", "group", "dimension"])
+
+
+def _meaning(findings: Findings, members: pd.DataFrame) -> str:
+    functions, dimensions = members["function"].nunique(), sorted(members["dimension"].unique())
+    shown = listing([f"{each:g}" for each in dimensions])
+    text = (
+        f"{count(functions, 'function')} in {count(members['group'].nunique(), 'group')}, in "
+        f"{'dimensions' if len(dimensions) > 1 else 'dimension'} {shown}. A problem is a function in one dimension."
+    )
+    pools = [own for own in findings.pooled.members.values() if len(own) > 1]
+    if pools:
+        text += (
+            f" Its instances ({listing(sorted({f'{len(own)}' for own in pools}, key=int))} each) are pooled, as COCO "
+            "does: all their trials are trials of the problem, and its values are precisions, the best objective "
+            f"value less the optimum of the instance, taken as 0 from {analysis.SOLVED:g} on."
+        )
+    return text
+
+
+def _panels(members: pd.DataFrame) -> list[tuple[str, int, list[str]]]:
+    """Return group, dimension and problems of each panel: first all functions, then each group, by dimension."""
+    panels: dict[tuple[str, int], list[str]] = {}
+    groups = list(dict.fromkeys(members["group"]))
+    for each in members.itertuples(index=False):
+        for group in (ALL, each.group) if len(groups) > 1 else (each.group,):
+            panels.setdefault((str(group), int(str(each.dimension))), []).append(str(each.problem))
+    order = [ALL, *groups]
+    return [(*key, panels[key]) for key in sorted(panels, key=lambda key: (order.index(key[0]), key[1]))]
+
+
+def _ranks(findings: Findings, members: pd.DataFrame) -> Table:
+    ranks = findings.medians.rank(axis=1)
+    rows = {
+        f"{group}, d = {dimension}": ranks[ranks.index.isin(problems)].mean()
+        for group, dimension, problems in _panels(members)
+    }
+    shown = pd.DataFrame(rows).T.reindex(columns=findings.optimizers).rename_axis("group and dimension")
+    problems = [len(problems) for _, _, problems in _panels(members)]
+    return Table(
+        "ranks-by-group",
+        "Average rank of the median by group of functions and dimension, 1 for the lowest; ties share their mean rank.",
+        shown.assign(problems=problems)[["problems", *shown]],
+        bold=shown.eq(shown.min(axis=1), axis=0),
+        decimals=dict.fromkeys(map(str, shown.columns), 2),
+        note="Bold: the lowest of a row. Problems on which an optimizer has no trial do not count.",
+    )
+
+
+def _reached(findings: Findings, members: pd.DataFrame) -> pd.DataFrame:
+    """Return the ECDF of each optimizer in each panel, over evaluations / d."""
+    hits = findings.hits
+    most = max(findings.budgets[label] / d for label, d in findings.dimensions.items())
+    grid = np.geomspace(1 / max(findings.dimensions.values()), most, 60)
+    curves = []
+    for group, dimension, problems in _panels(members):
+        own = hits[hits["problem"].isin(problems)]
+        curve = analysis.ecdf(own, grid, findings.dimensions)
+        curves.append(curve.assign(problem=f"{group}, d = {dimension}"))
+    return pd.concat(curves, ignore_index=True)
+
+
+def _scaling(findings: Findings, members: pd.DataFrame) -> pd.DataFrame:
+    """Return function, dimension, optimizer and ERT / d at the target of each problem."""
+    table = analysis.expected_running_time(findings.hits[np.isclose(findings.hits["tau"], TAU)])
+    own = table.merge(members, on="problem")
+    return own.assign(problem=own["function"], ert=own["ert"] / own["dimension"])[
+        ["problem", "dimension", "optimizer", "trials", "successes", "ert"]
+    ]

@@ -1,0 +1,65 @@
+"""The overview of a suite: functions of two groups in two dimensions, of two instances each."""
+
+import numpy as np
+import pytest
+
+from bench import Results, Study, run
+from bench.report.findings import Findings
+from bench.report.sections import suite
+
+
+@pytest.fixture(scope="module")
+def findings(tmp_path_factory):
+    table = {"suite": "classical", "functions": ["sphere", "rastrigin"], "dimensions": [2, 5], "instances": "1-2"}
+    study = Study.from_dict(
+        {"name": "suite", "trials": 3, "budget": "30 * d", "problems": [table],
+         "optimizers": [{"name": "cma-es-fast"}, {"name": "random-search"}]}
+    )  # fmt: skip
+    return Findings(Results(run(study, tmp_path_factory.mktemp("run") / "s", n_jobs=1).folder))
+
+
+@pytest.fixture(scope="module")
+def items(findings):
+    return {item.name: item for item in suite.section(findings).items}
+
+
+def test_instances_are_pooled(findings):
+    assert findings.problems == [f"classical-{each}-d{d}" for each in ("sphere", "rastrigin") for d in (2, 5)]
+    assert findings.trials == (6, 6)
+    assert set(findings.optima.values()) == {0.0}
+    assert findings.budgets == {label: 30 * d for label, d in findings.dimensions.items()}
+
+
+def test_the_text_says_what_is_pooled(findings):
+    (text,) = suite.section(findings).text
+    assert text.startswith("2 functions in 2 groups, in dimensions 2 and 5.")
+    assert "(2 each) are pooled" in text
+
+
+def test_ranks_are_given_by_group_and_dimension(findings, items):
+    table = items["ranks-by-group"].frame
+    ranks = findings.medians.rank(axis=1)
+    assert table["problems"].tolist() == [2, 2, 1, 1, 1, 1]
+    assert table.loc["all functions, d = 5", "cma-es-fast"] == pytest.approx(
+        ranks.loc[["classical-sphere-d5", "classical-rastrigin-d5"], "cma-es-fast"].mean()
+    )
+
+
+def test_targets_are_shown_for_the_groups_over_evaluations_by_dimension(items):
+    curves = items["targets-by-group"].data
+    assert curves["problem"].nunique() == 6
+    assert curves["per_dimension"].max() == pytest.approx(30)
+
+
+def test_running_times_are_shown_over_the_dimension(findings, items):
+    table = items["scaling"].data.set_index(["problem", "dimension", "optimizer"])["ert"]
+    hits = findings.hits
+    own = hits[(hits["problem"] == "classical-sphere-d5") & (hits["optimizer"] == "cma-es-fast")]
+    own = own[np.isclose(own["tau"], suite.TAU)]
+    reached = np.isfinite(own["evaluations"])
+    expected = np.where(reached, own["evaluations"], own["spent"]).sum() / reached.sum() / 5
+    assert table["classical sphere", 5, "cma-es-fast"] == pytest.approx(expected)
+
+
+def test_a_study_of_one_kind_has_no_overview(make, tmp_path):
+    assert suite.section(Findings(Results(make(tmp_path / "s")))) is None
