@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
@@ -90,4 +91,8 @@ def _running(
     finally:
         for each in supervisors:
             each.kill()
-        list(threads)
+        with warnings.catch_warnings(action="ignore", category=UserWarning):  # joblib's, of threads that an end cut off
+            try:
+                list(threads)
+            finally:  # a second interrupt
+                threads.close()

@@ -231,6 +231,8 @@ class Templates:
                 process.call(trial_process.load_optimizer, optimizer, seconds=self._loading, memory=self._memory)
             except LOSSES:
                 process.close()
+                for key in [key for key, (each, _) in self._optimizers.items() if each.closed]:  # with their package's
+                    self._end_trial(self._optimizers.pop(key)[0])
                 if optimizer in self._alone:
                     raise
                 self._alone.add(optimizer)

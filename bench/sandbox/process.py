@@ -286,9 +286,19 @@ class Process:
                 look = monotonic() + _LOOK
 
     def close(self) -> None:
-        """End the process and all that it started."""
-        self._end()
+        """End the process and all that it started, its copies included."""
+        try:
+            self._end()
+        finally:
+            self._release()
+
+    def _release(self) -> None:
+        """Close the files of an ended process, and of the copies that have ended with it."""
+        self._closed = True
+        self._channel.close()
         self._output.close()
+        for each in self._copies.copy():
+            each._release()
 
     def kill(self) -> None:
         """End a process that was not forked, and its copies; any thread may do so, and its user finds it ended."""

@@ -506,12 +506,11 @@ def test_what_a_copy_started_ends_with_it_and_nothing_else_does(calls, template,
         assert all(map(running, others))
 
 
-@pytest.mark.parametrize("end", [Process.close, Process.kill])
-def test_copies_end_with_the_first_of_their_templates(calls, template, forks, end):
+def test_copies_end_when_another_thread_kills_the_first_of_their_templates(calls, template, forks):
     first = template.fork()
     second = first.fork()
     pids = [number(calls, each) for each in (first, second)]
-    Thread(target=lambda: wait_for(lambda: second._begun[0] is calls.sleep) and end(template)).start()
+    Thread(target=lambda: wait_for(lambda: second._begun[0] is calls.sleep) and template.kill()).start()
     with pytest.raises((DiedError, LostError)):
         second.call(calls.sleep, 10 * LONG)
     assert gone(*pids)
@@ -551,9 +550,19 @@ def test_a_template_that_is_stopped_is_given_up(calls, template, monkeypatch):
     assert copy.call(calls.echo, seconds=LONG) == []  # which needs no template
     with pytest.raises(LostError):
         template.fork()
+    copy.close()  # it has ended with its template
     with pytest.raises(LostError):
-        copy.close()
+        copy.call(calls.echo)
     assert gone(pid, template._process.pid)
+
+
+def test_the_files_of_copies_are_closed_with_their_template(template, forks):
+    copies = [template.fork()]
+    copies.append(copies[0].fork())
+    template.close()
+    for each in copies:
+        assert each._output.closed
+        assert each._channel.fileno() == -1
 
 
 @LINUX
