@@ -24,7 +24,7 @@ from optimizers.common.base import Handling, confine
 CEILING = 1e100
 """The greatest value given to a library, also for +inf, so that its sums and weights stay finite."""
 
-AGENTS = {"pop_size": "agents", "popsize": "agents"}
+AGENTS = {"pop_size": "agents", "popsize": "agents", "population_size": "agents"}
 """Parameters of the libraries that have another name here."""
 
 

@@ -10,31 +10,33 @@ import pytest
 import optimizers
 from bench import BenchError, Study, load_optimizer
 
-FAMILIES = {"mealpy": "OriginalGWO", "nevergrad": "DE", "pymoo": "DE"}
+FAMILIES = {"mealpy": "OriginalGWO", "minion": "LSHADE", "nevergrad": "DE", "pymoo": "DE"}
+MODULES = {"minion": "minionpy"}  # where it is not the family's name
 each_family = pytest.mark.parametrize(("family", "member"), FAMILIES.items())
 
 
 def test_no_library_is_imported_before_it_is_needed():
     modules = sorted(f"optimizers.{path.stem}" for path in Path(optimizers.__file__).parent.glob("[a-z]*.py"))
-    libraries = {"cma", "matplotlib", "mealpy", "nevergrad", "numba", "pandas", "pymoo", "scipy"}
-    assert len(modules) >= 12
+    libraries = {"cma", "matplotlib", "mealpy", "minionpy", "nevergrad", "numba", "pandas", "pymoo", "scipy"}
+    assert len(modules) >= 13
     code = f"import sys, {', '.join(modules)}; print(*{libraries} & set(sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout == "\n"
 
 
 @each_family
 def test_a_missing_library_names_its_extra(family, member, monkeypatch):
-    monkeypatch.setitem(sys.modules, family, None)
+    module = MODULES.get(family, family)
+    monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(BenchError) as caught:
         load_optimizer(f"{family}:{member}")
     assert str(caught.value) == (
-        f"the {family} optimizers need {family}; install it with: pip install 'backlash-bench[{family}]'"
+        f"the {family} optimizers need {module}; install it with: pip install 'backlash-bench[{family}]'"
     )
 
 
 @each_family
 def test_an_unknown_member_is_refused_with_the_nearest_one(family, member):
-    pytest.importorskip(family, reason=f"the extra {family!r} is not installed")
+    pytest.importorskip(MODULES.get(family, family), reason=f"the extra {family!r} is not installed")
     with pytest.raises(BenchError, match=f"{family} has no optimizer '{member}x'; did you mean"):
         load_optimizer(f"{family}:{member}x")
 

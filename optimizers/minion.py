@@ -1,0 +1,127 @@
+"""The optimizers of minionpy, as ``minion:LSHADE``, ``minion:jSO`` and so on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from bench.objective import Objective
+from bench.optimizer import Optimizer, parameter
+from bench.plugins.derived import derive
+from bench.problem import Floats
+from optimizers.common.base import works
+from optimizers.common.family import AGENTS, Adapter, Family, table
+
+TABLE = table("minion")
+
+LEAST_AGENTS = 4
+"""The smallest population: with 2 or 3 some algorithms loop without an end or crash the process."""
+
+Function = Callable[[list[list[float]]], list[float]]
+
+
+@dataclass(frozen=True)
+class MinionOptimizer(Adapter):
+    """An algorithm of minionpy, written in C++, which evaluates a generation as one batch, in one thread.
+
+    A start population comes from ``objective.initial``, in the size that minionpy plans; an algorithm that starts from
+    one point starts from one of these points. The budget is the length of minionpy's schedules. It asks for some
+    evaluations more than that, which the objective refuses. Its tolerances end a run early, and are declared. minionpy
+    sees values above 1e100, +inf among them, as 1e100.
+    """
+
+    member: ClassVar[str]  # its name in minionpy's Minimizer
+    own: ClassVar[tuple[str, ...]]  # its options, by minionpy's names
+    from_point: ClassVar[bool]  # whether it starts from one point
+
+    def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Minimise until the budget is spent, or minionpy ends by a tolerance."""
+        start = objective.initial(1 if self.from_point else self._planned(objective))
+        raised: list[BaseException] = []
+
+        def values(points: list[list[float]]) -> list[float]:
+            try:
+                found: list[float] = self.finite_values(objective, np.array(points)).tolist()
+            except BaseException as error:
+                raised.append(error)
+                raise
+            return found
+
+        try:
+            result = self._minimizer(values, objective, start, int(rng.integers(2**31))).optimize()
+        except RuntimeError:  # most algorithms turn an exception, the end of the budget too, into this one
+            if not raised:
+                raise
+        if raised:
+            raise raised[0]
+        objective.stop(result.message)
+
+    def _planned(self, objective: Objective) -> int:
+        """Return the size of minionpy's start population: that of the first batch, which is not evaluated here."""
+        sizes: list[int] = []
+
+        def refuse(points: list[list[float]]) -> list[float]:
+            sizes.append(len(points))
+            raise RuntimeError("only the size of the first batch is wanted")
+
+        middle = (objective.lower + objective.upper)[np.newaxis] / 2
+        try:
+            self._minimizer(refuse, objective, middle, 0).optimize()
+        except RuntimeError:
+            if not sizes:
+                raise
+        return sizes[0]
+
+    def _minimizer(self, function: Function, objective: Objective, start: Floats, seed: int) -> Any:
+        """Return minionpy's object. Its ``Minimizer`` runs JADE by that name; its class JADE runs L-SHADE."""
+        from minionpy import Minimizer
+
+        options = {name: getattr(self, AGENTS.get(name, name)) for name in self.own}
+        if "population_size" in options:
+            options["population_size"] = options["population_size"] or 0  # minionpy's own rule
+        return Minimizer(
+            func=function, bounds=list(zip(objective.lower.tolist(), objective.upper.tolist(), strict=True)),
+            x0=start.tolist(), algo=self.member, maxevals=objective.budget, seed=seed, options=options,
+        )  # fmt: skip
+
+
+class Minion(Family):
+    """The family ``minion:<algorithm>``: the algorithms of minionpy's ``Minimizer``."""
+
+    name = "minion"
+    module = "minionpy"
+    extra = "minion"
+    left_out = TABLE["left_out"]
+
+    def members(self) -> list[str]:
+        """Return the names of minionpy's algorithms in the table."""
+        return list(TABLE["members"])
+
+    def derive(self, member: str) -> type[Optimizer]:
+        """Return the optimizer class of an algorithm of minionpy."""
+        entry = TABLE["members"][member]
+        defaults = entry["parameters"]
+        return derive(
+            MinionOptimizer, f"minion:{member}",
+            {AGENTS.get(name, name): declared(name, default) for name, default in defaults.items()}, self.load,
+            __doc__=entry["about"], unmapped=tuple(entry.get("unmapped", ())), code=f"minionpy {version('minionpy')}",
+            bibtex=works(*entry["works"], "muzakka2025"), member=member, own=tuple(defaults),
+            from_point=entry.get("from_point", False),
+        )  # fmt: skip
+
+
+minion = Minion()
+
+
+def declared(name: str, default: Any) -> tuple[Any, Any]:
+    """Return type and default, with its range, of an option of minionpy."""
+    known = TABLE["parameters"].get(name, {})
+    if name == "population_size":
+        return int | None, parameter(None, minimum=LEAST_AGENTS)
+    if "choices" in known:
+        return Literal[tuple(known["choices"])], default
+    return type(default), parameter(default, minimum=known.get("minimum"), maximum=known.get("maximum"))

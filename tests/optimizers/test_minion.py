@@ -1,0 +1,204 @@
+"""minionpy's algorithms spend the budget to the evaluation, follow the seed alone, and are minionpy's own."""
+
+import random
+import threading
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+from bench import BenchError, FunctionProblem, Objective, solve
+from bench.bibtex import parse
+from bench.seeds import streams
+from optimizers.minion import TABLE, minion
+from tests.optimizers.observed import OPTIMUM, Ordered, Watched, trace
+
+library = pytest.importorskip("minionpy", reason="the extra 'minion' is not installed")
+
+MEMBERS = TABLE["members"]
+POPULATIONS = [name for name, entry in MEMBERS.items() if not entry.get("from_point")]
+ALIASES = {"Differential_Evolution": "DE", "Dual_Annealing": "DA"}
+
+
+def run(name, problem=None, *, budget=400, seed=1, **options):
+    return solve(problem or Watched(), minion.load(f"minion:{name}", **options), budget=budget, seed=seed)
+
+
+def evaluated(problem):
+    return np.vstack(problem.batches)
+
+
+def test_every_algorithm_of_minionpy_is_a_member_or_left_out():
+    module = import_module("minionpy.algorithms")
+    kinds = [each for each in vars(module).values() if isinstance(each, type)]
+    base = {module.MinimizerBase, module.Minimizer}
+    found = {ALIASES.get(each.__name__, each.__name__) for each in kinds if issubclass(each, module.MinimizerBase)}
+    found -= {each.__name__ for each in base}
+    left_out = set().union(*minion.left_out.values())
+    assert found == (MEMBERS.keys() | left_out) - {"NLSHADE_LBC"}
+    assert not MEMBERS.keys() & left_out
+    assert minion.names() == sorted(f"minion:{name}" for name in MEMBERS)
+    known = {"about", "works", "parameters", "unmapped", "from_point"}
+    assert all(entry.keys() <= known for entry in MEMBERS.values())
+    assert {name for entry in MEMBERS.values() for name in entry["parameters"]} >= TABLE["parameters"].keys()
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_a_member_is_silent_and_spends_the_budget_or_declares_its_tolerance(name, capfd):
+    optimizer = minion.load(f"minion:{name}")
+    for budget in (1, 7, 150):
+        problem = Watched()
+        result = solve(problem, optimizer, budget=budget, seed=2)
+        assert sum(map(len, problem.batches)) == result.nfev <= budget
+        assert (result.stop == "budget") == (result.nfev == budget)
+        assert result.stop == "budget" or "tolerance" in result.stop or "onverge" in result.stop
+        assert result.outside_box == 0
+    assert capfd.readouterr() == ("", "")
+    assert [each.key for each in parse(optimizer.bibtex)][-1] == "muzakka2025"
+    assert len(parse(optimizer.bibtex)) >= 2
+    assert optimizer.code.startswith("minionpy 1.")
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_a_seed_repeats_a_run_and_another_does_not(name):
+    problem, again = Watched(), Watched()
+    first = run(name, problem, budget=230)
+    random.seed(99)
+    np.random.seed(99)  # noqa: NPY002 - the global state must not matter
+    before = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
+    assert trace(run(name, again, budget=230)) == trace(first)
+    assert (random.getstate(), np.random.get_state()[1].tolist()) == before  # noqa: NPY002
+    np.testing.assert_array_equal(evaluated(again), evaluated(problem))
+    assert trace(run(name, budget=230, seed=2)) != trace(first)
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_all_points_are_evaluated_in_the_caller_s_thread(name):
+    threads = set()
+
+    def sphere(x):
+        threads.add(threading.get_ident())
+        return ((x - OPTIMUM) ** 2).sum(axis=1)
+
+    run(name, Watched(sphere), budget=150)
+    assert threads == {threading.get_ident()}
+
+
+@pytest.mark.parametrize("name", POPULATIONS)
+def test_the_start_population_is_that_of_the_harness(name):
+    problem = Watched()
+    run(name, problem, budget=400, seed=3)
+    start, _ = streams(3)
+    first = problem.batches[0]
+    np.testing.assert_array_equal(first, Objective(problem, 400, start).initial(len(first)))
+
+
+@pytest.mark.parametrize("name", ["LSHADE", "jSO", "NLSHADE_RSP", "DE", "ARRDE"])
+def test_agents_are_the_start_population(name):
+    problem = Watched()
+    run(name, problem, agents=25)
+    assert len(problem.batches[0]) == 25
+
+
+@pytest.mark.parametrize("name", ["LSHADE", "JADE", "NLSHADE_RSP", "CMAES", "j2020"])
+def test_a_run_is_minionpy_s_own(name):
+    """With minionpy's own defaults, so that the declared ones are checked by whole runs."""
+    seed, budget, agents, ours = 5, 600, 40, Watched()
+    options = {"agents": agents} if name in POPULATIONS else {}
+    run(name, ours, budget=budget, seed=seed, **options)
+    start, search = streams(seed)
+    points = Objective(ours, 1, start).initial(agents if options else 1).tolist()
+    theirs = []
+
+    def sphere(x):
+        theirs.extend(x)
+        return ((np.array(x) - OPTIMUM) ** 2).sum(axis=1).tolist()
+
+    library.Minimizer(
+        func=sphere, bounds=[(1.0, 5.0), (2.0, 9.0), (-7.0, -1.0)], x0=points, algo=name, maxevals=budget,
+        seed=int(search.integers(2**31)), options={"population_size": agents} if options else {},
+    ).optimize()  # fmt: skip
+    np.testing.assert_array_equal(evaluated(ours), np.array(theirs)[:budget])
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_the_declared_defaults_are_minionpy_s(name):
+    def points(options):
+        seen = []
+
+        def sphere(x):
+            seen.extend(x)
+            return (np.array(x) ** 2).sum(axis=1).tolist()
+
+        library.Minimizer(
+            func=sphere, bounds=[(-5.0, 4.0)] * 5, x0=[[2.0] * 5], algo=name, maxevals=1500, seed=4, options=options
+        ).optimize()
+        return seen
+
+    assert points(MEMBERS[name]["parameters"]) == points({})
+
+
+def test_jade_is_not_the_l_shade_that_minionpy_s_class_of_this_name_runs():
+    assert trace(run("JADE", agents=30)) != trace(run("LSHADE", agents=30, archive_size_ratio=1.0))
+
+
+def test_an_error_of_the_problem_arrives_as_it_is():
+    def broken(x):
+        raise KeyError("broken")
+
+    for name in ("LSHADE", "NLSHADE_RSP", "CMAES"):  # minionpy hands some on, and renames others
+        with pytest.raises(KeyError, match="broken"):
+            minion.load(f"minion:{name}").minimize(
+                Objective(Watched(broken), 100, np.random.default_rng(0)), np.random.default_rng(1)
+            )
+
+
+def test_a_stop_by_a_tolerance_is_declared_and_can_be_turned_off():
+    assert "onverge" in run("LSHADE", FunctionProblem(lambda x: x[:, 0] ** 2, [-2.0], [5.0]), budget=3000).stop
+    assert run("CMAES", budget=3000).nfev < 3000
+    assert run("CMAES", budget=3000, x_tol=-1.0).nfev == 3000
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+@pytest.mark.parametrize("value", [np.inf, 3.0])
+def test_infinite_values_and_plateaus_do_no_harm(name, value):
+    result = run(name, Watched(lambda x: np.full(len(x), value)), budget=250)
+    assert result.nfev == 250 or result.stop not in ("budget", "undeclared")
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_one_variable_suffices(name):
+    line = FunctionProblem(lambda x: (x[:, 0] - 2.3) ** 2, [1.0], [5.0])
+    assert run(name, line, budget=250).fun < 0.01
+
+
+def test_points_are_repaired_or_only_clipped_as_asked():
+    highest = {}
+    for handling in ("repair", "box"):
+        problem = Ordered(lambda x: -x[:, 0])
+        assert run("LSHADE", problem, budget=300, agents=20, handling=handling).outside_box == 0
+        highest[handling] = evaluated(problem)[20:, 0].max()
+    assert highest["repair"] == 3.0
+    assert highest["box"] > 4.0
+
+
+@pytest.mark.parametrize(
+    "options", [{"memory_size": 20}, {"mutation_strategy": "rand1bin"}, {"archive_size_ratio": 0.5}, {"agents": 20}]
+)
+def test_a_parameter_changes_the_run(options):
+    assert run("LSHADE", budget=1500, **options).fun != run("LSHADE", budget=1500).fun
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "sentence"),
+    [
+        ("LSHADE", {"memory": 5}, "no parameter 'memory'; did you mean 'memory_size'"),
+        ("LSHADE", {"agents": 3}, "'agents' of LSHADE must be at least 4, not 3"),
+        ("LSHADE", {"bound_strategy": "none"}, "'bound_strategy' of LSHADE must be one of 'random'"),
+        ("L_BFGS", {}, "minion's L_BFGS is left out: it searches without bounds"),
+    ],
+)
+def test_what_does_not_fit_is_refused_in_one_sentence(name, options, sentence):
+    with pytest.raises(BenchError) as refused:
+        minion.load(f"minion:{name}", **options)
+    assert sentence in str(refused.value)
