@@ -58,7 +58,8 @@ class MinionOptimizer(Adapter):
                 raise
         if raised:
             raise raised[0]
-        objective.stop(result.message)
+        spent = str(result.status) == "max_evaluations_reached"  # LSRTDE says so of other ends too
+        objective.stop("for no reason that minionpy names" if spent else result.message)
 
     def _planned(self, objective: Objective) -> int:
         """Return the size of minionpy's start population: that of the first batch, which is not evaluated here."""

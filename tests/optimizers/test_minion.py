@@ -155,6 +155,9 @@ def test_an_error_of_the_problem_arrives_as_it_is():
 
 def test_a_stop_by_a_tolerance_is_declared_and_can_be_turned_off():
     assert "onverge" in run("LSHADE", FunctionProblem(lambda x: x[:, 0] ** 2, [-2.0], [5.0]), budget=3000).stop
+    slope = run("LSRTDE", FunctionProblem(lambda x: x[:, 0], [-2.0], [5.0]), budget=3000)
+    assert slope.nfev < 3000
+    assert slope.stop == "for no reason that minionpy names"  # it says that the evaluations are spent
     assert run("CMAES", budget=3000).nfev < 3000
     assert run("CMAES", budget=3000, x_tol=-1.0).nfev == 3000
 
