@@ -197,7 +197,7 @@ class Objective:
         kept = rows.copy()
         given = kept.copy()
         began = perf_counter()
-        returned = self._problem.evaluate(given)
+        returned = self._values(given)
         self.seconds += perf_counter() - began
         values, improved = empty(n), empty(n, dtype=np.int64)
         improvements, outside = self._scan(
@@ -216,6 +216,10 @@ class Objective:
             self.best_point = kept[0].copy()
         self._evaluations += n
         return values
+
+    def _values(self, x: Floats) -> ArrayLike:
+        """Return what is recorded of the (n, d) points, as the problem returns it."""
+        return self._problem.evaluate(x)
 
     def _record_one(self, value: float, place: int) -> float:
         """Return what the point in the last row of the box is worth, and record it where it is the best so far."""

@@ -29,6 +29,7 @@ class Problem(ABC):
             ``{"amplitude_rpm": (140.2, 1.93)}``; reports draw them.
         features: what kind of problem it is, by which reports can group problems, such as ``{"suite": "bbob",
             "function": "f08", "instance": 1, "group": "low or moderate conditioning"}``; empty where nothing is known.
+        repairs: whether the points that :meth:`repair` returns violate no constraint.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Problem(ABC):
     optimum: float | None = None
     expected: Mapping[str, tuple[float, float]] = MappingProxyType({})
     features: Mapping[str, str | int] = MappingProxyType({})
+    repairs: bool = False
 
     @property
     def dimension(self) -> int:
@@ -47,6 +49,15 @@ class Problem(ABC):
     @abstractmethod
     def evaluate(self, x: Floats) -> Floats:
         """Return the (n,) objective values of the (n, d) points ``x``, each finite or +inf; lower is better."""
+
+    def violations(self, x: Floats) -> Floats | None:  # noqa: ARG002 - part of the contract
+        """Return the (n, m) constraint violations of the (n, d) points ``x``, or None without constraints (default).
+
+        A point is feasible where all are at most 0. They must depend on the point alone, bit by bit, whatever the
+        batch: the best point is evaluated again alone, and must then be feasible again. What an optimizer sees of an
+        infeasible point is up to the study (:mod:`bench.constraints`); :meth:`evaluate` need not know.
+        """
+        return None
 
     def repair(self, x: Floats) -> Floats:
         """Return the (n, d) feasible points nearest to ``x`` by the problem's own rule; by default, clip to the box."""
@@ -76,6 +87,8 @@ class FunctionProblem(Problem):
         optimum: the best known value, if any.
         variables: d different names of the search variables; by default x1, x2, …
         features: what kind of problem it is, see :class:`Problem`.
+        violations: maps (n, d) points to their (n, m) constraint violations, or one (d,) point to m of them with
+            ``vectorized=False``; without, the problem has no constraints.
 
     Raises:
         BenchError: when the bounds are not two finite vectors of one length with lower < upper, or names repeat.
@@ -92,6 +105,7 @@ class FunctionProblem(Problem):
         optimum: float | None = None,
         variables: Sequence[str] | None = None,
         features: Mapping[str, str | int] = MappingProxyType({}),
+        violations: Callable[..., Any] | None = None,
     ) -> None:
         self.lower = np.array(lower, dtype=np.float64, ndmin=1)
         self.upper = np.array(upper, dtype=np.float64, ndmin=1)
@@ -111,9 +125,17 @@ class FunctionProblem(Problem):
             raise BenchError(f"problem {name!r}: give {self.dimension} different variable names, not {self.variables}")
         self._fun = fun
         self._vectorized = vectorized
+        self._violations = violations
 
     def evaluate(self, x: Floats) -> Floats:
         """Return the (n,) values of ``fun`` at the (n, d) points ``x``."""
         if self._vectorized:
             return np.asarray(self._fun(x), dtype=np.float64)
         return np.array([float(self._fun(row)) for row in x], dtype=np.float64)
+
+    def violations(self, x: Floats) -> Floats | None:
+        """Return the (n, m) constraint violations of the (n, d) points ``x``, or None without constraints."""
+        if self._violations is None:
+            return None
+        found = self._violations(x) if self._vectorized else [np.ravel(self._violations(row)) for row in x]
+        return np.asarray(found, dtype=np.float64)

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import tomli_w
 
 from bench import budget as budgets
+from bench import constraints as handlings
 from bench.budget import Budget
 from bench.errors import BenchError, nearest
 from bench.numbers import require_whole
@@ -66,6 +67,7 @@ class Study:
             dimension such as ``{"10": 200_000}``.
         seed: the seed that all trials' seeds derive from.
         title: one line on what is compared.
+        constraints: what optimizers see of infeasible points, one of :data:`bench.constraints.HANDLINGS`.
     """
 
     name: str
@@ -75,6 +77,7 @@ class Study:
     budget: Budget = 10_000
     seed: int = 0
     title: str = ""
+    constraints: str = handlings.DEFAULT
 
     @classmethod
     def load(cls, source: str | os.PathLike[str]) -> Study:
@@ -133,9 +136,9 @@ class Study:
         return dataclasses.replace(self, **both)
 
     def problem(self, label: str) -> Problem:
-        """Load the problem of that label."""
+        """Load the problem of that label, under the study's handling of its constraints where it has any."""
         entry = self._named("problem", label)
-        return loading.load_problem(entry.name, **entry.options)
+        return handlings.handled(loading.load_problem(entry.name, **entry.options), self.constraints)
 
     def optimizer(self, label: str) -> Optimizer:
         """Load the optimizer of that label."""
@@ -201,19 +204,26 @@ class Study:
         """Return the study as a TOML document that loads back as an equal study."""
         head = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
         lists = {key: [entry.as_dict() for entry in getattr(self, key)] for key in ("problems", "optimizers")}
-        return tomli_w.dumps(head | lists)
+        return tomli_w.dumps(head | self._handling() | lists)
 
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title."""
         content = dataclasses.asdict(self) | {"trials": None, "title": None}
+        content = {key: value for key, value in content.items() if key != "constraints"} | self._handling()
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
+
+    def _handling(self) -> dict[str, str]:
+        """Return the handling of constraints where it is not the default, which older studies do not name."""
+        return {} if self.constraints == handlings.DEFAULT else {"constraints": self.constraints}
 
 
 def _checked(given: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Return the budget as a study holds it, where one is given; raises BenchError for numbers that cannot be."""
+    """Return the budget as a study holds it, where one is given; raises BenchError for settings that cannot be."""
     for key, least in (("seed", None), ("trials", 1)):
         if key in given:
             require_whole(f"{where}{key!r}", given[key], least)
+    if "constraints" in given:
+        handlings.checked(given["constraints"], f"{where}'constraints'")
     return {"budget": budgets.checked(given["budget"], f"{where}'budget'")} if "budget" in given else {}
 
 

@@ -17,6 +17,10 @@ Strict = Annotated[
     bool, typer.Option("--strict", help="Keep problem, budget and trace in another process than the optimizer.")
 ]
 Sandbox = Annotated[str | None, typer.Option(metavar="bwrap", help="Run plug-ins in a sandbox of bubblewrap (Linux).")]
+Constraints = Annotated[
+    str | None,
+    typer.Option(help="What optimizers see of infeasible points: death, penalty, lexicographic or repair."),
+]
 Parameters = Annotated[
     list[str] | None, typer.Option("--set", help="Parameter of the optimizer, as in agents=300; repeatable.")
 ]

@@ -11,7 +11,7 @@ import typer
 from rich.console import Console
 
 from bench.cli.check import check_folder
-from bench.cli.console import Jobs, Sandbox, Strict, duration, print_error, print_line
+from bench.cli.console import Constraints, Jobs, Sandbox, Strict, duration, print_error, print_line
 from bench.cli.report import report_on
 from bench.errors import BenchError
 
@@ -37,6 +37,7 @@ def run(
     seed: Annotated[
         int | None, typer.Option(help="Seed that all trials' seeds derive from, instead of the study's.")
     ] = None,
+    constraints: Constraints = None,
     optimizer: Annotated[
         list[str] | None,
         typer.Option(help="Add an optimizer to the study's: a name, or path/to/file.py:ClassName; repeatable."),
@@ -79,7 +80,8 @@ def run(
         raise BenchError("--check runs optimizers outside the sandbox; leave out --check or --sandbox")
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
     console = Console()
-    chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed).beside(optimizer or [], problem or [])
+    settings = {"trials": trials, "budget": budget, "seed": seed, "constraints": constraints}
+    chosen = Study.load(study).override(**settings).beside(optimizer or [], problem or [])
     if dry_run:
         _show_estimate(plan_study(chosen, output, shard=shard, sandbox=sandbox), jobs, console)
         return

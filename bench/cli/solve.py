@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from bench.cli.console import Parameters, pairs, print_error
+from bench.cli.console import Constraints, Parameters, pairs, print_error
 from bench.errors import BenchError
 
 
@@ -25,8 +25,10 @@ def solve(
     problem_option: Annotated[
         list[str] | None, typer.Option(help="An option of the problem, as in unit=rpm; repeatable.")
     ] = None,
+    constraints: Constraints = None,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
+    from bench.constraints import DEFAULT
     from bench.execution.solve import solve as solve_once
     from bench.plugins import loading
 
@@ -34,7 +36,7 @@ def solve(
     chosen = loading.load_optimizer(optimizer, **pairs(option))
     chosen.check_budget(budget, optimizer)
     try:
-        result = solve_once(loaded, chosen, budget=budget, seed=seed)
+        result = solve_once(loaded, chosen, budget=budget, seed=seed, constraints=constraints or DEFAULT)
     except BenchError:
         raise
     except Exception as error:  # a plug-in may raise anything

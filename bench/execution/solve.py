@@ -2,6 +2,7 @@
 
 from threadpoolctl import threadpool_limits
 
+from bench import constraints as handlings
 from bench.errors import BenchError
 from bench.numbers import require_whole
 from bench.optimizer import Optimizer
@@ -10,7 +11,14 @@ from bench.problem import Problem
 from bench.trial import Result, search
 
 
-def solve(problem: str | Problem, optimizer: str | Optimizer, *, budget: int, seed: int = 0) -> Result:
+def solve(
+    problem: str | Problem,
+    optimizer: str | Optimizer,
+    *,
+    budget: int,
+    seed: int = 0,
+    constraints: str = handlings.DEFAULT,
+) -> Result:
     """Run one optimizer once on one problem.
 
     Example:
@@ -21,14 +29,16 @@ def solve(problem: str | Problem, optimizer: str | Optimizer, *, budget: int, se
         optimizer: an optimizer or the name of one.
         budget: evaluations it may spend; it may be less than one generation.
         seed: repeats the run exactly; the ``seed`` of a study's row repeats that trial.
+        constraints: what the optimizer sees of infeasible points, as in a study (:mod:`bench.constraints`).
 
     Raises:
-        BenchError: for an unknown name or a budget below 1.
+        BenchError: for an unknown name, a budget below 1, or a handling of constraints that cannot be.
     """
     problem = loading.load_problem(problem) if isinstance(problem, str) else problem
     optimizer = loading.load_optimizer(optimizer) if isinstance(optimizer, str) else optimizer
     if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
         raise BenchError("solve needs a problem and an optimizer, or their names")
     require_whole("the seed", seed, 0)
+    problem = handlings.handled(problem, handlings.checked(constraints))
     with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
         return search(problem, optimizer, budget, seed)

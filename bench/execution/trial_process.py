@@ -20,9 +20,10 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from bench import constraints
 from bench.errors import BenchError
 from bench.execution import strict
-from bench.objective import Objective, passes
+from bench.objective import passes
 from bench.problem import Floats, FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import note
@@ -55,7 +56,7 @@ def check_problems() -> dict[str, Any]:
     try:
         study = _study()
         hashes, least = study.data(_problem)
-        modules = provenance.modules([_problem(each.label) for each in study.problems])
+        modules = provenance.modules([constraints.plain(_problem(each.label)) for each in study.problems])
         return {"hashes": hashes, "least": least, "machine": provenance.machine(modules)}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
@@ -106,8 +107,8 @@ def load_problems(labels: list[str]) -> dict[str, Any]:
             continue
         with contextlib.suppress(BaseException):  # the trials will report it
             passes(_study().evaluations(problem.dimension), problem.dimension)
-            if type(problem) not in kinds:
-                kinds.add(type(problem))
+            if (kind := type(constraints.plain(problem))) not in kinds:
+                kinds.add(kind)
                 problem.describe(problem.repair(problem.lower[np.newaxis])[0])
                 problem.evaluate(problem.lower[np.newaxis])
     _settle()
@@ -176,7 +177,7 @@ def keep(trial: Trial, core: int, end: int) -> dict[str, Any]:
     """
     _stay_on(core)
     problem = _problem(trial.problem)
-    objective = Objective(problem, _study().evaluations(problem.dimension), streams(trial.seed)[0])
+    objective = constraints.objective(problem, _study().evaluations(problem.dimension), streams(trial.seed)[0])
     found = result(objective, problem, trial.seed, strict.serve(objective, end), 0.0)
     return as_answer(found) | {"metrics": numbers(found.metrics)}
 
@@ -214,9 +215,10 @@ def _warm_up(load: Callable[[], Problem], optimizer: str, *, counts: bool) -> bo
     with contextlib.suppress(BaseException):  # the trial itself will report the error
         study = _study()
         loaded, chosen = load(), study.optimizer(optimizer)
-        if (type(loaded), optimizer) in _warm:
+        kind = type(constraints.plain(loaded)), optimizer
+        if kind in _warm:
             return False
-        _warm.add((type(loaded), optimizer))
+        _warm.add(kind)
         budget = study.evaluations(loaded.dimension)
         with _noting():
             search(loaded, chosen, min(budget, 3 * chosen.minimum_budget), 0, _end_if_stuck)

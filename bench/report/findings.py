@@ -82,7 +82,7 @@ class Findings:
         """Return the facts of a function, whose values are precisions."""
         one = self.results.facts(instances[0])
         features = {name: each for name, each in one.features.items() if name != "instance"}
-        return ProblemFacts(0.0, {}, one.box, features)
+        return ProblemFacts(0.0, {}, one.box, features, one.constraints)
 
     @cached_property
     def optima(self) -> dict[str, float]:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bench.constraints import Handled
 from bench.errors import BenchError
 from bench.objective import Trace
 from bench.problem import Problem
@@ -40,6 +41,7 @@ class ProblemFacts:
     expected: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)  # metrics: true value, tolerance
     box: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)  # bounds by search variable
     features: dict[str, str | int] = dataclasses.field(default_factory=dict)  # what kind of problem it is
+    constraints: str = ""  # how its constraints were handled; "" where it has none
     reason: str = ""  # why the problem cannot be loaded, so that no fact is known
 
 
@@ -152,7 +154,10 @@ class Results:
             features = {
                 str(name): each if isinstance(each, int) else str(each) for name, each in problem.features.items()
             }
-            return ProblemFacts(optimum, expected, dict(zip(problem.variables, box, strict=True)), features)
+            # A folder that was begun before constraints were handled notes no hash of the handling.
+            noted = isinstance(problem, Handled) and self.fingerprints.get(label) == problem.fingerprint()
+            handling = self.study.constraints if noted else ""
+            return ProblemFacts(optimum, expected, dict(zip(problem.variables, box, strict=True)), features, handling)
         except BenchError as error:
             return ProblemFacts(reason=str(error))
         except Exception as error:  # a plug-in may raise anything
@@ -255,6 +260,11 @@ def _united(studies: list[Study]) -> Study:
             raise BenchError(
                 f"study {first.name!r} has a budget of {first.budget:,} evaluations and {study.name!r} one of "
                 f"{study.budget:,}; only runs of one budget can be compared"
+            )
+        if study.constraints != first.constraints:
+            raise BenchError(
+                f"study {first.name!r} handles constraints by {first.constraints!r} and {study.name!r} by "
+                f"{study.constraints!r}; only runs of one handling can be compared"
             )
         for entry in study.problems:
             if problems.setdefault(entry.label, entry) != entry:

@@ -40,8 +40,8 @@ class DesignProblem(Problem):
     """A constrained design problem.
 
     ``evaluate`` is the plain objective: **it knows nothing of the constraints**, which :meth:`violations` returns, so
-    points outside the constraints may have lower values than ``optimum``. A variable of discrete values is rounded to
-    the nearest of them wherever a point is used.
+    points outside the constraints may have lower values than ``optimum``; a study handles the constraints. A variable
+    of discrete values is rounded to the nearest of them wherever a point is used.
 
     Attributes:
         best: (d,) the best-known design, which is feasible; ``optimum`` is its objective.

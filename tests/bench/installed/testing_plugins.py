@@ -81,7 +81,8 @@ class Functions:
     """Spheres, a slow one, and some that break the contract, each in its own way."""
 
     def names(self):
-        return ["sphere-2", "sphere-3", "slow-2", "names-3", "figures-2", "text-2", "exit-2", "minus-2", "death-2"]
+        kinds = "sphere-2 sphere-3 slow-2 names-3 figures-2 text-2 exit-2 minus-2 death-2 ring-2"
+        return kinds.split()
 
     def load(self, name, **options):
         kind, d = name.split("-")
@@ -92,7 +93,10 @@ class Functions:
             "death": lambda x: os._exit(1),
         }
         box = [-5.0] * int(d), [5.0] * int(d)
-        problem = FunctionProblem(values.get(kind, lambda x: (x**2).sum(axis=1)), *box, name=name, optimum=0.0)
+        options = {"optimum": 0.0, "violations": None}
+        if kind == "ring":  # outside a circle about the centre
+            options = {"optimum": 9.0, "violations": lambda x: 9.0 - (x**2).sum(axis=1, keepdims=True)}
+        problem = FunctionProblem(values.get(kind, lambda x: (x**2).sum(axis=1)), *box, name=name, **options)
         figures = {"figures": lambda x: {"fun": 1.0}, "text": lambda x: {"radius": "wide"}}
         problem.describe = figures.get(kind, lambda x: {"radius": float(np.linalg.norm(x))})
         if kind == "names":

@@ -1,0 +1,257 @@
+"""Constraints: what an optimizer sees of infeasible points under each handling, and that only feasible ones count."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from bench import BenchError, FunctionProblem, Objective, Study, load_results, run, solve
+from bench.constraints import BARRIER, COEFFICIENT, DEFAULT, HANDLINGS, Handled, handled, objective, plain
+from bench.execution.verify import verify
+from bench.storage.folder import Folder
+
+POINTS = np.array([[1.0, 2.0], [-1.0, 1.0], [-2.0, -1.0], [0.5, 0.0], [9.0, 0.0]])  # the last one outside the box
+FEASIBLE = np.array([True, False, False, True, False])
+TOTAL = np.array([0.0, 1.0, 3.0, 0.0, np.inf])
+
+
+class Mirrored(FunctionProblem):
+    """Its repair satisfies the constraints: it takes absolute values."""
+
+    repairs = True
+
+    def repair(self, x):
+        return np.abs(x)
+
+
+def quadrant(kind=FunctionProblem, fun=lambda x: x.sum(axis=1), violations=lambda x: -x, **options):
+    """Return the sum of the coordinates, on which both must be at least 0."""
+    return kind(fun, [-3.0] * 2, [3.0] * 2, violations=violations, **options)
+
+
+def began(handling, problem=None, budget=100):
+    return objective(handled(problem or quadrant(Mirrored), handling), budget, np.random.default_rng(0))
+
+
+def test_a_problem_without_constraints_is_left_as_it_is():
+    none = FunctionProblem(lambda x: x[:, 0], [0], [1])
+    empty = quadrant(violations=lambda x: np.empty((len(x), 0)))
+    for problem in (none, empty):
+        assert handled(problem, "death") is problem
+        assert type(objective(problem, 5, np.random.default_rng(0))) is Objective
+
+
+def test_what_is_handled_is_not_handled_twice():
+    problem = quadrant()
+    once = handled(problem, "penalty")
+    assert handled(once, "death") is once
+    assert plain(once) is plain(problem) is problem
+
+
+@pytest.mark.parametrize(
+    ("handling", "shown"),
+    [
+        ("death", [3.0, np.inf, np.inf, 0.5, np.inf]),
+        ("penalty", [3.0, 0.0 + COEFFICIENT, -3.0 + 3 * COEFFICIENT, 0.5, np.inf]),
+        ("lexicographic", [3.0, 2 * BARRIER, 4 * BARRIER, 0.5, np.inf]),
+        ("repair", [3.0, 2.0, 3.0, 0.5, np.inf]),
+    ],
+)
+def test_what_the_optimizer_sees(handling, shown):
+    assert began(handling)(POINTS).tolist() == shown
+    one = began(handling)
+    assert [one(point) for point in POINTS] == shown
+    assert (one.evaluations, one.outside_box) == (5, 1)
+
+
+@pytest.mark.parametrize("handling", ["death", "penalty", "lexicographic"])
+def test_only_feasible_points_are_recorded(handling):
+    f = began(handling, quadrant())
+    f(POINTS[[2, 1]])
+    assert (f.best_value, f.trace.values.tolist()) == (np.inf, [])
+    f(POINTS[[2, 0, 1]])
+    f(POINTS[3])
+    assert f.trace.evaluations.tolist() == [4, 6]  # the first feasible point is the first entry
+    assert f.trace.values.tolist() == [3.0, 0.5]
+    assert (f.best_value, f.best_point.tolist()) == (0.5, [0.5, 0.0])
+
+
+@pytest.mark.parametrize("handling", ["death", "penalty", "lexicographic"])
+def test_without_a_feasible_point_the_least_violating_one_in_the_box_is_the_best(handling):
+    f = began(handling, quadrant())
+    f(POINTS[[4]])
+    f(POINTS[[2]])
+    f(POINTS[[4, 1, 2]])
+    f(POINTS[2])
+    assert (f.best_value, f.best_point.tolist()) == (np.inf, [-1.0, 1.0])
+
+
+def test_a_repaired_point_is_recorded_in_place_of_the_point():
+    f = began("repair")
+    f(np.array([[-2.0, -1.0], [-1.0, -0.5]]))
+    assert (f.best_value, f.best_point.tolist()) == (1.5, [1.0, 0.5])
+    assert handled(quadrant(Mirrored), "repair").evaluate(f.best_point[None]).tolist() == [1.5]
+
+
+def test_a_repaired_point_that_leaves_the_box_is_infeasible():
+    class Far(Mirrored):
+        def repair(self, x):
+            return np.abs(x) + 2.0
+
+    f = began("repair", quadrant(Far))
+    assert f(np.array([[0.5, 0.5], [-2.0, 0.0]])).tolist() == [5.0, np.inf]
+
+
+def test_every_infeasible_point_is_worse_than_every_feasible_one():
+    """Deb's order holds for values of any size, violations of any size and in any unit."""
+    sizes = np.array([-1e300, -1.0, 0.0, 1e-300, 1.0, 1e99, 1e100, 1e101, 1e308])
+    excess = np.array([5e-324, 1e-300, 1e-9, 1.0, 1e150])
+    values, violations = (each.ravel() for each in np.meshgrid(sizes, [*excess, 0.0, -1.0]))
+    problem = FunctionProblem(
+        lambda x: values[x[:, 0].astype(int)], [0], [99], violations=lambda x: violations[x[:, 0].astype(int), None]
+    )
+    shown = began("lexicographic", problem)(np.arange(len(values), dtype=float)[:, None])
+    feasible = violations <= 0
+    assert shown[feasible].max() < shown[~feasible].min()
+    ordered = shown[~feasible][np.argsort(violations[~feasible], kind="stable")]
+    assert (np.diff(ordered) >= 0).all()
+    for size, then in pairwise(sizes[:7]):  # feasible ones are as they are, below the barrier
+        assert shown[feasible & (values == size)].max() < shown[feasible & (values == then)].min()
+
+
+@pytest.mark.parametrize("handling", ["death", "penalty", "lexicographic"])
+def test_points_without_a_value_or_a_violation(handling):
+    fun = lambda x: np.where(x[:, 0] > 2, np.nan, x[:, 0])  # noqa: E731 - one line each
+    f = began(handling, quadrant(fun=fun, violations=lambda x: np.where(x > 1.5, np.nan, -x)))
+    assert f(np.array([[2.5, 0.0], [1.8, 0.0], [1.0, 1.0]])).tolist() == [np.inf, np.inf, 1.0]
+    g = began(handling, quadrant(fun=fun))
+    assert g(np.array([2.5, 0.0])) == np.inf
+    assert g.trace.values.tolist() == []
+
+
+def test_values_and_violations_that_cannot_be_are_refused():
+    with pytest.raises(ValueError, match="returned -inf"):
+        began("penalty", quadrant(fun=lambda x: np.full(len(x), -np.inf)))([-1.0, 0.0])
+    with pytest.raises(ValueError, match=r"returned shape \(1,\) for 2 points"):
+        began("death", quadrant(fun=lambda x: np.zeros(1)))(POINTS[:2])
+    with pytest.raises(ValueError, match=r"violations of shape \(1, 2\) for 2 points"):
+        began("death", quadrant(violations=lambda x: -x[:1]))(POINTS[:2])
+    with pytest.raises(ValueError, match=r"expected points of shape"):
+        began("death")(np.zeros(3))
+
+
+def test_neither_the_problem_nor_the_optimizer_moves_a_recorded_point():
+    def write(x):
+        values = x.sum(axis=1)
+        x[:] = 7.0
+        return values
+
+    def violations(x):
+        found = -x.copy()
+        x[:] = 7.0
+        return found
+
+    f = began("lexicographic", quadrant(fun=write, violations=violations))
+    mine = np.array([[1.0, 1.0]])
+    assert f(mine).tolist() == [2.0]
+    assert mine.tolist() == f.best_point[None].tolist() == [[1.0, 1.0]]
+
+
+def test_a_function_of_one_point():
+    problem = FunctionProblem(
+        lambda x: x[0], [-1, -1], [1, 1], vectorized=False, violations=lambda x: [-x[0], x[1] - 0.5]
+    )
+    assert problem.violations(np.array([[0.5, 1.0], [0.0, 0.0]])).tolist() == [[-0.5, 0.5], [0.0, -0.5]]
+    assert FunctionProblem(lambda x: x[:, 0], [0], [1]).violations(np.zeros((2, 1))) is None
+
+
+def test_the_metrics_have_the_violation():
+    problem = handled(quadrant(), "death")
+    assert problem.describe(np.array([-2.0, -1.0])) == {"violation": 3.0}
+    assert problem.describe(np.array([2.0, 1.0])) == {"violation": 0.0}
+
+
+def test_what_cannot_be_handled():
+    with pytest.raises(BenchError, match="has no rule that repairs violated constraints; choose another handling"):
+        handled(quadrant(), "repair")
+    with pytest.raises(BenchError, match="its violations cannot be computed: ZeroDivisionError"):
+        handled(quadrant(violations=lambda x: 1 / 0), "death")
+    with pytest.raises(BenchError, match=r"they have the shape \(1,\), not \(n, m\)"):
+        handled(quadrant(violations=lambda x: -x[:, 0]), "death")
+    with pytest.raises(BenchError, match=r"'constraints' must be one of .*, not 'deth'; did you mean 'death'\?"):
+        solve(quadrant(), "scatter", budget=20, constraints="deth")
+
+
+@pytest.mark.parametrize("handling", HANDLINGS)
+def test_solve_returns_the_best_feasible_point(handling):
+    found = solve(quadrant(Mirrored), "scatter", budget=200, constraints=handling)
+    assert found.metrics == {"violation": 0.0}
+    assert (found.x >= 0).all()
+    assert found.fun == found.x.sum() == found.trace.values[-1]
+
+
+# studies
+
+STUDY = {
+    "name": "s", "trials": 2, "budget": 60,
+    "problems": [{"name": "ring-2"}, {"name": "sphere-2"}], "optimizers": [{"name": "scatter"}, {"name": "early"}],
+}  # fmt: skip
+
+
+def test_a_study_loads_its_problems_under_its_handling():
+    study = Study.from_dict(STUDY | {"constraints": "death"})
+    ring = study.problem("ring-2")
+    assert isinstance(ring, Handled)
+    assert ring.handling == "death"
+    assert not isinstance(study.problem("sphere-2"), Handled)
+    assert Study.from_dict(STUDY).problem("ring-2").handling == DEFAULT
+
+
+def test_the_handling_is_part_of_the_identity_where_it_is_not_the_default():
+    default, death = Study.from_dict(STUDY), Study.from_dict(STUDY | {"constraints": "death"})
+    assert death.identity() != default.identity() == Study.from_dict(STUDY | {"constraints": DEFAULT}).identity()
+    assert 'constraints = "death"' in death.to_toml()
+    assert "constraints" not in default.to_toml()
+    assert default.override(constraints="death") == death
+
+
+@pytest.mark.parametrize("given", ["deth", 3, ["death"], ""])
+def test_an_unknown_handling_is_refused(given):
+    with pytest.raises(BenchError, match="'constraints' must be one of death, penalty, lexicographic, repair, not"):
+        Study.from_dict(STUDY | {"constraints": given})
+    with pytest.raises(BenchError, match="'constraints' must be one of"):
+        Study.from_dict(STUDY).override(constraints=given)
+
+
+def test_a_study_that_cannot_repair_is_refused_before_any_trial(tmp_path):
+    with pytest.raises(BenchError, match="problem 'ring-2' has no rule that repairs"):
+        run(Study.from_dict(STUDY | {"constraints": "repair"}), tmp_path / "s", n_jobs=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("handling", ["death", "penalty", "lexicographic"])
+def test_a_run_stores_feasible_values_and_repeats_them_bit_by_bit(handling, tmp_path):
+    path = tmp_path / "s"
+    run(Study.from_dict(STUDY | {"constraints": handling}), path, n_jobs=1)
+    frame = load_results(path)
+    ring = frame[frame["problem"] == "ring-2"]
+    assert (frame["status"] == "ok").all()
+    assert (ring["fun"] >= 9).all()
+    assert (ring["violation"] == 0).all()
+    assert frame.loc[frame["problem"] == "sphere-2", "violation"].isna().all()
+    for strict in (False, True):
+        assert not verify(path, trials=2, n_jobs=1, strict=strict).different
+
+
+@pytest.mark.slow
+def test_another_handling_is_another_study_and_older_folders_are_not_mixed(tmp_path):
+    path = tmp_path / "s"
+    study = Study.from_dict(STUDY)
+    run(study, path, n_jobs=1)
+    with pytest.raises(BenchError, match="holds another study"):
+        run(study.override(constraints="death"), path, n_jobs=1)
+    folder = Folder(path)
+    (path / "data.json").write_text('{"ring-2": "", "sphere-2": ""}')  # as before constraints were handled
+    with pytest.raises(BenchError, match="'ring-2' changed since"):
+        run(study.override(trials=3), path, n_jobs=1)
+    assert folder.study() == study
