@@ -4,7 +4,8 @@ Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise
 :func:`comparison_matrix`, :func:`ranking`, :func:`regret`. Across problems: :func:`medians`, :func:`friedman`,
 :func:`wilcoxon_tests`, :func:`nemenyi`, :func:`probability_of_improvement`, :func:`interquartile_mean`. Over the
 evaluations: :func:`convergence`, :func:`targets`, :func:`hitting_times`, :func:`expected_running_time`, :func:`ecdf`,
-:func:`data_profiles`, :func:`success_rates`. And :func:`timing`, :func:`power_table`, :func:`integrity`.
+:func:`data_profiles`, :func:`success_rates`. And :func:`timing`, :func:`power_table`,
+:func:`feasibility`, :func:`integrity`.
 
 Arguments mean the same everywhere: ``frame`` is the tidy frame, ``traces`` are those of its trials, by (problem,
 optimizer, trial); ``optima`` the best known objective values, by problem, of the problems where one is known;
@@ -63,6 +64,7 @@ from bench.analysis.cells import (
     variables,
 )
 from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
+from bench.analysis.feasibility import feasibility
 from bench.analysis.instances import SOLVED, Pooled, pool_instances
 from bench.analysis.integrity import integrity
 from bench.analysis.pairwise import (
@@ -106,6 +108,7 @@ __all__ = [
     "effect_size",
     "evaluation_grid",
     "expected_running_time",
+    "feasibility",
     "fractions",
     "friedman",
     "hitting_times",

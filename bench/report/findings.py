@@ -85,6 +85,11 @@ class Findings:
         return ProblemFacts(0.0, {}, one.box, features, one.constraints)
 
     @cached_property
+    def constrained(self) -> list[str]:
+        """The labels of the problems whose constraints were handled."""
+        return [label for label, each in self.known.items() if each.constraints]
+
+    @cached_property
     def optima(self) -> dict[str, float]:
         """The best known objective value of the problems that have one."""
         return {label: each.optimum for label, each in self.known.items() if each.optimum is not None}
@@ -223,6 +228,7 @@ class Findings:
                 early={label: int((early & (self.frame["optimizer"] == label)).sum()) for label in self.optimizers},
                 centre_bias=self._biased("centre bias"),
                 structural_bias=self._biased("structural bias"),
+                constrained=len(self.constrained),
             )
         )
 

@@ -18,6 +18,7 @@ from bench.analysis.cells import NEAR
 from bench.analysis.pairwise import RESAMPLES, TIED
 from bench.bibtex import Work, parse, read
 from bench.budget import described
+from bench.constraints import COEFFICIENT
 from bench.errors import BenchError
 from bench.report.latex import escape
 from bench.report.wording import count, listing, options
@@ -58,6 +59,7 @@ class MethodsFacts:
         early: trials that stopped by a criterion of their own before their budget was spent, by optimizer.
         centre_bias: whether each tested optimizer has a bias towards the centre of the box, by label.
         structural_bias: likewise for a preference for parts of the box on pure noise.
+        constrained: problems whose constraints were handled.
     """
 
     study: Study
@@ -75,6 +77,7 @@ class MethodsFacts:
     early: Mapping[str, int] = field(default_factory=dict)
     centre_bias: Mapping[str, bool] = field(default_factory=dict)
     structural_bias: Mapping[str, bool] = field(default_factory=dict)
+    constrained: int = 0
 
 
 @dataclass(frozen=True)
@@ -125,6 +128,7 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         "near": NEAR,
         "tied": TIED,
         "resamples": RESAMPLES,
+        "coefficient": COEFFICIENT,
         "given": [f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text],
         "early": [f"{count(number, 'trial')} of {label}" for label, number in facts.early.items() if number],
         "scales": SCALES,

@@ -7,6 +7,7 @@ import pandas as pd
 from bench.analysis import ALPHA, NEAR, comparison_matrix, regret, table
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
+from bench.report.sections import feasibility
 from bench.report.wording import count, leaders, listing
 
 TITLE = "Comparison"
@@ -46,9 +47,11 @@ def section(findings: Findings) -> Section:
         data=matrix,
     )
     regrets = regret(findings.summary, findings.unbeaten, VALUES)
+    feasible = feasibility.sections(findings)
     if regrets.empty:
-        return Section(TITLE, tuple(text), (shown,))
-    return Section(TITLE, (*text, _at_optimum(table(regrets, "median"))), (shown, _regret(findings, regrets)))
+        return Section(TITLE, tuple(text), (shown,), sections=feasible)
+    text.append(_at_optimum(table(regrets, "median")))
+    return Section(TITLE, tuple(text), (shown, _regret(findings, regrets)), sections=feasible)
 
 
 def _lost(findings: Findings, shown: pd.DataFrame) -> pd.DataFrame:

@@ -46,7 +46,7 @@ def full(**changes):
         bibtex={name: registry.load("optimizers", name).bibtex for name in ("gwo", "alo", "cma-es")},
         environments=[ENVIRONMENT], tests=9, permutation_tests=1, ranked_problems=2, known_optima=1, targets=3,
         early={"cma-es": 3, "gwo": 0}, centre_bias={"gwo": True, "alo": False, "cma-es": False},
-        structural_bias={"gwo": True, "alo": True},
+        structural_bias={"gwo": True, "alo": True}, constrained=2,
     )  # fmt: skip
     return replace(facts, **changes)
 
@@ -87,6 +87,8 @@ class TestMethods:
             "We ran gwo with agents = 7, handling = box; all other parameters have their default values.",
             "We ran 28 to 30 independent trials (of 30 planned) of each optimizer on each problem, each with a budget",
             "on each problem, each with a budget of 10,000 evaluations of the objective function.",
+            "2 problems have constraints (Coello Coello, 2002): only values at feasible points count, and infeasible",
+            "as worse than all feasible ones, in the order of their total violation (Deb, 2000).",
             "2 trials failed or found no finite value;",
             "We tested the optimizers for a bias towards the centre of the search space (Kudela, 2022) and found it",
             "of the search space (Kudela, 2022) and found it in gwo.",
@@ -112,7 +114,7 @@ class TestMethods:
             ({"study": study(problems=["p"]), "ranked_problems": 1}, "Benjamini"),
             ({"study": study(["gwo", "alo"])}, "Holm"), ({"study": study(["gwo", "alo"])}, "Nemenyi"),
             ({"study": study(["gwo", "alo"])}, "letter"), ({"known_optima": 3}, "lowest value that any"),
-            ({"known_optima": 0}, "the known optimum on"),
+            ({"known_optima": 0}, "the known optimum on"), ({"constrained": 0}, "constraints"),
         ],
     )  # fmt: skip
     def test_a_sentence_that_is_not_true_is_not_said(self, changes, gone):
@@ -120,6 +122,19 @@ class TestMethods:
         changed = methods(full(**changes))
         assert gone not in "".join(changed.text)
         assert cited(changed) == {work.key for work in parse(changed.bibtex)}
+
+    @pytest.mark.parametrize(
+        ("handling", "words"),
+        [
+            ("death", "count, and the optimizers saw infeasible points with an infinite value."),
+            ("penalty", "with a static penalty, 1,000,000 times their total violation."),
+            ("repair", "every point was repaired by the rule of the problem before it was evaluated."),
+        ],
+    )
+    def test_the_handling_of_constraints(self, handling, words):
+        assert words in said(full(study=study(constraints=handling)))
+        assert "Deb, 2000" not in said(full(study=study(constraints=handling)))
+        assert "All problems have constraints" in said(full(study=study(constraints=handling), constrained=3))
 
     @pytest.mark.parametrize("scale", SCALES)
     def test_the_scale_of_the_paired_tests(self, scale):

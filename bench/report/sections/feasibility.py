@@ -1,0 +1,40 @@
+"""The share of trials that found a feasible point, for studies with constrained problems."""
+
+from __future__ import annotations
+
+from bench.analysis import feasibility, table
+from bench.report.findings import Findings
+from bench.report.parts import Section, Table
+from bench.report.wording import count
+
+TITLE = "Feasibility"
+
+
+def sections(findings: Findings) -> tuple[Section, ...]:
+    """Return the section with the feasibility rate of each cell on a constrained problem; none without such a one."""
+    found = feasibility(findings.frame, findings.traces, findings.constrained)
+    if found.empty:
+        return ()
+    lost = int((found["trials"] - found["feasible"]).sum())
+    text = (
+        f"{count(len(findings.constrained), 'problem')} with constraints, handled by "
+        f"{findings.study.constraints!r}. Only feasible points are recorded. "
+        + (
+            f"{lost:,} of {count(int(found['trials'].sum()), 'trial')} found no feasible point and score worse than "
+            "any other."
+            if lost
+            else "Every trial found a feasible point."
+        )
+    )
+    rates = table(found, "rate")
+    shown = Table(
+        "feasibility",
+        "Share of the trials of each cell whose best point is feasible, in %.",
+        100 * rates.astype(float),
+        lost=rates < 1,
+        decimals=0,
+        note="–: no trial; in red with ✗: a cell with trials that found no feasible point, or failed. The file also "
+        "has the median evaluation of the first feasible point, infinite where at least half of the trials found none.",
+        data=found,
+    )
+    return (Section(TITLE, (text,), (shown,)),)
