@@ -69,9 +69,9 @@ class Handled(Problem):
 
     def __init__(self, problem: Problem, handling: str) -> None:
         self.problem, self.handling = problem, handling
-        self.name, self.variables, self.features = problem.name, problem.variables, problem.features
+        self.name, self.variables = problem.name, problem.variables
         self.lower, self.upper = problem.lower, problem.upper
-        self.optimum, self.expected = problem.optimum, problem.expected
+        self.optimum, self.expected, self.features = problem.optimum, dict(problem.expected), dict(problem.features)
 
     def evaluate(self, x: Floats) -> Floats:
         """Return the (n,) objective values of the (n, d) points ``x`` where they are feasible, else +inf."""
