@@ -24,7 +24,7 @@ def section(findings: Findings) -> Section | None:
     items: list[Part] = [_ranks(findings, members)]
     if findings.traces:
         items.append(group_figure(_reached(findings, members), findings.optimizers))
-        if members["dimension"].nunique() > 1:
+        if members.groupby("function")["dimension"].nunique().max() > 1:
             items.append(scaling_figure(_scaling(findings, members), findings.optimizers, tau=TAU))
     return Section(TITLE, (_meaning(findings, members),), tuple(items))
 
