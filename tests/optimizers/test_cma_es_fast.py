@@ -74,7 +74,8 @@ def test_the_same_draws_give_pycma_s_points(name, agents):
     for optimizer in (CMAES, CMAESFast):
         problem = Recorded(FUNCTIONS[name], [-5, -5, -5, 0, -100], [5, 5, 5, 0.1, 1000])
         run = optimizer(agents=agents)
-        solve(problem, run, budget=15 * run.population(5), seed=3)
+        # Later, in the corner of the slope, values of 300 agents tie up to rounding, which processors do differently.
+        solve(problem, run, budget=10 * run.population(5), seed=3)
         batches.append(problem.batches)
     assert len(batches[0]) == len(batches[1])
     for theirs, ours in zip(*batches, strict=True):
