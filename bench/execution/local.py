@@ -72,6 +72,8 @@ def _running(
     Trials are not handed out by joblib one by one: that would cost more than all else that this process does for one.
     """
     turn = Lock()
+    # Of threads that a second interrupt cuts off; joblib may print it whenever it drops them.
+    warnings.filterwarnings("ignore", "[0-9]+ tasks which were still being processed", UserWarning)
 
     def supervise(job: int, supervisor: Supervisor) -> None:
         try:
@@ -91,8 +93,4 @@ def _running(
     finally:
         for each in supervisors:
             each.kill()
-        with warnings.catch_warnings(action="ignore", category=UserWarning):  # joblib's, of threads that an end cut off
-            try:
-                list(threads)
-            finally:  # a second interrupt
-                threads.close()
+        list(threads)

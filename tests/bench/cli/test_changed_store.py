@@ -103,8 +103,10 @@ def test_the_next_run_makes_it_again(bench_here, changed, made):
 
 HOSTILE = """
 import sqlite3
+import time
 
 def edit(objective, rng):
+    time.sleep(0.2)  # so that the trials before the last are committed
     objective(objective.initial(3))
     store = sqlite3.connect({path!r}, timeout=30)
     with store:
