@@ -48,7 +48,7 @@ def checked(given: Any, what: str) -> Budget:
 
 
 def evaluations(budget: Budget, dimension: int) -> int:
-    """Return the evaluations of a trial in so many dimensions; raises BenchError where a table lacks the dimension."""
+    """Return the evaluations of a trial on a problem of this dimension; raises BenchError where a table lacks it."""
     if isinstance(budget, int):
         return budget
     if isinstance(budget, str):

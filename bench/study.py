@@ -123,7 +123,7 @@ class Study:
         return dataclasses.replace(self, **given | _checked(given, ""))
 
     def evaluations(self, dimension: int) -> int:
-        """Return the evaluations of a trial in so many dimensions; raises BenchError where the budget has none."""
+        """Return the evaluations of a trial in this dimension; raises BenchError where the budget has none."""
         return budgets.evaluations(self.budget, dimension)
 
     def beside(self, optimizers: Iterable[str] = (), problems: Iterable[str] = ()) -> Study:

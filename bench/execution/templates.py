@@ -40,7 +40,7 @@ LOADING = 60.0  # seconds, beside the limit of a trial, for loading plug-ins and
 SILENCE = 3.0  # least seconds of a warm-up in which nothing is imported or compiled
 PRINTED = 1_000_000  # bytes that a trial may print: they are discarded, but writing them takes time from other trials
 KEPT = 64  # warmed-up optimizers; more are warmed up again when their turn comes
-WORTH = 50.0  # a process is replaced once its trials have taken so many times the seconds of its fork
+WORTH = 50.0  # times the seconds of its fork: a process is replaced once its trials have taken longer
 
 _cores = count()
 

@@ -63,7 +63,7 @@ INTERRUPTED = "user-defined function raised exception"
 """The message in which SQLite hides a KeyboardInterrupt that one of the functions met; they raise nothing else."""
 
 Place = tuple[int, int]
-"""Number of the cell, and of the trial; what is no whole number is -1."""
+"""Number of the cell, and of the trial; -1 stands for anything but a whole number."""
 
 
 def new_key() -> tuple[bytes, bytes]:

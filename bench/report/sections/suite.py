@@ -69,13 +69,12 @@ def _panels(members: pd.DataFrame) -> list[tuple[str, int, list[str]]]:
 
 
 def _ranks(findings: Findings, members: pd.DataFrame) -> Table:
-    ranks = findings.medians.rank(axis=1)
+    ranks, panels = findings.medians.rank(axis=1), _panels(members)
     rows = {
-        f"{group}, d = {dimension}": ranks[ranks.index.isin(problems)].mean()
-        for group, dimension, problems in _panels(members)
+        f"{group}, d = {dimension}": ranks[ranks.index.isin(problems)].mean() for group, dimension, problems in panels
     }
     shown = pd.DataFrame(rows).T.reindex(columns=findings.optimizers).rename_axis("group and dimension")
-    problems = [len(problems) for _, _, problems in _panels(members)]
+    problems = [len(problems) for _, _, problems in panels]
     return Table(
         "ranks-by-group",
         "Average rank of the median by group of functions and dimension, 1 for the lowest; ties share their mean rank.",

@@ -32,7 +32,7 @@ def load(word):
 
 
 def load_once(word, path):
-    """Hang where the file tells that it was called before."""
+    """Hang where the file shows that it was called before."""
     if Path(path).exists():
         time.sleep(600)
     Path(path).touch()
