@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bench.errors import BenchError, nearest
-from bench.objective import Objective, floats
+from bench.objective import Objective, as_values, floats, repaired
 from bench.problem import Floats, Problem
 
 HANDLINGS = ("death", "penalty", "lexicographic", "repair")
@@ -80,9 +80,7 @@ class Handled(Problem):
     def assess(self, x: Floats) -> Assessment:
         """Return what the (n, d) points ``x``, all in the box, are worth under the handling."""
         if self.handling == "repair":
-            x, given = floats(self.problem.repair(x.copy()), f"repaired points of problem {self.name!r}"), x.shape
-            if x.shape != given:
-                raise ValueError(f"problem {self.name!r} repaired points of shape {given} to {x.shape}")
+            x = repaired(self.problem, x.copy())
         raw, total = self._measured(x)
         if self.handling == "repair":  # nothing else has checked these
             total = np.where(((x >= self.lower) & (x <= self.upper)).all(axis=1), total, np.inf)
@@ -121,10 +119,7 @@ class Handled(Problem):
     def _measured(self, x: Floats) -> tuple[Floats, Floats]:
         """Return the (n,) objective values of the (n, d) points, feasible or not, and their (n,) total violations."""
         total = self._total(x)
-        raw = floats(self.problem.evaluate(x.copy()), f"values of problem {self.name!r}")
-        if raw.shape != total.shape:
-            raise ValueError(f"problem {self.name!r} returned shape {raw.shape} for {len(x)} points")
-        return raw, total
+        return as_values(self.problem, self.problem.evaluate(x.copy()), len(x)), total
 
     def _total(self, x: Floats) -> Floats:
         """Return the (n,) total violations: NaN among the violations of a point makes its total +inf."""

@@ -119,12 +119,7 @@ class Objective:
 
     def repair(self, x: Floats) -> Floats:
         """Return the (n, d) feasible points nearest to ``x`` by the problem's rule; costs no evaluation."""
-        repaired = floats(self._problem.repair(x), f"repaired points of problem {self._problem.name!r}")
-        if repaired.shape != np.shape(x):
-            raise ValueError(
-                f"problem {self._problem.name!r} repaired points of shape {np.shape(x)} to {repaired.shape}"
-            )
-        return repaired
+        return repaired(self._problem, x)
 
     def initial(self, n: int) -> Floats:
         """Return (n, d) points, uniform in the box and then repaired, independent in every trial."""
@@ -240,10 +235,7 @@ class Objective:
 
     def _checked(self, values: ArrayLike, n: int) -> Floats:
         """Return what the problem returned for n points as (n,) float64."""
-        found = floats(values, f"values of problem {self._problem.name!r}")
-        if found.shape != (n,):
-            raise ValueError(f"problem {self._problem.name!r} returned shape {found.shape} for {n} points")
-        return found
+        return as_values(self._problem, values, n)
 
     def _minus_infinity(self) -> ValueError:
         return ValueError(f"problem {self._problem.name!r} returned -inf; a value must be finite or +inf")
@@ -260,6 +252,23 @@ def floats(given: ArrayLike, what: str) -> Floats:
     if array.dtype.kind not in "fiubO":
         raise TypeError(f"{what} must be real numbers, not {array.dtype}")
     return array.astype(np.float64, copy=False)
+
+
+def repaired(problem: Problem, x: Floats) -> Floats:
+    """Return what a problem's rule makes of the (n, d) points; raises ValueError where it changes their shape."""
+    shape = np.shape(x)
+    found = floats(problem.repair(x), f"repaired points of problem {problem.name!r}")
+    if found.shape != shape:
+        raise ValueError(f"problem {problem.name!r} repaired points of shape {shape} to {found.shape}")
+    return found
+
+
+def as_values(problem: Problem, given: ArrayLike, n: int) -> Floats:
+    """Return what a problem returned for n points as (n,) float64; raises ValueError for another shape."""
+    found = floats(given, f"values of problem {problem.name!r}")
+    if found.shape != (n,):
+        raise ValueError(f"problem {problem.name!r} returned shape {found.shape} for {n} points")
+    return found
 
 
 def _take(x: Floats, box: Floats, given: Floats) -> int:
