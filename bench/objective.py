@@ -13,7 +13,7 @@ from numpy import empty, ndarray
 from numpy.typing import ArrayLike, NDArray
 
 from bench.numbers import require_whole
-from bench.problem import Floats, Problem
+from bench.problem import Flags, Floats, Problem
 from bench.text import printable
 
 _LONGEST_REASON = 200  # characters
@@ -59,6 +59,11 @@ class Objective:
     The points are read once. That private copy is checked, evaluated and kept, so neither an optimizer that changes its
     array during the call nor a problem that writes into its argument can make them differ. Threads take turns.
 
+    Attributes:
+        lower: (d,) the lower end of the box.
+        upper: (d,) its upper end.
+        integer: (d,) bool, the variables that are whole numbers. The harness rounds them; an optimizer may use it.
+
     Args:
         problem: what is minimised.
         budget: the number of evaluations allowed, at least 1.
@@ -72,7 +77,8 @@ class Objective:
         require_whole("the budget of evaluations", budget, 1)
         self.lower: Floats = problem.lower.copy()
         self.upper: Floats = problem.upper.copy()
-        self.lower.flags.writeable = self.upper.flags.writeable = False
+        self.integer = integer_flags(problem)
+        self.lower.flags.writeable = self.upper.flags.writeable = self.integer.flags.writeable = False
         self.outside_box = 0
         self.seconds = 0.0  # spent inside the problem's evaluate
         self.best_value = np.inf
@@ -122,9 +128,15 @@ class Objective:
         return repaired(self._problem, x)
 
     def initial(self, n: int) -> Floats:
-        """Return (n, d) points, uniform in the box and then repaired, independent in every trial."""
-        span = self.upper - self.lower
-        return self.repair(self.lower + span * self._rng.random((n, self.dimension)))
+        """Return (n, d) points, uniform in the box and then repaired, independent in every trial.
+
+        Of an integer variable, all whole numbers between its bounds are equally probable.
+        """
+        shares = self._rng.random((n, self.dimension))
+        points = self.lower + (self.upper - self.lower) * shares
+        if self.integer.any():
+            points = np.where(self.integer, np.floor(self.lower + (self.upper - self.lower + 1) * shares), points)
+        return self.repair(points)
 
     def stop(self, reason: str) -> None:
         """Declare that the optimizer ends before its budget by a criterion of its own, such as ``"tolfun"``.
@@ -199,7 +211,7 @@ class Objective:
             kept, self._checked(returned, n), self._box, self.best_value, values, improved
         )
         if improvements == _ILLEGAL:
-            raise self._minus_infinity()
+            raise minus_infinity(self._problem)
         self.outside_box += outside
         if improvements:
             found = improved[:improvements]
@@ -219,7 +231,7 @@ class Objective:
     def _record_one(self, value: float, place: int) -> float:
         """Return what the point in the last row of the box is worth, and record it where it is the best so far."""
         if value == -np.inf:
-            raise self._minus_infinity()
+            raise minus_infinity(self._problem)
         if place == _OUTSIDE:
             self.outside_box += 1
         if place == _OUTSIDE or value != value:
@@ -236,9 +248,6 @@ class Objective:
     def _checked(self, values: ArrayLike, n: int) -> Floats:
         """Return what the problem returned for n points as (n,) float64."""
         return as_values(self._problem, values, n)
-
-    def _minus_infinity(self) -> ValueError:
-        return ValueError(f"problem {self._problem.name!r} returned -inf; a value must be finite or +inf")
 
     @property
     def trace(self) -> Trace:
@@ -269,6 +278,16 @@ def as_values(problem: Problem, given: ArrayLike, n: int) -> Floats:
     if found.shape != (n,):
         raise ValueError(f"problem {problem.name!r} returned shape {found.shape} for {n} points")
     return found
+
+
+def integer_flags(problem: Problem) -> Flags:
+    """Return (d,) bool: which variables are whole numbers."""
+    return np.zeros(problem.dimension, bool) if problem.integer is None else np.array(problem.integer, bool)
+
+
+def minus_infinity(problem: Problem) -> ValueError:
+    """Return the error of a problem that returned -inf."""
+    return ValueError(f"problem {problem.name!r} returned -inf; a value must be finite or +inf")
 
 
 def _take(x: Floats, box: Floats, given: Floats) -> int:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from bench.errors import BenchError
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 
 class Problem(ABC):
@@ -30,6 +31,10 @@ class Problem(ABC):
         features: what kind of problem it is, by which reports can group problems, such as ``{"suite": "bbob",
             "function": "f08", "instance": 1, "group": "low or moderate conditioning"}``; empty where nothing is known.
         repairs: whether the points that :meth:`repair` returns violate no constraint.
+        integer: (d,) bool, the variables that are whole numbers, or None without any (default). The harness rounds them
+            before a point is evaluated and recorded, so :meth:`evaluate` gets whole numbers; their bounds must be such.
+        noisy: whether :meth:`evaluate` takes a random generator, ``evaluate(x, rng)``, and returns what is observed;
+            :meth:`noiseless` then returns the true values. An optimizer sees the former, the latter are recorded.
     """
 
     name: str
@@ -40,6 +45,8 @@ class Problem(ABC):
     expected: Mapping[str, tuple[float, float]] = MappingProxyType({})
     features: Mapping[str, str | int] = MappingProxyType({})
     repairs: bool = False
+    integer: Flags | None = None
+    noisy: bool = False
 
     @property
     def dimension(self) -> int:
@@ -49,6 +56,10 @@ class Problem(ABC):
     @abstractmethod
     def evaluate(self, x: Floats) -> Floats:
         """Return the (n,) objective values of the (n, d) points ``x``, each finite or +inf; lower is better."""
+
+    def noiseless(self, x: Floats) -> Floats:
+        """Return the (n,) true values of the (n, d) points ``x`` of a noisy problem; of another, its values."""
+        return self.evaluate(x)
 
     def violations(self, x: Floats) -> Floats | None:  # noqa: ARG002 - part of the contract
         """Return the (n, m) constraint violations of the (n, d) points ``x``, or None without constraints (default).
@@ -89,6 +100,9 @@ class FunctionProblem(Problem):
         features: what kind of problem it is, see :class:`Problem`.
         violations: maps (n, d) points to their (n, m) constraint violations, or one (d,) point to m of them with
             ``vectorized=False``; without, the problem has no constraints.
+        integer: d flags, true for the variables that are whole numbers; without, there are none.
+        noiseless: maps points to their true values as ``fun`` does; ``fun`` then takes a numpy.random.Generator, too,
+            ``fun(x, rng)``, and returns what can be observed. Without, the problem has no noise.
 
     Raises:
         BenchError: when the bounds are not two finite vectors of one length with lower < upper, or names repeat.
@@ -106,6 +120,8 @@ class FunctionProblem(Problem):
         variables: Sequence[str] | None = None,
         features: Mapping[str, str | int] = MappingProxyType({}),
         violations: Callable[..., Any] | None = None,
+        integer: ArrayLike | None = None,
+        noiseless: Callable[..., Any] | None = None,
     ) -> None:
         self.lower = np.array(lower, dtype=np.float64, ndmin=1)
         self.upper = np.array(upper, dtype=np.float64, ndmin=1)
@@ -125,13 +141,23 @@ class FunctionProblem(Problem):
             raise BenchError(f"problem {name!r}: give {self.dimension} different variable names, not {self.variables}")
         self._fun = fun
         self._vectorized = vectorized
+        self.integer = None if integer is None else np.array(integer, dtype=bool)
+        self.noisy = noiseless is not None
         self._violations = violations
+        self._noiseless = noiseless
 
-    def evaluate(self, x: Floats) -> Floats:
-        """Return the (n,) values of ``fun`` at the (n, d) points ``x``."""
+    def evaluate(self, x: Floats, rng: np.random.Generator | None = None) -> Floats:
+        """Return the (n,) values of ``fun`` at the (n, d) points ``x``; a noisy one needs ``rng``."""
+        return self._computed(self._fun, x, rng) if self.noisy else self._computed(self._fun, x)
+
+    def noiseless(self, x: Floats) -> Floats:
+        """Return the (n,) true values of the (n, d) points ``x``."""
+        return self._computed(self._fun if self._noiseless is None else self._noiseless, x)
+
+    def _computed(self, function: Callable[..., Any], x: Floats, *others: Any) -> Floats:
         if self._vectorized:
-            return np.asarray(self._fun(x), dtype=np.float64)
-        return np.array([float(self._fun(row)) for row in x], dtype=np.float64)
+            return np.asarray(function(x, *others), dtype=np.float64)
+        return np.array([float(function(row, *others)) for row in x], dtype=np.float64)
 
     def violations(self, x: Floats) -> Floats | None:
         """Return the (n, m) constraint violations of the (n, d) points ``x``, or None without constraints."""

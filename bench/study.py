@@ -24,6 +24,7 @@ from bench.numbers import require_whole
 from bench.optimizer import Optimizer
 from bench.plugins import from_file, loading, registry, selection
 from bench.problem import Problem
+from bench.scoring import scored
 from bench.seeds import trial_seed
 from bench.trial import Trial
 
@@ -136,9 +137,9 @@ class Study:
         return dataclasses.replace(self, **both)
 
     def problem(self, label: str) -> Problem:
-        """Load the problem of that label, under the study's handling of its constraints where it has any."""
+        """Load the problem of that label, scored under the study's handling of its constraints where it has any."""
         entry = self._named("problem", label)
-        return handlings.handled(loading.load_problem(entry.name, **entry.options), self.constraints)
+        return scored(loading.load_problem(entry.name, **entry.options), self.constraints)
 
     def optimizer(self, label: str) -> Optimizer:
         """Load the optimizer of that label."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from bench import constraints
+from bench import scoring
 from bench.objective import BudgetExhausted, Objective, Trace
 from bench.optimizer import Optimizer
 from bench.problem import Floats, Problem
@@ -87,7 +87,7 @@ def search(
         BaseException: whatever the optimizer or the problem raises.
     """
     start_stream, search_stream = streams(seed)
-    objective = constraints.objective(problem, budget, start_stream, on_refusal)
+    objective = scoring.objective(problem, budget, start_stream, on_refusal)
     wall, cpu = perf_counter(), process_time()
     returned = run(optimizer, objective, search_stream)
     wall, cpu = perf_counter() - wall, process_time() - cpu

@@ -24,10 +24,10 @@ class RecordingProblem(FunctionProblem):
         super().__init__(*arguments, **naming)
         self._batches = [np.empty((0, self.dimension))]
 
-    def evaluate(self, x: Floats) -> Floats:
+    def evaluate(self, x: Floats, rng: np.random.Generator | None = None) -> Floats:
         """Return the (n,) values of the (n, d) points ``x``."""
         self._batches.append(x)
-        return super().evaluate(x)
+        return super().evaluate(x, rng)
 
     @property
     def points(self) -> Floats:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from bench.objective import Trace
-from bench.problem import Floats
+from bench.problem import Flags, Floats
 from bench.text import printable
 from bench.trial import Result
 
@@ -33,11 +33,12 @@ class RefusedError(RuntimeError):
 
 @dataclass(frozen=True)
 class Box:
-    """What must be known of a problem to check an answer: its variables, and its box as (d,) bounds."""
+    """What must be known of a problem to check an answer: variables, the box as (d,) bounds, (d,) integer flags."""
 
     variables: tuple[str, ...]
     lower: Floats
     upper: Floats
+    integer: Flags
 
     @classmethod
     def of(cls, given: Any) -> Box:
@@ -48,12 +49,13 @@ class Box:
         """
         try:
             lower, upper = (np.array(given[key], dtype=np.float64) for key in ("lower", "upper"))
-            variables = tuple(given["variables"])
+            variables, integer = tuple(given["variables"]), np.array(given["integer"], dtype=bool)
         except (TypeError, ValueError, KeyError) as error:
             raise RefusedError("its problem's bounds cannot be read") from error
-        if lower.ndim != 1 or lower.shape != upper.shape or not all(isinstance(each, str) for each in variables):
+        named = all(isinstance(each, str) for each in variables)
+        if not named or lower.ndim != 1 or not lower.shape == upper.shape == integer.shape:
             raise RefusedError("its problem's bounds cannot be read")
-        return cls(variables, lower, upper)
+        return cls(variables, lower, upper, integer)
 
 
 def boxes(found: Any, labels: Iterable[str]) -> dict[str, Box | str]:
@@ -106,6 +108,8 @@ def result(answer: Mapping[str, Any], box: Box, budget: int, seed: int, seconds:
         raise RefusedError(f"its best point has {len(x)} values, in {len(box.lower)} dimensions")
     if fun < inf and not ((x >= box.lower) & (x <= box.upper)).all():
         raise RefusedError("its best point lies outside the box")
+    if (np.rint(x) != x)[box.integer].any():
+        raise RefusedError("its best point has an integer variable that is no whole number")
     stop = answer.get("stop")
     if not isinstance(stop, str):
         raise RefusedError("its reason to stop is no text")

@@ -8,6 +8,7 @@ from bench.numbers import require_whole
 from bench.optimizer import Optimizer
 from bench.plugins import loading
 from bench.problem import Problem
+from bench.scoring import scored
 from bench.trial import Result, search
 
 
@@ -39,6 +40,6 @@ def solve(
     if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
         raise BenchError("solve needs a problem and an optimizer, or their names")
     require_whole("the seed", seed, 0)
-    problem = handlings.handled(problem, handlings.checked(constraints))
+    problem = scored(problem, handlings.checked(constraints))
     with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
         return search(problem, optimizer, budget, seed)

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 
 from bench.objective import BudgetExhausted, Objective, floats
 from bench.plugins import registry
-from bench.problem import Floats
+from bench.problem import Flags, Floats
 from bench.sandbox.messages import describe_error
 
 _HEAD = struct.Struct("<BQ")  # what is asked or answered, and how many rows (or bytes of text) come with it
@@ -40,13 +40,22 @@ class RemoteObjective:
         end: the file number of the socket whose other end :func:`serve` serves.
         lower: (d,) lower bounds.
         upper: (d,) upper bounds.
+        integer: (d,) bool, the variables that are whole numbers.
         budget: evaluations allowed.
         on_refusal: called with the number of refusals so far whenever points are refused because the budget is spent.
     """
 
-    def __init__(self, end: int, lower: Floats, upper: Floats, budget: int, on_refusal: Callable[[int], None]) -> None:
-        self.lower, self.upper = lower.copy(), upper.copy()
-        self.lower.flags.writeable = self.upper.flags.writeable = False
+    def __init__(
+        self,
+        end: int,
+        lower: Floats,
+        upper: Floats,
+        integer: Flags,
+        budget: int,
+        on_refusal: Callable[[int], None],
+    ) -> None:
+        self.lower, self.upper, self.integer = lower.copy(), upper.copy(), integer.copy()
+        self.lower.flags.writeable = self.upper.flags.writeable = self.integer.flags.writeable = False
         self.budget, self.evaluations = budget, 0
         self.stop_reason: str | None = None
         self._end, self._lock = _opened(end), Lock()

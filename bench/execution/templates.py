@@ -150,7 +150,7 @@ class Templates:
         _, problems = self._loaded_problems(trial.problem)
         box = self._boxes[trial.problem]
         assert isinstance(box, Box)
-        bounds = box.lower.tolist(), box.upper.tolist()
+        bounds = box.lower.tolist(), box.upper.tolist(), box.integer.tolist()
         with problems.fork() as keeper, template.fork() as process:
             one, other = socket.socketpair()
             with one, other:

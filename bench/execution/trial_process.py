@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bench import constraints
+from bench import scoring
 from bench.errors import BenchError
 from bench.execution import strict
-from bench.objective import passes
+from bench.objective import integer_flags, passes
 from bench.problem import Floats, FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import note
@@ -56,7 +56,7 @@ def check_problems() -> dict[str, Any]:
     try:
         study = _study()
         hashes, least = study.data(_problem)
-        modules = provenance.modules([constraints.plain(_problem(each.label)) for each in study.problems])
+        modules = provenance.modules([scoring.plain(_problem(each.label)) for each in study.problems])
         return {"hashes": hashes, "least": least, "machine": provenance.machine(modules)}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
@@ -88,7 +88,7 @@ def bibtex_of(study: Study, labels: list[str]) -> dict[str, str]:
 
 
 def load_problems(labels: list[str]) -> dict[str, Any]:
-    """Load problems; return for each label its variables and bounds, or a text: the error of loading it.
+    """Load problems; return for each label its variables, bounds and integer flags, or a text: the error of loading it.
 
     One point of each kind of problem is evaluated, so that no copy waits for a compiler or holds compiled code alone.
     """
@@ -101,13 +101,14 @@ def load_problems(labels: list[str]) -> dict[str, Any]:
                 "variables": [str(name) for name in problem.variables],
                 "lower": [float(value) for value in problem.lower],
                 "upper": [float(value) for value in problem.upper],
+                "integer": integer_flags(problem).tolist(),
             }
         except BaseException as error:  # only its own trials fail
             found[label] = _failure(error)
             continue
         with contextlib.suppress(BaseException):  # the trials will report it
             passes(_study().evaluations(problem.dimension), problem.dimension)
-            if (kind := type(constraints.plain(problem))) not in kinds:
+            if (kind := type(scoring.plain(problem))) not in kinds:
                 kinds.add(kind)
                 problem.describe(problem.repair(problem.lower[np.newaxis])[0])
                 problem.evaluate(problem.lower[np.newaxis])
@@ -150,7 +151,9 @@ def warm_up_strictly(optimizer: str, lower: list[float], upper: list[float]) -> 
     return _warm_up(lambda: FunctionProblem(lambda x: (x * x).sum(axis=1), lower, upper), optimizer, counts=False)
 
 
-def make_strictly(trial: Trial, core: int, lower: list[float], upper: list[float], end: int) -> dict[str, Any]:
+def make_strictly(
+    trial: Trial, core: int, lower: list[float], upper: list[float], integer: list[bool], end: int
+) -> dict[str, Any]:
     """Run the optimizer of a trial on the objective that :func:`keep` keeps at the other end of the socket.
 
     Return its processor seconds, or the reason why the trial failed.
@@ -160,7 +163,8 @@ def make_strictly(trial: Trial, core: int, lower: list[float], upper: list[float
         _stay_on(core)
         optimizer = _study().optimizer(trial.optimizer)
         budget = _study().evaluations(len(lower))
-        objective = strict.RemoteObjective(end, np.array(lower), np.array(upper), budget, _end_if_stuck)
+        box = np.array(lower), np.array(upper), np.array(integer, bool)
+        objective = strict.RemoteObjective(end, *box, budget, _end_if_stuck)
         with effects:
             objective.begin()
             cpu = process_time()
@@ -177,7 +181,7 @@ def keep(trial: Trial, core: int, end: int) -> dict[str, Any]:
     """
     _stay_on(core)
     problem = _problem(trial.problem)
-    objective = constraints.objective(problem, _study().evaluations(problem.dimension), streams(trial.seed)[0])
+    objective = scoring.objective(problem, _study().evaluations(problem.dimension), streams(trial.seed)[0])
     found = result(objective, problem, trial.seed, strict.serve(objective, end), 0.0)
     return as_answer(found) | {"metrics": numbers(found.metrics)}
 
@@ -215,7 +219,7 @@ def _warm_up(load: Callable[[], Problem], optimizer: str, *, counts: bool) -> bo
     with contextlib.suppress(BaseException):  # the trial itself will report the error
         study = _study()
         loaded, chosen = load(), study.optimizer(optimizer)
-        kind = type(constraints.plain(loaded)), optimizer
+        kind = type(scoring.plain(loaded)), optimizer
         if kind in _warm:
             return False
         _warm.add(kind)

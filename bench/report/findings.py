@@ -82,12 +82,22 @@ class Findings:
         """Return the facts of a function, whose values are precisions."""
         one = self.results.facts(instances[0])
         features = {name: each for name, each in one.features.items() if name != "instance"}
-        return ProblemFacts(0.0, {}, one.box, features, one.constraints)
+        return replace(one, optimum=0.0, expected={}, features=features)
 
     @cached_property
     def constrained(self) -> list[str]:
         """The labels of the problems whose constraints were handled."""
         return [label for label, each in self.known.items() if each.constraints]
+
+    @cached_property
+    def noisy(self) -> list[str]:
+        """The labels of the problems whose values optimizers saw with noise."""
+        return [label for label, each in self.known.items() if each.noisy]
+
+    @cached_property
+    def mixed(self) -> list[str]:
+        """The labels of the problems with integer variables."""
+        return [label for label, each in self.known.items() if each.integers]
 
     @cached_property
     def optima(self) -> dict[str, float]:
@@ -229,6 +239,8 @@ class Findings:
                 centre_bias=self._biased("centre bias"),
                 structural_bias=self._biased("structural bias"),
                 constrained=len(self.constrained),
+                noisy=len(self.noisy),
+                mixed=len(self.mixed),
             )
         )
 

@@ -60,6 +60,8 @@ class MethodsFacts:
         centre_bias: whether each tested optimizer has a bias towards the centre of the box, by label.
         structural_bias: likewise for a preference for parts of the box on pure noise.
         constrained: problems whose constraints were handled.
+        noisy: problems whose values optimizers saw with noise.
+        mixed: problems with integer variables.
     """
 
     study: Study
@@ -78,6 +80,8 @@ class MethodsFacts:
     centre_bias: Mapping[str, bool] = field(default_factory=dict)
     structural_bias: Mapping[str, bool] = field(default_factory=dict)
     constrained: int = 0
+    noisy: int = 0
+    mixed: int = 0
 
 
 @dataclass(frozen=True)

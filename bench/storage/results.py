@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bench.constraints import Handled
 from bench.errors import BenchError
-from bench.objective import Trace
+from bench.objective import Trace, integer_flags
 from bench.problem import Problem
+from bench.scoring import Scored, plain
 from bench.storage.folder import Folder
 from bench.storage.reading import StoreCheck
 from bench.study import Entry, Study
@@ -42,6 +42,8 @@ class ProblemFacts:
     box: dict[str, tuple[float, float]] = dataclasses.field(default_factory=dict)  # bounds by search variable
     features: dict[str, str | int] = dataclasses.field(default_factory=dict)  # what kind of problem it is
     constraints: str = ""  # how its constraints were handled; "" where it has none
+    noisy: bool = False  # whether optimizers saw values with noise
+    integers: int = 0  # the number of integer variables
     reason: str = ""  # why the problem cannot be loaded, so that no fact is known
 
 
@@ -155,9 +157,16 @@ class Results:
                 str(name): each if isinstance(each, int) else str(each) for name, each in problem.features.items()
             }
             # A folder that was begun before constraints were handled notes no hash of the handling.
-            noted = isinstance(problem, Handled) and self.fingerprints.get(label) == problem.fingerprint()
-            handling = self.study.constraints if noted else ""
-            return ProblemFacts(optimum, expected, dict(zip(problem.variables, box, strict=True)), features, handling)
+            noted = isinstance(problem, Scored) and self.fingerprints.get(label) == problem.fingerprint()
+            return ProblemFacts(
+                optimum,
+                expected,
+                dict(zip(problem.variables, box, strict=True)),
+                features,
+                constraints=problem.handling if isinstance(problem, Scored) and noted else "",
+                noisy=plain(problem).noisy,
+                integers=int(integer_flags(problem).sum()),
+            )
         except BenchError as error:
             return ProblemFacts(reason=str(error))
         except Exception as error:  # a plug-in may raise anything

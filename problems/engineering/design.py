@@ -52,6 +52,7 @@ class DesignProblem(Problem):
         self.variables = tuple(design.box)
         self.lower, self.upper = np.array(list(design.box.values()), dtype=np.float64).T.copy()
         self.steps = np.array(design.steps or np.zeros(self.dimension))
+        self.integer = self.steps == 1 if (self.steps == 1).any() else None
         self.best = np.array(design.best)
         self._design = design
         self.optimum = float(self.evaluate(self.best[None])[0])

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from bench import BenchError, FunctionProblem, Objective, Study, load_results, run, solve
-from bench.constraints import BARRIER, COEFFICIENT, DEFAULT, HANDLINGS, Handled, handled, objective, plain
+from bench.constraints import BARRIER, COEFFICIENT, DEFAULT, HANDLINGS
 from bench.execution.verify import verify
+from bench.scoring import Scored, objective, plain, scored
 from bench.storage.folder import Folder
 
 POINTS = np.array([[1.0, 2.0], [-1.0, 1.0], [-2.0, -1.0], [0.5, 0.0], [9.0, 0.0]])  # the last one outside the box
@@ -30,21 +31,21 @@ def quadrant(kind=FunctionProblem, fun=lambda x: x.sum(axis=1), violations=lambd
 
 
 def began(handling, problem=None, budget=100):
-    return objective(handled(problem or quadrant(Mirrored), handling), budget, np.random.default_rng(0))
+    return objective(scored(problem or quadrant(Mirrored), handling), budget, np.random.default_rng(0))
 
 
 def test_a_problem_without_constraints_is_left_as_it_is():
     none = FunctionProblem(lambda x: x[:, 0], [0], [1])
     empty = quadrant(violations=lambda x: np.empty((len(x), 0)))
     for problem in (none, empty):
-        assert handled(problem, "death") is problem
+        assert scored(problem, "death") is problem
         assert type(objective(problem, 5, np.random.default_rng(0))) is Objective
 
 
 def test_what_is_handled_is_not_handled_twice():
     problem = quadrant()
-    once = handled(problem, "penalty")
-    assert handled(once, "death") is once
+    once = scored(problem, "penalty")
+    assert scored(once, "death") is once
     assert plain(once) is plain(problem) is problem
 
 
@@ -90,7 +91,7 @@ def test_a_repaired_point_is_recorded_in_place_of_the_point():
     f = began("repair")
     f(np.array([[-2.0, -1.0], [-1.0, -0.5]]))
     assert (f.best_value, f.best_point.tolist()) == (1.5, [1.0, 0.5])
-    assert handled(quadrant(Mirrored), "repair").evaluate(f.best_point[None]).tolist() == [1.5]
+    assert scored(quadrant(Mirrored), "repair").evaluate(f.best_point[None]).tolist() == [1.5]
 
 
 def test_a_repaired_point_that_leaves_the_box_is_infeasible():
@@ -166,18 +167,18 @@ def test_a_function_of_one_point():
 
 
 def test_the_metrics_have_the_violation():
-    problem = handled(quadrant(), "death")
+    problem = scored(quadrant(), "death")
     assert problem.describe(np.array([-2.0, -1.0])) == {"violation": 3.0}
     assert problem.describe(np.array([2.0, 1.0])) == {"violation": 0.0}
 
 
 def test_what_cannot_be_handled():
     with pytest.raises(BenchError, match="has no rule that repairs violated constraints; choose another handling"):
-        handled(quadrant(), "repair")
+        scored(quadrant(), "repair")
     with pytest.raises(BenchError, match="its violations cannot be computed: ZeroDivisionError"):
-        handled(quadrant(violations=lambda x: 1 / 0), "death")
+        scored(quadrant(violations=lambda x: 1 / 0), "death")
     with pytest.raises(BenchError, match=r"they have the shape \(1,\), not \(n, m\)"):
-        handled(quadrant(violations=lambda x: -x[:, 0]), "death")
+        scored(quadrant(violations=lambda x: -x[:, 0]), "death")
     with pytest.raises(BenchError, match=r"'constraints' must be one of .*, not 'deth'; did you mean 'death'\?"):
         solve(quadrant(), "scatter", budget=20, constraints="deth")
 
@@ -201,9 +202,9 @@ STUDY = {
 def test_a_study_loads_its_problems_under_its_handling():
     study = Study.from_dict(STUDY | {"constraints": "death"})
     ring = study.problem("ring-2")
-    assert isinstance(ring, Handled)
+    assert isinstance(ring, Scored)
     assert ring.handling == "death"
-    assert not isinstance(study.problem("sphere-2"), Handled)
+    assert not isinstance(study.problem("sphere-2"), Scored)
     assert Study.from_dict(STUDY).problem("ring-2").handling == DEFAULT
 
 

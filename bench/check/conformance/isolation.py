@@ -121,8 +121,8 @@ def check_contract(subject: Subject) -> str:
     if run.reached:
         raise ViolationError(
             f"it reads or sets {', '.join(sorted(run.reached))} of the objective",
-            "use what the contract offers: objective(x), .lower, .upper, .dimension, .budget, .remaining, .repair(x), "
-            ".initial(n) and .stop(reason)",
+            "use what the contract offers: objective(x), .lower, .upper, .integer, .dimension, .budget, .remaining, "
+            ".repair(x), .initial(n) and .stop(reason)",
         )
     return "it uses nothing of the objective but what the contract offers"
 

@@ -22,7 +22,7 @@ from bench.sandbox.process import DiedError, PrintedTooMuchError, TimeExceededEr
 from bench.sandbox.server import note
 from bench.seeds import global_states
 
-OFFERED = {"lower", "upper", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
+OFFERED = {"lower", "upper", "integer", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
 """Attributes that the contract offers, and ``evaluations``, which is ``budget`` minus ``remaining``."""
 
 _PAUSE = 0.5  # seconds between notes

@@ -17,7 +17,7 @@ from bench.check.conformance.recording import (
 from bench.check.conformance.subject import PRINTED, START_SECONDS, Subject, ordinary_budget, pack, unpack
 from bench.check.problems import bowl
 from bench.execution import strict
-from bench.objective import BudgetExhausted, Objective
+from bench.objective import BudgetExhausted, Objective, integer_flags
 from bench.sandbox.process import DiedError, PrintedTooMuchError, Process, TimeExceededError
 from bench.seeds import streams
 
@@ -54,7 +54,8 @@ def keep(budget: int, seed: int, end: int) -> list[int]:
 def run_apart(packed: bytes, budget: int, end: int) -> None:
     """Run the optimizer on the objective at the other end of the socket."""
     subject, problem = unpack(packed), bowl()
-    objective = strict.RemoteObjective(end, problem.lower, problem.upper, budget, lambda _: None)
+    box = problem.lower, problem.upper, integer_flags(problem)
+    objective = strict.RemoteObjective(end, *box, budget, lambda _: None)
     with threadpool_limits(limits=1), seeded_global_states(0), suppress(BudgetExhausted):
         objective.begin()
         subject.fresh().minimize(objective, streams(subject.seed)[1])  # type: ignore[arg-type]

@@ -11,9 +11,10 @@ from bench import FunctionProblem, Optimizer, load_optimizer
 from bench.execution import answers
 from bench.execution.answers import Box, RefusedError
 from bench.execution.trial_process import as_answer
+from bench.objective import integer_flags
 from bench.trial import search
 
-BOX = Box(("a", "b"), np.array([-1.0, -1.0]), np.array([1.0, 2.0]))
+BOX = Box(("a", "b"), np.array([-1.0, -1.0]), np.array([1.0, 2.0]), np.zeros(2, bool))
 BUDGET, SEED, SECONDS = 60, 2**63 - 1, 1.5
 
 
@@ -176,7 +177,7 @@ class Given(Optimizer):
 def through(result, problem, budget):
     answer = json.loads(json.dumps(as_answer(result)))
     assert answers.error(answer) == ""
-    box = Box(problem.variables, problem.lower, problem.upper)
+    box = Box(problem.variables, problem.lower, problem.upper, integer_flags(problem))
     return answers.result(answer, box, budget, result.seed, result.time + 1e-3)
 
 
@@ -295,25 +296,28 @@ def test_an_answer_without_its_fields_confirms_nothing(again):
 
 
 def test_boxes_are_read_and_errors_kept():
-    given = {"variables": ["a", "b"], "lower": [-1.0, -inf], "upper": [0.1, 1e308]}
+    given = {"variables": ["a", "b"], "lower": [-1.0, -inf], "upper": [0.1, 1e308], "integer": [False, True]}
     found = answers.boxes({"one": given, "two": "OSError: no disk\x1b", "three": {}}, ["one", "two"])
     assert set(found) == {"one", "two"}
     assert (found["one"].variables, found["one"].lower.tolist()) == (("a", "b"), [-1.0, -inf])
     assert found["one"].upper.tolist() == [0.1, 1e308]
+    assert found["one"].integer.tolist() == [False, True]
     assert found["two"] == "OSError: no disk\ufffd"
 
 
 @pytest.mark.parametrize(
     "given",
     [
-        None, 5, [], {}, {"lower": [0.0], "upper": [1.0]}, {"variables": 5, "lower": [0.0], "upper": [1.0]},
+        None, 5, [], {}, {"variables": None}, {"variables": 5, "lower": [0.0], "upper": [1.0]},
         {"variables": [5], "lower": [0.0], "upper": [1.0]}, {"variables": ["a"], "lower": ["x"], "upper": [1.0]},
         {"variables": ["a"], "lower": [0.0], "upper": [1.0, 2.0]}, {"variables": ["a"], "lower": 0.0, "upper": 1.0},
         {"variables": ["a"], "lower": [[0.0]], "upper": [[1.0]]}, {"variables": ["a"], "lower": [{}], "upper": [1.0]},
+        {"integer": []}, {"integer": [[True]]},
     ],
 )  # fmt: skip
 def test_what_is_no_box_is_an_error_of_its_problem_alone(given):
-    honest = {"variables": ["a"], "lower": [0.0], "upper": [1.0]}
+    honest = {"variables": ["a"], "lower": [0.0], "upper": [1.0], "integer": [False]}
+    given = honest | given if isinstance(given, dict) and given else given
     found = answers.boxes({"odd": given, "honest": honest}, ["odd", "honest"])
     assert found["odd"] == "its answer is refused: its problem's bounds cannot be read"
     assert found["honest"].upper.tolist() == [1.0]

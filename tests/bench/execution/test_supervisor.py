@@ -23,7 +23,7 @@ class Templates:
         pass
 
     def box(self, problem):
-        return Box(("a", "b"), -np.ones(2), np.ones(2))
+        return Box(("a", "b"), -np.ones(2), np.ones(2), np.zeros(2, bool))
 
     def prepare(self, trial):
         return None

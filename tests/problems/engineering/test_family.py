@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from bench import BenchError, load_problem
-from bench.constraints import handled
+from bench.scoring import scored
 from problems.engineering.family import DESIGNS
 
 PUBLISHED = {  # the objective of the best-known design, as the papers in the docstrings print it
@@ -107,12 +107,12 @@ def test_values_and_violations_depend_on_the_point_alone(name):
 @pytest.mark.parametrize("handling", ["death", "penalty", "lexicographic"])
 @pytest.mark.parametrize("name", [name for name in DESIGNS if name != "engineering-gear-train"])
 def test_the_best_design_keeps_its_value_under_every_handling(name, handling):
-    problem = handled(load_problem(name), handling)
+    problem = scored(load_problem(name), handling)
     best = problem.problem.best[None]
-    assert problem.assess(best).shown[0] == problem.evaluate(best)[0] == problem.optimum
+    assert problem.assess(best, np.random.default_rng(0)).shown[0] == problem.evaluate(best)[0] == problem.optimum
     assert problem.describe(best[0]) == {"violation": 0.0}
     x = np.random.default_rng(4).uniform(problem.lower, problem.upper, (99, problem.dimension))
-    found = problem.assess(x)
+    found = problem.assess(x, np.random.default_rng(0))
     assert np.isinf(found.values).any()
     assert (found.values >= problem.optimum).all()
     np.testing.assert_array_equal(np.concatenate([problem.assess(row[None]).shown for row in x]), found.shown)
@@ -121,9 +121,9 @@ def test_the_best_design_keeps_its_value_under_every_handling(name, handling):
 
 def test_rounding_is_no_repair_of_constraints():
     with pytest.raises(BenchError, match="'engineering-spring' has no rule that repairs violated constraints"):
-        handled(load_problem("engineering-spring"), "repair")
+        scored(load_problem("engineering-spring"), "repair")
     gears = load_problem("engineering-gear-train")
-    assert handled(gears, "repair") is gears
+    assert scored(gears, "repair") is gears
 
 
 def test_a_discrete_variable_is_rounded():

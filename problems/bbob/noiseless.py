@@ -10,17 +10,12 @@ from __future__ import annotations
 
 from functools import partial
 
-import numpy as np
-
 from bench import Problem
-from bench.errors import require
 from bench.grid import Grid, Member
-from bench.problem import Floats
+from problems.bbob.coco import BOX, INSTANCES, evaluated, function_of, optimum_of
 from problems.common import Suite, SuiteProblem
 
 FUNCTIONS = range(1, 25)
-BOX = 5.0  # every variable is searched in [-5, 5]
-INSTANCES = 15  # a COCO experiment has 15 instances of each function and dimension
 
 GROUPS = {
     "separable": range(1, 6),
@@ -32,30 +27,28 @@ GROUPS = {
 """The functions of each of the suite's five groups, as RR-6829 has them."""
 
 
+def group_of(number: int) -> str:
+    """Return the group of a function by its number."""
+    return next(group for group, numbers in GROUPS.items() if number in numbers)
+
+
 def _suite(suite: str, dimensions: tuple[int, ...]) -> Suite:
     grid = Grid(suite, {f"f{number:02d}": dimensions for number in FUNCTIONS}, INSTANCES)
     return Suite(grid, partial(_problem, suite))
 
 
 def _problem(suite: str, name: str, member: Member) -> Problem:
-    cocoex = require("cocoex", "suites", f"problem {name!r} needs")
     number, dimension, instance = int(member.function[1:]), member.dimension, member.instance
-    only = f"dimensions: {dimension} function_indices: {number}"
-    function = cocoex.Suite(suite, f"instances: {instance}", only)[0]
-    # The three suites share the optimal value of a function's instance, which depends on no dimension.
-    optimum = cocoex.BareProblem("bbob", number, 2, instance).best_value()
-
-    def evaluate(x: Floats) -> Floats:
-        return np.fromiter(map(function, x), np.float64, len(x))  # COCO evaluates one point a call
-
+    function = function_of(suite, name, number, dimension, instance)
     features: dict[str, str | int] = {
         "suite": suite,
         "function": member.function,
         "instance": instance,
-        "group": next(group for group, numbers in GROUPS.items() if number in numbers),
+        "group": group_of(number),
     }
-    box = np.full(dimension, BOX)
-    return SuiteProblem(evaluate, -box, box, name=name, optimum=optimum, features=features)
+    lower, upper = [-BOX] * dimension, [BOX] * dimension
+    optimum = optimum_of(number, instance)  # the three suites share it
+    return SuiteProblem(evaluated(function), lower, upper, name=name, optimum=optimum, features=features)
 
 
 bbob = _suite("bbob", (2, 3, 5, 10, 20, 40))

@@ -4,11 +4,11 @@ import os
 import subprocess
 import sys
 
-import cocoex
 import numpy as np
 import pytest
 
 from bench import BenchError, load_problem
+from tests.problems.bbob.best import best_points, function_of
 from tests.problems.suites import assert_pure_and_reloadable, best_found
 
 CASES = [
@@ -25,44 +25,31 @@ def name(suite, function, dimension, instance):
 
 @pytest.mark.parametrize("case", CASES)
 def test_values_are_those_of_coco_bit_for_bit(case):
-    suite, function, dimension, instance = case
-    problem = load_problem(name(*case))
-    only = f"dimensions: {dimension} function_indices: {function}"
-    theirs = cocoex.Suite(suite, f"instances: {instance}", only)[0]
-    assert theirs.id_triple == (function, dimension, instance)
+    problem, theirs = load_problem(name(*case)), function_of(*case)
+    assert theirs.id_triple == case[1:]
     np.testing.assert_array_equal(problem.lower, theirs.lower_bounds)
     np.testing.assert_array_equal(problem.upper, theirs.upper_bounds)
-    x = np.random.default_rng(1).uniform(-6, 6, (20, dimension))  # some outside the box
+    x = np.random.default_rng(1).uniform(-6, 6, (20, problem.dimension))  # some outside the box
     np.testing.assert_array_equal(problem.evaluate(x), [theirs(row) for row in x])
 
 
 @pytest.fixture(scope="module")
-def best_points(tmp_path_factory):
-    """COCO's best point of each case: it prints them to a file in the working folder, so in another process."""
-    folder = tmp_path_factory.mktemp("coco")
-    code = f"""
-import cocoex
-for suite, function, dimension, instance in {CASES}:
-    only = f"dimensions: {{dimension}} function_indices: {{function}}"
-    cocoex.Suite(suite, f"instances: {{instance}}", only)[0]._best_parameter("print")
-    print(*open("._bbob_problem_best_parameter.txt").read().split())
-"""
-    done = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=True)
-    return dict(zip(CASES, (np.array(line.split(), float) for line in done.stdout.splitlines()), strict=True))
+def best(tmp_path_factory):
+    return best_points(CASES, tmp_path_factory.mktemp("coco"))
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_the_optimum_is_the_value_of_coco_s_best_point(case, best_points):
+def test_the_optimum_is_the_value_of_coco_s_best_point(case, best):
     problem = load_problem(name(*case))
-    value = problem.evaluate(best_points[case][None])[0]
+    value = problem.evaluate(best[case][None])[0]
     assert problem.optimum <= value <= problem.optimum + 1e-8
 
 
 @pytest.mark.parametrize("function", range(1, 25))
-def test_no_search_beats_the_optimum(function, best_points):
+def test_no_search_beats_the_optimum(function, best):
     case = ("bbob", function, 5, 1)
     problem = load_problem(name(*case))
-    found = best_found(problem, start=best_points[case] + 1e-3, points=2_000)
+    found = best_found(problem, start=best[case] + 1e-3, points=2_000)
     assert found >= problem.optimum - 1e-12 * abs(problem.optimum)
 
 

@@ -1,0 +1,242 @@
+"""What is recorded of a problem where an optimizer sees something else: constraints, noise and integer variables.
+
+**The recorded values are those that count**: the objective without noise, at feasible points, with whole numbers in
+place of integer variables (:meth:`Scored.evaluate`). Any other point is recorded as +inf. So trace, best value and its
+check are those of any problem: the first entry of a trace is the first feasible point, and a trace of a noisy problem
+is the lowest true value among the points evaluated so far, as in COCO's noisy suite (Hansen, Finck, Ros and Auger 2009,
+INRIA RR-6869). What an optimizer sees instead:
+
+- of an infeasible point, what the study's handling of constraints shows (:mod:`bench.constraints`);
+- of a noisy problem, values with noise from a stream of the trial's own;
+- of integer variables, the value of the point whose integer variables are rounded. It need not know of them; one that
+  does finds them in ``objective.integer``.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bench import constraints
+from bench.errors import BenchError
+from bench.objective import Objective, as_values, floats, minus_infinity, repaired
+from bench.problem import Flags, Floats, Problem
+
+
+class Assessment(NamedTuple):
+    """What n points are worth.
+
+    Attributes:
+        points: (n, d) the points in whose place values are recorded: repaired where the handling repairs, and rounded.
+        values: (n,) what is recorded, +inf where a point is infeasible.
+        shown: (n,) what the optimizer sees.
+        violation: (n,) their total violations, 0 where they are feasible.
+    """
+
+    points: Floats
+    values: Floats
+    shown: Floats
+    violation: Floats
+
+
+class Scored(Problem):
+    """A problem with constraints, noise or integer variables, whose ``evaluate`` returns what is recorded.
+
+    The domain metrics of a constrained problem have the ``violation`` of the point.
+
+    Attributes:
+        problem: the problem itself.
+        handling: one of :data:`bench.constraints.HANDLINGS`; "" without constraints.
+    """
+
+    def __init__(self, problem: Problem, handling: str) -> None:
+        self.problem, self.handling = problem, handling
+        self.name, self.variables = problem.name, problem.variables
+        self.lower, self.upper = problem.lower, problem.upper
+        self.optimum, self.expected, self.features = problem.optimum, dict(problem.expected), dict(problem.features)
+        self.integer = problem.integer
+
+    def evaluate(self, x: Floats) -> Floats:
+        """Return the (n,) values recorded of the (n, d) points ``x``: true ones, and +inf where they are infeasible."""
+        x = self.rounded(x)
+        return self._feasible(self._true(x), self._total(x))
+
+    def assess(self, x: Floats, rng: np.random.Generator) -> Assessment:
+        """Return what the (n, d) points ``x``, all in the box, are worth; noise is drawn from ``rng``."""
+        if self.handling == "repair":
+            x = repaired(self.problem, x.copy())
+        x = self.rounded(x)
+        total, true = self._total(x), self._true(x)
+        if self.handling == "repair":  # nothing else has checked these
+            total = np.where(((x >= self.lower) & (x <= self.upper)).all(axis=1), total, np.inf)
+        seen = self._observed(x, rng) if self.problem.noisy else true
+        shown = constraints.shown(self.handling, seen, total)
+        return Assessment(x, self._feasible(true, total), shown, total)
+
+    def rounded(self, x: Floats) -> Floats:
+        """Return the (n, d) points with whole numbers in place of integer variables."""
+        return x if self.integer is None else np.where(self.integer, np.rint(x), x)
+
+    def violations(self, x: Floats) -> Floats | None:
+        """Return the (n, m) violations of the (n, d) points ``x``; a point is feasible where all are at most 0."""
+        if not self.handling:
+            return None
+        found = floats(self.problem.violations(x.copy()), f"violations of problem {self.name!r}")  # type: ignore[arg-type]
+        if found.ndim != 2 or len(found) != len(x):
+            raise ValueError(f"problem {self.name!r} returned violations of shape {found.shape} for {len(x)} points")
+        return found
+
+    def repair(self, x: Floats) -> Floats:
+        """Return the points nearest to the (n, d) ``x`` by the problem's own rule."""
+        return self.problem.repair(x)
+
+    def describe(self, x: Floats) -> dict[str, float]:
+        """Return the problem's domain metrics of the (d,) point ``x``, and its total ``violation``."""
+        metrics = self.problem.describe(x)
+        return {**metrics, "violation": float(self._total(x[np.newaxis])[0])} if self.handling else metrics
+
+    def fingerprint(self) -> str:
+        """Return a hash of the problem's data and of the handling, which decides its values."""
+        if not self.handling:
+            return self.problem.fingerprint()
+        return hashlib.sha256(f"{self.handling} {self.problem.fingerprint()}".encode()).hexdigest()[:16]
+
+    def _true(self, x: Floats) -> Floats:
+        """Return the (n,) values of the (n, d) points without noise, whether they are feasible or not."""
+        return as_values(self.problem, self.problem.noiseless(x.copy()), len(x))
+
+    def _observed(self, x: Floats, rng: np.random.Generator) -> Floats:
+        """Return the (n,) values of the (n, d) points with noise."""
+        values = self.problem.evaluate(x.copy(), rng)  # type: ignore[call-arg]
+        observed = as_values(self.problem, values, len(x))
+        if (observed == -np.inf).any():
+            raise minus_infinity(self.problem)
+        return observed
+
+    def _total(self, x: Floats) -> Floats:
+        """Return the (n,) total violations: NaN among the violations of a point makes its total +inf."""
+        found = self.violations(x)
+        if found is None:
+            return np.zeros(len(x))
+        with np.errstate(over="ignore"):
+            total: Floats = np.where(found <= 0, 0.0, found).sum(axis=1)
+        return np.where(np.isnan(total), np.inf, total)
+
+    @staticmethod
+    def _feasible(true: Floats, total: Floats) -> Floats:
+        # -inf stays where it is, for the objective to refuse it.
+        return np.where((total <= 0) | (true == -np.inf), true, np.inf)
+
+
+class ScoredObjective(Objective):
+    """The objective of a :class:`Scored` problem: the optimizer sees other values than those that are recorded.
+
+    Until a feasible point is found, the best point is the one in the box that violates the constraints least.
+    """
+
+    _problem: Scored
+
+    def __init__(self, problem: Scored, *others: Any) -> None:
+        super().__init__(problem, *others)
+        self._noise = self._rng.spawn(1)[0]  # a stream that initial points do not share
+        self._found: Assessment  # of the points under evaluation
+        self._least = np.inf
+
+    def __call__(self, x: ArrayLike) -> Any:
+        """Return the (n,) values of (n, d) points, or the float of one (d,) point; see :class:`Objective`."""
+        points = floats(x, "points")
+        if points.ndim == 1:
+            return float(super().__call__(points[np.newaxis])[0])
+        return super().__call__(points)
+
+    def _values(self, x: Floats) -> Floats:
+        self._found = self._problem.assess(x, self._noise)
+        return self._found.values
+
+    def _evaluate(self, rows: Floats) -> Floats:
+        kept, before = rows.copy(), self.best_value
+        values = super()._evaluate(kept)
+        if not len(kept):
+            return values
+        found = self._found
+        inside = ((kept >= self.lower) & (kept <= self.upper)).all(axis=1)
+        violation = np.where(inside, found.violation, np.inf)
+        least = int(violation.argmin())
+        if self.best_value < before:
+            self.best_point = found.points[int(values.argmin())].copy()
+        elif self.best_value == np.inf and violation[least] < self._least:
+            self._least = float(violation[least])
+            self.best_point = found.points[least].copy()
+        return np.where(inside, found.shown, np.inf)
+
+
+def scored(problem: Problem, handling: str) -> Problem:
+    """Return a problem with constraints, noise or integer variables as scored, and any other problem as it is.
+
+    Args:
+        problem: any problem.
+        handling: what an optimizer sees of infeasible points.
+
+    Raises:
+        BenchError: for ``repair`` of a problem whose repair does not satisfy its constraints, for a problem whose
+            violations cannot be computed, and for integer variables that cannot be.
+    """
+    if isinstance(problem, Scored):
+        return problem
+    constrained = _constrained(problem)
+    if constrained and handling == "repair" and not problem.repairs:
+        others = ", ".join(each for each in constraints.HANDLINGS if each != "repair")
+        raise BenchError(
+            f"problem {problem.name!r} has no rule that repairs violated constraints; choose another handling: {others}"
+        )
+    if problem.integer is not None:
+        _check_integer(problem, problem.integer)
+    if constrained or problem.noisy or problem.integer is not None:
+        return Scored(problem, constraints.checked(handling) if constrained else "")
+    return problem
+
+
+def _constrained(problem: Problem) -> bool:
+    """Return whether a problem has constraints."""
+    if type(problem).violations is Problem.violations:
+        return False
+    try:
+        found = problem.violations(problem.lower[np.newaxis].copy())
+        if found is not None and np.ndim(found) != 2:
+            raise ValueError(f"they have the shape {np.shape(found)}, not (n, m)")
+    except Exception as error:  # a plug-in may raise anything
+        raise BenchError(
+            f"problem {problem.name!r}: its violations cannot be computed: {type(error).__name__}: {error}"
+        ) from error
+    return found is not None and bool(np.size(found))
+
+
+def _check_integer(problem: Problem, flags: Flags) -> None:
+    """Raise BenchError unless there is a flag for each variable, and integer variables have whole numbers as bounds."""
+    if np.shape(flags) != (problem.dimension,) or np.asarray(flags).dtype != bool:
+        raise BenchError(
+            f"problem {problem.name!r}: its attribute integer must be {problem.dimension} flags, one for each variable"
+        )
+    for bounds in (problem.lower, problem.upper):
+        if (wrong := flags & (np.rint(bounds) != bounds)).any():
+            raise BenchError(
+                f"problem {problem.name!r}: its integer variable {problem.variables[int(wrong.argmax())]!r} is bounded "
+                f"by {float(bounds[wrong][0])!r}; give whole numbers as bounds"
+            )
+
+
+def plain(problem: Problem) -> Problem:
+    """Return the problem itself, without what is recorded of it."""
+    return problem.problem if isinstance(problem, Scored) else problem
+
+
+def objective(
+    problem: Problem, budget: int, rng: np.random.Generator, on_refusal: Callable[[int], None] | None = None
+) -> Objective:
+    """Return the objective of a trial on the problem; see :class:`Objective` for the arguments."""
+    kind: Callable[..., Objective] = ScoredObjective if isinstance(problem, Scored) else Objective
+    return kind(problem, budget, rng, on_refusal)

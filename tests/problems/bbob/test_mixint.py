@@ -1,0 +1,45 @@
+"""bbob-mixint against COCO's own package."""
+
+import numpy as np
+import pytest
+
+from bench import load_problem, solve
+from tests.problems.bbob.best import best_points, function_of
+from tests.problems.suites import assert_pure_and_reloadable
+
+CASES = [
+    *(("bbob-mixint", function, 5, 3) for function in range(1, 25)),
+    *(("bbob-mixint", *rest) for rest in ((8, 160, 1), (24, 40, 15), (15, 10, 70))),
+]
+
+
+def name(suite, function, dimension, instance):
+    return f"{suite}-f{function:02d}-d{dimension}-i{instance}"
+
+
+@pytest.fixture(scope="module")
+def best(tmp_path_factory):
+    return best_points(CASES, tmp_path_factory.mktemp("coco"))
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_values_box_and_optimum_are_those_of_coco(case, best):
+    problem, function = load_problem(name(*case)), function_of(*case)
+    np.testing.assert_array_equal(problem.lower, function.lower_bounds)
+    np.testing.assert_array_equal(problem.upper, function.upper_bounds)
+    assert problem.integer.sum() == function.number_of_integer_variables == 4 * case[2] // 5
+    x = np.random.default_rng(1).uniform(problem.lower, problem.upper, (20, case[2]))
+    x = np.where(problem.integer, np.rint(x), x)
+    np.testing.assert_array_equal(problem.evaluate(x), [function(row) for row in x])
+    assert problem.optimum == pytest.approx(function(best[case]), rel=1e-12, abs=1e-12)
+    assert problem.evaluate(x).min() >= problem.optimum
+
+
+def test_values_depend_on_the_point_alone():
+    assert_pure_and_reloadable(load_problem(name("bbob-mixint", 8, 10, 2)))
+
+
+def test_a_search_finds_whole_numbers():
+    found = solve(name("bbob-mixint", 1, 5, 1), "scipy:differential_evolution", budget=3000, seed=1)
+    assert found.x[:4].tolist() == np.rint(found.x[:4]).tolist()
+    assert 0 <= found.fun - load_problem(name("bbob-mixint", 1, 5, 1)).optimum < 1e-2
