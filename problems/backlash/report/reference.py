@@ -11,6 +11,7 @@ from bench.analysis import labels, scores
 from bench.plugins.loading import is_built_in
 from bench.report import Section, Table
 from bench.report.wording import count, listing
+from bench.scoring import plain
 from bench.study import Entry
 from problems.backlash.signature.model import TAU
 from problems.backlash.signature.problem import FOUND, TOLERANCE_RPM, SignatureFit
@@ -31,11 +32,14 @@ Outputs of the notebook in github.com/ElianaGiovannitti/Backlash-estimation (300
 
 def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
     """Return the section on the reference fit, none for a study without a signature problem that can be loaded."""
-    known = {label: results.problem(label) for label in labels(frame, "problem") if not results.facts(label).reason}
+    known = {
+        label: plain(results.problem(label)) for label in labels(frame, "problem") if not results.facts(label).reason
+    }
     problems = {label: each for label, each in known.items() if isinstance(each, SignatureFit)}
     if not problems:
         return []
-    constrained = under_constraints(results.study)
+    every = all(problem.constrained for problem in problems.values())
+    constrained = {label: kept or every for label, kept in under_constraints(results.study).items()}
     fits = reference_fits(problems, constraints=any(constrained.values()))
     trials = beside_reference(frame, fits, constrained)
     if trials.empty:

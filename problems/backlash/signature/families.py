@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 # The compiler is imported where a problem is loaded: every study asks every family for its names.
 
-OPTIONS = ("period", "turns", "single", "unit", "amplitude_factor")
+OPTIONS = ("period", "turns", "single", "unit", "amplitude_factor", "constrained")
 
 
 @dataclass(frozen=True)

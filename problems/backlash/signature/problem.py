@@ -15,7 +15,7 @@ from problems.backlash.recordings import Recording
 from problems.backlash.recordings.screen import screen_length, screen_sampling, screen_values
 from problems.backlash.signature import kernel
 from problems.backlash.signature.calibration import default_calibration
-from problems.backlash.signature.model import VARIABLES, A, box, signature
+from problems.backlash.signature.model import OMEGA, T0, T1, T2, VARIABLES, A, box, signature
 
 Unit = Literal["rps", "rpm"]
 
@@ -50,6 +50,9 @@ class SignatureFit(Problem):
             8.3); ``turns`` then has no meaning, and ``period`` limits T1 and T2 alone.
         unit: "rps", as the authors' notebook, or "rpm", as Table 7.2.
         amplitude_factor: A's bound in units of the half range; 1.0 in Table 7.1, 1.3 in the notebook.
+        constrained: whether the thesis's constraints are constraints of the problem, so that only points that satisfy
+            them are recorded, and a study's handling decides what optimizers see of others: ``repair`` is the thesis's
+            capping rule. Without, as in the thesis's comparison, an optimizer may repair its points, or not.
 
     Attributes:
         expected: the expected ``amplitude_rpm`` and ``backlash_rad``, where they are known, each with half the width of
@@ -60,6 +63,7 @@ class SignatureFit(Problem):
     """
 
     variables = VARIABLES
+    repairs = True
 
     def __init__(
         self,
@@ -71,12 +75,14 @@ class SignatureFit(Problem):
         single: bool = False,
         unit: Unit = "rps",
         amplitude_factor: float = 1.3,
+        constrained: bool = False,
     ) -> None:
-        _check_options(name, period, turns, single, unit, amplitude_factor)
+        _check_options(name, period, turns, single, unit, amplitude_factor, constrained)
         _check_recording(name, recording, period, single=single)
         self._references: dict[bool, Fit] = {}
         self.name = name
         self.unit = unit
+        self.constrained = constrained
         self.period = float(period)
         self.time = recording.time
         self.mean_rps = float(recording.speed.mean())
@@ -104,10 +110,22 @@ class SignatureFit(Problem):
         repaired: Floats = kernel.repair(points, self.lower, self.upper, self.time[0], self.time[-1], self.period / 2)
         return repaired
 
+    def violations(self, x: Floats) -> Floats | None:
+        """Return the (n, 4) violations, in s, of the constraints of section 7.2.2 at (n, 7) points; None without them.
+
+        In eq. 3.5's names: T1 <= pi / (2 omega), T1 <= T2 <= T_d, and t0 <= max t - T2.
+        """
+        if not self.constrained:
+            return None
+        t0, omega, start, end = (x[:, index] for index in (T0, OMEGA, T1, T2))
+        return np.stack(
+            [start - np.pi / (2 * omega), start - end, end - self.period / 2, t0 - (self.time[-1] - end)], axis=1
+        )
+
     @cached_property
     def optimum(self) -> float:  # type: ignore[override] # few callers need it, so it is computed on demand
         """The RMSE of the reference fit within the box, in ``unit``; the constraints leave no lower one."""
-        return self.reference().value
+        return self.reference(constrained=self.constrained).value
 
     def reference(self, *, constrained: bool = False) -> Fit:
         """Return the reference fit, the best within the box or, with ``constrained``, under the constraints too.
@@ -171,12 +189,15 @@ def _check_recording(name: str, recording: Recording, period: float, *, single: 
         raise BenchError(f"problem {name!r}: {error}") from error
 
 
-def _check_options(name: str, period: float, turns: int, single: bool, unit: str, amplitude_factor: float) -> None:
+def _check_options(
+    name: str, period: float, turns: int, single: bool, unit: str, amplitude_factor: float, constrained: bool
+) -> None:
     """Raise BenchError for an option of the wrong type or out of range."""
     if unit not in get_args(Unit):
         raise BenchError(f"problem {name!r}: unit must be 'rps' or 'rpm', not {unit!r}")
     require_whole(f"problem {name!r}: turns", turns, 1, 100_000)
-    if not isinstance(single, bool):
-        raise BenchError(f"problem {name!r}: single must be true or false, not {single!r}")
+    for option, flag in (("single", single), ("constrained", constrained)):
+        if not isinstance(flag, bool):
+            raise BenchError(f"problem {name!r}: {option} must be true or false, not {flag!r}")
     for option, value in (("period", period), ("amplitude_factor", amplitude_factor)):
         require_positive(f"problem {name!r}: {option}", value, 1e6)

@@ -107,15 +107,15 @@ def test_values_and_violations_depend_on_the_point_alone(name):
 @pytest.mark.parametrize("handling", ["death", "penalty", "lexicographic"])
 @pytest.mark.parametrize("name", [name for name in DESIGNS if name != "engineering-gear-train"])
 def test_the_best_design_keeps_its_value_under_every_handling(name, handling):
-    problem = scored(load_problem(name), handling)
+    problem, rng = scored(load_problem(name), handling), np.random.default_rng(0)
     best = problem.problem.best[None]
-    assert problem.assess(best, np.random.default_rng(0)).shown[0] == problem.evaluate(best)[0] == problem.optimum
+    assert problem.assess(best, rng).shown[0] == problem.evaluate(best)[0] == problem.optimum
     assert problem.describe(best[0]) == {"violation": 0.0}
     x = np.random.default_rng(4).uniform(problem.lower, problem.upper, (99, problem.dimension))
-    found = problem.assess(x, np.random.default_rng(0))
+    found = problem.assess(x, rng)
     assert np.isinf(found.values).any()
     assert (found.values >= problem.optimum).all()
-    np.testing.assert_array_equal(np.concatenate([problem.assess(row[None]).shown for row in x]), found.shown)
+    np.testing.assert_array_equal(np.concatenate([problem.assess(row[None], rng).shown for row in x]), found.shown)
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(problem)).evaluate(x), found.values)
 
 
@@ -123,7 +123,10 @@ def test_rounding_is_no_repair_of_constraints():
     with pytest.raises(BenchError, match="'engineering-spring' has no rule that repairs violated constraints"):
         scored(load_problem("engineering-spring"), "repair")
     gears = load_problem("engineering-gear-train")
-    assert scored(gears, "repair") is gears
+    assert scored(gears, "repair").handling == ""
+    assert gears.integer.all()
+    assert load_problem("engineering-speed-reducer").integer.tolist() == [False, False, True, *[False] * 4]
+    assert load_problem("engineering-spring").integer is None
 
 
 def test_a_discrete_variable_is_rounded():

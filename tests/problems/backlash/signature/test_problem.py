@@ -13,7 +13,7 @@ from bench import BenchError, load_optimizer, load_problem, solve
 from problems.backlash.joint import half_gap
 from problems.backlash.signature import datasets
 from problems.backlash.signature.calibration import EQUATION_4_7, default_calibration
-from problems.backlash.signature.model import VARIABLES
+from problems.backlash.signature.model import OMEGA, T0, T1, T2, VARIABLES
 
 
 @pytest.fixture
@@ -230,3 +230,38 @@ def test_a_fit_needs_no_import_that_takes_longer_than_the_fit():
         print(*{"pandas", "python_calamine", "scipy.interpolate", "scipy.ndimage", "scipy.stats"} & sys.modules.keys())
     """
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "\n"
+
+
+class TestConstrained:
+    def test_its_constraints_are_those_of_the_thesis(self):
+        problem = load_problem("signature-12", constrained=True)
+        x = (problem.lower + problem.upper)[None] / 2
+        x[0, [OMEGA, T1, T2]] = 50.0, 0.01, 0.1  # pi / (2 omega) = 0.0314
+        end = problem.time[-1]
+        for index, value, excess in [(T1, 0.04, 0), (T2, 0.005, 1), (T2, 0.21, 2), (T0, end - 0.05, 3)]:
+            broken = x.copy()
+            broken[0, index] = value
+            assert (problem.violations(broken)[0] > 0).tolist() == [each == excess for each in range(4)]
+        assert (problem.violations(x) <= 0).all()
+        assert load_problem("signature-12").violations(x) is None
+
+    def test_repaired_points_satisfy_them_exactly(self):
+        problem = load_problem("signature-05", constrained=True)
+        x = np.random.default_rng(2).uniform(problem.lower, problem.upper, (5000, 7))
+        assert (problem.violations(x) > 0).any(axis=0).all()
+        assert (problem.violations(problem.repair(x)) <= 0).all()
+
+    @pytest.mark.parametrize("name", ["gwo", "da"])
+    def test_an_optimizer_that_repairs_gets_the_same_bits_with_the_rule_as_handling(self, name):
+        """The capping rule keeps the thesis's numbers: the points of its swarms are capped already."""
+        swarm = load_optimizer(name, agents=20, handling="repair")
+        before = solve(load_problem("signature-12", unit="rpm"), swarm, budget=2000, seed=5)
+        problem = load_problem("signature-12", unit="rpm", constrained=True)
+        after = solve(problem, swarm, budget=2000, seed=5, constraints="repair")
+        np.testing.assert_array_equal(after.x, before.x)
+        np.testing.assert_array_equal(after.trace.values, before.trace.values)
+        assert after.metrics == before.metrics | {"violation": 0.0}
+
+    def test_its_optimum_is_the_best_fit_under_them(self):
+        free, bound = load_problem("signature-12"), load_problem("signature-12", constrained=True)
+        assert bound.optimum == free.reference(constrained=True).value > free.optimum
