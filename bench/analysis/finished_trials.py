@@ -16,6 +16,7 @@ from bench.objective import Trace
 UNUSED = 0.01  # share of the budget that may be left without a reason
 UNIQUE = 0.5  # share of different final values below which a cell has hit a ceiling
 CLAMPED = 0.01  # share of final coordinates that may lie on a bound
+SHARED = 0.1  # of an optimizer's trials, above which equal starts are no chance
 ON_BOUND = 1e-12  # of the box's width: a clipped point that is scaled back is rounded
 NAMED = 5  # names in a sentence; the column ``cells`` holds all
 
@@ -284,9 +285,12 @@ def _random_streams(evidence: Evidence) -> Finding:
     # Trials of one optimizer that all start at one point, or on a plateau, do not show its random stream.
     varied = starts.groupby(CELL)["first"].transform("nunique") > 1
     drawn = starts[varied & ~starts.duplicated([*CELL, "first"], keep=False)]
+    equal = drawn.duplicated(["problem", "trial", "first"], keep=False)
+    # Two trials may meet by chance on a plateau, as in a step function; a shared stream shows in most trials.
+    often = equal.groupby(drawn["optimizer"]).transform("mean") > SHARED
     return judge(
         trials,
-        trials.index.to_series().isin(drawn.index[drawn.duplicated(["problem", "trial", "first"], keep=False)]),
+        trials.index.to_series().isin(drawn.index[equal & often]),
         "warning",
         "start at exactly the same value as the same trial of another optimizer",
         "The optimizers may share a random stream.",

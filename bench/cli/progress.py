@@ -76,7 +76,8 @@ class Display:
         if not self._live and (monotonic() - self._printed > 15 or self._made == self._left):
             self._printed = monotonic()
             rest = (self._printed - self._started) / self._made * (self._left - self._made)
-            left = f", about {duration(rest)} left" if self._made < self._left else ""
+            soon = self._made < min(20, self._left / 10)  # most of the time so far went into loading and compiling
+            left = f", about {duration(rest)} left" if self._made < self._left and not soon else ""
             print_line(f"{self._made} of {self._left} runs done{left}", console=self._console)
 
 

@@ -210,7 +210,7 @@ class Findings:
             study_budget=study.budget if isinstance(study.budget, int) else budgets,
             planned_trials=study.trials,
             traces=results.traces,
-            boxes={label: each.box for label, each in facts.items() if each.box},
+            boxes={label: each.continuous for label, each in facts.items() if each.box},
             diagnoses=self.results.checks,
             verifications=self.results.verifications,
             stores=self.results.stores,

@@ -9,7 +9,7 @@ import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache, cached_property
-from itertools import islice
+from itertools import compress, islice
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -43,8 +43,13 @@ class ProblemFacts:
     features: dict[str, str | int] = dataclasses.field(default_factory=dict)  # what kind of problem it is
     constraints: str = ""  # how its constraints were handled; "" where it has none
     noisy: bool = False  # whether optimizers saw values with noise
-    integers: int = 0  # the number of integer variables
+    integers: tuple[str, ...] = ()  # the integer variables
     reason: str = ""  # why the problem cannot be loaded, so that no fact is known
+
+    @property
+    def continuous(self) -> dict[str, tuple[float, float]]:
+        """The bounds of the variables that are no whole numbers: those may well lie on a bound."""
+        return {name: ends for name, ends in self.box.items() if name not in self.integers}
 
 
 class Results:
@@ -165,7 +170,7 @@ class Results:
                 features,
                 constraints=problem.handling if isinstance(problem, Scored) and noted else "",
                 noisy=plain(problem).noisy,
-                integers=int(integer_flags(problem).sum()),
+                integers=tuple(compress(problem.variables, integer_flags(problem))),
             )
         except BenchError as error:
             return ProblemFacts(reason=str(error))

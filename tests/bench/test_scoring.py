@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench import BenchError, FunctionProblem, Study, load_results, run, solve
+from bench import BenchError, FunctionProblem, Results, Study, load_results, run, solve
 from bench.execution.verify import verify
 from bench.scoring import Scored, objective, plain, scored
 
@@ -163,3 +163,16 @@ def test_a_study_with_both_is_repeated_bit_by_bit(tmp_path, strict):
     assert (frame["status"] == "ok").all()
     assert (frame["nfev"] == 60).all()
     assert not verify(tmp_path / "odd", trials=2, n_jobs=1, strict=strict).different
+
+
+def test_results_know_what_is_noisy_and_which_variables_are_whole_numbers(tmp_path):
+    study = {
+        "name": "odd", "budget": 30, "problems": [{"names": ["bbob-noisy-f101-d2-i1", "bbob-mixint-f01-d5-i1"]}],
+        "optimizers": [{"name": "random-search"}],
+    }  # fmt: skip
+    run(Study.from_dict(study), tmp_path / "odd", n_jobs=1)
+    results = Results(tmp_path / "odd")
+    loud, whole = results.facts("bbob-noisy-f101-d2-i1"), results.facts("bbob-mixint-f01-d5-i1")
+    assert (loud.noisy, loud.integers, loud.constraints) == (True, (), "")
+    assert (whole.noisy, whole.integers) == (False, ("x1", "x2", "x3", "x4"))
+    assert whole.continuous == {"x5": (-5.0, 5.0)}

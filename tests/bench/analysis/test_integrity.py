@@ -323,6 +323,11 @@ class TestWhatIsNoTrap:
                 sound.traces[key] = Trace(own.evaluations, np.array([3.25, own.values[1]]))
         assert sound.check().at["random streams", "verdict"] == "pass"
 
+    def test_a_start_that_two_trials_share_by_chance_is_no_shared_stream(self, sound):
+        first, own = sound.traces["p", "a", 3], sound.traces["p", "b", 3]
+        sound.traces["p", "b", 3] = Trace(own.evaluations, np.array([first.values[0], own.values[1]]))
+        assert sound.check().at["random streams", "verdict"] == "pass"
+
     def test_one_trial_a_cell_says_nothing_of_streams(self, sound):
         sound.frame = sound.frame[sound.frame["trial"] == 0]
         own = sound.traces["p", "b", 0]
