@@ -10,15 +10,15 @@ import pytest
 import optimizers
 from bench import BenchError, Study, load_optimizer
 
-FAMILIES = {"mealpy": "OriginalGWO", "minion": "LSHADE", "nevergrad": "DE", "pymoo": "DE"}
+FAMILIES = {"mealpy": "OriginalGWO", "minion": "LSHADE", "nevergrad": "DE", "optuna": "TPESampler", "pymoo": "DE"}
 MODULES = {"minion": "minionpy"}  # where it is not the family's name
 each_family = pytest.mark.parametrize(("family", "member"), FAMILIES.items())
 
 
 def test_no_library_is_imported_before_it_is_needed():
     modules = sorted(f"optimizers.{path.stem}" for path in Path(optimizers.__file__).parent.glob("[a-z]*.py"))
-    libraries = {"cma", "matplotlib", "mealpy", "minionpy", "nevergrad", "numba", "pandas", "pymoo", "scipy"}
-    assert len(modules) >= 13
+    libraries = {"cma", "matplotlib", "mealpy", "minionpy", "nevergrad", "numba", "optuna", "pandas", "pymoo", "scipy"}
+    assert len(modules) >= 14
     code = f"import sys, {', '.join(modules)}; print(*{libraries} & set(sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout == "\n"
 

@@ -1,0 +1,132 @@
+"""optuna's samplers spend the budget to the evaluation, follow the seed alone, and are optuna's own."""
+
+import inspect
+import random
+import warnings
+
+import numpy as np
+import pytest
+
+from bench import BenchError, Objective, solve
+from bench.bibtex import parse
+from bench.seeds import streams
+from optimizers.optuna import MEMBERS, optuna
+from tests.optimizers.observed import OPTIMUM, Watched, trace
+
+library = pytest.importorskip("optuna", reason="the extra 'optuna' is not installed")
+pytest.importorskip("cmaes", reason="the extra 'optuna' is not installed")
+
+
+def run(name, problem=None, *, budget=80, seed=1, **options):
+    return solve(problem or Watched(), optuna.load(f"optuna:{name}", **options), budget=budget, seed=seed)
+
+
+def evaluated(problem):
+    return np.vstack(problem.batches)
+
+
+def test_every_sampler_is_a_member_or_left_out():
+    found = {name for name in dir(library.samplers) if name.endswith("Sampler") and not name.startswith("Base")}
+    assert found == MEMBERS.keys() | set().union(*optuna.left_out.values())
+    assert optuna.names() == sorted(f"optuna:{name}" for name in MEMBERS)
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_a_member_is_silent_and_spends_the_budget(name, capfd, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    level = library.logging.get_verbosity()
+    for budget in (1, 70):
+        problem = Watched()
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            result = run(name, problem, budget=budget)
+        assert (len(evaluated(problem)), result.nfev, result.stop) == (budget, budget, "budget")
+    assert capfd.readouterr() == ("", "")
+    assert list(tmp_path.iterdir()) == []
+    assert library.logging.get_verbosity() == level
+    optimizer = optuna.load(f"optuna:{name}")
+    assert [each.key for each in parse(optimizer.bibtex)][-1] == "akiba2019"
+    assert optimizer.code.startswith("optuna ")
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_a_seed_repeats_a_run_and_another_does_not(name):
+    problem, again = Watched(), Watched()
+    first = run(name, problem)
+    random.seed(99)
+    np.random.seed(99)  # noqa: NPY002 - the global state must not matter
+    before = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
+    assert trace(run(name, again)) == trace(first)
+    assert (random.getstate(), np.random.get_state()[1].tolist()) == before  # noqa: NPY002
+    np.testing.assert_array_equal(evaluated(again), evaluated(problem))
+    assert trace(run(name, seed=2)) != trace(first)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "count"),
+    [("TPESampler", {"n_startup_trials": 12}, 12), ("NSGAIISampler", {"agents": 9}, 9), ("CmaEsSampler", {}, 1)],
+)
+def test_the_first_points_are_those_of_the_harness(name, options, count):
+    problem = Watched()
+    run(name, problem, seed=3, **options)
+    first = Objective(problem, 80, streams(3)[0]).initial(count)
+    np.testing.assert_array_equal(evaluated(problem)[:count], first)
+
+
+@pytest.mark.parametrize("name", ["TPESampler", "RandomSampler", "QMCSampler"])
+def test_a_run_is_optuna_s_own(name):
+    """With optuna's own loop, which asks for one variable after the other, and optuna's defaults."""
+    ours, theirs = Watched(), []
+    run(name, ours, seed=5)
+    start, search = streams(5)
+    count = 10 if name == "TPESampler" else 0
+    first = Objective(ours, 80, start).initial(count).tolist() if count else []
+    options = {"scramble": True} if name == "QMCSampler" else {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        sampler = getattr(library.samplers, name)(seed=int(search.integers(2**32)), **options)
+    library.logging.set_verbosity(library.logging.ERROR)
+    study = library.create_study(sampler=sampler)
+    for point in first:
+        study.enqueue_trial({f"x{i}": value for i, value in enumerate(point)})
+    box = [(1.0, 5.0), (2.0, 9.0), (-7.0, -1.0)]
+    ranges = {f"x{i}": library.distributions.FloatDistribution(*ends) for i, ends in enumerate(box)}
+    for _ in range(80):
+        trial = study.ask(ranges)
+        point = np.array([trial.params[name] for name in ranges])
+        theirs.append(point)
+        study.tell(trial, float(((point - OPTIMUM) ** 2).sum()))
+    np.testing.assert_array_equal(evaluated(ours), np.array(theirs))
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_defaults_are_optuna_s(name):
+    known = inspect.signature(getattr(library.samplers, name).__init__).parameters
+    optimizer = optuna.load(f"optuna:{name}")
+    ours = {each: getattr(optimizer, {"popsize": "agents", "population_size": "agents"}.get(each, each))
+            for each in MEMBERS[name].parameters}  # fmt: skip
+    if name == "QMCSampler":
+        assert ours.pop("scramble")
+        assert not known["scramble"].default
+    assert ours == {each: known[each].default for each in ours}
+
+
+@pytest.mark.parametrize("name", MEMBERS)
+def test_infinite_values_end_no_run(name):
+    result = run(name, Watched(lambda x: np.where(x[:, 0] > 2, np.inf, x[:, 0])))
+    assert result.nfev == 80
+
+
+def test_an_error_of_the_problem_arrives_as_it_is():
+    def broken(x):
+        raise KeyError("broken")
+
+    with pytest.raises(KeyError, match="broken"):
+        run("TPESampler", Watched(broken))
+
+
+def test_parameters_out_of_range_are_refused():
+    with pytest.raises(BenchError, match="n_ei_candidates"):
+        optuna.load("optuna:TPESampler", n_ei_candidates=0)
+    with pytest.raises(BenchError, match="GPSampler is left out: it needs a package of neural networks"):
+        optuna.load("optuna:GPSampler")
