@@ -1,10 +1,14 @@
-"""The format of COCO, for cocopp: the study as functions of a COCO suite.
+"""The format of COCO, for cocopp.
 
-cocopp reads only COCO's own suites. Each problem takes the place of a function of ``bbob-constrained``, the suite
-with the most functions (54) and no reference data of its own; ignore the function names that cocopp prints.
+Problems of a suite that cocopp knows are written as that suite's own: function, dimension and instances, with the
+suite's f_opt, so that cocopp compares them with archived data. cocopp reads no other suites, so every other problem
+takes the place of a function of ``bbob-constrained``, the suite with the most functions (54) and no reference data of
+its own; ignore the function names that cocopp prints for those. One call of cocopp reads one suite: a study of several
+has a folder for each.
 
 The ``.dat`` file has every improvement and the last evaluation of a run; the ``.tdat`` file has the best-so-far value
-at 20 evaluation counts a decade and at the last evaluation. The number of constraint evaluations is 0.
+at 20 evaluation counts a decade and at the last evaluation. An evaluation of a problem of ``bbob-constrained`` counts
+as one of the objective and one of the constraints, as COCO counts them; elsewhere there are none of constraints.
 
 Source: N. Hansen, A. Auger, R. Ros, O. Mersmann, T. Tušar, D. Brockhoff, "COCO: a platform for comparing continuous
 optimizers in a black-box setting", Optimization Methods and Software 36(1), 2021.
@@ -15,18 +19,29 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bench import analysis
 from bench.errors import BenchError
-from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of, readme
+from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of, readme, readme_lines
 from bench.problem import Floats
-from bench.storage.results import Results
+from bench.storage.results import ProblemFacts, Results
 
-SUITE = "bbob-constrained"
-FUNCTIONS = 54
+SUITES = {
+    "bbob": range(1, 25),
+    "bbob-boxed": range(1, 25),
+    "bbob-constrained": range(1, 55),
+    "bbob-largescale": range(1, 25),
+    "bbob-mixint": range(1, 25),
+    "bbob-noisy": range(101, 131),
+}
+"""The functions of the suites that cocopp knows."""
+
+CONSTRAINED = "bbob-constrained"  # its functions stand for problems of no suite, too
+OTHERS = "other-problems"  # the folder of these problems in a study of several suites
 PRECISION = 1e-8  # cocopp distinguishes no smaller difference
 SMALLEST = 1e-12  # cocopp takes logarithms: a difference must be positive
 INFINITE = 3e21  # COCO writes this value for infinity
@@ -37,6 +52,25 @@ COLUMNS = (
 )
 
 
+class Place(NamedTuple):
+    """What a problem is in COCO: its suite and the numbers of its function and instance there."""
+
+    suite: str
+    function: int
+    instance: int
+    own: bool  # whether the problem is that function; another one only takes its place
+
+    @property
+    def folder(self) -> str:
+        """The folder of the suite, in a study of several."""
+        return self.suite if self.own else OTHERS
+
+    @property
+    def g_evaluations(self) -> int:
+        """The evaluations of constraints at each evaluation, as COCO counts them."""
+        return int(self.own and self.suite == CONSTRAINED)
+
+
 @dataclass(frozen=True)
 class AssumedOptimum:
     """The value that stands for COCO's f_opt of a problem, and where the value comes from."""
@@ -45,31 +79,106 @@ class AssumedOptimum:
     source: str
 
 
+class Run(NamedTuple):
+    """A trial on an instance, with the f_opt of that instance."""
+
+    instance: int
+    optimum: float
+    trial: ExportedTrial
+
+
+@dataclass(frozen=True)
+class DataSet:
+    """The runs of an optimizer on a function in one dimension, in order of instances."""
+
+    place: Place  # of the first instance
+    problem: str  # the label of the first instance
+    dimension: int
+    runs: list[Run]
+
+    @property
+    def path(self) -> str:
+        """The path of its data files within the optimizer's folder, without their ending."""
+        return f"data_f{self.place.function}/bbobexp_f{self.place.function}_DIM{self.dimension}"
+
+
 def files(results: Results) -> Iterator[tuple[str, str]]:
     """Return the path and the text of every file, one after the other.
 
     Raises:
-        BenchError: when no trial finished, or the study has more problems than the suite has functions.
+        BenchError: when no trial finished, or more problems are of no suite than ``bbob-constrained`` has functions.
     """
-    if len(results.study.problems) > FUNCTIONS:
-        raise BenchError(
-            f"the coco format holds at most {FUNCTIONS} problems and this study has {len(results.study.problems)}; "
-            "export fewer of them at a time, or choose ioh"
-        )
-    folders, optima = optimizer_folders(results), assumed_optima(results)
+    places, optima, names = places_in_coco(results), assumed_optima(results), optimizer_folders(results)
+    several = len({place.folder for place in places.values()}) > 1
+    functions: dict[tuple[str, str, int], dict[int, list[ExportedCell]]] = {}
+    for cell in exported_cells(results):
+        place = places[cell.problem]
+        key = place.folder if several else ".", names[cell.optimizer], place.function
+        functions.setdefault(key, {}).setdefault(cell.dimension, []).append(cell)
     return (
-        (f"{folders[cell.optimizer]}/{path}", text)
-        for cell in exported_cells(results)
-        for path, text in _cell_files(cell, folders[cell.optimizer], optima[cell.problem].value)
+        (f"{suite}/{algorithm}/{path}".removeprefix("./"), text)
+        for (suite, algorithm, _), dimensions in functions.items()
+        for path, text in _function_files(
+            algorithm, [_data_set(dimensions[each], places, optima) for each in sorted(dimensions)]
+        )
     )
 
 
 def about(results: Results) -> str:
     """Return the export's README."""
-    optima = assumed_optima(results)
-    functions = [f"{label}: {optima[label].value!r}, {optima[label].source}" for label in optima]
-    values = {"suite": SUITE, "smallest": SMALLEST, "infinite": INFINITE}
-    return readme("coco", functions, optimizer_folders(results), **values)
+    places, optima = places_in_coco(results), assumed_optima(results)
+    numbers: dict[str, set[int]] = {}
+    for place in places.values():
+        if place.own:
+            numbers.setdefault(place.suite, set()).add(place.function)
+    suites = {suite: f"{len(own)} functions from {min(own)} to {max(own)}" for suite, own in numbers.items()}
+    others = {
+        place.function: f"{label}: {optima[label].value!r}, {optima[label].source}"
+        for label, place in places.items()
+        if not place.own
+    }
+    details = [
+        readme(kind, functions=readme_lines(lines), constrained=CONSTRAINED)
+        for kind, lines in (("coco-suites", suites), ("coco-others", others))
+        if lines
+    ]
+    several = len({place.folder for place in places.values()}) > 1
+    return readme(
+        "coco",
+        folders=readme_lines({folder: label for label, folder in optimizer_folders(results).items()}),
+        where="SUITE/" if several else "",
+        details="\n".join(details),
+        smallest=SMALLEST,
+        infinite=INFINITE,
+    )
+
+
+def places_in_coco(results: Results) -> dict[str, Place]:
+    """Return the place of each problem, by label, in the study's order.
+
+    Raises:
+        BenchError: when more problems are of no suite of COCO than ``bbob-constrained`` has functions.
+    """
+    own = {entry.label: own_place(results.facts(entry.label)) for entry in results.study.problems}
+    others = [label for label, place in own.items() if place is None]
+    functions = SUITES[CONSTRAINED]
+    if len(others) > len(functions):
+        raise BenchError(
+            f"the coco format holds at most {len(functions)} problems that are not of COCO's own suites and this study "
+            f"has {len(others)}; export fewer of them at a time, or choose ioh"
+        )
+    stand_ins = dict(zip(others, functions, strict=False))
+    return {label: place or Place(CONSTRAINED, stand_ins[label], 1, own=False) for label, place in own.items()}
+
+
+def own_place(facts: ProblemFacts) -> Place | None:
+    """Return the place of a problem that is a function of a suite with a known f_opt, or None."""
+    suite, instance = str(facts.features.get("suite")), facts.features.get("instance")
+    named = re.fullmatch(r"f(\d+)", str(facts.features.get("function")))
+    number = int(named[1]) if named else 0
+    if number not in SUITES.get(suite, ()) or not isinstance(instance, int) or facts.optimum is None:
+        return None
+    return Place(suite, number, instance, own=True)
 
 
 def optimizer_folders(results: Results) -> dict[str, str]:
@@ -82,14 +191,19 @@ def optimizer_folders(results: Results) -> dict[str, str]:
 
 
 def assumed_optima(results: Results) -> dict[str, AssumedOptimum]:
-    """Return the known optimum of each problem, or the lowest value of all trials where that is unknown or beaten.
+    """Return the f_opt of each problem of a suite, and of the others the known optimum or the lowest value found.
 
-    The lowest value is over the trials of all optimizers, so that all are compared with the same value.
+    The lowest value is over the trials of all optimizers, so that all are compared with the same value. It stands for
+    an optimum that is unknown or beaten. The f_opt of a suite stays what archived data were compared with.
     """
     lowest = {entry.label: np.inf for entry in results.study.problems}
     for (problem, _, _), trace in results.traces.items():
         lowest[problem] = min([lowest[problem], *trace.values[-1:].tolist()])
     known_optima = {label: known for label in lowest if (known := results.facts(label).optimum) is not None}
+    places = places_in_coco(results)
+    for label in lowest:
+        if places[label].own:
+            lowest[label] = known_optima[label]
     found = analysis.reference_values(lowest, known_optima)
     return {
         label: AssumedOptimum(value, SOURCES[known]) if np.isfinite(value) else AssumedOptimum(0.0, NOTHING_FOUND)
@@ -97,36 +211,51 @@ def assumed_optima(results: Results) -> dict[str, AssumedOptimum]:
     }
 
 
-def _cell_files(cell: ExportedCell, algorithm: str, optimum: float) -> Iterator[tuple[str, str]]:
-    data = f"data_f{cell.function}/bbobexp_f{cell.function}_DIM{cell.dimension}"
-    yield f"bbobexp_f{cell.function}.info", _index(cell, algorithm, f"{data}.dat", optimum)
-    yield f"{data}.dat", _log(((trial, trial.evaluations) for trial in cell.trials), optimum)
-    yield f"{data}.tdat", _log(((trial, _grid(trial.nfev)) for trial in cell.trials), optimum)
+def _data_set(cells: list[ExportedCell], places: dict[str, Place], optima: dict[str, AssumedOptimum]) -> DataSet:
+    """Return the runs of an optimizer on all instances of a function in one dimension."""
+    cells = sorted(cells, key=lambda cell: places[cell.problem].instance)
+    first = cells[0]
+    runs = [
+        Run(places[cell.problem].instance, optima[cell.problem].value, trial) for cell in cells for trial in cell.trials
+    ]
+    return DataSet(places[first.problem], first.problem, first.dimension, runs)
 
 
-def _index(cell: ExportedCell, algorithm: str, data: str, optimum: float) -> str:
-    """Return the three lines of a function; every trial meets the same problem, so all are of instance 1."""
+def _function_files(algorithm: str, sets: list[DataSet]) -> Iterator[tuple[str, str]]:
+    """Yield the files of an optimizer on a function: one index, and two logs for each dimension."""
+    yield f"bbobexp_f{sets[0].place.function}.info", "".join(_index(algorithm, each) for each in sets)
+    for each in sets:
+        g = each.place.g_evaluations
+        yield f"{each.path}.dat", _log(((run, run.trial.evaluations) for run in each.runs), g)
+        yield f"{each.path}.tdat", _log(((run, _grid(run.trial.nfev)) for run in each.runs), g)
+
+
+def _index(algorithm: str, data: DataSet) -> str:
+    """Return the three lines of a function in one dimension."""
+    suite = data.place.suite
     head = (
-        f"suite = '{SUITE}', funcId = {cell.function}, DIM = {cell.dimension}, Precision = {PRECISION:.3e}, "
-        f"algId = '{algorithm}', coco_version = '2.8.2', logger = '{SUITE}', data_format = 'bbob-new2'"
+        f"suite = '{suite}', funcId = {data.place.function}, DIM = {data.dimension}, Precision = {PRECISION:.3e}, "
+        f"algId = '{algorithm}', coco_version = '2.8.2', logger = '{suite}', data_format = 'bbob-new2'"
     )
-    finals = (_difference(trial.trace.at(trial.nfev), optimum) for trial in cell.trials)
-    runs = [f"1:{trial.nfev}|{final:.1e}" for trial, final in zip(cell.trials, finals, strict=True)]
-    return "\n".join([head, f"% {cell.problem}", ", ".join([data, *runs]), ""])
+    finals = (_difference(run.trial.trace.at(run.trial.nfev), run.optimum) for run in data.runs)
+    runs = [f"{run.instance}:{run.trial.nfev}|{final:.1e}" for run, final in zip(data.runs, finals, strict=True)]
+    return "\n".join([head, f"% {data.problem}", ", ".join([f"{data.path}.dat", *runs]), ""])
 
 
-def _log(trials: Iterable[tuple[ExportedTrial, NDArray[np.int64]]], optimum: float) -> str:
-    """Return the rows of each trial, at the evaluations given with it, under a header.
+def _log(runs: Iterable[tuple[Run, NDArray[np.int64]]], g_evaluations: int) -> str:
+    """Return the rows of each run, at the evaluations given with it, under a header.
 
     Only improvements are recorded, so the measured value is the best-so-far value; points are not recorded.
     """
     lines = []
-    for trial, evaluations in trials:
-        lines.append(f"% {COLUMNS.format(f'{optimum:.9e}')}")
-        values = trial.trace.at(evaluations)
+    for run, evaluations in runs:
+        lines.append(f"% {COLUMNS.format(f'{run.optimum:.9e}')}")
+        values = run.trial.trace.at(evaluations)
         measured = np.minimum(values, INFINITE)
-        for row in zip(evaluations, _difference(values, optimum), measured, measured, strict=True):
-            lines.append("{:d} 0 {:+.9e} {:+.9e} {:+.9e}".format(*row))
+        for row in zip(
+            evaluations, evaluations * g_evaluations, _difference(values, run.optimum), measured, measured, strict=True
+        ):
+            lines.append("{:d} {:d} {:+.9e} {:+.9e} {:+.9e}".format(*row))
     return "\n".join([*lines, ""])
 
 

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from bench.errors import BenchError
-from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of, readme
+from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of, readme, readme_lines
 from bench.storage.results import Results
 from bench.text import file_name
 
@@ -43,7 +43,9 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
 
 def about(results: Results) -> str:
     """Return the export's README."""
-    return readme("ioh", [entry.label for entry in results.study.problems], folders_of(results))
+    functions = dict(enumerate((entry.label for entry in results.study.problems), start=1))
+    folders = {folder: label for label, folder in folders_of(results).items()}
+    return readme("ioh", functions=readme_lines(functions), folders=readme_lines(folders))
 
 
 def _cell_files(cell: ExportedCell, suite: str, attributes: list[dict[str, str]]) -> Iterator[tuple[str, str]]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -77,21 +78,15 @@ def folders_of(results: Results, rename: Callable[[str], str] = str) -> dict[str
     return dict(zip(labels, unique(rename(file_name(label)) for label in labels), strict=True))
 
 
-def readme(kind: str, functions: Sequence[str] = (), folders: Mapping[str, str] | None = None, **values: object) -> str:
-    """Return the README of a kind of files, its functions numbered from 1 and its optimizers by folder.
-
-    Args:
-        kind: the name of a template in the folder ``readme``.
-        functions: a line for each problem, in the study's order.
-        folders: the folder of each optimizer, by label.
-        values: what else the template names.
-    """
+def readme(kind: str, **values: object) -> str:
+    """Return the README of a kind of files: the template of that name in the folder ``readme``, with its values."""
     template = Path(__file__).with_name("readme") / f"{kind}.txt"
-    return template.read_text(encoding="utf-8").format(
-        functions="\n".join(f"    {number}  {line}" for number, line in enumerate(functions, start=1)),
-        folders="\n".join(f"    {folder}  {label}" for label, folder in (folders or {}).items()),
-        **values,
-    )
+    return template.read_text(encoding="utf-8").format(**values)
+
+
+def readme_lines(named: Mapping[Any, str]) -> str:
+    """Return a line of a README for each number or folder and what it stands for."""
+    return "\n".join(f"    {name}  {meaning}" for name, meaning in named.items())
 
 
 def omission_notes(frame: pd.DataFrame) -> list[str]:

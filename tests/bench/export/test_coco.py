@@ -5,10 +5,14 @@ import math
 from importlib.util import find_spec
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from bench import BenchError
+import bench
+from bench import BenchError, Results, analysis
 from bench.export import coco, export
+from bench.storage.results import ProblemFacts
+from bench.study import Entry, Study
 from tests.bench.export.made import HOSTILE, exported, make, read, record, some_fail
 
 READ_COCO = """
@@ -27,11 +31,42 @@ for name in sorted(os.listdir(sys.argv[1])):
                 "spent": data.maxevals.tolist(), "finals": data.finalfunvals.tolist(), "ert": data.detERT(targets),
                 "funvals": data.funvals.tolist(),
             })
-last = cocopp.testbedsettings.CONSBBOBTestbed.settings["last_function_number"]
-print("\\n" + json.dumps({"sets": found, "last": last}))
+print("\\n" + json.dumps(found))
+"""
+READ_SUITES = """
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    import cocopp
+    cocopp.archiving.official_archives.bbob
+warnings.simplefilter("error")
+for remark in ("  less than 15 instances", "  instance numbers not among", ".* was not consistent"):
+    warnings.filterwarnings("ignore", remark)  # a small experiment is meant
+cocopp.genericsettings.warning_level = 0
+settings, found = cocopp.testbedsettings, []
+targets, folders = json.loads(sys.argv[3])
+for name in folders:
+    settings.reset_current_testbed()
+    for data in cocopp.pproc.DataSetList(os.path.join(sys.argv[1], name)):
+        found.append({
+            "folder": name, "suite": data.suite, "function": data.funcId, "dimension": data.dim,
+            "instances": data.instancenumbers, "ert": data.detERT(targets),
+            "evaluations": [row.tolist() for row in data.detEvals(targets)],
+        })
+known = {}
+for suite in settings.suite_to_testbed:
+    settings.reset_current_testbed()
+    settings.load_current_testbed(suite, cocopp.pproc.TargetValues)
+    known[suite] = [getattr(settings.current_testbed, end + "_function_number") for end in ("first", "last")]
+print("\\n" + json.dumps({"sets": found, "known": known}))
 """
 TARGETS = [100.0, 1.0, 0.1, 1e-3]
+PRECISIONS = np.power(10, np.arange(10, -41, -1) / 5).tolist()  # COCO's: five a decade from 1e2 to 1e-8
+FACTS = "optimum", "features"
+KEYS = "suite", "function"
 TRIGGERS = sorted({math.floor(10 ** (i / 20) + 1e-9) for i in range(62)})  # to 1122
+needs_cocopp = pytest.mark.skipif(
+    not (find_spec("cocopp") and find_spec("six")), reason="reads the coco format with cocopp and six"
+)
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +77,7 @@ def coco_read(tmp_path_factory):
     return results, read(READ_COCO, folder, place, json.dumps(TARGETS))
 
 
-@pytest.mark.skipif(not (find_spec("cocopp") and find_spec("six")), reason="reads the coco format with cocopp and six")
+@needs_cocopp
 class TestCOCO:
     @staticmethod
     def traces(results, data):
@@ -54,9 +89,9 @@ class TestCOCO:
 
     def test_every_cell_and_trial_is_found(self, coco_read):
         results, found = coco_read
-        assert len(found["sets"]) == 3 * len(results.study.optimizers)
-        assert len({data["algorithm"] for data in found["sets"]}) == len(results.study.optimizers)
-        for data in found["sets"]:
+        assert len(found) == 3 * len(results.study.optimizers)
+        assert len({data["algorithm"] for data in found}) == len(results.study.optimizers)
+        for data in found:
             _, runs = self.traces(results, data)
             assert data["spent"] == [row.nfev for _, row in runs]
             assert data["dimension"] == (2, 7, 2)[data["function"] - 1]
@@ -64,7 +99,7 @@ class TestCOCO:
     def test_values_and_expected_running_times_agree(self, coco_read):
         results, found = coco_read
         references, reached = coco.assumed_optima(results), 0
-        for data in found["sets"]:
+        for data in found:
             problem, runs = self.traces(results, data)
             reference = references[problem].value
             finals = [min(max(row.fun - reference, 1e-12), 3e21) for _, row in runs]
@@ -80,7 +115,7 @@ class TestCOCO:
     def test_values_at_the_triggered_evaluations_agree(self, coco_read):
         results, found = coco_read
         references, compared = coco.assumed_optima(results), 0
-        for data in found["sets"]:
+        for data in found:
             problem, runs = self.traces(results, data)
             evaluations, *columns = np.array(data["funvals"]).T
             for (trace, row), column in zip(runs, columns, strict=True):
@@ -90,11 +125,99 @@ class TestCOCO:
                 compared += triggered.sum()
         assert compared > 1000
 
-    def test_the_suite_has_as_many_functions_as_cocopp_knows(self, coco_read):
-        assert coco_read[1]["last"] == coco.FUNCTIONS
+
+def entries(*names):
+    return tuple(Entry(name, name) for name in names)
+
+
+@pytest.fixture(scope="module")
+def bbob_read(tmp_path_factory):
+    """A run on bbob, read by cocopp: f1 and f15 in two dimensions on five instances, two trials each."""
+    place = tmp_path_factory.mktemp("suites")
+    problems = [f"bbob-f{f:02d}-d{d}-i{i}" for f in (1, 15) for d in (5, 2) for i in (3, 1, 2, 5, 4)]
+    optimizers = entries("cma-es", "random-search")
+    bench.run(Study("s", entries(*problems), optimizers, trials=2, budget="200 * d"), place / "s")
+    results = Results(place / "s")
+    folder, names = exported(results, "coco", place / "out"), list(coco.optimizer_folders(results).values())
+    return results, read(READ_SUITES, folder, place, json.dumps([PRECISIONS, names]))
+
+
+@needs_cocopp
+class TestSuites:
+    """Problems of COCO's own suites."""
+
+    def test_functions_dimensions_and_instances_are_coco_s(self, bbob_read):
+        found = {(data["folder"], data["suite"], data["function"], data["dimension"]) for data in bbob_read[1]["sets"]}
+        assert found == {(name, "bbob", f, d) for name in ("cma-es", "random-search") for f in (1, 15) for d in (2, 5)}
+        assert len(bbob_read[1]["sets"]) == len(found)
+        assert all(data["instances"] == [1, 1, 2, 2, 3, 3, 4, 4, 5, 5] for data in bbob_read[1]["sets"])
+
+    def test_expected_running_times_are_those_of_the_analysis(self, bbob_read):
+        results, found = bbob_read
+        labels = [entry.label for entry in results.study.problems]
+        facts = {label: results.facts(label) for label in labels}
+        optima, features = ({label: getattr(each, name) for label, each in facts.items()} for name in FACTS)
+        pooled = analysis.pool_instances(results.frame, results.traces, labels, features, optima)
+        targets = pd.DataFrame(
+            [(label, tau, tau) for label in pooled.members for tau in PRECISIONS], columns=["problem", "tau", "target"]
+        )
+        budgets = {label: 200 * int(label.split("-d")[1]) for label in pooled.members}
+        hits = analysis.hitting_times(pooled.frame, pooled.traces, targets, budgets)
+        ert = analysis.expected_running_time(hits).set_index(["problem", "optimizer", "tau"])["ert"]
+        reached = set()
+        for data in found["sets"]:
+            problem = f"bbob-f{data['function']:02d}-d{data['dimension']}"
+            for tau, theirs in zip(PRECISIONS, data["ert"], strict=True):
+                assert theirs == ert[problem, data["folder"], tau]
+                reached |= {theirs}
+        assert len(reached) > 100
+        assert math.inf in reached
+
+    def test_the_suites_have_the_functions_that_cocopp_knows(self, bbob_read):
+        for suite, functions in coco.SUITES.items():
+            assert bbob_read[1]["known"][suite] == [functions[0], functions[-1]]
+
+    def test_a_study_of_several_suites_has_a_folder_for_each(self, tmp_path):
+        numbers = {"bbob": 24, "bbob-boxed": 3, "bbob-largescale": 7, "bbob-mixint": 9, "bbob-noisy": 130}
+        labels = [f"{suite}-f{number:02d}-d20-i{i}" for suite, number in numbers.items() for i in (2, 1)]
+        results = make(tmp_path / "s", dict.fromkeys([*labels, "home"], 20), ("a",), trials=1)
+        features = {label: dict(zip(KEYS, label.rsplit("-", 3)[:2], strict=True)) for label in labels}
+        facts = {
+            label: ProblemFacts(optimum=-5.0, features=each | {"instance": int(label[-1])})
+            for label, each in features.items()
+        }
+        results._facts = lambda label: facts.get(label, ProblemFacts())
+        folder = exported(results, "coco", tmp_path / "out")
+        folders = [f"{suite}/a" for suite in numbers]
+        found = read(READ_SUITES, folder, tmp_path, json.dumps([PRECISIONS, folders]))["sets"]
+        assert [(data["folder"], data["suite"], data["function"]) for data in found] == [
+            (f"{suite}/a", suite, number) for suite, number in numbers.items()
+        ]
+        assert all(data["instances"] == [1, 2] for data in found)
+        assert (folder / "other-problems" / "a" / "bbobexp_f1.info").is_file()
+
+    def test_an_evaluation_of_a_constrained_function_counts_twice_as_in_coco(self, tmp_path):
+        row = lambda *_: record([math.inf, 9.0, 5.5, 5.0], 2)  # noqa: E731
+        results = make(tmp_path / "s", {"bbob-constrained-f54-d2-i1": 2}, ("a",), trials=1, row=row)
+        features = {"suite": "bbob-constrained", "function": "f54", "instance": 1}
+        results._facts = lambda label: ProblemFacts(optimum=5.0, features=features)
+        folder = exported(results, "coco", tmp_path / "out")
+        (data,) = read(READ_SUITES, folder, tmp_path, json.dumps([[10.0, 1.0, 1e-8], ["a"]]))["sets"]
+        assert data["evaluations"] == [[4.0], [6.0], [8.0]]
 
 
 class TestCOCOFiles:
+    def test_a_problem_is_a_suite_s_own_only_with_all_that_coco_counts_by(self):
+        features = {"suite": "bbob", "function": "f24", "instance": 7}
+        assert coco.own_place(ProblemFacts(optimum=0.0, features=features)) == ("bbob", 24, 7, True)
+        for change in ({"suite": "cec2022"}, {"function": "f25"}, {"function": "sphere"}, {"instance": "1"}):
+            assert coco.own_place(ProblemFacts(optimum=0.0, features=features | change)) is None
+        assert coco.own_place(ProblemFacts(features=features)) is None
+
+    def test_the_f_opt_of_a_suite_stays_where_a_trial_is_below_it(self, tmp_path):
+        results = make(tmp_path / "s", {"bbob-f01-d2-i1": 2}, row=lambda *_: record([80.0, 79.0], 2))
+        assert coco.assumed_optima(results)["bbob-f01-d2-i1"].value == results.facts("bbob-f01-d2-i1").optimum > 79
+
     def test_a_known_optimum_is_the_reference_unless_a_trial_is_below_it(self, tmp_path):
         below = make(tmp_path / "b", row=lambda trial, values: record([3.0, -1.0], 2) if trial.number == 0 else None)
         above = make(tmp_path / "a")
@@ -128,6 +251,6 @@ class TestCOCOFiles:
     def test_more_problems_than_functions_are_refused(self, tmp_path):
         problems = {f"p{i}": 1 for i in range(55)}
         results = make(tmp_path / "s", problems, ("a",), trials=1)
-        with pytest.raises(BenchError, match="at most 54 problems and this study has 55"):
+        with pytest.raises(BenchError, match="at most 54 problems that are not of COCO's own suites and"):
             export(results, "coco", tmp_path / "out")
         assert not (tmp_path / "out").exists()
