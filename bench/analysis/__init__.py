@@ -3,9 +3,9 @@
 Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`compact_letters`,
 :func:`comparison_matrix`, :func:`ranking`, :func:`regret`. Across problems: :func:`medians`, :func:`friedman`,
 :func:`wilcoxon_tests`, :func:`nemenyi`, :func:`probability_of_improvement`, :func:`interquartile_mean`. Over the
-evaluations: :func:`convergence`, :func:`targets`, :func:`hitting_times`, :func:`expected_running_time`, :func:`ecdf`,
-:func:`data_profiles`, :func:`success_rates`. And :func:`timing`, :func:`power_table`,
-:func:`feasibility`, :func:`integrity`.
+evaluations: :func:`convergence`, :func:`targets`, :func:`precision_targets`, :func:`hitting_times`,
+:func:`expected_running_time`, :func:`ecdf`, :func:`data_profiles`, :func:`success_rates`. And :func:`timing`,
+:func:`power_table`, :func:`feasibility`, :func:`integrity`.
 
 Arguments mean the same everywhere: ``frame`` is the tidy frame, ``traces`` are those of its trials, by (problem,
 optimizer, trial); ``optima`` the best known objective values, by problem, of the problems where one is known;
@@ -65,7 +65,7 @@ from bench.analysis.cells import (
 )
 from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
 from bench.analysis.feasibility import feasibility
-from bench.analysis.instances import SOLVED, Pooled, pool_instances
+from bench.analysis.instances import PRECISIONS, SOLVED, Pooled, pool_instances, precision_targets
 from bench.analysis.integrity import integrity
 from bench.analysis.pairwise import (
     ALPHA,
@@ -86,6 +86,7 @@ __all__ = [
     "CUTOFFS",
     "HIDDEN_THREADS",
     "NEAR",
+    "PRECISIONS",
     "SOLVED",
     "TIED",
     "Pooled",
@@ -123,6 +124,7 @@ __all__ = [
     "pairwise_tests",
     "pool_instances",
     "power_table",
+    "precision_targets",
     "probability_of_improvement",
     "ranking",
     "reference_values",

@@ -18,6 +18,9 @@ from bench.objective import Trace
 SOLVED = 1e-8
 """The last target of COCO, below which the CEC competitions take an error as 0 too; a better precision is rounding."""
 
+PRECISIONS = (10.0, 1.0, 1e-1, 1e-2, 1e-3, 1e-5, 1e-7, 1e-8)
+"""The precisions f - f_opt of COCO's tables of expected running times."""
+
 Features = Mapping[str, Mapping[str, str | int]]  # of problems, by label
 
 
@@ -85,6 +88,15 @@ def pool_instances(
         for (problem, optimizer, trial), trace in traces.items()
     }
     return Pooled(changed, moved, members)
+
+
+def precision_targets(functions: Iterable[str], precisions: Iterable[float] = PRECISIONS) -> pd.DataFrame:
+    """Return the targets of pooled functions, whose values are precisions: problem, tau and target, both the precision.
+
+    :func:`bench.analysis.hitting_times` takes them in place of the ladders that begin at each problem's first values.
+    """
+    rows = [(function, precision, precision) for function in functions for precision in precisions]
+    return pd.DataFrame(rows, columns=["problem", "tau", "target"])
 
 
 def _precision(above: pd.Series[float]) -> pd.Series[float]:

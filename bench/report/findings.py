@@ -196,6 +196,14 @@ class Findings:
         """The share of trials of each cell that reached a target, with its interval."""
         return analysis.success_rates(self.hits)
 
+    @cached_property
+    def running_times(self) -> pd.DataFrame:
+        """The ERT of each cell whose instances are pooled to COCO's precisions; without rows where there is none."""
+        targets = analysis.precision_targets(self.pooled.functions)
+        own = self.frame[self.frame["problem"].isin(self.pooled.functions)]
+        table = analysis.expected_running_time(analysis.hitting_times(own, self.traces, targets, self.budgets))
+        return table.drop(columns="target").rename(columns={"tau": "precision"})
+
     # time and soundness
 
     @cached_property

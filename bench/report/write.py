@@ -37,6 +37,7 @@ WHOLE = {
     "trials": "All trials, one row a trial.",
     "cells": "All cells: trials, failures and statistics of the objective value.",
     "tests": "The tests of every pair of optimizers on every problem.",
+    "running-times": "The expected running times (ERT) of every optimizer on every function, to COCO's precisions.",
 }
 """The tables of a whole study, by name, with their descriptions; no other part has these names."""
 
@@ -189,8 +190,11 @@ class _Report:
     def add_downloads(self) -> None:
         """Add the last part, the list of all files."""
         (self.folder / TABLES).mkdir(exist_ok=True)
-        frames = (self.results.frame, self.findings.summary, self.findings.pairs)
+        findings = self.findings
+        frames = (self.results.frame, findings.summary, findings.pairs, findings.running_times)
         for (name, about), frame in zip(WHOLE.items(), frames, strict=True):
+            if name == "running-times" and not findings.pooled.functions:
+                continue  # only a suite with instances has them
             path = f"{TABLES}/{name}.csv"
             save_csv(frame, self.folder / path, index=False)
             self.files[path] = about

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from bench.analysis import ALPHA, CUTOFFS, TIED, effect_size
+from bench.analysis import ALPHA, CUTOFFS, SOLVED, TIED, effect_size
 from bench.report.findings import Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import distribution_figure
@@ -43,6 +44,8 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
         distribution_figure(findings.frame, problem, findings.optima.get(problem), findings.known[problem].expected),
         _cells(findings, problem, rates),
     ]
+    if problem in findings.pooled.functions:
+        items.append(_running_times(findings, problem))
     pairs = findings.pairs[findings.pairs["problem"] == problem]
     text = []
     if len(pairs):
@@ -79,6 +82,24 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
         note="The interval of the median is distribution-free; letters as in the comparison; success: trials that "
         f"reached tau = {TAU:g}, with a 95% Wilson interval. –: too few trials.",
         data=own.reset_index(),
+    )
+
+
+def _running_times(findings: Findings, problem: str) -> Table:
+    table = findings.running_times
+    own = table[table["problem"] == problem]
+    shown = own.pivot(index="optimizer", columns="precision", values="ert").reindex(findings.optimizers)
+    shown = shown.rename(columns=lambda precision: f"{precision:g}").rename_axis(index="optimizer", columns=None)
+    last = own[own["precision"] == SOLVED].set_index("optimizer").reindex(findings.optimizers)
+    shown = shown.iloc[:, ::-1]
+    shown["successes"] = [f"{reached}/{of}" for reached, of in zip(last["successes"], last["trials"], strict=True)]
+    return Table(
+        f"running-times-{problem}",
+        f"{problem}: expected running time (ERT) in evaluations to each precision, the best value less the optimum.",
+        shown,
+        bold=shown.drop(columns="successes").pipe(lambda ert: ert.eq(ert.min()) & np.isfinite(ert)),
+        note=f"Bold: the lowest of a column; ∞: no trial succeeded; successes: trials that reached {SOLVED:g}.",
+        data=own,
     )
 
 

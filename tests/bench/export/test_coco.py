@@ -5,7 +5,6 @@ import math
 from importlib.util import find_spec
 
 import numpy as np
-import pandas as pd
 import pytest
 
 import bench
@@ -158,9 +157,7 @@ class TestSuites:
         facts = {label: results.facts(label) for label in labels}
         optima, features = ({label: getattr(each, name) for label, each in facts.items()} for name in FACTS)
         pooled = analysis.pool_instances(results.frame, results.traces, labels, features, optima)
-        targets = pd.DataFrame(
-            [(label, tau, tau) for label in pooled.members for tau in PRECISIONS], columns=["problem", "tau", "target"]
-        )
+        targets = analysis.precision_targets(pooled.functions, PRECISIONS)
         budgets = {label: 200 * int(label.split("-d")[1]) for label in pooled.members}
         hits = analysis.hitting_times(pooled.frame, pooled.traces, targets, budgets)
         ert = analysis.expected_running_time(hits).set_index(["problem", "optimizer", "tau"])["ert"]

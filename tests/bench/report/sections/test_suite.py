@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from bench import Results, Study, run
+from bench.analysis import PRECISIONS
 from bench.report.findings import Findings
-from bench.report.sections import suite
+from bench.report.sections import datasets, suite
 
 
 @pytest.fixture(scope="module")
@@ -63,3 +64,25 @@ def test_running_times_are_shown_over_the_dimension(findings, items):
 
 def test_a_study_of_one_kind_has_no_overview(make, tmp_path):
     assert suite.section(Findings(Results(make(tmp_path / "s")))) is None
+
+
+def test_expected_running_times_are_given_to_coco_s_precisions(findings):
+    table = findings.running_times.set_index(["problem", "optimizer", "precision"])
+    pooled, paid, solved = findings.pooled, 0, 0
+    for (problem, optimizer, _), trace in pooled.traces.items():
+        if (problem, optimizer) == ("classical-sphere-d2", "cma-es-fast"):
+            hits = trace.evaluations[trace.values <= 0.1]
+            paid, solved = paid + (hits[0] if len(hits) else 60), solved + (len(hits) > 0)
+    row = table.loc["classical-sphere-d2", "cma-es-fast", 0.1]
+    assert (row["trials"], row["successes"]) == (6, solved)
+    assert row["ert"] == paid / solved
+    assert table.index.get_level_values("precision").unique().tolist() == list(PRECISIONS)
+
+
+def test_a_function_s_own_section_has_its_expected_running_times(findings):
+    (own, *_) = datasets.section(findings).sections
+    table = next(item for item in own.items if item.name == "running-times-classical-sphere-d2")
+    shown, times = table.frame, findings.running_times.set_index(["problem", "optimizer", "precision"])
+    assert list(shown) == ["10", "1", "0.1", "0.01", "0.001", "1e-05", "1e-07", "1e-08", "successes"]
+    assert shown.loc["cma-es-fast", "10"] == times.loc[("classical-sphere-d2", "cma-es-fast", 10.0), "ert"]
+    assert shown.loc["random-search", "successes"] == "0/6"
