@@ -2,10 +2,10 @@
 
 Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`compact_letters`,
 :func:`comparison_matrix`, :func:`ranking`, :func:`regret`. Across problems: :func:`medians`, :func:`friedman`,
-:func:`wilcoxon_tests`, :func:`nemenyi`, :func:`probability_of_improvement`, :func:`interquartile_mean`. Over the
-evaluations: :func:`convergence`, :func:`targets`, :func:`precision_targets`, :func:`hitting_times`,
-:func:`expected_running_time`, :func:`ecdf`, :func:`data_profiles`, :func:`success_rates`. And :func:`timing`,
-:func:`power_table`, :func:`feasibility`, :func:`integrity`.
+:func:`wilcoxon_tests`, :func:`nemenyi`, :func:`probability_of_improvement`, :func:`interquartile_mean`,
+:func:`u_scores`. Over the evaluations: :func:`convergence`, :func:`targets`, :func:`precision_targets`,
+:func:`hitting_times`, :func:`expected_running_time`, :func:`ecdf`, :func:`data_profiles`, :func:`success_rates`. And
+:func:`timing`, :func:`power_table`, :func:`feasibility`, :func:`integrity`.
 
 Arguments mean the same everywhere: ``frame`` is the tidy frame, ``traces`` are those of its trials, by (problem,
 optimizer, trial); ``optima`` the best known objective values, by problem, of the problems where one is known;
@@ -64,6 +64,7 @@ from bench.analysis.cells import (
     variables,
 )
 from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
+from bench.analysis.dominance import u_scores
 from bench.analysis.feasibility import feasibility
 from bench.analysis.instances import PRECISIONS, SOLVED, Pooled, pool_instances, precision_targets
 from bench.analysis.integrity import integrity
@@ -137,6 +138,7 @@ __all__ = [
     "table",
     "targets",
     "timing",
+    "u_scores",
     "variables",
     "wilcoxon_tests",
 ]

@@ -204,6 +204,17 @@ class Findings:
         table = analysis.expected_running_time(analysis.hitting_times(own, self.traces, targets, self.budgets))
         return table.drop(columns="target").rename(columns={"tau": "precision"})
 
+    @cached_property
+    def suite_functions(self) -> list[str]:
+        """The labels of the problems that are functions of a suite."""
+        return [label for label, each in self.known.items() if "suite" in each.features]
+
+    @cached_property
+    def u_scores(self) -> pd.DataFrame:
+        """The U-scores of each cell on functions of suites, by trial-based dominance."""
+        own = self.frame[self.frame["problem"].isin(self.suite_functions)]
+        return analysis.u_scores(own, self.traces, self.unbeaten)
+
     # time and soundness
 
     @cached_property
@@ -249,6 +260,7 @@ class Findings:
                 constrained=len(self.constrained),
                 noisy=len(self.noisy),
                 mixed=len(self.mixed),
+                dominance=self.u_scores["problem"].nunique() if len(self.optimizers) > 1 else 0,
             )
         )
 

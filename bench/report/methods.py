@@ -15,6 +15,7 @@ from markupsafe import Markup
 
 from bench.analysis import ALPHA
 from bench.analysis.cells import NEAR
+from bench.analysis.instances import SOLVED
 from bench.analysis.pairwise import RESAMPLES, TIED
 from bench.bibtex import Work, parse, read
 from bench.budget import described
@@ -62,6 +63,7 @@ class MethodsFacts:
         constrained: problems whose constraints were handled.
         noisy: problems whose values optimizers saw with noise.
         mixed: problems with integer variables.
+        dominance: problems on which U-scores compare the optimizers.
     """
 
     study: Study
@@ -82,6 +84,7 @@ class MethodsFacts:
     constrained: int = 0
     noisy: int = 0
     mixed: int = 0
+    dominance: int = 0
 
 
 @dataclass(frozen=True)
@@ -131,6 +134,7 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         "alpha": ALPHA,
         "near": NEAR,
         "tied": TIED,
+        "solved": SOLVED,
         "resamples": RESAMPLES,
         "coefficient": COEFFICIENT,
         "given": [f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text],

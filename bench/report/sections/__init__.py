@@ -5,6 +5,7 @@ from bench.report.sections import (
     anytime,
     comparison,
     datasets,
+    dominance,
     environment,
     integrity,
     methods,
@@ -14,7 +15,7 @@ from bench.report.sections import (
     verdict,
 )
 
-OPENING = (verdict, integrity, suite, comparison)
+OPENING = (verdict, integrity, suite, dominance, comparison)
 """The parts before the plug-ins' sections."""
 
 CLOSING = (across, anytime, datasets, time, power, methods, environment)

@@ -46,7 +46,7 @@ def full(**changes):
         bibtex={name: registry.load("optimizers", name).bibtex for name in ("gwo", "alo", "cma-es")},
         environments=[ENVIRONMENT], tests=9, permutation_tests=1, ranked_problems=2, known_optima=1, targets=3,
         early={"cma-es": 3, "gwo": 0}, centre_bias={"gwo": True, "alo": False, "cma-es": False},
-        structural_bias={"gwo": True, "alo": True}, constrained=2,
+        structural_bias={"gwo": True, "alo": True}, constrained=2, dominance=2,
     )  # fmt: skip
     return replace(facts, **changes)
 
@@ -115,6 +115,7 @@ class TestMethods:
             ({"study": study(["gwo", "alo"])}, "Holm"), ({"study": study(["gwo", "alo"])}, "Nemenyi"),
             ({"study": study(["gwo", "alo"])}, "letter"), ({"known_optima": 3}, "lowest value that any"),
             ({"known_optima": 0}, "the known optimum on"), ({"constrained": 0}, "constraints"),
+            ({"dominance": 0}, "U-scores"), ({"dominance": 3}, "U-scores on"),
         ],
     )  # fmt: skip
     def test_a_sentence_that_is_not_true_is_not_said(self, changes, gone):

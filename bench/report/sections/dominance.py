@@ -1,0 +1,58 @@
+"""The optimizers ranked by U-scores, the ranking of the CEC 2022 competition, on the functions of suites."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from bench import analysis
+from bench.report.findings import Findings
+from bench.report.parts import Section, Table
+from bench.report.wording import count
+
+TITLE = "Speed and accuracy in one ranking"
+
+
+def section(findings: Findings) -> Section | None:
+    """Return the ranking of two or more optimizers on functions of suites; None without such a function."""
+    functions = findings.suite_functions
+    if len(findings.optimizers) < 2 or not functions:
+        return None
+    found = findings.u_scores
+    problems = found["problem"].nunique()
+    meaning = (
+        "A U-score counts pairs of trials of two optimizers on the same problem (Price, Kumar and Suganthan 2023): of "
+        f"two trials that came within {analysis.SOLVED:g} of the optimum, the one with fewer evaluations wins; such a "
+        "trial wins over any other; of two others, the one with the lower final value wins; ties count half. U-scores "
+        "determined the winners of the CEC 2022 competition. The share is that of all pairs of an optimizer; 50% "
+        "means that its trials win as often as they lose."
+    )
+    text = [meaning]
+    if left := len(functions) - problems:
+        text.append(
+            f"{count(left, 'problem')} of {len(functions):,} {'is' if left == 1 else 'are'} left out: the optimum is "
+            "unknown or beaten, or the optimizers have different numbers of trials."
+        )
+    return Section(TITLE, tuple(text), (_scores(findings, found),) if problems else ())
+
+
+def _scores(findings: Findings, found: pd.DataFrame) -> Table:
+    dimension = found["problem"].astype(object).map(findings.dimensions)
+    total = found.groupby("optimizer")[["u", "pairs", "reached", "trials"]].sum().reindex(findings.optimizers)
+    shown = pd.DataFrame({"rank": total["u"].rank(ascending=False, method="min").astype(int), "U-score": total["u"]})
+    if dimension.nunique() > 1:
+        for each, own in found.groupby(dimension):
+            shown[f"d = {each:g}"] = own.groupby("optimizer")["u"].sum()
+    shown["share %"] = 100 * total["u"] / total["pairs"]
+    shown["reached"] = [f"{reached:,}/{of:,}" for reached, of in zip(total["reached"], total["trials"], strict=True)]
+    scores = [str(name) for name in shown if name not in ("rank", "share %", "reached")]
+    shown = shown.sort_values("rank", kind="stable").rename_axis("optimizer")
+    return Table(
+        "u-scores",
+        f"U-scores over {count(found['problem'].nunique(), 'problem')}, highest first.",
+        shown,
+        bold=shown[scores].eq(shown[scores].max()),
+        decimals={"share %": 1} | dict.fromkeys(scores, 1),
+        note=f"Bold: the highest of a column; reached: trials that came within {analysis.SOLVED:g} of the optimum. The "
+        "CSV file has the scores by problem.",
+        data=found,
+    )
