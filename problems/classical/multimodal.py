@@ -234,7 +234,7 @@ def styblinski_tang(y: Floats) -> Floats:
 def happy_cat(y: Floats) -> Floats:
     """``|r^2 - d|^(1/4) + (r^2/2 + sum z_i)/d + 1/2`` with ``r = |z|``, z* = -1.
 
-    Beyer and Finck 2012, PPSN XII, doi:10.1007/978-3-642-32937-1_4, alpha = 1/8.
+    Beyer and Finck 2012, PPSN XII, doi:10.1007/978-3-642-32937-1_37, alpha = 1/8.
     """
     n, d = y.shape
     values = np.empty(n)
@@ -270,7 +270,7 @@ def lunacek(y: Floats) -> Floats:
     """The smaller of two bowls, ``sum y_i^2`` and ``d + s sum (z_i - mu)^2``, plus Rastrigin's waves, z* = 2.5.
 
     ``s = 1 - 1/(2 sqrt(d + 20) - 8.2)``, ``mu = -sqrt((2.5^2 - 1)/s)``: Lunacek, Whitley and Sutton 2008, PPSN X,
-    LNCS 5199, 498-507.
+    doi:10.1007/978-3-540-87700-4_50.
     """
     n, d = y.shape
     s = 1.0 - 1.0 / (2.0 * math.sqrt(d + 20.0) - 8.2)

@@ -161,7 +161,6 @@ TUBULAR_COLUMN = Design(
 )
 """Cost of a tubular column under compression, by mean diameter and thickness, in cm.
 
-Rao 1996, Engineering Optimization: Theory and Practice; Hsu and Liu 2007, Expert Systems with Applications 32(1).
-At the best design both
-stress limits are reached: 26.4995.
+Rao 1996, Engineering Optimization: Theory and Practice; Hsu and Liu 2007, Engineering Optimization 39(6), 679-700.
+At the best design both stress limits are reached: 26.4995.
 """
