@@ -163,9 +163,10 @@ def places_in_coco(results: Results) -> dict[str, Place]:
     others = [label for label, place in own.items() if place is None]
     functions = SUITES[CONSTRAINED]
     if len(others) > len(functions):
+        reason = next((f" ({why})" for label in others if (why := results.facts(label).reason)), "")
         raise BenchError(
-            f"the coco format holds at most {len(functions)} problems that are not of COCO's own suites and this study "
-            f"has {len(others)}; export fewer of them at a time, or choose ioh"
+            f"the coco format holds at most {len(functions)} problems that are not known to be of COCO's own suites, "
+            f"and this study has {len(others)}{reason}; export fewer of them at a time, or choose ioh"
         )
     stand_ins = dict(zip(others, functions, strict=False))
     return {label: place or Place(CONSTRAINED, stand_ins[label], 1, own=False) for label, place in own.items()}

@@ -57,18 +57,25 @@ def exported_cells(results: Results) -> list[ExportedCell]:
     if finished.empty:
         raise BenchError("no trial of this study finished, and this format holds no others; csv and parquet hold all")
     cells, traces = [], results.traces
+    by_problem = dict(iter(finished.groupby("problem", observed=True)))
+    names = {problem: variables(own) for problem, own in by_problem.items()}
+    by_cell = {
+        (problem, optimizer): own
+        for problem, here in by_problem.items()
+        for optimizer, own in here.groupby("optimizer", observed=True)
+    }
     for optimizer in results.study.optimizers:
         for number, problem in enumerate(results.study.problems, start=1):
-            here = finished[finished["problem"] == problem.label]
-            names = variables(here)
-            own = here[here["optimizer"] == optimizer.label]
-            numbers = own["trial"].tolist(), own["seed"].tolist(), own["nfev"], own[names].to_numpy(dtype=np.float64)
+            own = by_cell.get((problem.label, optimizer.label))
+            if own is None:
+                continue
+            points = own[names[problem.label]].to_numpy(dtype=np.float64)
+            columns = own["trial"].tolist(), own["seed"].tolist(), own["nfev"], points
             trials = tuple(
-                ExportedTrial(number, seed, int(nfev), x, traces[problem.label, optimizer.label, number])
-                for number, seed, nfev, x in zip(*numbers, strict=True)
+                ExportedTrial(trial, seed, int(nfev), x, traces[problem.label, optimizer.label, trial])
+                for trial, seed, nfev, x in zip(*columns, strict=True)
             )
-            if trials:
-                cells.append(ExportedCell(number, problem.label, optimizer.label, len(names), trials))
+            cells.append(ExportedCell(number, problem.label, optimizer.label, points.shape[1], trials))
     return cells
 
 
