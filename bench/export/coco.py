@@ -17,9 +17,9 @@ optimizers in a black-box setting", Optimization Methods and Software 36(1), 202
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,15 +131,20 @@ def about(results: Results) -> str:
     for place in places.values():
         if place.own:
             numbers.setdefault(place.suite, set()).add(place.function)
-    suites = {suite: f"{len(own)} functions from {min(own)} to {max(own)}" for suite, own in numbers.items()}
+    suites = {suite: f"functions {', '.join(map(str, sorted(own)))}" for suite, own in numbers.items()}
     others = {
         place.function: f"{label}: {optima[label].value!r}, {optima[label].source}"
         for label, place in places.items()
         if not place.own
     }
+    parts: dict[str, Mapping[Any, str]] = {
+        "suites": suites,
+        "constrained": suites if CONSTRAINED in suites else {},
+        "others": others,
+    }
     details = [
-        readme(kind, functions=readme_lines(lines), constrained=CONSTRAINED)
-        for kind, lines in (("coco-suites", suites), ("coco-others", others))
+        readme(f"coco-{name}", functions=readme_lines(lines), constrained=CONSTRAINED)
+        for name, lines in parts.items()
         if lines
     ]
     several = len({place.folder for place in places.values()}) > 1

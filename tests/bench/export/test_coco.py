@@ -192,6 +192,11 @@ class TestSuites:
         ]
         assert all(data["instances"] == [1, 2] for data in found)
         assert (folder / "other-problems" / "a" / "bbobexp_f1.info").is_file()
+        about = (folder / "README.txt").read_text()
+        assert "FOLDER/SUITE/OPTIMIZER" in about
+        assert "    bbob-mixint  functions 9\n    bbob-noisy  functions 130\n" in about
+        assert "    1  home: " in about
+        assert "of the constraints" not in about
 
     def test_an_evaluation_of_a_constrained_function_counts_twice_as_in_coco(self, tmp_path):
         row = lambda *_: record([math.inf, 9.0, 5.5, 5.0], 2)  # noqa: E731
@@ -201,6 +206,7 @@ class TestSuites:
         folder = exported(results, "coco", tmp_path / "out")
         (data,) = read(READ_SUITES, folder, tmp_path, json.dumps([[10.0, 1.0, 1e-8], ["a"]]))["sets"]
         assert data["evaluations"] == [[4.0], [6.0], [8.0]]
+        assert "counts as one of the objective and one of the constraints" in (folder / "README.txt").read_text()
 
 
 class TestCOCOFiles:
