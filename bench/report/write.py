@@ -13,6 +13,7 @@ from types import ModuleType
 
 import matplotlib.figure
 import pandas as pd
+from threadpoolctl import threadpool_limits
 
 from bench.budget import described
 from bench.errors import BenchError
@@ -73,7 +74,8 @@ def write_report(
     folder = _folder(results, None if output is None else Path(output))
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with Drawer(n_jobs if len(results.study.problems) > FEW else 1) as drawer:
+        # Threads of BLAS gain nothing on matrices as small as these, and wait for each other where cores are busy.
+        with threadpool_limits(limits=1), Drawer(n_jobs if len(results.study.problems) > FEW else 1) as drawer:
             page = _Report(results, folder, drawer, on_progress or (lambda *_: None)).write()
     except OSError as error:
         raise BenchError(f"the report cannot be written into {folder}: {error.strerror}") from error

@@ -240,6 +240,13 @@ class TestByHand:
         both = np.corrcoef(a12_replicates(this, np.full(6, 2.5)), a12_replicates(np.full(6, 2.5), this))
         assert abs(both[0, 1]) < 0.05
 
+    def test_sums_in_float32_are_exact(self, monkeypatch):
+        rng = np.random.default_rng(0)
+        this, other = rng.integers(0, 9, (2, 40)).astype(float)
+        fast = a12_replicates(this, other[:31], 7)
+        monkeypatch.setattr("bench.analysis.pairwise.EXACT", 0)
+        np.testing.assert_array_equal(fast, a12_replicates(this, other[:31], 7))
+
     def test_percentile_interval(self):
         assert percentile_interval(np.arange(101.0), 0.9) == pytest.approx((5.0, 95.0))
         assert percentile_interval(np.array([1.0, 2.0, INF])) == (2.0, INF)
