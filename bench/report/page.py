@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
+from collections import Counter
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import resources
@@ -25,6 +26,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 HREF = "{http://www.w3.org/1999/xlink}href"
 COORDINATES = {"d", "points", "x", "y", "x1", "x2", "y1", "y2", "cx", "cy", "width", "height"}
 TEXTS = {"text", "tspan"}
+UNTURNED = re.compile(r"rotate\(-?0( [-\d. ]+)?\)")
 
 
 @dataclass(frozen=True)
@@ -126,10 +128,12 @@ def inline(svg: str, name: str, caption: str) -> Markup:
     """Return the SVG of a matplotlib figure for the page: compact, with ids unique by ``name`` and a caption as label.
 
     Invisible parts are removed: metadata, ids that nothing refers to, groups without attributes, a style repeated by a
-    whole group, decimals beyond 0.01 points. Matplotlib's style sheet, which would affect the whole page, is part of
-    the page's own.
+    whole group, by the texts or by the marks of one shape, turns by 0 degrees, decimals beyond 0.01 points.
+    Matplotlib's style sheet, which would affect the whole page, is part of the page's own.
     """
     root = ElementTree.fromstring(svg)
+    font = _common_font(root)
+    shapes = {f"#{element.get('id')}": _properties(element) for element in root.iter() if element.get("id")}
     width = float(root.attrib["viewBox"].split()[2])
     targets = re.findall(r'(?:="|url\()#([^")]+)', svg)
     present = {element.get("id") for element in root.iter()}
@@ -141,18 +145,41 @@ def inline(svg: str, name: str, caption: str) -> Markup:
         element.attrib = {
             key.replace(HREF, "href"): _attribute(element.tag, key, value, ids)
             for key, value in element.attrib.items()
-            if key != "id" or value in ids
+            if not (
+                (key == "id" and value not in ids)
+                or (key == "transform" and UNTURNED.fullmatch(value))
+                # the properties of a shape precede those of a mark that uses it
+                or (key == "style" and _properties(element).keys() <= shapes.get(element.get(HREF, ""), {}).keys())
+            )
         }
+        if font and _properties(element).get("font-family") == font:
+            kept = [f"{name}:{value}" for name, value in _properties(element).items() if name != "font-family"]
+            element.set("style", ";".join(kept))
+        if not element.get("style", "-"):
+            del element.attrib["style"]
         if element.tag not in TEXTS:
             element.text = (element.text or "").strip()
     root[:] = _slim(root)
     root.attrib = {
         "viewBox": root.attrib["viewBox"],
-        "style": f"--width:{width * ZOOM * 96 / 72:.0f}px",
+        "style": f"--width:{width * ZOOM * 96 / 72:.0f}px" + (f";font-family:{font}" if font else ""),
         "role": "img",
         "aria-label": caption,
     }
     return Markup(ElementTree.tostring(root, encoding="unicode").replace(" />", "/>"))
+
+
+def _properties(element: ElementTree.Element) -> dict[str, str]:
+    """Return the style of an element, by property."""
+    pairs = (each.partition(":") for each in element.get("style", "").split(";") if each.strip())
+    return {name.strip(): value.strip() for name, _, value in pairs}
+
+
+def _common_font(root: ElementTree.Element) -> str:
+    """Return the font family of most texts of a figure, "" where none has one."""
+    fonts = Counter(_properties(element).get("font-family", "") for element in root.iter(f"{SVG}text"))
+    del fonts[""]
+    return fonts.most_common(1)[0][0] if fonts else ""
 
 
 def _attribute(tag: str, key: str, value: str, ids: dict[str, str]) -> str:

@@ -180,9 +180,9 @@ class TestInline:
     def test_it_is_labelled_sized_and_without_what_does_not_show(self, drawn):
         svg = inline(drawn, "name", 'A "caption" & <more>')
         root = ElementTree.fromstring(svg)
-        assert root.attrib == {
-            "viewBox": "0 0 252 144", "style": "--width:487px", "role": "img", "aria-label": 'A "caption" & <more>'
-        }  # fmt: skip
+        assert root.attrib.pop("style").startswith("--width:487px;font-family:'DejaVu Sans', ")
+        assert root.attrib == {"viewBox": "0 0 252 144", "role": "img", "aria-label": 'A "caption" & <more>'}
+        assert svg.count("font-family") == 1
         assert not {"metadata", "style"} & {each.tag for each in root.iter()}
         assert "metadata" not in svg
         assert len(svg) < 0.7 * len(drawn)
@@ -221,3 +221,18 @@ class TestInline:
     def test_the_figures_of_a_page_have_their_own_ids(self, page):
         assert 'id="short.0"' in page
         assert 'id="long.0"' in page
+
+    def test_what_texts_and_marks_share_is_said_once(self):
+        svg = """<svg xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 9 9" xmlns="http://www.w3.org/2000/svg">
+          <defs><path id="m" d="M 0 0" style="stroke: #000000; fill: #ff0000"/></defs>
+          <use xlink:href="#m" x="1" y="1" style="stroke: #000000"/>
+          <use xlink:href="#m" x="2" y="1" style="opacity: 0.5"/>
+          <text style="font-size: 8px; font-family: 'A', sans-serif" transform="rotate(-0 1 2)" x="1" y="2">a</text>
+          <text style="font-family: 'A', sans-serif" transform="rotate(-90 1 2)" x="1" y="2">b</text>
+          <text style="font-family: serif" x="1" y="2">c</text></svg>"""
+        shown = inline(svg, "n", "c")
+        assert shown.count("font-family:'A', sans-serif") == 1
+        assert '<text style="font-size:8px" x="1" y="2">a</text>' in shown
+        assert '<text transform="rotate(-90 1 2)" x="1" y="2">b</text>' in shown
+        assert '<text style="font-family:serif" x="1" y="2">c</text>' in shown
+        assert '<use href="#n.0" x="1" y="1"/><use href="#n.0" x="2" y="1" style="opacity:0.5"/>' in shown
