@@ -10,6 +10,7 @@ from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 from bench.plots import style
 
 EVALUATIONS = "evaluations"
+MOST_BANDS = 6  # optimizers up to which bands of quartiles can be distinguished
 AXES = {"evaluations": EVALUATIONS, "per_dimension": "evaluations / d", "groups": "groups of d + 1 evaluations"}
 
 
@@ -18,9 +19,9 @@ def convergence(
 ) -> Axes:
     """Draw the median best-so-far value of each optimizer on a problem over evaluations, its quartiles as a band.
 
-    ``curves`` are those of :func:`bench.analysis.convergence`. The axis of evaluations is logarithmic; so is that of
-    the values where they are positive and span a factor of more than 3. A median or quartile that is infinite, because
-    trials failed, is not drawn.
+    ``curves`` are those of :func:`bench.analysis.convergence`. More than six optimizers have no bands. The axis of
+    evaluations is logarithmic; so is that of the values where they are positive and span a factor of more than 3. A
+    median or quartile that is infinite, because trials failed, is not drawn.
     """
     ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
     own = style.rows_of(curves, problem)
@@ -124,7 +125,8 @@ def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:
         one = drawn[drawn["optimizer"] == optimizer]
         at, median, q1, q3 = one[["evaluations", "median", "q1", "q3"]].to_numpy(dtype=float).T
         banded = style.drawable(q3)
-        ax.fill_between(at[banded], q1[banded], q3[banded], color=look.color, alpha=0.18, linewidth=0)
+        if len(looks) <= MOST_BANDS:
+            ax.fill_between(at[banded], q1[banded], q3[banded], color=look.color, alpha=0.18, linewidth=0)
         _curve(ax, at, median, look, place)
 
 

@@ -14,12 +14,13 @@ from bench.analysis.cells import labels, scores
 from bench.plots import style
 
 OBJECTIVE = "objective value"
+PRECISION = "objective value less the optimum"
 
 
 def box_plot(
     frame: pd.DataFrame, problem: str, *, column: str = "fun", expected: float | None = None,
-    tolerance: float | None = None, optimum: float | None = None, looks: style.Looks | None = None,
-    ax: Axes | None = None,
+    tolerance: float | None = None, optimum: float | None = None, least: float | None = None,
+    looks: style.Looks | None = None, ax: Axes | None = None,
 ) -> Axes:  # fmt: skip
     """Draw the trials of each optimizer on a problem: a quartile box and a point per trial, in a row per optimizer.
 
@@ -32,12 +33,16 @@ def box_plot(
         expected: the true value of the metric, drawn as a line.
         tolerance: the accepted distance from ``expected``, drawn as a band.
         optimum: the best known objective value, drawn as a line.
+        least: the precision below which a problem is solved, where the objective values are precisions: lower values
+            are drawn there, so that the axis can be logarithmic.
     """
     optimizers = labels(frame, "optimizer")
     ax = style.own_axes(ax, height=style.rows_height(len(optimizers)) + 0.6)
     looks = style.looks_of(frame, looks)
     own = style.rows_of(frame, problem)
     values = _values(own, column)
+    if least is not None:
+        values = np.maximum(values, least)
     by_row = [values[(own["optimizer"] == optimizer).to_numpy()] for optimizer in optimizers]
     drawn = [row[style.drawable(row)] for row in by_row]
     _boxes(ax, drawn)
@@ -46,7 +51,12 @@ def box_plot(
         note = _note(found, "failed" if column == "fun" else "missing")
         ax.annotate(note, (1.01, row), xycoords=ax.get_yaxis_transform(), va="center", fontsize="small")
     ax.use_sticky_edges = False  # the end of a bar is no limit of the axis
-    style.fitting_scale(ax, "x", np.concatenate([*drawn, np.empty(0)]))
+    shown = np.concatenate([*drawn, np.empty(0)])
+    if least is None:
+        style.fitting_scale(ax, "x", shown)
+    else:
+        ax.set_xlim(least / 3, 3 * max(100 * least, shown.max(initial=least)))
+        style.log_scale(ax, "x")
     if optimum is not None:
         _line(ax, optimum, "optimum")
     if expected is not None:
@@ -57,7 +67,7 @@ def box_plot(
             linewidth=0.0, zorder=1, label=f"± {tolerance:.3g}",
         )  # fmt: skip
     style.name_rows(ax, list(style.names(optimizers).values()))
-    ax.set_xlabel(OBJECTIVE if column == "fun" else style.plain(column))
+    ax.set_xlabel(style.plain(column) if column != "fun" else OBJECTIVE if least is None else PRECISION)
     ax.set_title(style.plain(problem, 18), loc="left")
     if ax.get_legend_handles_labels()[0]:
         ax.legend(

@@ -14,6 +14,9 @@ from bench.report.methods import Methods, MethodsFacts, methods
 from bench.storage.results import ProblemFacts, Results
 from bench.study import Entry, Study
 
+MANY_PROBLEMS = 20
+"""More problems than these are folded away one by one, below what can be said of all."""
+
 
 @dataclass(frozen=True)
 class Findings:
@@ -58,6 +61,11 @@ class Findings:
     def problems(self) -> list[str]:
         """The labels of the problems that have at least one trial."""
         return [label for label in analysis.labels(self.frame, "problem") if (self.frame["problem"] == label).any()]
+
+    @property
+    def many(self) -> bool:
+        """Whether there are too many problems to look at each."""
+        return len(self.problems) > MANY_PROBLEMS
 
     @cached_property
     def optimizers(self) -> list[str]:

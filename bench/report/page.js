@@ -94,11 +94,11 @@
     code.before(button);
   }
 
-  // Printing: open what is folded, and fold it again afterwards.
+  // Printing: open the data tables of figures, and fold them again afterwards; a folded section stays as it is.
 
   let opened = [];
   addEventListener("beforeprint", () => {
-    opened = [...document.querySelectorAll("main details:not([open], .long)")];
+    opened = [...document.querySelectorAll("main details:not([open], .long, .folded)")];
     for (const details of opened) details.open = true;
   });
   addEventListener("afterprint", () => {

@@ -151,6 +151,7 @@ class Section:
         warnings: sentences that the reader must not miss.
         cards: framed statements, side by side above everything else.
         lost: a sentence on how many trials failed, shown in red with a sign.
+        folded: whether a reader opens this subsection to see more than its title; it is printed only when it is open.
         code: text to show and copy verbatim, such as BibTeX.
         sections: subsections, one level deep.
     """
@@ -163,6 +164,7 @@ class Section:
     code: str = ""
     sections: tuple[Section, ...] = ()
     lost: str = ""
+    folded: bool = False
 
     def __post_init__(self) -> None:
         """Raise TypeError for parts that the page cannot show, so that a plug-in's mistake is found at its source."""

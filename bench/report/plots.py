@@ -6,6 +6,7 @@ study, in its order, so that each has the same look in every figure.
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from math import ceil, floor, log10
 
@@ -28,20 +29,27 @@ from bench.plots import (
     style,
     timing,
 )
+from bench.plots.curves import MOST_BANDS
 from bench.plots.ranks import RANK_NAME, cd_height, forest_names
 from bench.report.parts import Figure
 from bench.report.wording import listing
 
 SHOWN_ROWS = 300  # of the table behind a figure
 COLUMNS = 3  # panels beside each other
+TITLE_LETTERS = 30  # of a line of small text above a panel
 
 
 def distribution_figure(
-    frame: pd.DataFrame, problem: str, optimum: float | None, expected: Mapping[str, tuple[float, float]]
+    frame: pd.DataFrame,
+    problem: str,
+    optimum: float | None,
+    expected: Mapping[str, tuple[float, float]],
+    least: float | None = None,
 ) -> Figure:
     """Return box plots of one problem: the objective value, and each domain metric whose true value is known.
 
-    ``expected`` holds the true value and the tolerance of domain metrics, by name.
+    ``expected`` holds the true value and the tolerance of domain metrics, by name. ``least`` is the precision from
+    which on a problem is solved, where the objective values are precisions.
     """
     known = {name: value for name, value in expected.items() if name in frame}
     optimizers, own = labels(frame, "optimizer"), frame[frame["problem"] == problem]
@@ -54,7 +62,8 @@ def distribution_figure(
         right=beside, across=beside + 0.1, down=0.7, bottom=0.36, top=0.22,
     )  # fmt: skip
     looks = style.looks(optimizers)
-    box_plot(frame, problem, optimum=optimum, looks=looks, ax=axes[0])
+    optimum = optimum if least is None else None  # it is 0, off a log axis
+    box_plot(frame, problem, optimum=optimum, least=least, looks=looks, ax=axes[0])
     for place, (name, (value, tolerance)) in enumerate(known.items(), 1):
         box_plot(frame, problem, column=name, expected=value, tolerance=tolerance, looks=looks, ax=axes[place])
         axes[place].set_title("", loc="left")
@@ -63,30 +72,42 @@ def distribution_figure(
     lines = ["the optimum"] if optimum is not None else []
     lines += ["the true values (hatched: their tolerances)"] if known else []
     truth = f"Line{'s' if known else ''}: {listing(lines)}. " if lines else ""
+    solved = "" if least is None else f"Trials that solved an instance, to {least:g}, are drawn at that value. "
     caption = (
         f"{problem}: every trial (points), with quartile boxes and whiskers to the furthest point within 1.5 box "
-        f"lengths; the line in a box is the median. {truth}Failed trials are counted, not drawn."
+        f"lengths; the line in a box is the median. {truth}{solved}Failed trials are counted, not drawn."
     )
     data = own[["problem", "optimizer", "trial", "seed", "status", "fun", *known]]
     return Figure(f"distribution-{problem}", caption, figure, data, data.drop(columns=["problem", "seed"]))
 
 
-def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
-    """Return the median best-so-far value over evaluations with its quartiles, a panel a problem."""
+def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str], suffix: str = "") -> Figure:
+    """Return the median best-so-far value over evaluations with its quartiles, a panel a problem.
+
+    ``suffix`` ends the figure's name, where there are several of the kind.
+    """
     caption = (
-        "Median best-so-far objective value over evaluations, with the quartiles as a band (log axes where the "
+        f"Median best-so-far objective value over evaluations{_banded(optimizers)} (log axes where the "
         "values are positive and wide). A trial that ended early keeps its last value; failed trials count as infinite."
     )
-    return _over_evaluations("convergence", caption, convergence, curves, optimizers)
+    return _over_evaluations(f"convergence{suffix}", caption, convergence, curves, optimizers)
 
 
-def regret_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
-    """Return the median regret over evaluations with its quartiles, a panel a problem whose optimum is known."""
+def regret_figure(curves: pd.DataFrame, optimizers: Sequence[str], suffix: str = "") -> Figure:
+    """Return the median regret over evaluations with its quartiles, a panel a problem whose optimum is known.
+
+    ``suffix`` ends the figure's name, where there are several of the kind.
+    """
     caption = (
-        "Median regret, the best-so-far objective value less the optimum of the problem, over evaluations, with the "
-        f"quartiles as a band (log axes). A curve ends where its median reaches the optimum, to a relative {NEAR:g}."
+        "Median regret, the best-so-far objective value less the optimum of the problem, over "
+        f"evaluations{_banded(optimizers)} (log axes). A curve ends where its median reaches the optimum, to a "
+        f"relative {NEAR:g}."
     )
-    return _over_evaluations("regret-curves", caption, regret, curves, optimizers)
+    return _over_evaluations(f"regret-curves{suffix}", caption, regret, curves, optimizers)
+
+
+def _banded(optimizers: Sequence[str]) -> str:
+    return ", with the quartiles as a band" if len(optimizers) <= MOST_BANDS else ""
 
 
 def _over_evaluations(
@@ -99,8 +120,11 @@ def _over_evaluations(
     return Figure(name, caption, figure, curves, shown)
 
 
-def ert_figure(table: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
-    """Return the expected running time over targets, a panel a problem, all on the same axes."""
+def ert_figure(table: pd.DataFrame, optimizers: Sequence[str], suffix: str = "") -> Figure:
+    """Return the expected running time over targets, a panel a problem, all on the same axes.
+
+    ``suffix`` ends the figure's name, where there are several of the kind.
+    """
     figure, axes = _multiples(table, style.looks(optimizers), ert, across=0.12)
     drawn = table[table["tau"] > 0]
     times = drawn["ert"].to_numpy(dtype=float)
@@ -120,7 +144,7 @@ def ert_figure(table: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
     if set(table["problem"]) > set(drawn["problem"]):
         caption += " A panel is empty where the trials start at the reference, which is then the only target (tau = 0)."
     by_target = _at_round_numbers(table, ["problem", "tau"], "ert", (1,))
-    return Figure("expected-running-time", caption, figure, table, by_target)
+    return Figure(f"expected-running-time{suffix}", caption, figure, table, by_target)
 
 
 def ecdf_figure(reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequence[str], *, tau: float) -> Figure:
@@ -155,11 +179,13 @@ def group_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
 
     def draw(frame: pd.DataFrame, problem: str, *, looks: style.Looks, legend: bool, ax: Axes) -> Axes:
         ecdf(frame[frame["problem"] == problem], looks=looks, legend=legend, ax=ax)
-        ax.set_title(style.plain(problem), loc="left")
+        unbroken = style.plain(problem, 2 * TITLE_LETTERS).replace(" = ", "\xa0=\xa0")
+        lines = textwrap.wrap(unbroken, TITLE_LETTERS)
+        ax.set_title("\n".join(lines), loc="left", fontsize="small")
         ax.set_ylabel("share reached")
         return ax
 
-    figure, _ = _multiples(curves, style.looks(optimizers), draw, across=0.46)
+    figure, _ = _multiples(curves, style.looks(optimizers), draw, across=0.46, down=0.4)
     caption = (
         "The share of all targets, of all problems and trials of a group, that was reached, over evaluations / d. "
         "Higher and further left is better."
@@ -229,13 +255,13 @@ def timing_figure(table: pd.DataFrame) -> Figure:
 
 
 def _multiples(
-    frame: pd.DataFrame, looks: style.Looks, draw: Callable[..., Axes], *, across: float
+    frame: pd.DataFrame, looks: style.Looks, draw: Callable[..., Axes], *, across: float, down: float = 0.3
 ) -> tuple[matplotlib.figure.Figure, list[Axes]]:
     """Draw a panel for each problem that has rows, axis labels at the edges only, and the legend above all."""
     problems = [problem for problem in labels(frame, "problem") if (frame["problem"] == problem).any()]
     figure, axes = style.grid(
-        len(problems), columns=COLUMNS, height=1.0, left=0.6, across=across, down=0.3,
-        top=_legend_height(looks) + 0.25,
+        len(problems), columns=COLUMNS, height=1.0, left=0.6, across=across, down=down,
+        top=_legend_height(looks) + down - 0.05,
     )  # fmt: skip
     for place, (problem, ax) in enumerate(zip(problems, axes, strict=True)):
         draw(frame, problem, looks=looks, legend=False, ax=ax)

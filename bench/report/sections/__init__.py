@@ -15,7 +15,7 @@ from bench.report.sections import (
     verdict,
 )
 
-OPENING = (verdict, integrity, suite, dominance, comparison)
+OPENING = (verdict, suite, dominance, integrity, comparison)
 """The parts before the plug-ins' sections."""
 
 CLOSING = (across, anytime, datasets, time, power, methods, environment)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from math import ceil
 
 import numpy as np
@@ -9,7 +10,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.report.findings import Findings
-from bench.report.parts import Part, Section, Table
+from bench.report.parts import Figure, Section, Table
 from bench.report.plots import convergence_figure, ecdf_figure, ert_figure, regret_figure
 from bench.report.wording import count, leaders
 
@@ -23,38 +24,76 @@ def section(findings: Findings) -> Section:
         return Section(TITLE, ("No trial left a trace, so there is nothing to draw.",))
     budgets, dimensions, hits = findings.budgets, findings.dimensions, findings.hits
     budget = max(budgets.values())
-    grid = analysis.evaluation_grid(budget)
     groups = analysis.evaluation_grid(max(ceil(budgets[label] / (1 + d)) for label, d in dimensions.items()))
     profiles = analysis.data_profiles(hits, PROFILE, groups, dimensions)
-    reached = analysis.ecdf(hits, grid)
+    reached = analysis.ecdf(hits, analysis.evaluation_grid(budget))
     if findings.scaled:
         along = np.geomspace(1 / max(dimensions.values()), max(budgets[label] / d for label, d in dimensions.items()))
         reached = analysis.ecdf(hits, along, dimensions)
-    curves = analysis.convergence(findings.frame, findings.traces, grid)
-    above = analysis.regret(curves, findings.unbeaten, ("median", "q1", "q3"))
-    items: tuple[Part, ...] = (
-        convergence_figure(curves, findings.optimizers),
-        *([regret_figure(above, findings.optimizers)] if len(above) else []),
-        ecdf_figure(reached, profiles, findings.optimizers, tau=PROFILE),
-        ert_figure(analysis.expected_running_time(hits), findings.optimizers),
-        _success(findings.success),
-    )
+    together = ecdf_figure(reached, profiles, findings.optimizers, tau=PROFILE)
+    rates = _success(findings.success)
     text = (*_leaders(findings, budget), *_ladder(findings.targets, len(findings.problems)))
-    return Section(TITLE, text, items)
+    times = analysis.expected_running_time(hits)
+    if not findings.many:
+        *values, running = _by_problem(findings, findings.problems, times)
+        return Section(TITLE, text, (*values, together, running, rates))
+    # A figure of so many panels is longer than a page, and the problems of one dimension belong together.
+    by_dimension: dict[int | None, list[str]] = {}
+    for label in findings.problems:
+        by_dimension.setdefault(dimensions.get(label), []).append(label)
+    own_parts = tuple(
+        Section(
+            "Each problem" if dimension is None or len(by_dimension) == 1 else f"Each problem in dimension {dimension}",
+            items=tuple(_by_problem(findings, labels, times, suffix=f"-d{dimension}" if len(by_dimension) > 1 else "")),
+            folded=True,
+        )
+        for dimension, labels in by_dimension.items()
+    )
+    return Section(TITLE, text, (together, rates), sections=own_parts)
+
+
+def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, suffix: str = "") -> Iterator[Figure]:
+    """Yield the figures of convergence, regret and expected running time with a panel for each problem of ``labels``.
+
+    A precision is a regret already, so that the convergence of pooled instances is their regret.
+    """
+    optimizers, unbeaten, frame = findings.optimizers, findings.unbeaten, findings.frame
+    grid = analysis.evaluation_grid(max(findings.budgets[label] for label in labels))
+    curves = analysis.convergence(frame[frame["problem"].isin(labels)], findings.traces, grid)
+    precisions = set(findings.pooled.functions) & unbeaten.keys()
+    values = curves[~curves["problem"].isin(precisions)]
+    if len(values):
+        yield convergence_figure(values, optimizers, suffix)
+    above = analysis.regret(curves, unbeaten, ("median", "q1", "q3"))
+    if len(above):
+        yield regret_figure(above, optimizers, suffix)
+    yield ert_figure(times[times["problem"].isin(labels)], optimizers, suffix)
 
 
 def _leaders(findings: Findings, budget: int) -> list[str]:
     if len(findings.optimizers) < 2:
         return []
     stages = np.unique([max(round(share * budget), 1) for share in (0.01, 0.1, 1.0)])
-    curves = analysis.convergence(findings.frame, findings.traces, stages)
+    if not findings.scaled:
+        curves = analysis.convergence(findings.frame, findings.traces, stages)
+        return [
+            " ".join(_lowest(own, count(int(str(spent)), "evaluation")) for spent, own in curves.groupby("evaluations"))
+        ]
     sentences = []
-    for spent, reached in curves.groupby("evaluations"):
-        median = analysis.table(reached, "median")
-        finite = median.where(np.isfinite(median.to_numpy(dtype=float)))
-        lowest = leaders(finite.eq(finite.min(axis=1), axis=0), "the lowest median")
-        sentences.append(f"After {count(int(str(spent)), 'evaluation')} {lowest}.")
+    for share in (0.01, 0.1, 1.0):  # of each problem's own budget
+        each = []
+        for label, own in findings.frame.groupby("problem", observed=True, sort=False):
+            spent = np.array([max(round(share * findings.budgets[str(label)]), 1)])
+            each.append(analysis.convergence(own, findings.traces, spent))
+        sentences.append(_lowest(pd.concat(each), f"{share:.0%} of the budget"))
     return [" ".join(sentences)]
+
+
+def _lowest(reached: pd.DataFrame, spent: str) -> str:
+    """Return which optimizers had the lowest median of how many problems after the evaluations ``spent``."""
+    median = analysis.table(reached, "median")
+    finite = median.where(np.isfinite(median.to_numpy(dtype=float)))
+    return f"After {spent} {leaders(finite.eq(finite.min(axis=1), axis=0), 'the lowest median')}."
 
 
 def _ladder(targets: pd.DataFrame, problems: int) -> list[str]:

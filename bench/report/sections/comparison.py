@@ -47,11 +47,16 @@ def section(findings: Findings) -> Section:
         data=matrix,
     )
     regrets = regret(findings.summary, findings.unbeaten, VALUES)
+    items = [shown]
+    if len(regrets):
+        text.append(_at_optimum(table(regrets, "median")))
+        above = regrets[~regrets["problem"].isin(findings.pooled.functions)]  # their values are regrets already
+        items += [_regret(findings, above)] if len(above) else []
     feasible = feasibility.sections(findings)
-    if regrets.empty:
-        return Section(TITLE, tuple(text), (shown,), sections=feasible)
-    text.append(_at_optimum(table(regrets, "median")))
-    return Section(TITLE, tuple(text), (shown, _regret(findings, regrets)), sections=feasible)
+    if findings.many:
+        each = Section("Each problem", items=tuple(items), folded=True)
+        return Section(TITLE, tuple(text), sections=(each, *feasible))
+    return Section(TITLE, tuple(text), tuple(items), sections=feasible)
 
 
 def _lost(findings: Findings, shown: pd.DataFrame) -> pd.DataFrame:

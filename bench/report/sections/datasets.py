@@ -36,12 +36,18 @@ def section(findings: Findings) -> Section:
 
 def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
     if problem not in findings.problems:
-        return Section(problem, warnings=("No optimizer has a trial on this problem yet.",))
+        return Section(problem, warnings=("No optimizer has a trial on this problem yet.",), folded=findings.many)
     own = findings.coverage[findings.coverage["problem"] == problem]
     empty = list(own.loc[own["stored"] == 0, "optimizer"])
     warnings = [f"No trial of {listing(empty)} on this problem."] if empty else []
     items: list[Part] = [
-        distribution_figure(findings.frame, problem, findings.optima.get(problem), findings.known[problem].expected),
+        distribution_figure(
+            findings.frame,
+            problem,
+            findings.optima.get(problem),
+            findings.known[problem].expected,
+            SOLVED if problem in findings.pooled.functions else None,
+        ),
         _cells(findings, problem, rates),
     ]
     if problem in findings.pooled.functions:
@@ -59,7 +65,7 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
                 f"{few} of {count(len(pairs), 'pair')} cannot be significant whatever the values, because there are "
                 "too few trials; p is set to 1."
             )
-    return Section(problem, tuple(text), tuple(items), tuple(warnings))
+    return Section(problem, tuple(text), tuple(items), tuple(warnings), folded=findings.many)
 
 
 def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:

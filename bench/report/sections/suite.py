@@ -14,6 +14,7 @@ from bench.report.wording import count, listing
 TITLE = "The suite at a glance"
 TAU = 1e-2  # the target whose running time is drawn over the dimension
 ALL = "all functions"
+SAME_SHARE = 5e-4  # of the targets: shares closer than this are printed alike
 
 
 def section(findings: Findings) -> Section | None:
@@ -23,10 +24,14 @@ def section(findings: Findings) -> Section | None:
         return None
     items: list[Part] = [_ranks(findings, members)]
     if findings.traces:
-        items.append(group_figure(_reached(findings, members), findings.optimizers))
+        reached = _reached(findings, members)
+        items.insert(0, group_figure(reached, findings.optimizers))
         if members.groupby("function")["dimension"].nunique().max() > 1:
             items.append(scaling_figure(_scaling(findings, members), findings.optimizers, tau=TAU))
-    return Section(TITLE, (_meaning(findings, members),), tuple(items))
+    text = [_meaning(findings, members)]
+    if findings.traces:
+        text.insert(0, _most_targets(reached))
+    return Section(TITLE, tuple(text), tuple(items))
 
 
 def _members(findings: Findings) -> pd.DataFrame:
@@ -79,10 +84,33 @@ def _ranks(findings: Findings, members: pd.DataFrame) -> Table:
         "ranks-by-group",
         "Average rank of the median by group of functions and dimension, 1 for the lowest; ties share their mean rank.",
         shown.assign(problems=problems)[["problems", *shown]],
-        bold=shown.eq(shown.min(axis=1), axis=0),
+        bold=shown.eq(shown.min(axis=1), axis=0).mul(shown.min(axis=1) < shown.max(axis=1), axis=0),
         decimals=dict.fromkeys(map(str, shown.columns), 2),
-        note="Bold: the lowest of a row. Problems on which an optimizer has no trial do not count.",
+        note="Bold: the lowest of a row, unless all are equal. Problems on which an optimizer has no trial do not "
+        "count.",
     )
+
+
+def _most_targets(reached: pd.DataFrame) -> str:
+    """Return which optimizer reached the largest share of targets in each of the first panels, those of all functions.
+
+    ``reached`` is that of :func:`_reached`.
+    """
+    ends = reached[reached["per_dimension"] == reached["per_dimension"].max()]
+    panels = list(dict.fromkeys(ends["problem"]))
+    overall = [panel for panel in panels if panel.startswith(f"{ALL}, ")] or panels
+    parts: dict[str, list[str]] = {}
+    for panel in overall:
+        shares = ends[ends["problem"] == panel].set_index("optimizer")["fraction"].dropna()
+        if shares.max() > 0:
+            most = shares.index[np.isclose(shares, shares.max(), rtol=0, atol=SAME_SHARE)]
+            where = panel.removeprefix(f"{ALL}, d = ")
+            parts.setdefault(listing(list(map(str, most)), 4), []).append(f"{where} ({shares.max():.0%})")
+    among = "dimension " if panels != overall else ""  # there is one group, or the panels are of all functions
+    shown = [f"{who} in {among}{listing(where)}" for who, where in parts.items()]
+    if not shown:
+        return "No trial reached a target."
+    return f"Within the whole budget, the most targets were reached by {'; by '.join(shown)}."
 
 
 def _reached(findings: Findings, members: pd.DataFrame) -> pd.DataFrame:

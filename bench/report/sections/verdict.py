@@ -15,6 +15,7 @@ from bench.report.sections.power import detectable_differences
 from bench.report.wording import count, listing, p_text, unfinished_trials
 
 TITLE = "Verdict"
+MOST_NAMED = 5  # optimizers that the claim names; the table below it has all
 
 
 def section(findings: Findings) -> Section:
@@ -65,7 +66,21 @@ def _winner(ranking: pd.DataFrame) -> str:
         for row in ahead.itertuples()
     ]
     wins = ranking["separable"].max() * 2 > problems
-    return f"{'' if wins else 'No single winner: '}{'; '.join(shares)}"
+    text = "; ".join(shares) if len(ahead) <= MOST_NAMED else _in_short(ahead, problems)
+    return f"{'' if wins else 'No single winner: '}{text}"
+
+
+def _in_short(ahead: pd.DataFrame, problems: int) -> str:
+    """Return the counts of the first of many optimizers, and the largest of the others."""
+    first, *named = ahead.iloc[: MOST_NAMED - 1].itertuples()
+    rest = ahead.iloc[MOST_NAMED - 1 :]
+    leading = f"{first.optimizer} is ranked first on {first.first} of {count(problems, 'problem')}"
+    shares = [
+        f"{leading} (and separable from every rival on {first.separable})",
+        *(f"{row.optimizer} on {row.first} ({row.separable})" for row in named),
+        f"{len(rest)} others on at most {rest['first'].max()} ({rest['separable'].max()}) each",
+    ]
+    return listing(shares) + ("; a tie counts for each" if ahead["first"].sum() > problems else "")
 
 
 def _limits(findings: Findings) -> tuple[str, ...]:

@@ -14,6 +14,12 @@ def test_an_infinite_median_is_not_drawn():
     assert ax.get_yscale() == "linear"
 
 
+@pytest.mark.parametrize(("number", "bands"), [(6, 6), (7, 0)])
+def test_bands_are_drawn_as_long_as_they_can_be_distinguished(number, bands):
+    optimizers = [f"o{place}" for place in range(number)]
+    assert len(plots.convergence(curves(["p"], optimizers), "p", ax=axes()).collections) == bands
+
+
 def test_wide_values_have_a_log_axis():
     wide = curves(["p"], ["a"]).assign(median=np.geomspace(1, 100, len(GRID)))
     assert plots.convergence(wide, "p", ax=axes()).get_yscale() == "log"

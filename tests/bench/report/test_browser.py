@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from bench.report.page import render
+from bench.report.parts import Section
+
 OPEN_ALL = "for (const each of document.querySelectorAll('details')) each.open = true"
 
 
@@ -247,3 +250,30 @@ class TestPrint:
         browser.open(file, media="print")
         pdf = base64.b64decode(browser("Page.printToPDF", preferCSSPageSize=True)["data"])
         assert 2 <= pdf.count(b"/Type /Page\n") <= 6
+
+
+class TestFolded:
+    SEEN = "document.querySelector('#top-1 p').checkVisibility({ contentVisibilityAuto: true })"
+
+    @pytest.fixture
+    def folded(self, view, tmp_path):
+        parts = tuple(Section(name, (f"About {name}.",), folded=True) for name in ("one", "two"))
+        path = tmp_path / "report.html"
+        path.write_text(render("t", "", [view("top", Section("All", sections=parts))]), encoding="utf-8")
+        return path
+
+    @pytest.mark.parametrize("scripts", [True, False])
+    def test_a_link_opens_the_section(self, browser, folded, scripts):
+        browser.open(folded, scripts=scripts)
+        assert not browser.run(self.SEEN)
+        browser.run("document.querySelector('nav a[href=\"#top-1\"]').click()")
+        assert browser.wait(self.SEEN)
+        assert browser.run("document.querySelectorAll('main details[open]').length") == 1
+
+    def test_only_open_sections_are_printed(self, browser, folded):
+        browser.open(folded, media="print")
+        browser.run("document.querySelector('main details').open = true")
+        browser.run("dispatchEvent(new Event('beforeprint'))")
+        shown = "[...document.querySelectorAll('h3')].filter((each) => each.offsetHeight).map((each) => each.id)"
+        assert browser.run(shown) == ["top-1.title"]
+        assert browser.run(self.SEEN)

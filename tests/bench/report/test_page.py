@@ -154,6 +154,30 @@ class TestTable:
         assert page.count('<details class="long">') == 1
 
 
+class TestFolded:
+    @pytest.fixture
+    def folded(self, view):
+        parts = (Section("one", ("About one.",), folded=True), Section("two", ("About two.",)))
+        return [view("top", Section("All", sections=parts, folded=True))]
+
+    def test_a_folded_subsection_shows_its_title_and_opens(self, read, folded):
+        document = read(render("t", "", folded))
+        assert document.texts("details", **{"class": "folded"}) == ["1.1 one About one."]
+        assert document.texts("summary") == ["2 sections", "1.1 one"]
+        assert document.texts("p", **{"class": "note"}) == [
+            "Open a section below to see it; only open ones are printed."
+        ]
+
+    def test_its_anchor_is_inside_so_that_a_link_opens_it(self, folded):
+        page = render("t", "", folded)
+        assert page.index("<summary><h3") < page.index('<section id="top-1">') < page.index("About one.")
+        assert page.index('<section id="top-2">') < page.index('<h3 id="top-2.title">')
+
+    def test_without_one_nothing_is_said_of_it(self, page):
+        assert '<details class="folded"' not in page
+        assert "Open a section below" not in page
+
+
 class TestByFolder:
     def test_kinds_of_one_thing_stand_together(self):
         files = [("figures/a.pdf", "A"), ("figures/a.svg", "A"), ("figures/b.csv", "B"), ("x.html", "page")]

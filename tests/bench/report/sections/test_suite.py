@@ -6,7 +6,7 @@ import pytest
 from bench import Results, Study, run
 from bench.analysis import PRECISIONS
 from bench.report.findings import Findings
-from bench.report.sections import datasets, suite
+from bench.report.sections import anytime, comparison, datasets, suite
 
 
 @pytest.fixture(scope="module")
@@ -32,9 +32,46 @@ def test_instances_are_pooled(findings):
 
 
 def test_the_text_says_what_is_pooled(findings):
-    (text,) = suite.section(findings).text
+    _, text = suite.section(findings).text
     assert text.startswith("2 functions in 2 groups, in dimensions 2 and 5.")
     assert "(2 each) are pooled" in text
+
+
+def test_who_reached_the_most_targets_is_said_first(findings, items):
+    first, _ = suite.section(findings).text
+    curves = items["targets-by-group"].data
+    ends = curves[curves["per_dimension"] == curves["per_dimension"].max()]
+    shares = ends[ends["problem"] == "all functions, d = 5"].set_index("optimizer")["fraction"]
+    assert first.startswith("Within the whole budget, the most targets were reached by ")
+    assert f"5 ({shares.max():.0%})" in first
+    assert shares.idxmax() in first
+
+
+def test_all_who_reached_the_most_targets_are_named(findings, items):
+    reached = items["targets-by-group"].data.assign(fraction=0.5)
+    assert suite._most_targets(reached) == (
+        "Within the whole budget, the most targets were reached by cma-es-fast and random-search in dimension "
+        "2 (50%) and 5 (50%)."
+    )
+
+
+@pytest.mark.parametrize("nothing", [0.0, np.nan])
+def test_nobody_leads_where_no_target_was_reached(items, nothing):
+    reached = items["targets-by-group"].data.assign(fraction=nothing)
+    assert suite._most_targets(reached) == "No trial reached a target."
+
+
+def test_a_precision_is_drawn_once(findings):
+    names = [item.name for item in anytime.section(findings).items]
+    assert "regret-curves" in names
+    assert "convergence" not in names
+    assert [item.name for item in comparison.section(findings).items] == ["comparison"]
+
+
+def test_shares_of_the_budget_are_compared_where_budgets_differ(findings):
+    text = anytime.section(findings).text[0]
+    assert text.startswith("After 1% of the budget ")
+    assert "After 100% of the budget " in text
 
 
 def test_ranks_are_given_by_group_and_dimension(findings, items):
