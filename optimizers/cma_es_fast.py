@@ -100,10 +100,15 @@ class Strategy:
         rng: the only source of random numbers.
     """
 
+    tolfun: float = TOLFUN
+    tolx: float = TOLX
+    tolfacupx: float = TOLFACUPX
+    tolxstagnation: tuple[float, float, float] = TOLXSTAGNATION
+
     def __init__(self, box: BoxMap, mean: Floats, sigma: float, agents: int, rng: np.random.Generator) -> None:
         d = len(mean)
         self.box, self.agents, self.rng = box, agents, rng
-        self.weights, self.rates = rates(d, agents)
+        self.weights, self.rates = self.parameters(d, agents)
         self.limit = (box.upper - box.lower) * (1 / 3)  # of the standard deviations (pycma: maxstd)
         self.first_scale = sigma * (box.upper - box.lower)
         self.scale = self.first_scale.copy()  # by coordinate; a point is mean + sigma * scale * N(0, C)
@@ -122,6 +127,10 @@ class Strategy:
         self._flat = 0
         self._tolupsigma = TOLUPSIGMA
 
+    def parameters(self, d: int, agents: int) -> tuple[Floats, Rates]:
+        """Return the (agents,) weights and the learning rates in ``d`` variables."""
+        return rates(d, agents)
+
     def ask(self) -> Floats:
         """Return (agents, d) points of the box to evaluate."""
         variances = np.diag(self.C)
@@ -134,7 +143,12 @@ class Strategy:
             self.decomposed = self.generation
         z = self.rng.standard_normal((self.agents, len(self.mean)))
         self._points = sample(z, self.mean, self.sigma, self.scale, self.B, self.D)
-        return self.box(self._points if self.coordinates is None else self._points @ self.coordinates.T)
+        return self.box(self.points)
+
+    @property
+    def points(self) -> Floats:
+        """The last (agents, d) points in the unbounded space, before the map into the box."""
+        return self._points if self.coordinates is None else self._points @ self.coordinates.T
 
     def tell(self, f: Floats) -> None:
         """Learn from the (agents,) values of the last points, and set :attr:`stops`."""
@@ -197,7 +211,7 @@ class Strategy:
         self._flat = 0 if f[0] < f[int(0.75 * n)] else self._flat + 1
         past = max(self._recent) - min(self._recent)  # NaN among infinite values, which meets no tolerance
         met = set()
-        if worst - best < TOLFUN and past < TOLFUN:
+        if worst - best < self.tolfun and past < self.tolfun:
             met.add("tolfun")
         if len(self._recent) > 9 and past < TOLFUNHIST:
             met.add("tolfunhist")
@@ -216,7 +230,7 @@ class Strategy:
 
     def _tolerances_of_the_distribution(self) -> set[str]:
         """Return the tolerances that the mean and the covariance matrix meet."""
-        least, generations, share = TOLXSTAGNATION
+        least, generations, share = self.tolxstagnation
         allowed = generations + share * self.generation
         waited = self.generation - self._anchored
         grown, small, coordinate, axis, moved = measure(
@@ -226,8 +240,8 @@ class Strategy:
         if moved > least * math.sqrt(max(1.0, waited / allowed)):
             self._anchor, self._anchored, waited = self.mean, self.generation, 0
         met: dict[str, Any] = {
-            "tolfacupx": grown > TOLFACUPX,
-            "tolx": small < TOLX,
+            "tolfacupx": grown > self.tolfacupx,
+            "tolx": small < self.tolx,
             "tolxstagnation": waited > allowed,
             "tolupsigma": self.sigma / self.D[-1] > self._tolupsigma,
             "noeffectcoord": coordinate,

@@ -27,6 +27,7 @@ OPTIMIZERS: list[tuple[str, dict[str, Any]]] = [
     ("cma-es", {"agents": 300, "handling": "box", "start": "midpoint"}),
     ("cma-es-fast", {}),
     ("bipop-cma-es", {}),
+    ("bipop-cma-es", {"variant": "pycma", "sigma": 0.25}),
 ]
 
 

@@ -17,9 +17,10 @@ import bench
 from problems.backlash import LEVELS
 from problems.backlash.signature.problem import FOUND
 
+PERIODIC = {"variant": "pycma", "sigma": 0.25}  # the phase is periodic
 OPTIMIZERS = [
-    {"name": "bipop-cma-es", "handling": "box"},
-    {"name": "bipop-cma-es", "label": "bipop-cma-es, constrained", "handling": "repair"},
+    {"name": "bipop-cma-es", "handling": "box", **PERIODIC},
+    {"name": "bipop-cma-es", "label": "bipop-cma-es, constrained", "handling": "repair", **PERIODIC},
     {"name": "cma-es-fast", "handling": "box", "agents": 100},
     {"name": "gwo", "handling": "repair", "agents": 300},
 ]

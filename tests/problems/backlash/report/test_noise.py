@@ -204,5 +204,7 @@ def test_the_shipped_study_has_the_rows_of_table_7_3_at_both_levels():
     assert {entry.options["unit"] for entry in study.problems} == {"rps"}
     assert {re.search("high", entry.label) is None for entry in study.problems} == {True, False}
     optimizer, restarts = study.optimizers
-    assert (restarts.name, restarts.options) == ("bipop-cma-es", {"handling": "box"})
+    assert (restarts.name, restarts.options) == (
+        "bipop-cma-es", {"handling": "box", "variant": "pycma", "sigma": 0.25}
+    )  # fmt: skip
     assert (optimizer.name, optimizer.options) == ("cma-es", {"agents": 300, "handling": "box", "start": "midpoint"})

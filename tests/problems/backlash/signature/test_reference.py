@@ -40,7 +40,8 @@ def assert_is_a_fit(problem, constrained):
 
 
 def best_run(problem, constrained, budget=100_000, seeds=(1,)):
-    optimizer = bench.load_optimizer("bipop-cma-es", handling="repair" if constrained else "box")
+    handling = "repair" if constrained else "box"
+    optimizer = bench.load_optimizer("bipop-cma-es", handling=handling, variant="pycma", sigma=0.25)
     return min(bench.solve(problem, optimizer, budget=budget, seed=seed).fun for seed in seeds)
 
 
