@@ -39,7 +39,8 @@ _ONE_THREAD = dict.fromkeys(
         "NUMBA_NUM_THREADS", "BLIS_NUM_THREADS",
     ),
     "1",
-)  # fmt: skip
+) | {"JE_ARROW_MALLOC_CONF": "background_thread:false"}  # fmt: skip
+# The last one is of pyarrow, which pandas imports where it is installed: a process with its thread cannot be forked.
 
 _LOOK = 0.2  # seconds between looks at a busy process: is it alive, how much memory does it hold, has it printed?
 _GRACE = 0.5  # seconds for a process that has closed its channel to end

@@ -262,6 +262,12 @@ def test_numerical_libraries_find_one_core(calls, shared):
     assert shared.call(calls.evaluate, asked, seconds=LONG) == ["1"] * 7
 
 
+@LINUX
+def test_pandas_starts_no_thread_so_that_the_process_can_be_forked(calls, shared):
+    threads = "len(list(Path('/proc/self/task').iterdir()))"
+    assert shared.call(calls.evaluate, f"(__import__('pandas'), {threads})[1]", seconds=LONG) == 1
+
+
 def test_keys_of_the_terminal_do_not_reach_it(calls, shared):
     session, pid = shared.call(calls.evaluate, "(os.getsid(0), os.getpid())", seconds=LONG)
     assert session == pid
