@@ -263,9 +263,12 @@ def test_numerical_libraries_find_one_core(calls, shared):
 
 
 @LINUX
-def test_pandas_starts_no_thread_so_that_the_process_can_be_forked(calls, shared):
-    threads = "len(list(Path('/proc/self/task').iterdir()))"
-    assert shared.call(calls.evaluate, f"(__import__('pandas'), {threads})[1]", seconds=LONG) == 1
+def test_pandas_starts_no_thread_so_that_a_process_can_be_forked(calls):
+    threads = "[each.joinpath('comm').read_text() for each in Path('/proc/self/task').iterdir()]"
+    with Process(hash_seed=0, forks=True) as process:
+        alone = process.call(calls.evaluate, threads, seconds=LONG)
+        assert len(alone) == 1
+        assert process.call(calls.evaluate, f"(__import__('pandas'), {threads})[1]", seconds=LONG) == alone
 
 
 def test_keys_of_the_terminal_do_not_reach_it(calls, shared):
