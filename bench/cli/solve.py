@@ -43,7 +43,7 @@ def solve(
         print_error(f"{optimizer} failed on {problem}: {type(error).__name__}: {error}")
         sys.exit(1)
     table = Table(show_header=False, box=None, pad_edge=False)
-    table.add_row("best value", repr(result.fun))
+    table.add_row("best value, without noise" if loaded.noisy else "best value", repr(result.fun))
     for name, value in zip(loaded.variables, result.x, strict=True):
         table.add_row(Text(f"  {name}"), f"{value:.10g}")
     for name, value in result.metrics.items():

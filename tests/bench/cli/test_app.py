@@ -78,6 +78,11 @@ def test_solve_prints_the_point_and_the_figures(bench_here):
         assert word in done.stdout
 
 
+def test_solve_prints_the_value_without_noise_of_a_noisy_problem(bench_here):
+    done = bench_here("solve", "bbob-noisy-f110-d2-i1", "random-search", "--budget", "60")
+    assert "best value, without noise" in done.stdout
+
+
 def test_simulate_writes_a_recording_that_can_be_fitted(bench_here, tmp_path):
     assert bench_here("simulate", tmp_path / "a.csv", "--level", 12).returncode == 0
     done = bench_here("solve", f"recording:{tmp_path / 'a.csv'}", "gwo", "--set", "agents=100", "--budget", 20000)
