@@ -19,6 +19,7 @@ from bench.study import Study
 Traces = Mapping[tuple[str, str, int], Trace]  # by (problem, optimizer, trial); failed trials have none
 
 NEAR = 1e-10  # relative: far above rounding, far below any meaningful difference
+BEATEN = 1e-9  # relative: an optimum that was computed, to a tolerance, is beaten by more than this or not at all
 CONTENTION = 1.2  # wall / CPU above this: the trial waited for its core
 HIDDEN_THREADS = 1.1  # CPU / wall above this: it used more than one
 STATISTICS = ("mean", "sd", "median", "median_low", "median_high", "q1", "q3", "best", "worst")
@@ -123,7 +124,8 @@ def reference_values(
     """Return the value from which the errors on each problem of ``lowest`` are counted.
 
     That is the known optimum, or the lowest value that any trial found where no optimum is known or a trial found
-    less: a value that is beaten is no optimum. An optimum beaten only by rounding (a near-tie) still counts.
+    less: a value that is beaten is no optimum. An optimum still counts where the difference is within a relative
+    1e-9: it was computed to some tolerance, as the reference fits of signatures are, which trials beat by 2e-10.
 
     ``lowest`` is the lowest value that any trial of any optimizer found, by problem; +inf where none is finite, which
     is then the reference value of a problem without an optimum.
@@ -134,13 +136,15 @@ def reference_values(
 def regret(table: pd.DataFrame, optima: Mapping[str, float], columns: Sequence[str]) -> pd.DataFrame:
     """Return the rows of the problems of ``optima``, with their optimum subtracted from ``columns``.
 
-    A difference within rounding (a near-tie) becomes 0. Quantiles carry over: the median regret of trials is the
+    A difference within rounding (a near-tie) becomes 0, and so does one by which an optimum is not beaten
+    (:func:`reference_values`). Quantiles carry over: the median regret of trials is the
     regret of their median. ``table`` is a frame with a column problem, such as that of :func:`summarise`.
     """
     own = table[table["problem"].isin(optima)]
     optimum = own["problem"].astype(object).map(optima).astype(float)
     above = own[list(columns)].sub(optimum, axis=0)
-    return own.assign(**above.mask(above.abs().le(NEAR * optimum.abs(), axis=0), 0.0))
+    reached = above.le(NEAR * optimum.abs(), axis=0) & above.ge(-BEATEN * optimum.abs(), axis=0)
+    return own.assign(**above.mask(reached, 0.0))
 
 
 def coverage(frame: pd.DataFrame, planned: int | Mapping[str, int]) -> pd.DataFrame:
@@ -212,8 +216,7 @@ def _of(number: int | Mapping[str, int], problem: str) -> int:
 
 
 def _reference_value(lowest: float, optimum: float) -> ReferenceValue:
-    least = merge_near_ties(np.array([lowest, optimum]))
-    known = bool(np.isfinite(optimum) and least[1] <= least[0])
+    known = bool(np.isfinite(optimum) and lowest >= optimum - BEATEN * abs(optimum))
     return ReferenceValue(float(optimum if known else lowest), known)
 
 

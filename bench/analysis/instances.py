@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from bench.analysis.cells import NEAR, Traces
+from bench.analysis.cells import BEATEN, Traces
 from bench.objective import Trace
 
 SOLVED = 1e-8
@@ -65,7 +65,7 @@ def pool_instances(
     groups: dict[str, list[str]] = {}
     for label in problems:
         function = label.removesuffix(f"-i{features.get(label, {}).get('instance')}")
-        least = optima[label] - max(SOLVED, NEAR * abs(optima[label])) if label in optima else np.inf
+        least = optima[label] - max(SOLVED, BEATEN * abs(optima[label])) if label in optima else np.inf
         groups.setdefault(function if lowest.get(label, np.inf) >= least else label, []).append(label)
     pools = {function: own for function, own in groups.items() if len(own) > 1}
     function_of = {label: function for function, own in pools.items() for label in own}

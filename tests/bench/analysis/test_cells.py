@@ -118,7 +118,8 @@ class TestReferences:
             (3.0, 3.0, (3.0, True)),
             (3.0, 4.0, (3.0, False)),  # beaten, so it was none
             (3.0 - 1e-13, 3.0, (3.0, True)),  # by rounding
-            (3.0 - 1e-9, 3.0, (3.0 - 1e-9, False)),
+            (3.0 * (1 - 1.7e-10), 3.0, (3.0, True)),  # as a trial on signature-03, whose optimum was computed
+            (3.0 - 1e-8, 3.0, (3.0 - 1e-8, False)),
             (-1e-300, 0.0, (-1e-300, False)),
             (INF, 2.0, (2.0, True)),
             (INF, None, (INF, False)),
@@ -147,7 +148,8 @@ class TestRegret:
         ("value", "optimum", "expected"),
         [
             (3.0 + 1e-11, 3.0, 0.0), (3.0 - 1e-11, 3.0, 0.0), (3.0 + 1e-9, 3.0, 1e-9), (-3.0 + 1e-11, -3.0, 0.0),
-            (1e-300, 0.0, 1e-300), (0.0, 0.0, 0.0), (2.0, 3.0, -1.0), (float("nan"), 3.0, float("nan")),
+            (3.0 * (1 - 1.7e-10), 3.0, 0.0), (1e-300, 0.0, 1e-300),
+            (0.0, 0.0, 0.0), (2.0, 3.0, -1.0), (float("nan"), 3.0, float("nan")),
         ],
     )  # fmt: skip
     def test_what_differs_by_rounding_is_at_the_optimum(self, value, optimum, expected):
