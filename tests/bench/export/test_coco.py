@@ -157,10 +157,11 @@ class TestSuites:
         facts = {label: results.facts(label) for label in labels}
         optima, features = ({label: getattr(each, name) for label, each in facts.items()} for name in FACTS)
         pooled = analysis.pool_instances(results.frame, results.traces, labels, features, optima)
-        targets = analysis.precision_targets(pooled.functions, PRECISIONS)
+        targets = analysis.target_table("precisions", pooled.frame, pooled.traces, dict.fromkeys(pooled.functions, 0.0))
+        assert targets["tau"].unique().tolist() == PRECISIONS
         budgets = {label: 200 * int(label.split("-d")[1]) for label in pooled.members}
         hits = analysis.hitting_times(pooled.frame, pooled.traces, targets, budgets)
-        ert = analysis.expected_running_time(hits).set_index(["problem", "optimizer", "tau"])["ert"]
+        ert = analysis.running_times(hits).set_index(["problem", "optimizer", "tau"])["ert"]
         reached = set()
         for data in found["sets"]:
             problem = f"bbob-f{data['function']:02d}-d{data['dimension']}"

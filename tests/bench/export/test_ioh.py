@@ -6,9 +6,9 @@ from importlib.util import find_spec
 
 import pytest
 
-from bench import BenchError
+from bench import BenchError, analysis
 from bench.export import export, ioh
-from tests.bench.export.made import HOSTILE, exported, make, read, some_fail
+from tests.bench.export.made import BUDGET, HOSTILE, exported, make, read, some_fail
 
 READ_IOH = """
 from types import ModuleType
@@ -74,6 +74,31 @@ class TestIOH:
         folder = exported(results, "ioh", tmp_path / "out")
         head = json.loads(next(folder.glob("a/*.json")).read_text())
         assert head["experiment_attributes"] == [{"git_sha": "0a1+0a1-dirty"}]
+
+
+READ_AOCC = """
+import iohinspector
+from iohinspector.metrics.utils import transform_fval
+import polars
+manager = iohinspector.DataManager()
+manager.add_folder(sys.argv[1])
+rows = manager.load(monotonic=True, include_meta_data=True)
+shares = transform_fval(rows, lb=1e-8, ub=1e2)
+found = iohinspector.metrics.get_aocc(shares, eval_max=int(sys.argv[3]))
+print("\\n" + found.to_json(orient="records"))
+"""
+
+
+@pytest.mark.skipif(find_spec("iohinspector") is None, reason="compares with iohinspector")
+def test_the_area_over_the_convergence_curve_is_iohinspector_s(tmp_path):
+    results = make(tmp_path / "s", {"sphere-2": 2, "p": 3})
+    found = read(READ_AOCC, exported(results, "ioh", tmp_path / "out"), tmp_path, str(BUDGET))
+    theirs = {(row["function_name"], row["algorithm_name"]): row["AOCC"] for row in found}
+    own = analysis.aocc(results.frame, results.traces, {"sphere-2": 0.0, "p": 0.0}, BUDGET)
+    assert len(own) == len(theirs) == 4
+    for row in own.itertuples():
+        assert row.aocc_from_zero == pytest.approx(theirs[row.problem, row.optimizer], rel=1e-9)
+        assert row.aocc == pytest.approx(row.aocc_from_zero, abs=1 / BUDGET)
 
 
 def test_more_problems_than_the_ioh_format_numbers_are_refused(tmp_path, monkeypatch):

@@ -1,0 +1,213 @@
+"""Running times with their spread: bootstrap intervals, simulated restarts, and times in seconds.
+
+A *simulated restart* draws trials of a cell with replacement until a successful one and adds their times (Hansen,
+Auger, Ros, Mersmann, Tušar and Brockhoff 2021, Optimization Methods and Software 36, section 4); the mean of such sums
+is the ERT. The draws begin with every trial equally often, so that nothing is random where every trial succeeds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import ceil
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.analysis.anytime import Counts
+from bench.analysis.cells import labels
+from bench.problem import Floats
+
+RESAMPLES = 999  # of the bootstrap interval of an ERT
+RESTARTS = 1000  # simulated restarts a target, as in COCO's tables
+DRAWN = 100  # simulated restarts a target of an ECDF
+SEED = 1
+_AT_ONCE = 2_000_000  # simulated restarts that are held in memory
+
+Flags = NDArray[np.bool_]
+Rows = NDArray[np.intp]
+
+SPREAD = ("low", "high", "p10", "p90")
+
+
+class Batch(NamedTuple):
+    """Cells of the same number of trials n and targets T.
+
+    Attributes:
+        cells: their problems and optimizers.
+        tau: (C, T); target: (C, T).
+        paid: (C, n, T), the time until the target, or all that was spent where it was not reached.
+        reached: (C, n, T).
+    """
+
+    cells: list[tuple[str, str]]
+    tau: Floats
+    target: Floats
+    paid: Floats
+    reached: Flags
+
+
+def running_times(hits: pd.DataFrame, restarts: int = RESTARTS) -> pd.DataFrame:
+    """Return the ERT of each cell and target with its spread, one row a cell and target.
+
+    Columns: problem, optimizer, tau, target, trials, successes, ert (as of
+    :func:`bench.analysis.expected_running_time`); ``low`` and ``high``, its 95 % percentile interval over 999 bootstrap
+    samples of the cell's trials, infinite where too many samples hold no success; ``p10`` and ``p90``, the 10th and
+    90th percentiles of simulated restarts, the dispersion that COCO prints as ratios of the ERT. All four are missing
+    without a success.
+
+    ``hits`` are those of :func:`bench.analysis.hitting_times`, in any unit of time. Cells without trials have no row.
+    """
+    tables = []
+    for batch in _batches(hits, RESAMPLES + restarts):
+        count, trials, targets = batch.paid.shape
+        successes = batch.reached.sum(axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ert = np.where(successes > 0, batch.paid.sum(axis=1) / successes, np.inf)
+        low, high = _bootstrap(batch)
+        drawn = _percentiles(simulated_restarts(batch, restarts), (10, 90))
+        p10, p90 = (np.where(np.isfinite(ert), each, np.nan) for each in drawn)
+        problem, optimizer = np.repeat(np.array(batch.cells, dtype=object), targets, axis=0).T
+        columns = {
+            "tau": batch.tau, "target": batch.target, "trials": np.full((count, targets), trials),
+            "successes": successes, "ert": ert, "low": low, "high": high, "p10": p10, "p90": p90,
+        }  # fmt: skip
+        flat = {name: each.ravel() for name, each in columns.items()}
+        tables.append(pd.DataFrame({"problem": problem, "optimizer": optimizer} | flat))
+    names = ["problem", "optimizer", "tau", "target", "trials", "successes", "ert", *SPREAD]
+    return _in_order(tables, hits, names)
+
+
+def in_seconds(hits: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame:
+    """Return hitting times with evaluations and spent in seconds, at each trial's own pace.
+
+    The pace is the trial's wall time over its evaluations; that of a failed trial is the median of its cell. Without a
+    recorded time, times are missing.
+    """
+    nfev, wall = (pd.to_numeric(frame[name], errors="coerce").astype(float) for name in ("nfev", "wall_s"))
+    pace = (wall / nfev.where(nfev > 0)).where(frame["status"] == "ok")
+    keys = [frame["problem"].astype(object), frame["optimizer"].astype(object)]
+    pace = pace.fillna(pace.groupby(keys).transform("median"))
+    index = pd.MultiIndex.from_arrays([*keys, frame["trial"]])
+    own = pd.MultiIndex.from_arrays([hits[name].astype(object) for name in ("problem", "optimizer", "trial")])
+    each = pace.to_numpy()[index.get_indexer(own)] if len(hits) else np.empty(0)
+    times = np.where(np.isfinite(hits["evaluations"]), hits["evaluations"] * each, np.inf)
+    return hits.assign(evaluations=times, spent=hits["spent"] * each)
+
+
+def restart_shares(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None = None) -> pd.DataFrame:
+    """Return the share of simulated restarts over all targets that end within a time, of each cell.
+
+    Columns: problem, optimizer, evaluations (or ``per_dimension`` with ``dimensions``, the d of each problem) and
+    fraction. The mean over problems is COCO's runtime distribution (:func:`mean_shares`), which goes beyond the budget.
+    A target that no trial reached is never reached.
+    """
+    unit = "evaluations" if dimensions is None else "per_dimension"
+    found = []
+    for batch in _batches(hits, DRAWN):
+        drawn = simulated_restarts(batch, DRAWN)
+        if dimensions is not None:
+            drawn /= np.array([dimensions[problem] for problem, _ in batch.cells], dtype=float).reshape(-1, 1, 1)
+        flat = drawn.reshape(len(drawn), -1)
+        place = np.searchsorted(grid, flat, side="left") + (len(grid) + 1) * np.arange(len(flat))[:, np.newaxis]
+        counts = np.bincount(place.ravel(), minlength=len(flat) * (len(grid) + 1)).reshape(len(flat), -1)
+        shares = counts[:, :-1].cumsum(axis=1) / flat.shape[1]
+        found += list(zip(batch.cells, shares, strict=True))
+    tables = [
+        pd.DataFrame({"problem": problem, "optimizer": optimizer, unit: grid, "fraction": share})
+        for (problem, optimizer), share in found
+    ]
+    return _in_order(tables, hits, ["problem", "optimizer", unit, "fraction"])
+
+
+def mean_shares(shares: pd.DataFrame, optimizers: list[str]) -> pd.DataFrame:
+    """Return the mean of :func:`restart_shares` over problems: optimizer, unit and fraction; missing without trials."""
+    unit = next(name for name in ("per_dimension", "evaluations") if name in shares)
+    grid = np.unique(shares[unit].to_numpy(dtype=float))
+    wide = shares.groupby(["optimizer", unit], observed=True)["fraction"].mean().unstack().reindex(optimizers)
+    fraction = wide.reindex(columns=grid).to_numpy(dtype=float).ravel()
+    along = {"optimizer": np.repeat(optimizers, len(grid)), unit: np.tile(grid, len(optimizers))}
+    return pd.DataFrame(along | {"fraction": fraction})
+
+
+def simulated_restarts(batch: Batch, samples: int, rng: np.random.Generator | None = None) -> Floats:
+    """Return (C, T, m) times of simulated restarts, infinite where no trial succeeded.
+
+    m is the least multiple of the number of trials that is not below ``samples``.
+    """
+    rng = np.random.default_rng(SEED) if rng is None else rng
+    count, trials, targets = batch.paid.shape
+    first = np.tile(np.arange(trials), ceil(samples / trials))
+    paid, reached = batch.paid.transpose(0, 2, 1), batch.reached.transpose(0, 2, 1)  # (C, T, n)
+    drawn = paid[:, :, first]
+    possible: Flags = np.asarray(reached.any(axis=2))
+    drawn[~possible] = np.inf
+    waiting = np.flatnonzero((~reached[:, :, first] & possible[:, :, np.newaxis]).ravel())
+    flat, times, ends = drawn.reshape(-1), paid.flatten(), reached.flatten()
+    while len(waiting):
+        at = waiting // len(first) * trials + rng.integers(0, trials, len(waiting))
+        flat[waiting] += times[at]
+        waiting = waiting[~ends[at]]
+    return flat.reshape(count, targets, len(first))
+
+
+def _bootstrap(batch: Batch) -> tuple[Floats, Floats]:
+    """Return the (C, T) ends of the 95 % percentile intervals of the ERT."""
+    trials = batch.paid.shape[1]
+    weights = np.random.default_rng(SEED).multinomial(trials, np.full(trials, 1 / trials), size=RESAMPLES).astype(float)
+    successes = weights @ batch.reached.astype(float)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ert = np.where(successes > 0, (weights @ batch.paid) / successes, np.inf)
+    places = round(0.025 * (RESAMPLES + 1)) - 1, round(0.975 * (RESAMPLES + 1)) - 1
+    ends = np.partition(ert, places, axis=1)
+    missing = ~batch.reached.any(axis=1)
+    low, high = (np.where(missing, np.nan, ends[:, place]) for place in places)
+    return low, high
+
+
+def _percentiles(drawn: Floats, shares: tuple[float, ...]) -> list[Floats]:
+    """Return the percentiles of the last axis, missing where it is infinite; between order statistics as cocopp's."""
+    found = []
+    ordered = np.sort(drawn, axis=-1)
+    size = drawn.shape[-1]
+    for share in shares:
+        place = min(max(share / 100 * size - 0.5, 0.0), size - 1.0)
+        low = int(place)
+        high = min(low + 1, size - 1)
+        with np.errstate(invalid="ignore"):
+            value = (low + 1 - place) * ordered[..., low] + (place - low) * ordered[..., high]
+        found.append(np.where(np.isfinite(value), value, np.nan))
+    return found
+
+
+def _batches(hits: pd.DataFrame, each: int) -> Iterator[Batch]:
+    """Yield the cells that have trials, those of one shape together; ``each`` numbers a target are held in memory."""
+    groups: dict[Any, Any] = dict(hits.groupby(["problem", "optimizer"], sort=False, observed=True).indices)
+    tau, target, evaluations, spent = (
+        hits[name].to_numpy(dtype=float) for name in ("tau", "target", "evaluations", "spent")
+    )
+    trial = hits["trial"].to_numpy()
+    alike: dict[tuple[int, int], list[tuple[tuple[str, str], Rows]]] = {}
+    for (problem, optimizer), rows in groups.items():
+        ordered = rows[np.argsort(trial[rows], kind="stable")]
+        targets = int(np.count_nonzero(trial[rows] == trial[rows[0]]))
+        alike.setdefault((len(rows) // targets, targets), []).append(((str(problem), str(optimizer)), ordered))
+    for (trials, targets), cells in alike.items():
+        most = max(_AT_ONCE // (targets * max(each, trials)), 1)
+        for start in range(0, len(cells), most):
+            names, rows_of = zip(*cells[start : start + most], strict=True)
+            rows = np.array(rows_of).reshape(len(names), trials, targets)
+            reached = ~np.isposinf(evaluations[rows])  # a missing time is that of a success at an unknown time
+            paid = np.where(reached, evaluations[rows], spent[rows])
+            yield Batch(list(names), tau[rows[:, 0]], target[rows[:, 0]], paid, reached)
+
+
+def _in_order(tables: list[pd.DataFrame], hits: pd.DataFrame, columns: list[str]) -> pd.DataFrame:
+    """Return the tables as one, cells in the order of the study, and targets as they are."""
+    if not tables:
+        return pd.DataFrame(columns=columns)
+    table = pd.concat(tables, ignore_index=True)
+    place = [pd.Categorical(table[name], categories=labels(hits, name)).codes for name in ("problem", "optimizer")]
+    order = np.lexsort((np.arange(len(table)), place[1], place[0]))
+    return table.iloc[order].reset_index(drop=True)[columns]

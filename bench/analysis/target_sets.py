@@ -1,0 +1,207 @@
+"""Sets of targets: absolute precisions, quantiles of what was found, and terms of the domain; and what depends on them.
+
+A set is a table like that of :func:`bench.analysis.targets`, so that hitting times, running times, success rates and
+ECDF follow from any of them. ``tau`` says how hard a target is, in the unit of its set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from bench.analysis.anytime import targets as relative_targets
+from bench.analysis.cells import Traces, budgets, reference_values, scores
+from bench.problem import Floats
+from bench.targets import Targets, percentages, precisions
+
+COCO_PRECISIONS: Floats = 10.0 ** (np.arange(10.0, -41.0, -1.0, dtype=np.float64) / 5)
+"""The 51 target precisions of COCO, five a decade from 1e2 to 1e-8 (Hansen et al. 2021)."""
+
+QUANTILES: Floats = np.arange(19.0, 0.0, -1.0, dtype=np.float64) / 20
+"""The quantiles of the best values of all trials on a problem."""
+
+MULTIPLES: Floats = np.array([8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125])
+"""The multiples of the tolerance of an expected metric: 1 is the tolerance itself."""
+
+LOWEST, HIGHEST = 1e-8, 1e2
+"""The precisions between which AOCC is measured."""
+
+COLUMNS = ["problem", "tau", "target", "reference", "known"]
+
+Expected = Mapping[str, Mapping[str, tuple[float, float]]]  # by problem and metric: the true value and its tolerance
+
+
+def target_table(
+    chosen: Targets, frame: pd.DataFrame, traces: Traces, optima: Mapping[str, float] | None = None
+) -> pd.DataFrame:
+    """Return the targets of a set on each problem, from easy to hard: problem, tau, target, reference and known.
+
+    ``reference`` is the optimum where that is ``known``, or the lowest value found where it is unknown or beaten
+    (:func:`bench.analysis.reference_values`). A problem on which no trial found a finite value has no target.
+
+    ================  ========================  =====================================================================
+    chosen            tau                       target
+    ================  ========================  =====================================================================
+    ``"relative"``    share of the distance     that of :func:`bench.analysis.targets`
+    ``"precisions"``  precision                 reference + tau, for COCO's 51 precisions; a list has its own
+    ``["5%", "1%"]``  share of the reference    reference + tau abs(reference); none where the reference is 0
+    ``"quantiles"``   quantile                  the value that this share of all trials reached; none where it is inf
+    ``"tolerance"``   multiple of the           the same multiple; :func:`tolerance_times` has the times, as the values
+                      tolerance                 of a trace do not show a metric
+    ================  ========================  =====================================================================
+    """
+    if chosen == "relative":
+        return relative_targets(traces, optima)
+    lowest: dict[str, float] = {}
+    for (problem, _, _), trace in traces.items():
+        if len(trace.values):
+            lowest[problem] = min(lowest.get(problem, np.inf), float(trace.values[-1]))
+    values = scores(frame)
+    own = {
+        str(problem): np.asarray(each, dtype=np.float64)
+        for problem, each in values.groupby(frame["problem"].astype(object))
+    }
+    tables = []
+    for problem, (reference, known) in reference_values(lowest, optima).items():
+        tau, target = _rungs(chosen, reference, own.get(problem, np.empty(0)))
+        table = pd.DataFrame({"problem": problem, "tau": tau, "target": target, "reference": reference, "known": known})
+        tables.append(table[np.isfinite(target)])
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=COLUMNS)
+
+
+def tolerance_times(
+    frame: pd.DataFrame, traces: Traces, expected: Expected, budget: int | Mapping[str, int]
+) -> pd.DataFrame:
+    """Return the times to multiples of the tolerance of expected metrics, as :func:`bench.analysis.hitting_times`.
+
+    A trial reaches a multiple when all expected metrics of its best point differ from their true values by at most
+    that multiple of their tolerances; the time is the evaluation that found this point. Metrics of points on the way
+    are not recorded. Trials of a problem without an expected metric have no row.
+    """
+    own = frame[frame["problem"].isin([problem for problem, metrics in expected.items() if metrics])]
+    spent = pd.to_numeric(own["nfev"], errors="coerce").astype(float).where(own["status"] == "ok")
+    used = spent.fillna(budgets(own, budget)).to_numpy()
+    off = np.full(len(own), np.inf)
+    for problem, metrics in expected.items():
+        here = (own["problem"] == problem).to_numpy()
+        apart = np.zeros((here.sum(), 1))
+        for metric, (true, tolerance) in metrics.items():
+            found = own.loc[here, metric] if metric in own else pd.Series(np.nan, index=own.index[here])
+            difference = (pd.to_numeric(found, errors="coerce").astype(float) - true).abs().to_numpy()
+            share = difference / tolerance if tolerance > 0 else np.where(difference == 0, 0.0, np.inf)
+            apart = np.column_stack([apart, np.where(np.isfinite(share), share, np.inf)])
+        off[here] = apart.max(axis=1)
+    off[(own["status"] != "ok").to_numpy()] = np.inf
+    ends = [
+        float(trace.evaluations[-1]) if (trace := traces.get(key)) is not None and len(trace.evaluations) else np.inf
+        for key in zip(own["problem"], own["optimizer"], own["trial"], strict=True)
+    ]
+    rows, tau = np.repeat(np.arange(len(own)), len(MULTIPLES)), np.tile(MULTIPLES, len(own))
+    reached = np.where(off[rows] <= tau * (1 + 1e-12), np.array(ends)[rows], np.inf)
+    hits = own[["problem", "optimizer", "trial"]].iloc[rows].reset_index(drop=True)
+    return hits.assign(tau=tau, target=tau, evaluations=reached, spent=used[rows])
+
+
+def aocc(
+    frame: pd.DataFrame, traces: Traces, optima: Mapping[str, float], budget: int | Mapping[str, int]
+) -> pd.DataFrame:
+    """Return the area over the convergence curve of each cell on the problems of ``optima``.
+
+    Columns: problem, optimizer, trials, ``aocc`` and ``aocc_from_zero``, means over trials. The AOCC of a trial with
+    budget B is (1/B) sum_i (1 - (clip(log10 y_i, -8, 2) + 8) / 10), where y_i is the best precision after evaluation
+    i = 1 … B (van Stein et al. 2024); 1 is best. A trial that ended early keeps its last value. A failed trial has 0.
+    ``aocc_from_zero`` is what iohinspector computes, an integral from 0 to B of a curve that begins with the first
+    value: it differs by the last share less the first, over B.
+    """
+    own = frame[frame["problem"].isin(optima)]
+    allowed = budgets(own, budget).to_numpy()
+    area, start, end = (np.zeros(len(own)) for _ in range(3))
+    keys = zip(own["problem"], own["optimizer"], own["trial"], own["status"], strict=True)
+    kept = [
+        (row, trace, optima[problem])
+        for row, (problem, optimizer, trial, status) in enumerate(keys)
+        if status == "ok" and (trace := traces.get((problem, optimizer, trial))) is not None and len(trace.values)
+    ]
+    if kept:
+        rows = np.array([row for row, _, _ in kept])
+        sizes = np.array([len(trace.values) for _, trace, _ in kept])
+        values = np.concatenate([trace.values - optimum for _, trace, optimum in kept])
+        evaluations = np.concatenate([trace.evaluations for _, trace, _ in kept]).astype(float)
+        share = 1 - (np.log10(np.clip(values, LOWEST, HIGHEST)) + 8) / 10
+        last = np.cumsum(sizes) - 1
+        until = np.append(evaluations[1:], 0.0)
+        until[last] = allowed[rows] + 1
+        first = last - sizes + 1
+        area[rows] = np.add.reduceat(share * (until - evaluations), first) / allowed[rows]
+        start[rows] = np.where(evaluations[first] == 1, share[first], 0.0)
+        end[rows] = share[last]
+    table = own[["problem", "optimizer"]].assign(aocc=area, aocc_from_zero=area - (end - start) / allowed)
+    if table.empty:
+        return pd.DataFrame(columns=["problem", "optimizer", "trials", "aocc", "aocc_from_zero"])
+    names = ["problem", "optimizer"]
+    groups = table.astype(dict.fromkeys(names, object)).groupby(names, sort=False)
+    means = groups.mean()
+    return means.assign(trials=groups.size()).reset_index()[[*names, "trials", "aocc", "aocc_from_zero"]]
+
+
+def target_areas(hits: pd.DataFrame, budget: int | Mapping[str, int]) -> pd.DataFrame:
+    """Return the area under the runtime ECDF over log evaluations of each cell: problem, optimizer and area.
+
+    The area of a trial is the mean over the targets of 1 - log T / log B, where T is the time to the target; it is 0
+    where that is not reached. 1 is best: every target with the first evaluation.
+    """
+    columns = ["problem", "optimizer", "area"]
+    if hits.empty:
+        return pd.DataFrame(columns=columns)
+    times = hits["evaluations"].to_numpy(dtype=float)
+    allowed = np.log(np.maximum(budgets(hits, budget).to_numpy(), 2.0))
+    with np.errstate(invalid="ignore"):
+        area = np.where(np.isfinite(times), np.clip(1 - np.log(times) / allowed, 0.0, 1.0), 0.0)
+    problems, optimizers = (pd.factorize(hits[name].astype(object)) for name in ("problem", "optimizer"))
+    cell = problems[0] * len(optimizers[1]) + optimizers[0]
+    size = len(problems[1]) * len(optimizers[1])
+    sums, counts = np.bincount(cell, area, size), np.bincount(cell, minlength=size)
+    at = np.flatnonzero(counts)
+    names = problems[1].to_numpy()[at // len(optimizers[1])], optimizers[1].to_numpy()[at % len(optimizers[1])]
+    return pd.DataFrame({"problem": names[0], "optimizer": names[1], "area": sums[at] / counts[at]})
+
+
+def compare_sets(areas: Mapping[str, pd.DataFrame], optimizers: list[str]) -> pd.DataFrame:
+    """Return the mean area and the rank of each optimizer under each set: set, problems, optimizer, area and rank.
+
+    ``areas`` are those of :func:`target_areas` by the name of a set. Only problems on which every optimizer has trials
+    count, and equal areas share their mean rank.
+    """
+    tables = []
+    for name, table in areas.items():
+        wide = table.pivot(index="problem", columns="optimizer", values="area").reindex(columns=optimizers).dropna()
+        mean = wide.mean()
+        tables.append(
+            pd.DataFrame(
+                {
+                    "set": name,
+                    "problems": len(wide),
+                    "optimizer": optimizers,
+                    "area": mean.to_numpy(dtype=float),
+                    "rank": mean.round(12).rank(ascending=False).to_numpy(dtype=float),
+                }
+            )
+        )
+    columns = ["set", "problems", "optimizer", "area", "rank"]
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)
+
+
+def _rungs(chosen: Targets, reference: float, found: Floats) -> tuple[Floats, Floats]:
+    """Return tau and target of a problem's rungs; a target that is not finite is none."""
+    if chosen == "quantiles":
+        values = np.quantile(found, QUANTILES, method="inverted_cdf") if len(found) else np.full(len(QUANTILES), np.inf)
+        return QUANTILES, values
+    if chosen == "tolerance":
+        return MULTIPLES, MULTIPLES
+    if chosen == "precisions" or precisions(chosen):
+        tau = COCO_PRECISIONS if chosen == "precisions" else np.array(precisions(chosen))
+        return tau, reference + tau
+    tau = np.array(percentages(chosen))
+    return tau, reference + tau * abs(reference) if reference else np.full(len(tau), np.inf)

@@ -1,0 +1,80 @@
+"""The targets of a study: values that count as reached, from which running times and success rates follow."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from typing import Any
+
+from bench.errors import BenchError
+
+Targets = str | list[float] | list[str]
+"""As a study holds them: a kind's name, falling precisions, or falling percentages of the optimum such as ``"5%"``."""
+
+KINDS = {
+    "precisions": "COCO's 51 precisions, the best value less the optimum, from 1e2 to 1e-8",
+    "relative": "shares of the distance from each problem's first values to the optimum, from 1 to 1e-8",
+    "quantiles": "quantiles of the best values of all trials on each problem",
+    "tolerance": "multiples of the tolerance of an expected metric",
+}
+"""What the kinds of targets are measured by, by name."""
+
+MOST = 1000  # targets of a list
+
+_PERCENT = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)\s*%\s*", re.ASCII)
+
+
+def checked(given: Any, what: str) -> Targets:
+    """Return targets as a study holds them: each once, from the easiest to the hardest.
+
+    Args:
+        given: one of :data:`KINDS`; positive precisions; percentages of the optimum such as ``"1%"``; or a text of
+            either, separated by commas.
+        what: the subject of a sentence about it, such as ``"the targets"``.
+
+    Raises:
+        BenchError: for anything else.
+    """
+    if isinstance(given, str):
+        if given.strip() in KINDS:
+            return given.strip()
+        parts: Sequence[Any] = [_number(part) for part in given.split(",")]
+    else:
+        parts = list(given) if isinstance(given, list | tuple) else []
+    if 0 < len(parts) <= MOST:
+        if all(isinstance(each, str) for each in parts):
+            shares = [_share(each) for each in parts]
+            if all(0 < each < math.inf for each in shares):
+                return [f"{each:.12g}%" for each in sorted(set(shares), reverse=True)]
+        elif all(isinstance(each, int | float) and not isinstance(each, bool) for each in parts) and all(
+            0 < each < math.inf for each in parts
+        ):
+            return sorted({float(each) for each in parts}, reverse=True)
+    *others, last = map(repr, KINDS)
+    raise BenchError(
+        f"{what} must be {', '.join(others)} or {last}, up to {MOST:,} positive precisions such as [1e-1, 1e-3], or "
+        f"percentages of the optimum such as ['5%', '1%'], not {given!r}"
+    )
+
+
+def percentages(targets: Targets) -> list[float]:
+    """Return the shares of the optimum of a list of percentages, falling; empty for other targets."""
+    return [] if isinstance(targets, str) else [_share(each) / 100 for each in targets if isinstance(each, str)]
+
+
+def precisions(targets: Targets) -> list[float]:
+    """Return the precisions of a list of them, falling; empty for other targets."""
+    return [] if isinstance(targets, str) else [each for each in targets if not isinstance(each, str)]
+
+
+def _share(text: str) -> float:
+    found = _PERCENT.fullmatch(text)
+    return float(found[1]) if found else math.nan
+
+
+def _number(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text

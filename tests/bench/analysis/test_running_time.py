@@ -1,0 +1,163 @@
+"""Running times and their spread: by hand, against plain loops, and against cocopp's own functions."""
+
+import json
+from importlib.util import find_spec
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.analysis.anytime import ecdf, expected_running_time
+from bench.analysis.running_time import (
+    Batch,
+    in_seconds,
+    mean_shares,
+    restart_shares,
+    running_times,
+    simulated_restarts,
+)
+from tests.bench.export.made import read
+
+INF = float("inf")
+
+
+def hits_of(cells, spent=100.0, tau=1.0):
+    """Build hitting times of one target from {(problem, optimizer): times}."""
+    rows = [(*cell, i, tau, tau, time, spent) for cell, times in cells.items() for i, time in enumerate(times)]
+    columns = ["problem", "optimizer", "trial", "tau", "target", "evaluations", "spent"]
+    return pd.DataFrame(rows, columns=columns).astype({"evaluations": float, "spent": float})
+
+
+def batch_of(times, spent):
+    reached = np.isfinite(times)
+    paid = np.where(reached, times, spent)[np.newaxis, :, np.newaxis]
+    return Batch([("p", "a")], np.ones((1, 1)), np.ones((1, 1)), paid, reached[np.newaxis, :, np.newaxis])
+
+
+MIXED = hits_of({("p", "a"): [10, 20, INF], ("p", "b"): [INF, INF], ("q", "b"): [7.0], ("q", "a"): [3, 5, 4, 8]})
+
+
+class TestRunningTimes:
+    def test_ert_and_successes_are_those_of_the_anytime_view(self):
+        own, other = running_times(MIXED), expected_running_time(MIXED)
+        assert own["ert"].tolist() == [65.0, INF, 5.0, 7.0]
+        merged = own.merge(other[other["trials"] > 0], on=["problem", "optimizer", "tau"])
+        assert (merged["ert_x"] == merged["ert_y"]).all()
+        assert (merged["successes_x"] == merged["successes_y"]).all()
+        assert own[["problem", "optimizer"]].to_numpy().tolist() == [list(cell) for cell in ("pa", "pb", "qa", "qb")]
+
+    def test_without_a_success_no_spread_and_with_one_trial_none_but_itself(self):
+        table = running_times(MIXED).set_index(["problem", "optimizer"])
+        assert table.loc[("p", "b"), ["low", "high", "p10", "p90"]].isna().all()
+        assert table.loc[("q", "b"), ["low", "high", "p10", "p90"]].tolist() == [7.0] * 4
+
+    def test_the_interval_is_that_of_a_plain_bootstrap(self):
+        rng = np.random.default_rng(4)
+        times = np.where(rng.random(15) < 0.7, rng.integers(1, 100, 15), INF)
+        row = running_times(hits_of({("p", "a"): times})).iloc[0]
+        drawn = times[rng.integers(0, 15, (20_000, 15))]
+        plain = np.where(np.isfinite(drawn), drawn, 100).sum(axis=1) / np.isfinite(drawn).sum(axis=1)
+        assert [row.low, row.high] == pytest.approx(np.quantile(plain, [0.025, 0.975]), rel=0.06)
+
+    def test_where_many_samples_hold_no_success_the_interval_is_open(self):
+        row = running_times(hits_of({("p", "a"): [10, *[INF] * 9]})).iloc[0]
+        assert row.high == INF
+        assert np.isfinite(row.low)
+
+    def test_the_mean_of_simulated_restarts_is_the_ert(self):
+        times = np.array([10, 20, 30, INF, INF])
+        drawn = simulated_restarts(batch_of(times, 100), 100_000)
+        assert drawn.mean() == pytest.approx(260 / 3, rel=0.01)
+
+    def test_where_every_trial_succeeds_nothing_is_random(self):
+        drawn = simulated_restarts(batch_of(np.array([3.0, 1.0, 2.0]), 9), 4)
+        assert sorted(drawn.ravel()) == [1, 1, 2, 2, 3, 3]
+
+    def test_cells_of_any_shape_and_order_of_rows(self):
+        several = pd.concat([MIXED.assign(tau=tau, evaluations=MIXED["evaluations"] * factor)
+                             for tau, factor in ((1.0, 1), (0.1, 2))])  # fmt: skip
+        mixed = several.sample(frac=1, random_state=3).sort_values("tau", ascending=False, kind="stable")
+        pd.testing.assert_frame_equal(running_times(mixed), running_times(several))
+
+    def test_nothing_at_all(self):
+        assert running_times(MIXED[:0]).empty
+        assert restart_shares(MIXED[:0], np.array([1.0])).empty
+
+
+class TestSeconds:
+    frame = pd.DataFrame(
+        [("p", "a", 0, "ok", 100, 1.0), ("p", "a", 1, "ok", 100, 3.0), ("p", "a", 2, "failed", None, None)],
+        columns=["problem", "optimizer", "trial", "status", "nfev", "wall_s"],
+    )
+
+    def test_at_each_trial_s_own_pace(self):
+        times = in_seconds(hits_of({("p", "a"): [10, 20, INF]}), self.frame)
+        assert times["evaluations"].tolist() == pytest.approx([0.1, 0.6, INF])
+        assert times["spent"].tolist() == pytest.approx([1.0, 3.0, 2.0])  # a failed one: the median pace, whole budget
+        assert running_times(times)["ert"].tolist() == pytest.approx([2.7 / 2])
+
+    def test_without_recorded_times_they_are_missing(self):
+        times = in_seconds(hits_of({("p", "a"): [10, 20, INF]}), self.frame.assign(wall_s=None))
+        assert running_times(times)["ert"].isna().all()
+
+
+class TestShares:
+    def test_where_every_trial_succeeds_it_is_the_ecdf(self):
+        hits, grid = hits_of({("q", "a"): [3, 5, 4, 8], ("q", "b"): [1, 9]}), np.array([1.0, 4, 5, 8, 20])
+        shares = mean_shares(restart_shares(hits, grid), ["b", "a", "c"])
+        assert shares["fraction"].tolist()[:10] == [0.5, 0.5, 0.5, 0.5, 1, 0, 0.5, 0.75, 1, 1]
+        assert shares["fraction"].isna().sum() == 5
+        own = shares[shares["optimizer"] == "a"]["fraction"].tolist()
+        assert own == ecdf(hits[hits["optimizer"] == "a"], grid)["fraction"].tolist()
+
+    def test_restarts_go_beyond_the_budget_and_never_without_a_success(self):
+        shares = restart_shares(hits_of({("p", "a"): [10, INF], ("p", "b"): [INF, INF]}), np.array([10.0, 110, 1e9]))
+        assert shares["fraction"].tolist() == [0.5, pytest.approx(0.75, abs=0.1), 1, 0, 0, 0]
+
+    def test_problems_count_alike_and_the_unit_may_be_evaluations_per_dimension(self):
+        hits = hits_of({("p", "a"): [10] * 5, ("q", "a"): [INF]})
+        shares = restart_shares(hits, np.array([4.9, 5.0]), {"p": 2, "q": 3})
+        assert mean_shares(shares, ["a"])["fraction"].tolist() == [0.0, 0.5]
+
+
+COCOPP = """
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    import cocopp
+import numpy as np
+tools, found = cocopp.toolsstats, []
+for times in json.loads(sys.argv[3]):
+    reached = np.array([abs(each) for each in times if each > 0], dtype=float)
+    failed = np.array([abs(each) for each in times if each < 0], dtype=float)
+    rng = np.random.default_rng(1)
+    drawn = tools.simulated_evals(
+        np.hstack([reached, failed]), len(failed), 1005,
+        randint=lambda low, high, size: np.tile(np.arange(high), -(-size // high))[:size],
+        randintrest=rng.integers,
+    )
+    np.random.seed(1)
+    own = tools.drawSP(reached, failed, (10, 50, 90), 15 * 6700)[0]
+    ert = tools.sp(np.hstack([reached, failed]), issuccessful=[True] * len(reached) + [False] * len(failed))[0]
+    found.append({"ert": ert, "drawn": list(map(float, drawn)), "own": [float(own[0]), float(own[-1])],
+                  "percentiles": [float(each) for each in tools.prctile(drawn, (10, 90), issorted=True)]})
+print("\\n" + json.dumps(found))
+"""
+
+
+@pytest.mark.skipif(find_spec("cocopp") is None, reason="compares with cocopp")
+def test_simulated_restarts_and_dispersion_are_cocopp_s(tmp_path):
+    rng = np.random.default_rng(7)
+    cells = []
+    for successes in (15, 14, 8, 3, 1):
+        times = rng.integers(10, 3000, 15)
+        cells.append([int(time) if i < successes else -3000 - int(time) for i, time in enumerate(times)])
+    for own, theirs in zip(cells, read(COCOPP, tmp_path, tmp_path, json.dumps(cells)), strict=True):
+        times = np.array([time if time > 0 else INF for time in own], dtype=float)
+        hits = hits_of({("p", "a"): times}).assign(spent=np.abs(own).astype(float))
+        row = running_times(hits, 1005).iloc[0]
+        drawn = simulated_restarts(batch_of(times, np.abs(own)), 1005, np.random.default_rng(1))
+        assert sorted(drawn.ravel()) == theirs["drawn"]
+        assert [row.p10, row.p90] == theirs["percentiles"]
+        assert row.ert == theirs["ert"]
+        # beside cocopp's own draws, many of them: they differ by what a thousand draws differ
+        assert [row.p10, row.p90] == pytest.approx(theirs["own"], rel=0.12)

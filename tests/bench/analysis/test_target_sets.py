@@ -1,0 +1,129 @@
+"""Sets of targets and AOCC, by hand on two trials."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench.analysis.anytime import hitting_times, targets
+from bench.analysis.target_sets import (
+    COCO_PRECISIONS,
+    aocc,
+    compare_sets,
+    target_areas,
+    target_table,
+    tolerance_times,
+)
+from bench.objective import Trace
+from bench.targets import KINDS
+
+INF = float("inf")
+
+
+def trace(*steps):
+    evaluations, values = zip(*steps, strict=True) if steps else ((), ())
+    return Trace(np.array(evaluations, dtype=np.int64), np.array(values, dtype=float))
+
+
+TRACES = {("p", "a", 0): trace((1, 14.0), (5, 5.0)), ("p", "a", 1): trace((2, 6.0), (8, 4.1))}
+FRAME = pd.DataFrame(
+    [
+        ("p", "a", 0, "ok", 5.0, 10, 11.0),
+        ("p", "a", 1, "ok", 4.1, 10, 9.75),
+        ("p", "a", 2, "failed", None, None, np.nan),
+    ],
+    columns=["problem", "optimizer", "trial", "status", "fun", "nfev", "size"],
+)
+
+
+class TestSets:
+    def test_coco_s_precisions_are_51_from_1e2_to_1e_8(self):
+        assert len(COCO_PRECISIONS) == 51
+        assert COCO_PRECISIONS[[0, 5, 10, 50]].tolist() == [100.0, 10.0, 1.0, 1e-8]
+        np.testing.assert_allclose(np.diff(np.log10(COCO_PRECISIONS)), -0.2)
+
+    @pytest.mark.parametrize(("optima", "reference"), [({"p": 4.0}, 4.0), ({}, 4.1), ({"p": 4.5}, 4.1)])
+    def test_precisions_are_above_the_optimum_or_what_was_found(self, optima, reference):
+        table = target_table("precisions", FRAME, TRACES, optima)
+        assert table["tau"].tolist() == COCO_PRECISIONS.tolist()
+        assert table["target"].tolist() == (reference + COCO_PRECISIONS).tolist()
+        assert set(table["known"]) == {optima == {"p": 4.0}}
+
+    def test_a_list_has_its_own_precisions(self):
+        assert target_table([1.0, 0.5], FRAME, TRACES, {"p": 4.0})["target"].tolist() == [5.0, 4.5]
+
+    def test_relative_targets_are_those_of_the_anytime_view(self):
+        pd.testing.assert_frame_equal(target_table("relative", FRAME, TRACES, {"p": 4.0}), targets(TRACES, {"p": 4.0}))
+
+    def test_percentages_are_of_the_size_of_the_optimum(self):
+        assert target_table(["50%", "25%"], FRAME, TRACES, {"p": 4.0})["target"].tolist() == [6.0, 5.0]
+        below = {("p", "a", 0): trace((1, -3.0))}
+        assert target_table(["50%"], FRAME, below, {"p": -4.0})["target"].tolist() == [-2.0]
+        assert target_table(["50%"], FRAME, TRACES, {"p": 0.0}).empty
+
+    def test_quantiles_count_failed_trials_as_infinite(self):
+        table = target_table("quantiles", FRAME, TRACES)
+        assert table["tau"].tolist() == [0.65, 0.6, 0.55, 0.5, 0.45, 0.4, 0.35, 0.3, 0.25, 0.2, 0.15, 0.1, 0.05]
+        assert table["target"].tolist() == [5.0] * 7 + [4.1] * 6
+
+    @pytest.mark.parametrize("chosen", [*KINDS, [1.0], ["5%"]])
+    def test_no_trial_no_target(self, chosen):
+        for frame, traces in ((FRAME[:0], {}), (FRAME[2:], {}), (FRAME[:1], {("p", "a", 0): trace()})):
+            table = target_table(chosen, frame, traces, {"p": 1.0})
+            assert table.empty
+            assert list(table) == ["problem", "tau", "target", "reference", "known"]
+
+
+class TestTolerance:
+    def test_the_time_is_when_the_best_point_was_found(self):
+        hits = tolerance_times(FRAME, TRACES, {"p": {"size": (10.0, 0.5)}, "q": {}}, 10)
+        wide = hits.pivot(index="trial", columns="tau", values="evaluations")
+        assert wide[[2.0, 1.0, 0.5, 0.25]].to_numpy().tolist() == [[5, INF, INF, INF], [8, 8, 8, INF], [INF] * 4]
+        assert hits.groupby("trial")["spent"].first().tolist() == [10, 10, 10]
+
+    def test_all_metrics_have_to_be_within(self):
+        expected = {"p": {"size": (10.0, 1.0), "never recorded": (1.0, 1.0)}}
+        assert np.isinf(tolerance_times(FRAME, TRACES, expected, 10)["evaluations"]).all()
+
+    def test_without_tolerance_a_metric_has_to_be_exact(self):
+        hits = tolerance_times(FRAME, TRACES, {"p": {"size": (11.0, 0.0)}}, 10)
+        assert set(hits.loc[np.isfinite(hits["evaluations"]), "trial"]) == {0}
+
+    def test_no_expected_metric_no_row(self):
+        assert tolerance_times(FRAME, TRACES, {"p": {}}, 10).empty
+
+
+class TestAOCC:
+    def test_a_plain_sum_over_all_evaluations(self):
+        found = aocc(FRAME, TRACES, {"p": 4.0}, 10).iloc[0]
+        total = 0.0
+        for each in TRACES.values():
+            for i in range(1, 11):
+                y = each.at(np.array([i]))[0] - 4.0
+                total += (1 - (np.clip(np.log10(y), -8, 2) + 8) / 10) / 10 if np.isfinite(y) else 0.0
+        assert found["trials"] == 3
+        assert found["aocc"] == pytest.approx(total / 3, rel=1e-12)
+
+    def test_from_one_to_zero(self):
+        frame = FRAME.iloc[:1]
+        assert aocc(frame, {("p", "a", 0): trace((1, 4.0))}, {"p": 4.0}, 10)["aocc"].tolist() == pytest.approx([1.0])
+        assert aocc(frame, {("p", "a", 0): trace((1, 1e9))}, {"p": 4.0}, 10)["aocc"].tolist() == [0.0]
+        assert aocc(FRAME[2:], {}, {"p": 4.0}, 10)["aocc"].tolist() == [0.0]
+
+    def test_only_where_an_optimum_is_known(self):
+        assert aocc(FRAME, TRACES, {}, 10).empty
+
+
+class TestAreas:
+    def test_by_hand(self):
+        hits = hitting_times(FRAME, TRACES, target_table([10.0, 1.0], FRAME, TRACES, {"p": 4.0}), 10)
+        area = target_areas(hits, 10)["area"].tolist()
+        assert area == pytest.approx([(1 + (1 - np.log10(5)) + (1 - np.log10(2)) + (1 - np.log10(8))) / 6])
+
+    def test_the_order_under_each_set(self):
+        easy = pd.DataFrame({"problem": list("ppqq"), "optimizer": list("abab"), "area": [0.9, 0.5, 0.7, 0.5]})
+        hard = pd.DataFrame({"problem": list("ppq"), "optimizer": list("aba"), "area": [0.1, 0.1, 0.7]})
+        ranks = compare_sets({"easy": easy, "hard": hard}, ["b", "a"])
+        assert ranks["rank"].tolist() == [2, 1, 1.5, 1.5]
+        assert ranks["problems"].tolist() == [2, 2, 1, 1]
+        assert compare_sets({}, ["a"]).empty
+        assert target_areas(pd.DataFrame(columns=["problem", "optimizer", "evaluations"]), 10).empty
