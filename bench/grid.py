@@ -22,6 +22,12 @@ class Member(NamedTuple):
     instance: int
 
 
+def dimension_in(name: str) -> int | None:
+    """Return the dimension that a name of this form has, as in ``bbob-f08-d10-i1``, None for another name."""
+    found = re.search(r"-d([1-9][0-9]{0,6})(?:-i[0-9]+)?$", name)
+    return int(found[1]) if found else None
+
+
 @dataclass(frozen=True)
 class Grid:
     """The problems of a suite by function, dimension and instance.

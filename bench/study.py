@@ -147,11 +147,20 @@ class Study:
         return loading.load_optimizer(entry.name, **entry.options)
 
     def packages(self) -> dict[str, list[str]]:
-        """Return the optimizers' labels by the file, family or package that each comes from; nothing is loaded."""
+        """Return the optimizers' labels by the file, family or package that each comes from; nothing is loaded.
+
+        Those whose results were imported come from none.
+        """
         found: dict[str, list[str]] = {}
         for entry in self.optimizers:
-            found.setdefault(loading.package(entry.name), []).append(entry.label)
+            if not loading.is_imported(entry.name):
+                found.setdefault(loading.package(entry.name), []).append(entry.label)
         return found
+
+    @property
+    def imported(self) -> list[str]:
+        """The labels of the optimizers whose results were imported, and which cannot be run here."""
+        return [entry.label for entry in self.optimizers if loading.is_imported(entry.name)]
 
     def _named(self, kind: str, label: str) -> Entry:
         found: dict[str, Entry] = {entry.label: entry for entry in getattr(self, f"{kind}s")}

@@ -18,7 +18,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
-from bench.analysis.cells import Traces, budgets, labels, reference_values
+from bench.analysis.cells import Budgets, Traces, budgets, labels, reference_values
 from bench.objective import Trace
 from bench.problem import Floats
 
@@ -105,16 +105,14 @@ def targets(traces: Traces, optima: Mapping[str, float] | None = None) -> pd.Dat
     return _stacked(tables, ["problem", "tau", "target", "reference", "known"])
 
 
-def hitting_times(
-    frame: pd.DataFrame, traces: Traces, targets: pd.DataFrame, budget: int | Mapping[str, int]
-) -> pd.DataFrame:
+def hitting_times(frame: pd.DataFrame, traces: Traces, targets: pd.DataFrame, budget: Budgets) -> pd.DataFrame:
     """Return one row a trial and target: problem, optimizer, trial, tau, target, evaluations and spent.
 
     ``evaluations`` is when the trial first reached the target, +inf where it never did. ``spent`` is what the trial
     used in all. A failed trial reached nothing and spent the whole budget, whatever it found before, so that a
     crash is not cheaper than an unsuccessful search. Problem and optimizer stay categories where they are in ``frame``.
     A trial without a trace reached nothing; trials of a problem without ``targets`` have no row. ``budget`` is one
-    number, or a number by problem.
+    number, or a number by problem or by (problem, optimizer).
     """
     ladders = {
         problem: rungs[["tau", "target"]].to_numpy(dtype=float).T

@@ -18,6 +18,9 @@ from bench.study import Study
 
 Traces = Mapping[tuple[str, str, int], Trace]  # by (problem, optimizer, trial); failed trials have none
 
+Budgets = int | Mapping[str, int] | Mapping[tuple[str, str], int]
+"""The evaluations of a trial: of all trials, by problem, or by (problem, optimizer)."""
+
 NEAR = 1e-10  # relative: far above rounding, far below any meaningful difference
 BEATEN = 1e-9  # relative: an optimum that was computed, to a tolerance, is beaten by more than this or not at all
 CONTENTION = 1.2  # wall / CPU above this: the trial waited for its core
@@ -48,10 +51,12 @@ def in_study_order(frame: pd.DataFrame, study: Study) -> pd.DataFrame:
     )
 
 
-def budgets(frame: pd.DataFrame, budget: int | Mapping[str, int]) -> pd.Series[float]:
-    """Return the evaluations that each trial was allowed: one number for all, or a number by problem."""
+def budgets(frame: pd.DataFrame, budget: Budgets) -> pd.Series[float]:
+    """Return the evaluations that each trial was allowed: one number for all, or by problem, or by cell."""
     if isinstance(budget, Mapping):
-        return frame["problem"].astype(object).map(budget).astype(float)
+        by_cell = any(isinstance(key, tuple) for key in budget)
+        keys = list(zip(frame["problem"], frame["optimizer"], strict=True)) if by_cell else frame["problem"]
+        return pd.Series(keys, index=frame.index, dtype=object).map(budget).astype(float)
     return pd.Series(float(budget), index=frame.index)
 
 

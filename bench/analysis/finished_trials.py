@@ -10,7 +10,17 @@ from typing import Literal, NamedTuple
 import numpy as np
 import pandas as pd
 
-from bench.analysis.cells import CONTENTION, HIDDEN_THREADS, Traces, budgets, scores, stopped_early, timing, variables
+from bench.analysis.cells import (
+    CONTENTION,
+    HIDDEN_THREADS,
+    Budgets,
+    Traces,
+    budgets,
+    scores,
+    stopped_early,
+    timing,
+    variables,
+)
 from bench.objective import Trace
 
 UNUSED = 0.01  # share of the budget that may be left without a reason
@@ -44,7 +54,7 @@ class Evidence:
     """The trials that the checks look at and what is known about them; see :func:`bench.analysis.integrity`."""
 
     frame: pd.DataFrame
-    budget: int | Mapping[str, int]  # of every trial, or by problem
+    budget: Budgets  # of every trial, or by problem, or by (problem, optimizer)
     traces: Traces
     boxes: Boxes
 
@@ -143,7 +153,9 @@ def _records(evidence: Evidence) -> Finding:
 
 
 def _undeclared_stops(evidence: Evidence) -> Finding:
-    trials = evidence.finished
+    trials = evidence.finished[evidence.finished["stop"].notna()]
+    if trials.empty:
+        return Finding("not checked", "Imported results do not say why a trial stopped.")
     return judge(
         trials,
         (trials["nfev"] < (1 - UNUSED) * budgets(trials, evidence.budget)) & ~stopped_early(trials),
@@ -167,6 +179,8 @@ def _declared_stops(evidence: Evidence) -> Finding:
 
 
 def _outside_box(evidence: Evidence) -> Finding:
+    if evidence.finished["outside_box"].isna().all():
+        return Finding("not checked", "Imported results do not say how many evaluations lay outside the box.")
     sums = evidence.finished.groupby("optimizer", sort=False)[["outside_box", "nfev"]].sum()
     share = (sums["outside_box"] / sums["nfev"])[sums["outside_box"] > 0]
     return judge(
@@ -265,6 +279,8 @@ def _on_bound(trials: pd.DataFrame, boxes: Boxes) -> pd.DataFrame:
 
 def _seeds(evidence: Evidence) -> Finding:
     known = evidence.finished[evidence.finished["seed"].notna()]
+    if known.empty:
+        return Finding("not checked", "The seeds are unknown here, as of imported results.")
     own = known.duplicated(["optimizer", "seed"], keep=False)
     return judge(
         known,

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from bench.analysis.cells import Traces, coverage
+from bench.analysis.cells import Budgets, Traces, coverage
 from bench.analysis.finished_trials import CHECKS, Boxes, Evidence, Finding, cell_names, judge, listed, percent, where
 from bench.storage.reading import StoreCheck
 
@@ -58,7 +58,7 @@ TRAITS = {
 def integrity(
     frame: pd.DataFrame,
     *,
-    study_budget: int | Mapping[str, int],
+    study_budget: Budgets,
     planned_trials: int,
     traces: Traces | None = None,
     boxes: Boxes | None = None,
@@ -74,7 +74,7 @@ def integrity(
     reason in a sentence; ``cells`` names every "optimizer on problem" concerned, separated by semicolons.
 
     Args:
-        study_budget: evaluations that each trial was allowed, or those by problem.
+        study_budget: evaluations that each trial was allowed, or those by problem or by (problem, optimizer).
         planned_trials: trials that each cell should hold.
         boxes: the lower and upper bound of each variable, by problem and by variable.
         diagnoses: the results of ``bench check`` for each optimizer, by label: check, passed and, where there is one,

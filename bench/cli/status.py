@@ -122,7 +122,14 @@ def _killed(folder: Folder) -> Iterator[str]:
 
 
 def _environment(record: dict[str, Any], made: int) -> list[str]:
-    """Describe one run on one machine in lines."""
+    """Describe one run on one machine in lines, or where imported trials come from."""
+    if source := record.get("imported"):
+        licence = record.get("licence") or "licence unknown"
+        return [
+            f"imported {record.get('started')}: {made} trials from {source} ({record.get('format')}, {licence})",
+            f"    SHA-256 {record.get('sha256')}",
+            f"    {record.get('command')}",
+        ]
     git = record.get("git") or {}
     dirty = f" with changes {git['diff'][:10]}" if git.get("diff") else " with changes" if git.get("dirty") else ""
     commit = f", commit {git['commit'][:10]}{dirty}" if git.get("commit") else ""

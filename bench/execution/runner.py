@@ -10,6 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from bench.errors import BenchError
 from bench.execution.backends import open_pool
 from bench.execution.interrupts import Interrupts, interrupts_deferred
 from bench.execution.plan import Plan, Shard
@@ -128,6 +129,11 @@ def prepare(study: Study, folder: Folder, sandbox: str | None = None) -> Checked
         BenchError: for a study that cannot be run, and a folder that holds another study, other data or other code.
     """
     folder.extended(study)
+    if study.imported:
+        raise BenchError(
+            f"study {study.name!r} holds imported trials, such as those of {study.imported[0]}, and no optimizer that "
+            "could make or repeat them"
+        )
     checked = check(Task(study.to_toml(), sandbox=sandbox))
     folder.refuse_changes(checked.fingerprints)
     return checked

@@ -45,6 +45,7 @@ OTHERS = "other-problems"  # the folder of these problems in a study of several 
 PRECISION = 1e-8  # cocopp distinguishes no smaller difference
 SMALLEST = 1e-12  # cocopp takes logarithms: a difference must be positive
 INFINITE = 3e21  # COCO writes this value for infinity
+STAND_IN = "stand-in for "  # the comment of such a problem, by which an import gives it its name back
 SOURCES = {True: "the problem's best known value", False: "the lowest value found by any trial"}
 NOTHING_FOUND = "no trial found a finite value"
 COLUMNS = (
@@ -245,7 +246,8 @@ def _index(algorithm: str, data: DataSet) -> str:
     )
     finals = (_difference(run.trial.trace.at(run.trial.nfev), run.optimum) for run in data.runs)
     runs = [f"{run.instance}:{run.trial.nfev}|{final:.1e}" for run, final in zip(data.runs, finals, strict=True)]
-    return "\n".join([head, f"% {data.problem}", ", ".join([f"{data.path}.dat", *runs]), ""])
+    comment = data.problem if data.place.own else f"{STAND_IN}{data.problem}"
+    return "\n".join([head, f"% {comment}", ", ".join([f"{data.path}.dat", *runs]), ""])
 
 
 def _log(runs: Iterable[tuple[Run, NDArray[np.int64]]], g_evaluations: int) -> str:

@@ -24,9 +24,9 @@ class ExportedTrial:
     """One finished trial."""
 
     number: int  # from 0
-    seed: int
+    seed: int | None  # None where it is unknown, as of imported trials
     nfev: int
-    x: Floats  # (d,) the best point
+    x: Floats  # (d,) the best point, (0,) where it is unknown
     trace: Trace
 
     @property
@@ -70,12 +70,14 @@ def exported_cells(results: Results) -> list[ExportedCell]:
             if own is None:
                 continue
             points = own[names[problem.label]].to_numpy(dtype=np.float64)
-            columns = own["trial"].tolist(), own["seed"].tolist(), own["nfev"], points
+            seeds = [None if pd.isna(seed) else int(seed) for seed in own["seed"]]
+            columns = own["trial"].tolist(), seeds, own["nfev"], points
             trials = tuple(
                 ExportedTrial(trial, seed, int(nfev), x, traces[problem.label, optimizer.label, trial])
                 for trial, seed, nfev, x in zip(*columns, strict=True)
             )
-            cells.append(ExportedCell(number, problem.label, optimizer.label, points.shape[1], trials))
+            dimension = points.shape[1] or results.dimension(problem.label)
+            cells.append(ExportedCell(number, problem.label, optimizer.label, dimension, trials))
     return cells
 
 

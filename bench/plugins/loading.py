@@ -11,6 +11,14 @@ from bench.optimizer import Optimizer, build
 from bench.plugins import from_file, registry
 from bench.problem import Problem
 
+IMPORTED = "imported"
+"""The prefix of names that only imported results have, such as ``imported:DIRECT``: nothing can be loaded for them."""
+
+
+def is_imported(name: str) -> bool:
+    """Return whether a problem's or an optimizer's name is that of imported results."""
+    return name.startswith(f"{IMPORTED}:")
+
 
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
     """Return the optimizer of that name, such as ``load_optimizer("gwo", agents=300)``.
@@ -23,6 +31,8 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
     Raises:
         BenchError: for an unknown name or parameter (naming the nearest) or a value out of range.
     """
+    if is_imported(name):
+        raise BenchError(f"{name!r} stands for imported results, whose optimizer is not here; it cannot be run")
     if from_file.split(name):
         return from_file.load_optimizer(name, **options)
     family, colon, _ = name.partition(":")
@@ -50,6 +60,8 @@ def load_problem(name: str, /, **options: Any) -> Problem:
     Raises:
         BenchError: for an unknown name or option (naming the nearest) or data that cannot be read.
     """
+    if is_imported(name):
+        raise BenchError(f"{name!r} is known from imported results only: no installed family has it")
     prefix, colon, _ = name.partition(":")
     families = registry.entries("problems")
     if colon and prefix in families:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import pandas as pd
 
 from bench import analysis
+from bench.budget import evaluations
 from bench.execution.citations import bibtex
 from bench.report.methods import Methods, MethodsFacts, methods
 from bench.storage.results import ProblemFacts, Results
@@ -125,7 +127,11 @@ class Findings:
         shown = {
             str(label): len(analysis.variables(own)) for label, own in self.frame.groupby("problem", observed=True)
         }
-        return {label: number for label in self.problems if (number := shown[label] or len(self.known[label].box))}
+        return {
+            label: number
+            for label in self.problems
+            if (number := shown[label] or self.results.dimension(self.pooled.members[label][0]))
+        }
 
     @cached_property
     def budgets(self) -> dict[str, int]:
@@ -135,6 +141,20 @@ class Findings:
             return dict.fromkeys(self.problems, study.budget)
         own = {label: study.evaluations(dimension) for label, dimension in self.dimensions.items()}
         return {label: own.get(label, max(own.values(), default=1)) for label in self.problems}
+
+    @cached_property
+    def allowed(self) -> analysis.Budgets:
+        """The evaluations that a trial was allowed: by problem, or by problem and optimizer where budgets differ."""
+        own = self.results.budgets
+        if all(budget == self.results.study.budget for budget in own.values()):
+            return self.budgets
+        return {
+            (label, optimizer): evaluations(budget, self.dimensions[label])
+            if label in self.dimensions
+            else self.budgets[label]
+            for label in self.problems
+            for optimizer, budget in own.items()
+        }
 
     @property
     def scaled(self) -> bool:
@@ -197,7 +217,7 @@ class Findings:
     @cached_property
     def hits(self) -> pd.DataFrame:
         """The evaluations that each trial took to reach each target."""
-        return analysis.hitting_times(self.frame, self.traces, self.targets, self.budgets)
+        return analysis.hitting_times(self.frame, self.traces, self.targets, self.allowed)
 
     @cached_property
     def success(self) -> pd.DataFrame:
@@ -209,7 +229,7 @@ class Findings:
         """The ERT of each cell whose instances are pooled to COCO's precisions; without rows where there is none."""
         targets = analysis.precision_targets(self.pooled.functions)
         own = self.frame[self.frame["problem"].isin(self.pooled.functions)]
-        table = analysis.expected_running_time(analysis.hitting_times(own, self.traces, targets, self.budgets))
+        table = analysis.expected_running_time(analysis.hitting_times(own, self.traces, targets, self.allowed))
         return table.drop(columns="target").rename(columns={"tau": "precision"})
 
     @cached_property
@@ -230,11 +250,14 @@ class Findings:
         """The checks of the results themselves, of which instances are problems of their own."""
         study, results = self.results.study, self.results
         members = {label: self.pooled.members[label] for label in self.problems}
-        budgets = {each: self.budgets[label] for label, own in members.items() for each in own}
+        budgets: analysis.Budgets = {each: self.budgets[label] for label, own in members.items() for each in own}
+        if self.allowed != self.budgets:
+            cells = cast("Mapping[tuple[str, str], int]", self.allowed)
+            budgets = {(each, optimizer): most for (label, optimizer), most in cells.items() for each in members[label]}
         facts = {each: results.facts(each) for own in members.values() for each in own}
         return analysis.integrity(
             analysis.in_study_order(results.frame, study),
-            study_budget=study.budget if isinstance(study.budget, int) else budgets,
+            study_budget=study.budget if isinstance(study.budget, int) and self.allowed == self.budgets else budgets,
             planned_trials=study.trials,
             traces=results.traces,
             boxes={label: each.continuous for label, each in facts.items() if each.box},

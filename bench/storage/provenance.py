@@ -74,7 +74,7 @@ def run(
     return {
         "started": now(),
         "ended": None,
-        "command": printable(shlex.join(_command()), LONGEST),
+        "command": command(),
         "jobs": jobs,
         "backend": backend,
         "study": study.identity(),
@@ -87,11 +87,11 @@ def run(
     }
 
 
-def _command() -> list[str]:
-    """Return the words of the command line as typed, as far as it is known."""
+def command() -> str:
+    """Return the command line as typed, as far as it is known, for a shell."""
     program = Path(sys.argv[0])
-    command = ["python", "-m", program.parent.name] if program.name == "__main__.py" else [program.name]
-    return [*command, *sys.argv[1:]]
+    words = ["python", "-m", program.parent.name] if program.name == "__main__.py" else [program.name]
+    return printable(shlex.join([*words, *sys.argv[1:]]), LONGEST)
 
 
 def modules(plugins: Iterable[object]) -> list[str]:
@@ -116,6 +116,8 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     old_blas, new_blas = ({f"{each.get('library')} {each.get('version')}" for each in record} for record in records)
     if not (old_blas <= new_blas or new_blas <= old_blas):  # libraries are loaded as they are needed
         phrases.append(f"BLAS {', '.join(sorted(old_blas))} → {', '.join(sorted(new_blas))}")
+    if bool(before.get("imported")) != bool(now.get("imported")):
+        phrases.append("imported results" if now.get("imported") else "results that are not imported")
     if "git" in before and "git" in now:
         phrases += _changes(before["git"], now["git"])
     own, other = (record.get("checkouts") or {} for record in (before, now))

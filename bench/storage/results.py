@@ -18,12 +18,14 @@ import numpy as np
 import pandas as pd
 
 from bench.errors import BenchError
+from bench.grid import dimension_in
 from bench.objective import Trace, integer_flags
 from bench.problem import Problem
 from bench.scoring import Scored, plain
 from bench.storage.folder import Folder
 from bench.storage.reading import StoreCheck
-from bench.study import Entry, Study
+from bench.storage.union import differences, united
+from bench.study import Study
 from bench.text import unique
 from bench.trial import FRAME_COLUMNS, Row
 
@@ -56,24 +58,30 @@ class Results:
     """The contents of a study's folder, or of several that can be compared, read lazily and once.
 
     Several folders make one study of all their problems and optimizers. An optimizer's label that occurs in several
-    folders gets the folder's name, as in ``"gwo (old)"``.
+    folders gets the folder's name, as in ``"gwo (old)"``. Where one of the folders was imported, the study has the
+    problems that all folders have, and the budgets may differ.
 
     Attributes:
         names: the folders' names, with as many parents as make them distinct.
         study: the study as frozen in the folder; for several folders, all their problems and optimizers.
         environments: one record for each run on each machine (:mod:`bench.storage.provenance`).
+        budgets: what a run of each optimizer may spend, by the label shown; of imported runs, the most that any spent.
+        differences: sentences on how the folders differ where imported results are among them; else none.
         checks: the verdicts of ``bench check`` by optimizer label; empty where it has not run.
         verifications: the note of ``bench verify`` in each folder, empty where it has not run.
         fingerprints: the hash of each problem's data when it ran, by label; "" where its name determines the data.
 
     Raises:
-        BenchError: when a folder holds no study, or the folders differ in budget or in what a problem's label means.
+        BenchError: when a folder holds no study, or the folders differ in budget or in what a problem's label means,
+            or imported results share no problem with the others.
     """
 
     def __init__(self, path: AnyPath, *others: AnyPath) -> None:
         self._sources = _sources([Folder(each) for each in (path, *others)])
         self.names = [source.name for source in self._sources]
-        self.study = _united([source.study for source in self._sources])
+        self.study = united([source.study for source in self._sources], self.names)
+        self.budgets = {entry.label: each.study.budget for each in self._sources for entry in each.study.optimizers}
+        self.differences = differences([source.study for source in self._sources], self.names)
         self.environments = [record for source in self._sources for record in source.environments]
         self.fingerprints = _agreed([source.folder.fingerprints().data for source in self._sources], self.paths)
         self.checks = {
@@ -121,8 +129,9 @@ class Results:
 
     @cached_property
     def _rows(self) -> pd.DataFrame:
+        shared = {entry.label for entry in self.study.problems}
         return _tidy(
-            (row for source in self._sources for row in source.rows()),
+            (row for source in self._sources for row in source.rows() if row["problem"] in shared),
             [entry.label for entry in self.study.problems],
             [entry.label for entry in self.study.optimizers],
         )
@@ -130,10 +139,12 @@ class Results:
     @cached_property
     def traces(self) -> dict[tuple[str, str, int], Trace]:
         """The anytime traces of sound trials by (problem, optimizer, trial); failed trials have none."""
+        shared = {entry.label for entry in self.study.problems}
         return {
             (problem, source.shown[optimizer], trial): trace
             for source in self._sources
             for (problem, optimizer, trial), trace in source.folder.store.traces(source.found).items()
+            if problem in shared
         }
 
     def problem(self, label: str) -> Problem:
@@ -149,6 +160,10 @@ class Results:
     def facts(self, label: str) -> ProblemFacts:
         """Return the facts of the problem of that label, as it loads on this machine; never raises."""
         return self._facts(label)
+
+    def dimension(self, label: str) -> int:
+        """Return the number of search variables of a problem, as it loads or by its name; 0 where neither shows it."""
+        return len(self.facts(label).box) or dimension_in(label) or 0
 
     def _look_up(self, label: str) -> ProblemFacts:
         try:
@@ -263,39 +278,6 @@ def _short_names(paths: list[Path]) -> list[str]:
     return ["".join(c if c.isprintable() else "?" for c in name) for name in names]
 
 
-def _united(studies: list[Study]) -> Study:
-    """Return one study with the problems and optimizers of all."""
-    first = studies[0]
-    if len(studies) == 1:
-        return first
-    problems: dict[str, Entry] = {}
-    for study in studies:
-        if study.budget != first.budget:
-            raise BenchError(
-                f"study {first.name!r} has a budget of {first.budget:,} evaluations and {study.name!r} one of "
-                f"{study.budget:,}; only runs of one budget can be compared"
-            )
-        if study.constraints != first.constraints:
-            raise BenchError(
-                f"study {first.name!r} handles constraints by {first.constraints!r} and {study.name!r} by "
-                f"{study.constraints!r}; only runs of one handling can be compared"
-            )
-        for entry in study.problems:
-            if problems.setdefault(entry.label, entry) != entry:
-                raise BenchError(
-                    f"problem {entry.label!r} has other options in {study.name!r} than in the studies before it; "
-                    "only runs on the same problem can be compared"
-                )
-    return dataclasses.replace(
-        first,
-        name="-".join(dict.fromkeys(study.name for study in studies)),
-        title=" beside ".join(dict.fromkeys(study.title or study.name for study in studies)),
-        trials=max(study.trials for study in studies),
-        problems=tuple(problems.values()),
-        optimizers=tuple(entry for study in studies for entry in study.optimizers),
-    )
-
-
 def _agreed(fingerprints: Sequence[dict[str, str]], paths: list[Path]) -> dict[str, str]:
     """Return the fingerprints of all folders; raises BenchError when a problem's data differs between folders."""
     agreed: dict[str, str] = {}
@@ -322,6 +304,8 @@ def _tidy(rows: Iterable[Row], problems: Sequence[str], optimizers: Sequence[str
     shown: dict[str, tuple[dict[str, float], dict[str, float]]] = {}  # a point and its metrics, by problem
     while slice_ := list(islice(left, SLICE)):
         own = pd.DataFrame({name: [row[name] for row in slice_] for name in COLUMNS})
+        if own["seed"].isna().any():  # of imported trials; as floats the other seeds would lose digits
+            own["seed"] = pd.array([row["seed"] for row in slice_], dtype="Int64")
         x, metrics = _parsed(slice_, "x"), _parsed(slice_, "figures")
         for row, point, figures in zip(slice_, x, metrics, strict=True):
             if point and row["problem"] not in shown:

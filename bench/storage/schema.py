@@ -20,7 +20,7 @@ CREATE TABLE cells (
 );
 CREATE TABLE results (
     cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, environment INTEGER REFERENCES environments,
-    seed INTEGER NOT NULL, status TEXT NOT NULL, fun REAL, nfev INTEGER, wall_s REAL, cpu_s REAL, objective_s REAL,
+    seed INTEGER, status TEXT NOT NULL, fun REAL, nfev INTEGER, wall_s REAL, cpu_s REAL, objective_s REAL,
     stop TEXT, outside_box INTEGER, error TEXT, x TEXT, figures TEXT, digest BLOB,
     PRIMARY KEY (cell, trial)
 ) WITHOUT ROWID;

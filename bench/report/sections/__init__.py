@@ -3,6 +3,7 @@
 from bench.report.sections import (
     across,
     anytime,
+    beside,
     comparison,
     datasets,
     dominance,
@@ -15,7 +16,7 @@ from bench.report.sections import (
     verdict,
 )
 
-OPENING = (verdict, suite, dominance, integrity, comparison)
+OPENING = (verdict, beside, suite, dominance, integrity, comparison)
 """The parts before the plug-ins' sections."""
 
 CLOSING = (across, anytime, datasets, time, power, methods, environment)

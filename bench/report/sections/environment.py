@@ -132,7 +132,8 @@ class _Origins:
         if self.known:
             columns["trials"] = self.made
         names = {
-            "folder": "folder", "started": "started", "ended": "ended", "host": "machine", "jobs": "jobs",
+            "folder": "folder", "imported": "imported from", "format": "format", "sha256": "SHA-256",
+            "licence": "licence", "started": "started", "ended": "ended", "host": "machine", "jobs": "jobs",
             "backend": "backend", "timeout": "timeout s", "shard": "shard", "command": "command",
         }  # fmt: skip
         for key, title in names.items():

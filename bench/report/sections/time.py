@@ -20,9 +20,13 @@ def section(findings: Findings) -> Section:
     """Return the wall and processor time of a trial, the objective's share, and signs of a disturbed measurement."""
     timing = analysis.timing(findings.frame)
     known = timing[timing["trials"] > 0].sort_values("wall_mean", kind="stable")
+    if len(known) and known["wall_mean"].isna().all():
+        return Section(TITLE, ("The times of these trials are unknown, as of imported results.",))
+    unknown = list(known.loc[known["wall_mean"].isna(), "optimizer"])
+    known, timing = (table[~table["optimizer"].isin(unknown)] for table in (known, timing))
     if known.empty:
         return Section(TITLE, ("No trial finished, so there are no times.",))
-    warnings = []
+    warnings = [f"The times of {listing(unknown)} are unknown, as of imported results."] if unknown else []
     if len(waited := known.loc[known["contention"], "optimizer"]):
         warnings.append(
             f"Trials of {listing(list(waited))} waited for their core (wall time more than {CONTENTION:g} times CPU "

@@ -1,0 +1,35 @@
+"""bench import: bring in the results of other tools."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bench.cli.console import print_line
+
+
+def import_results(
+    source: Annotated[
+        Path, typer.Argument(metavar="FOLDER|TAR", help="A folder, a tar or zip archive, or a CSV file.")
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="The folder to write, missing or empty.")],
+    licence: Annotated[
+        str | None, typer.Option(help="The licence under which the results were published, where you know it.")
+    ] = None,
+) -> None:
+    """Import results of COCO (.info, .dat, .tdat), of IOHprofiler (.json, .dat) or a table (CSV) as a study's folder.
+
+    A table has the columns problem, optimizer, trial, evaluations and value. The folder is read like any other: 'bench
+    report MINE IMPORTED' compares both. Imported trials cannot be repeated.
+    """
+    from bench.importing import import_results as import_source
+
+    found = import_source(source, output, licence=licence)
+    for note in found.notes:
+        print_line(f"note: {note}", "yellow")
+    print_line(
+        f"imported {found.trials:,} trials of {found.optimizers:,} optimizers on {found.problems:,} problems "
+        f"({found.format}): {output}"
+    )

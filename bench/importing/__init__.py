@@ -1,0 +1,97 @@
+"""Bring in the results of other tools as a study's folder: COCO's data, IOHprofiler's, and plain tables (CSV).
+
+An imported folder is read, reported on, compared and exported like any other. Its rows refer to one record in
+``environment.json`` that marks them as imported; what the source does not hold, such as seeds and times, is missing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import NamedTuple
+
+from bench.errors import BenchError
+from bench.importing import coco, ioh, tables
+from bench.importing.runs import LONGEST, Run
+from bench.importing.source import Source, opened
+from bench.importing.write import numbered, study_of, write
+from bench.storage import provenance
+from bench.text import printable
+
+__all__ = ["FORMATS", "Imported", "import_results"]
+
+
+class _Format(NamedTuple):
+    recognised: Callable[[Source], bool]
+    runs: Callable[[Source, list[str]], Iterator[Run]]
+
+
+FORMATS = {
+    "coco": _Format(coco.recognised, coco.runs),
+    "ioh": _Format(ioh.recognised, ioh.runs),
+    "csv": _Format(tables.recognised, tables.runs),
+}
+"""The formats by name; a source is of one of them."""
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What was imported: the format, the numbers of trials, problems and optimizers, and what a reader should know."""
+
+    format: str
+    trials: int
+    problems: int
+    optimizers: int
+    notes: tuple[str, ...] = ()
+
+
+def import_results(
+    source: str | PathLike[str],
+    output: str | PathLike[str],
+    *,
+    name: str | None = None,
+    licence: str | None = None,
+) -> Imported:
+    """Import a folder, a tar or zip archive, or a CSV file into a new study's folder, whole or not at all.
+
+    Args:
+        source: what holds the results, in one of :data:`FORMATS`.
+        output: the folder to write, which must be missing or empty.
+        name: what the source is called in the study and its environment; its file name by default.
+        licence: under which the results were published, where it is known.
+
+    Raises:
+        BenchError: where the source is of no format or of several, is damaged or cut short, holds results of
+            maximisation, unsorted evaluations or another optimum than this project's, or cannot be read, and where the
+            output cannot be written.
+    """
+    started = provenance.now()
+    with opened(Path(source)) as found:
+        kinds = [kind for kind, each in FORMATS.items() if each.recognised(found)]
+        if len(kinds) != 1:
+            raise BenchError(
+                f"{source} holds results of {' and of '.join(kinds)}; import one of them at a time"
+                if kinds
+                else f"{source} holds no results in a known format: neither an index of COCO (.info), nor one of "
+                f"IOHprofiler (.json), nor a table ({', '.join(tables.COLUMNS)})"
+            )
+        notes: list[str] = []
+        runs = numbered(FORMATS[kinds[0]].runs(found, notes))
+        if not runs:
+            raise BenchError(f"{source} holds no run")
+        called = printable(name or found.name, LONGEST)
+        study = study_of(called, runs)
+        record = {
+            "imported": called,
+            "format": kinds[0],
+            "sha256": found.sha256,
+            "licence": licence,
+            "importer": provenance.package(),
+            "started": started,
+            "ended": provenance.now(),
+            "command": provenance.command(),
+        }
+    write(Path(output), study, runs, record)
+    return Imported(kinds[0], len(runs), len(study.problems), len(study.optimizers), tuple(notes))

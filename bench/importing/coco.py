@@ -1,0 +1,318 @@
+r"""Read the format of COCO: an index of runs (``.info``), and logs of each data set (``.dat``, ``.tdat``).
+
+The index has three lines for a function and dimension: keys and values, a comment, and the logs with the runs in each,
+``instance:evaluations|final``. The archives of 2009 write paths with backslashes, exponents of three digits and no
+suite, and the final value less the precision of 1e-8; later ones name the suite. In every version the first column of a
+log is the number of evaluations of the objective, and the third the best noise-free value less f_opt, which is in the
+header of each run.
+
+A run's trace joins the improvements of both logs; the times of COCO's targets are those of the ``.dat`` file. The
+logged points have four decimals and are left out.
+
+Source: N. Hansen, A. Auger, R. Ros, O. Mersmann, T. Tušar, D. Brockhoff, "COCO: a platform for comparing continuous
+optimizers in a black-box setting", Optimization Methods and Software 36(1), 2021.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import PurePosixPath
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.importing import naming
+from bench.importing.runs import Run, improvements, label, optimizer_labels, require_increasing, shown
+from bench.importing.source import Source
+from bench.problem import Floats
+
+INFINITE = 1e21
+"""COCO writes 3e21 for infinity; no finite difference is as large."""
+
+TARGETS = np.power(10, np.arange(-40, 11) / 5)
+"""COCO's precisions, 1e-8 to 1e2, five a decade."""
+
+STAND_IN = "stand-in for "
+"""The comment of a problem of no suite, which this package's export gives the place of a function."""
+
+NOISY = 101  # the first function of bbob-noisy, in indices that name no suite
+_PAIR = re.compile(r"(\w+)\s*=\s*(?:'(.*?)'(?=\s*(?:,|$))|([^,]*))")
+_ENTRY = re.compile(r"(\d+)(?::(\d+)(?:\|(.+))?)?")
+_FOPT = re.compile(r"Fopt\s*\(([^)]*)\)")
+
+
+class Block(NamedTuple):
+    """The rows of one run in a log."""
+
+    header: str
+    line: int  # of the header
+    evaluations: NDArray[np.int64]
+    values: Floats  # best-so-far value less f_opt
+
+
+class Logged(NamedTuple):
+    """A run as the index names it."""
+
+    instance: int
+    evaluations: int | None  # None where the run was not finished
+    final: float | None
+
+
+@dataclass
+class DataSet:
+    """The three lines of an index."""
+
+    index: PurePosixPath
+    line: int
+    suite: str
+    function: int
+    dimension: int
+    algorithm: str
+    comment: str = ""
+    logs: list[tuple[PurePosixPath, list[Logged]]] = field(default_factory=list)
+
+
+def recognised(source: Source) -> bool:
+    """Return whether the source holds an index of COCO."""
+    return any(file.suffix == ".info" for file in source.files)
+
+
+def runs(source: Source, notes: list[str]) -> Iterator[Run]:
+    """Yield the runs of every index; ``notes`` gets a sentence for what a reader should know.
+
+    Raises:
+        BenchError: for an index or a log that is no COCO data, is cut short, or has another f_opt than this project.
+    """
+    sets = [each for file in source.files if file.suffix == ".info" for each in _index(source, file)]
+    names = optimizer_labels((data.index.parent, data.algorithm) for data in sets)
+    logs: dict[PurePosixPath, Iterator[Block]] = {}
+    unfinished = 0
+    for data in sets:
+        for log, entries in data.logs:
+            if log not in logs:
+                logs[log] = iter(_blocks(source, log))
+            for entry in entries:
+                block = next(logs[log], None)
+                if block is None:
+                    raise BenchError(f"{log} ends before the run on instance {entry.instance} that {data.index} names")
+                unfinished += entry.evaluations is None
+                yield _run(data, names[data.index.parent, data.algorithm], log, entry, block)
+    for log, left in logs.items():
+        if (block := next(left, None)) is not None:
+            raise BenchError(f"{log}, line {block.line}, begins a run that no index names")
+    if unfinished:
+        notes.append(f"{unfinished} runs were not finished; what they logged is imported.")
+
+
+def _index(source: Source, file: PurePosixPath) -> Iterator[DataSet]:
+    """Yield the data sets of an index."""
+    data: DataSet | None = None
+    for number, line in enumerate(source.text(file).splitlines(), start=1):
+        text, where = line.strip(), f"{file}, line {number},"
+        if not text:
+            continue
+        if text.startswith("%"):
+            if data is not None:
+                data.comment = data.comment or text.lstrip("% ")
+        elif "funcId" in text and "=" in text.partition(",")[0]:
+            if data is not None and not data.logs:
+                raise BenchError(f"{file}, line {data.line}, names no log; the index is cut short")
+            data = _head(text, file, number)
+        elif data is None:
+            raise BenchError(f"{where} is no index of COCO: it must begin with the function and dimension")
+        else:
+            _entries(text, where, file, data)
+            yield data
+    if data is None:
+        raise BenchError(f"{file} is empty, and no index of COCO")
+    if not data.logs:
+        raise BenchError(f"{file}, line {data.line}, names no log; the index is cut short")
+
+
+def _head(text: str, file: PurePosixPath, line: int) -> DataSet:
+    pairs = {key: (quoted or plain).strip() for key, quoted, plain in _PAIR.findall(text)}
+    try:
+        function, dimension = int(pairs["funcId"]), int(pairs["DIM"])
+    except (KeyError, ValueError) as error:
+        raise BenchError(f"{file}, line {line}, has no number of the function or dimension") from error
+    suite = pairs.get("suite") or ("bbob" if function < NOISY else "bbob-noisy")
+    if "biobj" in suite or "biobj" in pairs.get("logger", ""):
+        raise BenchError(f"{file}, line {line}, is of {suite!r}, whose problems have several objectives")
+    where = f"{file}, line {line},"
+    return DataSet(file, line, label(suite, where), function, dimension, label(pairs.get("algId", "unknown"), where))
+
+
+def _entries(text: str, where: str, file: PurePosixPath, data: DataSet) -> None:
+    """Add the logs of a line, each with its runs."""
+    before = len(data.logs)
+    for item in (each.strip() for each in text.split(",")):
+        if item.endswith(".dat"):
+            path = PurePosixPath(item.replace("\\", "/"))
+            if path.is_absolute() or ".." in path.parts:
+                raise BenchError(f"{where} names {shown(item)}, which is outside the folder")
+            data.logs.append((file.parent / path, []))
+        elif (found := _ENTRY.fullmatch(item)) and len(data.logs) > before:
+            instance, evaluations, final = found.groups()
+            try:
+                data.logs[-1][1].append(
+                    Logged(
+                        int(instance),
+                        None if evaluations is None else int(evaluations),
+                        None if final is None else float(final),
+                    )
+                )
+            except ValueError as error:
+                raise BenchError(f"{where} has the run {shown(item)}, which cannot be read") from error
+        else:
+            raise BenchError(f"{where} has {shown(item)} where a run such as '1:301|8.5e-02' is expected")
+
+
+def _blocks(source: Source, log: PurePosixPath) -> list[Block]:
+    """Return the runs of both logs; the .tdat file must have as many as the .dat file where it is there."""
+    files = set(source.files)
+    if log not in files:
+        raise BenchError(f"the log {log} is missing, which the index names")
+    timed = log.with_suffix(".tdat")
+    found = _log(source, log)
+    if timed not in files:
+        return found
+    others = _log(source, timed)
+    if len(others) != len(found):
+        raise BenchError(f"{log} has {len(found)} runs and {timed} has {len(others)}; one of them is cut short")
+    return [_joined(one, other) for one, other in zip(found, others, strict=True)]
+
+
+def _joined(one: Block, timed: Block) -> Block:
+    """Return a run with the rows of both logs.
+
+    The .dat file says when a target of COCO was reached, as for cocopp: a row of the .tdat file that has one earlier is
+    left out. COCO triggers the .dat file below a target, so that is a value which equals the target.
+    """
+    best = np.append(np.inf, np.minimum.accumulate(one.values))
+    until = best[np.searchsorted(one.evaluations, timed.evaluations, side="right")]
+    kept = np.searchsorted(TARGETS, timed.values) >= np.searchsorted(TARGETS, until)
+    evaluations = np.concatenate((one.evaluations, timed.evaluations[kept]))
+    values = np.concatenate((one.values, timed.values[kept]))
+    order = np.lexsort((values, evaluations))
+    evaluations, values = evaluations[order], values[order]
+    first = np.append(True, evaluations[1:] > evaluations[:-1])[: len(values)]
+    return Block(one.header, one.line, evaluations[first], values[first])
+
+
+def _log(source: Source, file: PurePosixPath) -> list[Block]:
+    """Return the runs of a log, each with its header; raises BenchError with the line that cannot be read."""
+    blocks: list[Block] = []
+    text = source.text(file)
+    lines = text.splitlines()
+    header: str | None = None
+    begin = 0
+    counts: list[str] = []
+    values: list[str] = []
+    places: list[int] = []
+
+    def close() -> None:
+        if header is not None:
+            blocks.append(_block(header, begin, counts, values, places, file))
+
+    for number, line in enumerate(lines, start=1):
+        if line.startswith("%"):
+            if header is not None and not counts:
+                header += line  # a header may have several lines
+                continue
+            close()
+            header, begin, counts, values, places = line, number, [], [], []
+        elif line.strip():
+            cells = line.split(None, 3)
+            if header is None or len(cells) < 3:
+                what = "is cut short" if header is not None else "comes before the header of a run"
+                raise BenchError(f"{file}, line {number}, {what}: {shown(line)}")
+            counts.append(cells[0])
+            values.append(cells[2])
+            places.append(number)
+    close()
+    if lines and not text.endswith(("\n", "\r")):
+        raise BenchError(f"{file} is cut short in line {len(lines)}: {shown(lines[-1])}")
+    return blocks
+
+
+def _block(
+    header: str, begin: int, counts: list[str], values: list[str], places: list[int], file: PurePosixPath
+) -> Block:
+    if not counts:
+        raise BenchError(f"{file}, line {begin}, begins a run without an evaluation; the file may be cut short")
+    try:
+        evaluations, best = np.array(counts).astype(np.float64), np.array(values).astype(np.float64)
+    except ValueError:
+        for number, *cells in zip(places, counts, values, strict=True):
+            if not all(map(_is_number, cells)):
+                raise BenchError(f"{file}, line {number}, has {shown(' … '.join(cells))}, no numbers") from None
+        raise
+    whole = evaluations.astype(np.int64)
+    if not (whole == evaluations).all() or np.isnan(best).any():
+        at = int(np.flatnonzero((whole != evaluations) | np.isnan(best))[0])
+        raise BenchError(f"{file}, line {places[at]}, has no whole number of evaluations, or no value")
+    require_increasing(whole, places, str(file), repeats=True)
+    twice = np.flatnonzero((np.diff(whole) == 0) & (np.diff(best) != 0))
+    if len(twice):
+        raise BenchError(
+            f"{file}, line {places[int(twice[0]) + 1]}, repeats evaluation {whole[twice[0]]} with another value"
+        )
+    return Block(header, begin, whole, best)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _run(data: DataSet, algorithm: str, log: PurePosixPath, entry: Logged, block: Block) -> Run:
+    own = not data.comment.startswith(STAND_IN)
+    where = f"{log}, line {block.line},"
+    if own:
+        problem = naming.problem_name(data.suite, data.function, data.dimension, entry.instance)
+    else:
+        problem = label(data.comment.removeprefix(STAND_IN), where)
+    optimum = _optimum(problem, block.header, where, own=own)
+    last = int(block.evaluations[-1])
+    _require_whole(entry, block, log)
+    finite = block.values < INFINITE
+    trace = improvements(block.evaluations[finite], block.values[finite] + optimum)
+    return Run(problem, algorithm, data.dimension, max(last, entry.evaluations or 0), trace)
+
+
+def _optimum(problem: str, header: str, where: str, *, own: bool) -> float:
+    """Return f_opt: the family's, with all its digits, where the header's agrees with it."""
+    found = _FOPT.search(header)
+    if found is None or not _is_number(found[1]):
+        raise BenchError(f"{where} is the header of a run without its f_opt: {shown(header)}")
+    optimum = naming.known(problem).optimum if own else None
+    if optimum is None:
+        return float(found[1])
+    if not naming.agrees(found[1], optimum):
+        raise BenchError(
+            f"{where} has f_opt = {found[1]} for {problem}, whose optimum is {optimum!r} here; the data are of another "
+            "function or instance"
+        )
+    return optimum
+
+
+def _require_whole(entry: Logged, block: Block, log: PurePosixPath) -> None:
+    """Refuse a run whose logs end before the evaluations and at a worse value than the index names.
+
+    Indices of 2009 have the final value less the precision of 1e-8, to two digits.
+    """
+    if entry.evaluations is None or entry.final is None or block.evaluations[-1] >= entry.evaluations:
+        return
+    best = float(block.values.min())
+    if best > entry.final + 0.06 * abs(entry.final) + 2e-8:
+        raise BenchError(
+            f"{log} is cut short: its run on instance {entry.instance} ends at evaluation {block.evaluations[-1]} and "
+            f"{best:.1e}, and the index names {entry.evaluations} and {entry.final:.1e}"
+        )

@@ -1,0 +1,198 @@
+"""Read the format of IOHprofiler: a JSON file about the runs on a function, and logs (``.dat``) of each dimension.
+
+``raw_y`` is the objective value, except in the suite BBOB, where it is the value less f_opt. Loggers write it with ten
+decimals, and the best value of a run with all digits into the JSON file, from where the last improvement is taken.
+
+Source: J. de Nobel, F. Ye, D. Vermetten, H. Wang, C. Doerr, T. Bäck, "IOHexperimenter: Benchmarking Platform for
+Iterative Optimization Heuristics", Evolutionary Computation 32(3), 2024.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from pathlib import PurePosixPath
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.importing import naming
+from bench.importing.runs import Run, improvements, label, optimizer_labels, require_increasing, shown
+from bench.importing.source import Source
+from bench.numbers import is_finite, is_whole
+from bench.objective import Trace
+from bench.problem import Floats
+
+VALUE = "raw_y"
+DECIMALS = 1e-9  # to which a log and the JSON file of a run must agree
+
+BBOB = (
+    "Sphere", "Ellipsoid", "Rastrigin", "BuecheRastrigin", "LinearSlope", "AttractiveSector", "StepEllipsoid",
+    "Rosenbrock", "RosenbrockRotated", "EllipsoidRotated", "Discus", "BentCigar", "SharpRidge", "DifferentPowers",
+    "RastriginRotated", "Weierstrass", "Schaffers10", "Schaffers1000", "GriewankRosenBrock", "Schwefel",
+    "Gallagher101", "Gallagher21", "Katsuura", "LunacekBiRastrigin",
+)  # fmt: skip
+"""IOHexperimenter's names of bbob's functions, by which they are known where a log names no suite."""
+
+Block = tuple[NDArray[np.int64], Floats]
+
+
+class _Data(NamedTuple):
+    """A dimension of a JSON file."""
+
+    file: PurePosixPath
+    head: dict[str, Any]
+    algorithm: str
+    dimension: int
+    log: PurePosixPath
+    runs: list[dict[str, Any]]
+
+
+def recognised(source: Source) -> bool:
+    """Return whether the source holds a JSON file of IOHprofiler."""
+    return any(map(_is_index, source.files))
+
+
+def _is_index(file: PurePosixPath) -> bool:
+    return file.name.startswith("IOHprofiler") and file.suffix == ".json"
+
+
+def runs(source: Source, _notes: list[str]) -> Iterator[Run]:
+    """Yield the runs of every JSON file.
+
+    Raises:
+        BenchError: for a file that is no data of IOHprofiler or is cut short, and for results of maximisation.
+    """
+    found = [each for file in source.files if _is_index(file) for each in _scenarios(source, file)]
+    names = optimizer_labels((each.file.parent, each.algorithm) for each in found)
+    for data in found:
+        blocks = _blocks(source, data.log)
+        if len(blocks) != len(data.runs):
+            raise BenchError(
+                f"{data.log} has {len(blocks)} runs and {data.file} names {len(data.runs)}; one of them is cut short"
+            )
+        for position, (run, block) in enumerate(zip(data.runs, blocks, strict=True), start=1):
+            yield _run(data, names[data.file.parent, data.algorithm], run, block, f"{data.log}, run {position},")
+
+
+def _scenarios(source: Source, file: PurePosixPath) -> Iterator[_Data]:
+    try:
+        head = json.loads(source.text(file))
+    except (ValueError, RecursionError) as error:
+        raise BenchError(f"{file} is no JSON, or is cut short: {error}") from error
+    try:
+        if head["maximization"]:
+            raise BenchError(f"{file} holds results of maximisation; only minimisation can be compared here")
+        algorithm = label(head["algorithm"]["name"], str(file))
+        for each in head["scenarios"]:
+            path = PurePosixPath(str(each["path"]).replace("\\", "/"))
+            if path.is_absolute() or ".." in path.parts:
+                raise BenchError(f"{file} names {shown(path)}, which is outside the folder")
+            numbers = int(head["function_id"]), int(each["dimension"])
+            runs = [{"instance": int(run["instance"]), "evals": int(run["evals"]), **run} for run in each["runs"]]
+            yield _Data(file, head | {"function_id": numbers[0]}, algorithm, numbers[1], file.parent / path, runs)
+    except BenchError:
+        raise
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        what = f"lacks {error}" if isinstance(error, KeyError) else f"has a value of another kind ({error})"
+        raise BenchError(f"{file} is no file of IOHprofiler: it {what}") from error
+
+
+def _blocks(source: Source, log: PurePosixPath) -> list[Block]:
+    """Return evaluations and values of each run of a log."""
+    if log not in source.files:
+        raise BenchError(f"the log {log} is missing, which its JSON file names")
+    text = source.text(log)
+    lines = text.splitlines()
+    if lines and not text.endswith("\n"):
+        raise BenchError(f"{log} is cut short in line {len(lines)}: {shown(lines[-1])}")
+    blocks: list[Block] = []
+    columns: list[str] = []
+    rows: list[tuple[int, float]] = []
+    begin = 1
+    for number, line in enumerate([*lines, "evaluations"], start=1):
+        cells = line.split()
+        if not cells:
+            continue
+        if cells[0].strip('"') == "evaluations":
+            if columns:
+                blocks.append(_block(rows, log, begin))
+            columns, rows, begin = [cell.strip('"') for cell in cells], [], number + 1
+            if number <= len(lines) and VALUE not in columns:
+                raise BenchError(f"{log}, line {number}, has no column {VALUE!r}")
+            continue
+        try:
+            rows.append((int(cells[0]), float(cells[columns.index(VALUE)])))
+        except (ValueError, IndexError) as error:
+            raise BenchError(f"{log}, line {number}, is no row of evaluations and values: {shown(line)}") from error
+    return blocks
+
+
+def _block(rows: list[tuple[int, float]], log: PurePosixPath, begin: int) -> Block:
+    evaluations = np.array([row[0] for row in rows], dtype=np.int64)
+    values = np.array([row[1] for row in rows], dtype=np.float64)
+    require_increasing(evaluations, range(begin, begin + len(rows)), str(log))
+    if np.isnan(values).any():
+        raise BenchError(f"{log}, line {begin + int(np.flatnonzero(np.isnan(values))[0])}, has no value")
+    return evaluations, values
+
+
+def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: str) -> Run:
+    own = "trial" in run and "seed" in run  # this package's export, whose function names are labels of problems
+    problem, bbob = _problem(data, run["instance"], own)
+    trace = _exact(improvements(*block), run.get("best") or {}, where)
+    if bbob:
+        optimum = naming.known(problem).optimum
+        if optimum is None:
+            raise BenchError(
+                f"{data.file} holds values less f_opt, which cannot be looked up for {problem}; install it with: "
+                "pip install 'backlash-bench[suites]'"
+            )
+        trace = improvements(trace.evaluations, trace.values + optimum)
+    last = int(block[0][-1]) if len(block[0]) else 0
+    columns: dict[str, Any] = {"x": _point(run.get("best") or {}, problem)}
+    if own and is_whole(run["seed"]):
+        columns["seed"] = run["seed"]
+    number = run["trial"] if own and is_whole(run["trial"]) and run["trial"] >= 0 else None
+    return Run(problem, algorithm, data.dimension, max(run["evals"], last), trace, number, columns)
+
+
+def _problem(data: _Data, instance: int, own: bool) -> tuple[str, bool]:
+    """Return the label of a run's problem, and whether its values are less f_opt."""
+    function, name = data.head["function_id"], str(data.head.get("function_name", ""))
+    if own:
+        return label(name, str(data.file)), False
+    suite = str(data.head.get("suite", ""))
+    unnamed = (
+        suite in ("", "unknown_suite") and 1 <= function <= len(BBOB) and BBOB[function - 1].lower() == name.lower()
+    )
+    if suite.lower() == "bbob" or unnamed:
+        return naming.problem_name("bbob", function, data.dimension, instance), True
+    return naming.problem_name(suite or name, function, data.dimension, instance), False
+
+
+def _exact(trace: Trace, best: dict[str, Any], where: str) -> Trace:
+    """Return a trace that ends at the best value as the JSON file has it; refuse a log that ends before it."""
+    y: Any = best.get("y")
+    if not is_finite(y):
+        return trace
+    found = float(trace.values[-1]) if len(trace.values) else math.inf
+    near = DECIMALS * max(1.0, abs(float(y)))
+    if found > float(y) + near:
+        raise BenchError(f"{where} ends at {found!r} and its JSON file has {y!r}; the log is cut short")
+    if found < float(y) - near:
+        raise BenchError(f"{where} has {found!r}, which is below the best value of its JSON file, {y!r}")
+    return improvements(trace.evaluations, np.append(trace.values[:-1], float(y)))
+
+
+def _point(best: dict[str, Any], problem: str) -> dict[str, float]:
+    """Return the best point by variable, empty where the file has none."""
+    x = best.get("x")
+    if not isinstance(x, list) or not x:
+        return {}
+    names = naming.known(problem).variables
+    names = names if len(names) == len(x) else tuple(f"x{number}" for number in range(1, len(x) + 1))
+    return {name: float(value) if is_finite(value) else math.nan for name, value in zip(names, x, strict=True)}

@@ -1,0 +1,103 @@
+"""One run of another tool's results, as every reader of a format returns it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import PurePosixPath
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import BenchError
+from bench.objective import Trace
+from bench.problem import Floats
+from bench.text import printable
+
+LONGEST = 200
+"""Characters of a label or of a file's words in a message."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of an optimizer on a problem; what the format does not hold stays unknown.
+
+    Attributes:
+        problem: the label of the problem.
+        optimizer: the label of the optimizer.
+        dimension: search variables, None where the format does not say.
+        nfev: evaluations made.
+        trace: the best-so-far objective value over evaluations, improvements only.
+        number: the number of the trial, None to number the runs of a cell in their order.
+        columns: further columns of the trial's row, such as ``seed`` and ``x``.
+    """
+
+    problem: str
+    optimizer: str
+    dimension: int | None
+    nfev: int
+    trace: Trace
+    number: int | None = None
+    columns: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def fun(self) -> float:
+        """The best objective value, +inf where none is finite."""
+        return float(self.trace.values[-1]) if len(self.trace.values) else np.inf
+
+
+def improvements(evaluations: NDArray[np.int64], values: Floats) -> Trace:
+    """Return the improvements among the values of a run, in order of evaluations; infinite values are none."""
+    if not len(values):
+        return Trace(evaluations, values)
+    best = np.minimum.accumulate(values)
+    new = best < np.append(np.inf, best[:-1])
+    return Trace(evaluations[new], best[new])
+
+
+def require_increasing(
+    evaluations: NDArray[np.int64], lines: Iterable[int], file: str, *, repeats: bool = False
+) -> None:
+    """Raise BenchError where evaluation counts do not increase from at least 1.
+
+    Args:
+        evaluations: (m,) of one run.
+        lines: the line of each in the file.
+        file: its name.
+        repeats: whether a count may occur several times in a row.
+    """
+    steps = np.diff(evaluations)
+    wrong = np.flatnonzero(np.append(evaluations[:1] < 1, steps < 0 if repeats else steps < 1))
+    if len(wrong):
+        place = int(wrong[0])
+        before = f"after evaluation {evaluations[place - 1]}" if place else "where a run begins"
+        line = list(lines)[place]
+        raise BenchError(
+            f"{file}, line {line}, has evaluation {evaluations[place]} {before}; the evaluations of a run must increase"
+        )
+
+
+def optimizer_labels(named: Iterable[tuple[PurePosixPath, str]]) -> dict[tuple[PurePosixPath, str], str]:
+    """Return the label of each algorithm in a folder: its own name, or the folder's where several folders share it.
+
+    Folders of one name, as in ``bbob/gwo`` and ``bbob-noisy/gwo``, are of one algorithm.
+    """
+    pairs = dict.fromkeys(named)
+    folders: dict[str, set[str]] = {}
+    for folder, name in pairs:
+        folders.setdefault(name, set()).add(folder.name)
+    return {(folder, name): folder.name if len(folders[name]) > 1 and folder.name else name for folder, name in pairs}
+
+
+def label(text: object, where: str) -> str:
+    """Return the name of a problem or an optimizer as a label; raises BenchError for one that cannot be."""
+    found = str(text).strip()
+    if not found or not found.isprintable() or len(found) > LONGEST:
+        raise BenchError(f"{where} has a name that is empty, too long or not printable: {shown(found)}")
+    return found
+
+
+def shown(text: object) -> str:
+    """Return a file's words as a message shows them."""
+    return repr(printable(str(text), 60))

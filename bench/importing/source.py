@@ -1,0 +1,164 @@
+"""Open what is imported: a folder, a file, or an archive that is unpacked into a temporary folder within limits."""
+
+from __future__ import annotations
+
+import hashlib
+import tarfile
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import IO
+
+from bench.errors import BenchError
+
+MOST_BYTES = 4 * 10**9
+"""Bytes that are read of a folder or unpacked from an archive."""
+
+MOST_FILES = 200_000
+"""Files that are looked at."""
+
+_CHUNK = 1 << 20
+_PADDING = 64  # chunks after the last member of an archive
+
+
+@dataclass(frozen=True)
+class Source:
+    """What is imported.
+
+    Attributes:
+        name: the name of the folder or file.
+        root: the folder that holds the files, which may be temporary.
+        files: their paths within it, sorted.
+        sha256: the hash of the file or archive; of a folder, that of the paths and contents of its files.
+    """
+
+    name: str
+    root: Path
+    files: tuple[PurePosixPath, ...]
+    sha256: str
+
+    def bytes(self, file: PurePosixPath) -> bytes:
+        """Return a file's content."""
+        try:
+            return (self.root / file).read_bytes()
+        except OSError as error:
+            raise BenchError(f"{self.name}/{file} cannot be read: {error.strerror}") from error
+
+    def text(self, file: PurePosixPath) -> str:
+        """Return a file's text; old files may hold bytes that are no UTF-8."""
+        return self.bytes(file).decode("utf-8-sig", errors="replace")
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Source]:
+    """Yield the files of a folder, of one file, or of a tar or zip archive.
+
+    Raises:
+        BenchError: where it is missing, cannot be read or is damaged, is too large, or holds links or paths that leave
+            the archive.
+    """
+    try:
+        if path.is_dir():
+            yield _folder(path.resolve().name or str(path), path, "")
+        elif not path.is_file():
+            raise BenchError(f"{path} is neither a folder nor a file; give the results to import")
+        elif tarfile.is_tarfile(path) or zipfile.is_zipfile(path):
+            with tempfile.TemporaryDirectory(prefix="bench-import-") as temporary:
+                (_unpack_tar if tarfile.is_tarfile(path) else _unpack_zip)(path, Path(temporary))
+                yield _folder(path.name, Path(temporary), _hash(path))
+        else:
+            yield Source(path.name, path.parent, (PurePosixPath(path.name),), _hash(path))
+    except OSError as error:
+        raise BenchError(f"{path} cannot be read: {error.strerror or error}") from error
+
+
+def _folder(name: str, root: Path, sha256: str) -> Source:
+    files, size = [], 0
+    for file in root.rglob("*"):
+        if file.is_file():
+            files.append(PurePosixPath(file.relative_to(root).as_posix()))
+            size += file.stat().st_size
+            _limit(name, len(files), size)
+    files.sort()
+    if not sha256:
+        digest = hashlib.sha256()
+        for each in files:
+            digest.update(f"{each}\0{_hash(root / each)}\n".encode())
+        sha256 = digest.hexdigest()
+    return Source(name, root, tuple(files), sha256)
+
+
+def _limit(name: str, files: int, size: int) -> None:
+    if files > MOST_FILES or size > MOST_BYTES:
+        raise BenchError(
+            f"{name} holds more than {MOST_FILES:,} files or {MOST_BYTES / 1e9:g} GB; import a part of it at a time"
+        )
+
+
+def _hash(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _unpack_tar(path: Path, folder: Path) -> None:
+    files = size = 0
+    try:
+        with tarfile.open(path) as archive:
+            for member in archive:
+                target = _target(path, folder, member.name)
+                if member.isdir():
+                    continue
+                content = archive.extractfile(member) if member.isfile() else None
+                if content is None:
+                    raise BenchError(f"{path.name} holds {member.name!r}, which is no file; links are not imported")
+                files, size = files + 1, size + member.size
+                _limit(path.name, files, size)
+                _write(content, target, member.size)
+            for _ in range(_PADDING):  # a compressed file that was cut shows it only at its end
+                if archive.fileobj is None or not archive.fileobj.read(_CHUNK):
+                    break
+    except (tarfile.TarError, EOFError, OSError, ValueError) as error:
+        if isinstance(error, BenchError):
+            raise
+        raise BenchError(f"the archive {path} is damaged or cut short: {error}") from error
+
+
+def _unpack_zip(path: Path, folder: Path) -> None:
+    files = size = 0
+    try:
+        with zipfile.ZipFile(path) as archive:
+            for member in archive.infolist():
+                target = _target(path, folder, member.filename)
+                if member.is_dir():
+                    continue
+                files, size = files + 1, size + member.file_size
+                _limit(path.name, files, size)
+                with archive.open(member) as content:
+                    _write(content, target, member.file_size)
+    except (zipfile.BadZipFile, EOFError, OSError, NotImplementedError, RuntimeError, ValueError) as error:
+        if isinstance(error, BenchError):
+            raise
+        raise BenchError(f"the archive {path} is damaged or cut short: {error}") from error
+
+
+def _target(path: Path, folder: Path, name: str) -> Path:
+    """Return where a member of an archive is unpacked; refuse a path that leaves the folder."""
+    parts = PurePosixPath(name.replace("\\", "/")).parts
+    if not parts or ".." in parts or parts[0].startswith("/") or ":" in parts[0]:
+        raise BenchError(f"{path.name} holds {name!r}, a path that leaves the archive; it is not imported")
+    return folder.joinpath(*parts)
+
+
+def _write(content: IO[bytes], target: Path, size: int) -> None:
+    """Copy a member of an archive, and no more bytes than it declares."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    left = size
+    with target.open("wb") as file:
+        while left > 0 and (chunk := content.read(min(_CHUNK, left))):
+            file.write(chunk)
+            left -= len(chunk)
+    if left:
+        raise EOFError(f"{target.name} ends too early")

@@ -1,0 +1,149 @@
+"""Read plain tables (CSV): problem, optimizer, trial, evaluations, value; one row an evaluation that is worth noting.
+
+The rows of a run must be in order of evaluations, and other runs may come between them. Values need not improve; the
+last row of a run says how many evaluations it made. A folder with ``improvements.csv`` and ``trials.csv``, as this
+package exports them, is imported with all that the table of trials holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import PurePosixPath
+from typing import Any, cast
+
+import numpy as np
+import pandas as pd
+
+from bench.errors import BenchError
+from bench.importing import naming
+from bench.importing.runs import Run, improvements, label, require_increasing
+from bench.importing.source import Source
+from bench.objective import Trace
+from bench.trial import FRAME_COLUMNS
+
+COLUMNS = ("problem", "optimizer", "trial", "evaluations", "value")
+IMPROVEMENTS, TRIALS = "improvements.csv", "trials.csv"
+KEYS = ["problem", "optimizer", "trial"]
+NONE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
+_COUNTS = ("seed", "nfev", "outside_box")
+_TIMES = ("wall_s", "cpu_s", "objective_s")
+_TEXTS = ("stop", "error")
+
+
+def recognised(source: Source) -> bool:
+    """Return whether the source holds a table with the columns."""
+    return any(_is_table(source, file) for file in source.files)
+
+
+def _is_table(source: Source, file: PurePosixPath) -> bool:
+    if file.suffix != ".csv":
+        return False
+    with (source.root / file).open("rb") as opened:
+        head = opened.readline(10_000).decode("utf-8-sig", errors="replace")
+    return set(COLUMNS) <= {cell.strip().strip('"') for cell in head.split(",")}
+
+
+def runs(source: Source, _notes: list[str]) -> Iterator[Run]:
+    """Yield the runs of every table.
+
+    Raises:
+        BenchError: with the line that cannot be read, or whose evaluations do not increase.
+    """
+    for file in source.files:
+        if _is_table(source, file):
+            beside = file.with_name(TRIALS)
+            whole = file.name == IMPROVEMENTS and beside in source.files
+            yield from _exported(source, file, beside) if whole else _plain(source, file)
+
+
+def _plain(source: Source, file: PurePosixPath) -> Iterator[Run]:
+    table = _table(source, file)
+    for key, own in table.groupby(KEYS, sort=False):
+        problem, optimizer, number = cast("tuple[str, str, int]", key)
+        evaluations = own["evaluations"].to_numpy(dtype=np.int64)
+        trace = _trace(own, file)
+        yield Run(problem, optimizer, naming.dimension_of(problem), int(evaluations[-1]), trace, int(number))
+
+
+def _trace(own: pd.DataFrame, file: PurePosixPath) -> Trace:
+    evaluations = own["evaluations"].to_numpy(dtype=np.int64)
+    require_increasing(evaluations, own["line"], str(file))
+    return improvements(evaluations, own["value"].to_numpy(dtype=np.float64))
+
+
+def _read(source: Source, file: PurePosixPath) -> pd.DataFrame:
+    """Return a table as texts, missing ones as ""; a row is cut short where it has fewer cells than the header."""
+    content = source.bytes(file)
+    try:
+        table = pd.read_csv(BytesIO(content), dtype=str, keep_default_na=False, encoding="utf-8-sig")
+    except (ValueError, pd.errors.ParserError) as error:
+        raise BenchError(f"{file} cannot be read as a table: {str(error).strip().splitlines()[0]}") from error
+    if content and not content.endswith((b"\n", b"\r")):
+        raise BenchError(f"{file} is cut short: its last line has no end")
+    return table.rename(columns=str.strip).assign(line=np.arange(2, len(table) + 2))
+
+
+def _table(source: Source, file: PurePosixPath) -> pd.DataFrame:
+    table = _read(source, file)
+    for name in ("trial", "evaluations"):
+        table[name] = _whole(table, name, file)
+    table["value"] = _numbers(table, "value", file)
+    if table["value"].isna().any():
+        raise BenchError(f"{file}, line {table.loc[table['value'].isna(), 'line'].iloc[0]}, has no value")
+    for name in ("problem", "optimizer"):
+        known = {text: label(text, f"{file}, column {name},") for text in table[name].unique()}
+        table[name] = table[name].map(known)
+    return table
+
+
+def _whole(table: pd.DataFrame, name: str, file: PurePosixPath) -> pd.Series[int]:
+    wrong = ~table[name].str.fullmatch(r"\s*[0-9]{1,15}\s*")
+    if wrong.any():
+        row = table[wrong].iloc[0]
+        raise BenchError(f"{file}, line {row['line']}, has {row[name]!r} as {name}, which is no whole number from 0")
+    return table[name].astype(np.int64)
+
+
+def _numbers(table: pd.DataFrame, name: str, file: PurePosixPath) -> pd.Series[float]:
+    try:
+        texts: list[str] = table[name].tolist()
+        return pd.Series([float(each) if each.strip() else np.nan for each in texts], index=table.index)
+    except ValueError as error:
+        raise BenchError(f"{file} has a {name} that is no number: {error}") from error
+
+
+def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Iterator[Run]:
+    """Yield the trials of this package's own export, with those that failed."""
+    traces = {key: _trace(own, file) for key, own in _table(source, file).groupby(KEYS, sort=False)}
+    table = _read(source, trials)
+    if lacking := [name for name in ("problem", "optimizer", "trial", "status", "fun", "nfev") if name not in table]:
+        raise BenchError(f"{trials} has no column {lacking[0]!r}")
+    table["trial"] = _whole(table, "trial", trials)
+    own = {*FRAME_COLUMNS, "precision", "line"}
+    measured: dict[str, list[float]] = {
+        name: _numbers(table, name, trials).tolist()
+        for name in map(str, table)
+        if name not in own or name in (*_TIMES, "fun")
+    }
+    for place, row in enumerate(table.to_dict("records")):
+        key = row["problem"], row["optimizer"], row["trial"]
+        numbers = {name: each[place] for name, each in measured.items()}
+        columns: dict[str, Any] = {"status": row["status"], "fun": _known(numbers["fun"])}
+        columns |= {name: int(row[name]) if row.get(name) else None for name in _COUNTS}
+        columns |= {name: _known(numbers.get(name, np.nan)) for name in _TIMES}
+        columns |= {name: row.get(name) or None for name in _TEXTS}
+        if row["status"] == "ok":
+            columns["x"] = {n[2:]: each for n, each in numbers.items() if n.startswith("x_") and not np.isnan(each)}
+            rest = set(measured) - {*_TIMES, "fun"}
+            columns["figures"] = {
+                n: each for n, each in numbers.items() if n in rest and n[:2] != "x_" and not np.isnan(each)
+            }
+        optimizer = label(row["optimizer"], str(trials))
+        problem = label(row["problem"], str(trials))
+        dimension = naming.dimension_of(problem) or len(columns.get("x", ())) or None
+        yield Run(problem, optimizer, dimension, columns["nfev"] or 0, traces.get(key, NONE), key[2], columns)
+
+
+def _known(value: float) -> float | None:
+    return None if np.isnan(value) else value

@@ -1,0 +1,142 @@
+"""Imported results beside results that were made here, through every reader of a folder."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from bench import BenchError, Results, analysis, load_results
+from bench.cli.app import app
+from bench.execution.verify import verify
+from bench.importing import import_results
+from bench.report import write_report
+from bench.report.findings import Findings
+from bench.storage.folder import Folder
+from bench.study import Entry, Study
+from bench.trial import Trial
+from tests.bench.export.made import exported, make, record
+
+ROWS = [
+    "problem,optimizer,trial,evaluations,value",
+    *(
+        f"box-f01-d{d}-i{i},archived,{trial},{at},{value / i}"
+        for d in (2, 3)
+        for i in (1, 2, 3, 4)
+        for trial in (0, 1)
+        for at, value in ((1, 8.0), (30 + trial, 0.5), (400 * d + trial, 0.25))
+    ),
+    "",
+]
+MINE = {f"box-f01-d{d}-i{i}": d for d in (2, 5) for i in (1, 2, 7)}
+
+
+@pytest.fixture
+def archive(tmp_path):
+    (tmp_path / "runs.csv").write_text("\n".join(ROWS))
+    import_results(tmp_path / "runs.csv", tmp_path / "archive")
+    return tmp_path / "archive"
+
+
+@pytest.fixture
+def mine(tmp_path):
+    """A study whose budget is 120, on instances and dimensions of which the archive has a part."""
+    return make(tmp_path / "mine", MINE, ("own",), trials=3).paths[0]
+
+
+class TestUnited:
+    def test_the_problems_that_both_have_are_compared(self, mine, archive):
+        both = Results(mine, archive)
+        assert [entry.label for entry in both.study.problems] == ["box-f01-d2-i1", "box-f01-d2-i2"]
+        assert both.frame.groupby("optimizer").size().to_dict() == {"own": 6, "archived": 4}
+        assert {problem for problem, _, _ in both.traces} == {"box-f01-d2-i1", "box-f01-d2-i2"}
+
+    def test_the_differences_are_said(self, mine, archive):
+        shared, mine_more, archive_more, trials, budgets = Results(mine, archive).differences
+        assert shared == "The folders share 2 problems; only those are compared."
+        assert mine_more == (
+            "Left out of mine: 4 problems that not all folders have, of dimensions 5 and instances 7 among others."
+        )
+        assert archive_more.startswith("Left out of archive: 6 problems that not all folders have")
+        assert archive_more.endswith("of dimensions 3 and instances 3, 4 among others.")
+        assert trials == "Trials of an optimizer on a problem differ: at most 3 in mine and 2 in archive."
+        assert budgets.startswith(
+            "Budgets differ: 120 evaluations in mine and at most 801 evaluations at d = 2 in archive."
+        )
+        assert Results(mine).differences == Results(archive).differences == []
+
+    def test_each_optimizer_keeps_its_own_budget(self, mine, archive):
+        both = Findings(Results(mine, archive))
+        assert both.budgets == {"box-f01-d2-i1": 801, "box-f01-d2-i2": 801}
+        assert {cell: most for cell, most in both.allowed.items() if cell[0].endswith("i1")} == {
+            ("box-f01-d2-i1", "own"): 120,
+            ("box-f01-d2-i1", "archived"): 801,
+        }
+        verdicts = both.integrity.set_index("check")["verdict"]
+        assert verdicts["budget"] == "pass"
+        frame = pd.DataFrame({"problem": ["box-f01-d2-i1"] * 2, "optimizer": ["own", "archived"]})
+        assert analysis.budgets(frame, both.allowed).tolist() == [120.0, 801.0]
+
+    def test_folders_without_a_problem_in_common_are_refused(self, tmp_path, archive):
+        other = make(tmp_path / "other", {"sphere-2": 2}).paths[0]
+        with pytest.raises(BenchError, match="other and archive have no problem in common, such as 'sphere-2' and"):
+            Results(other, archive)
+
+    def test_studies_made_here_still_need_one_budget(self, tmp_path, mine, archive):
+        folder = Folder(tmp_path / "more")
+        folder.path.mkdir()
+        folder.claim(Study("more", (Entry("p", "p"),), (Entry("any", "any"),), budget=7))
+        with pytest.raises(BenchError, match="only runs of one budget can be compared"):
+            Results(mine, folder.path, archive)
+
+    def test_seeds_keep_their_digits_beside_trials_without_one(self, tmp_path, archive):
+        large, folder = 2**62 + 1, Folder(tmp_path / "one")
+        folder.path.mkdir()
+        problem, optimizer = (Entry(label, label) for label in ("box-f01-d2-i1", "any"))
+        folder.claim(Study("one", (problem,), (optimizer,), trials=1, budget=120))
+        with folder.store.writer() as writer:
+            writer.add(Trial("box-f01-d2-i1", "any", 0, large), record([3.0, 1.0], 2))
+        seeds = load_results(folder.path, archive)["seed"]
+        assert seeds.dtype == "Int64"
+        assert seeds.dropna().tolist() == [large]
+
+
+def test_every_command_that_reads_a_folder_reads_an_imported_one(archive, tmp_path):
+    def call(*words):
+        found = CliRunner().invoke(app, [str(word) for word in words])
+        assert found.exit_code == 0, found.output
+        return found.output
+
+    assert "16 trials from runs.csv (csv, licence unknown)" in " ".join(call("status", archive).split())
+    for kind in ("ioh", "coco", "csv"):
+        call("export", archive, "--format", kind)
+    head = json.loads((archive / "export/ioh/archived/IOHprofiler_f1_box-f01-d2-i1.json").read_text())
+    assert head["scenarios"][0]["dimension"] == 2
+    assert head["scenarios"][0]["runs"][0]["seed"] is None
+    with pytest.raises(BenchError, match="holds imported trials, such as those of archived"):
+        verify(archive)
+    call("merge", archive, "-o", tmp_path / "merged")
+    assert Results(tmp_path / "merged").frame.equals(Results(archive).frame)
+
+
+@pytest.mark.slow
+def test_a_report_says_what_is_unknown_and_what_differs(mine, archive, tmp_path):
+    page = write_report(mine, archive, output=tmp_path / "report", n_jobs=1).read_text()
+    for sentence in (
+        "The folders share 2 problems; only those are compared.",
+        "The times of archived are unknown, as of imported results.",
+        "imported results",
+        "runs.csv",
+    ):
+        assert sentence in page
+    assert "nan s" not in page
+
+
+def test_a_second_import_of_our_export_holds_the_same(archive, tmp_path):
+    """What was imported can be exported and imported again."""
+    import_results(exported(Results(archive), "csv", tmp_path / "out"), tmp_path / "again")
+    again, first = Results(tmp_path / "again"), Results(archive)
+    assert again.frame["fun"].tolist() == first.frame["fun"].tolist()
+    assert again.frame["seed"].isna().all()
+    assert all(np.array_equal(again.traces[key].values, trace.values) for key, trace in first.traces.items())

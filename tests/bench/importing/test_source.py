@@ -1,0 +1,81 @@
+"""Archives stay within their folder and within limits, and a format is recognised or named as unknown."""
+
+import io
+import tarfile
+import zipfile
+
+import pytest
+
+from bench import BenchError, Results
+from bench.importing import import_results, source
+from tests.bench.importing.test_tables import TABLE
+
+
+def packed(folder, name="runs.csv", **about):
+    """Write a tar archive with one member."""
+    file = folder / "runs.tar.gz"
+    with tarfile.open(file, "w:gz") as archive:
+        member = tarfile.TarInfo(name)
+        member.size = len(TABLE)
+        for key, value in about.items():
+            setattr(member, key, value)
+        archive.addfile(member, io.BytesIO(TABLE.encode()))
+    return file
+
+
+def test_tar_and_zip_archives_are_read(tmp_path):
+    import_results(packed(tmp_path, "deep/runs.csv"), tmp_path / "one")
+    with zipfile.ZipFile(tmp_path / "runs.zip", "w") as archive:
+        archive.writestr("deep/runs.csv", TABLE)
+    import_results(tmp_path / "runs.zip", tmp_path / "two")
+    assert Results(tmp_path / "one").frame["fun"].tolist() == Results(tmp_path / "two").frame["fun"].tolist()
+
+
+@pytest.mark.parametrize("name", ["../evil.csv", "/etc/evil.csv", "a/../../evil.csv", "..\\evil.csv", "C:\\evil.csv"])
+def test_a_path_that_leaves_the_archive_is_refused(tmp_path, name):
+    place = tmp_path / "deep" / "deeper"
+    place.mkdir(parents=True)
+    with pytest.raises(BenchError, match="a path that leaves the archive"):
+        import_results(packed(place, name), place / "out")
+    assert [each.name for each in place.iterdir()] == ["runs.tar.gz"]
+    assert not list(tmp_path.rglob("evil.csv"))
+
+
+@pytest.mark.parametrize("kind", [tarfile.SYMTYPE, tarfile.LNKTYPE, tarfile.FIFOTYPE])
+def test_links_and_devices_are_refused(tmp_path, kind):
+    with pytest.raises(BenchError, match="which is no file; links are not imported"):
+        import_results(packed(tmp_path, type=kind, linkname="/etc/passwd"), tmp_path / "out")
+
+
+def test_sizes_are_limited(tmp_path, monkeypatch):
+    monkeypatch.setattr(source, "MOST_BYTES", 10)
+    for each in (packed(tmp_path), tmp_path):
+        with pytest.raises(BenchError, match="import a part of it at a time"):
+            import_results(each, tmp_path / "out")
+
+
+def test_an_archive_that_is_cut_short_is_refused(tmp_path):
+    file = packed(tmp_path)
+    file.write_bytes(file.read_bytes()[:-20])
+    with pytest.raises(BenchError, match="is damaged or cut short"):
+        import_results(file, tmp_path / "out")
+
+
+def test_an_unknown_format_and_several_formats_are_refused(tmp_path):
+    (tmp_path / "x").mkdir()
+    (tmp_path / "x" / "notes.txt").write_text("hello")
+    with pytest.raises(BenchError, match="holds no results in a known format"):
+        import_results(tmp_path / "x", tmp_path / "out")
+    (tmp_path / "x" / "runs.csv").write_text(TABLE)
+    (tmp_path / "x" / "f1.info").write_text("")
+    with pytest.raises(BenchError, match="holds results of coco and of csv; import one of them at a time"):
+        import_results(tmp_path / "x", tmp_path / "out")
+    with pytest.raises(BenchError, match="is neither a folder nor a file"):
+        import_results(tmp_path / "nothing", tmp_path / "out")
+
+
+def test_a_folder_with_content_is_not_overwritten(tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "precious").write_text("")
+    with pytest.raises(BenchError, match="is there already and not empty"):
+        import_results(packed(tmp_path), tmp_path / "out")
