@@ -20,6 +20,9 @@ FRAME_COLUMNS = (
 )  # fmt: skip
 """The tidy frame's own columns; one ``x_<variable>`` for each variable and the domain metrics follow."""
 
+PRECISION = "precision"
+"""The column of the tidy frame that is computed when it is read: the objective value less the known optimum."""
+
 Row = dict[str, Any]
 """A trial's columns by name, as :func:`as_row` makes them and :mod:`bench.storage.store` keeps them."""
 
@@ -140,7 +143,7 @@ def as_row(result: Result, variables: tuple[str, ...]) -> dict[str, Any]:
     if len(set(variables)) != len(result.x):
         raise ValueError(f"the problem names {len(set(variables))} different variables for {len(result.x)} dimensions")
     metrics = numbers(result.metrics)
-    reserved = sorted(name for name in metrics if name in FRAME_COLUMNS or name.startswith("x_"))
+    reserved = sorted(name for name in metrics if name in (*FRAME_COLUMNS, PRECISION) or name.startswith("x_"))
     if reserved:
         raise ValueError(f"the problem's describe() uses a name of the tidy frame: {reserved[0]!r}")
     return {

@@ -20,7 +20,7 @@ from bench.importing import naming
 from bench.importing.runs import Run, improvements, label, require_increasing
 from bench.importing.source import Source
 from bench.objective import Trace
-from bench.trial import FRAME_COLUMNS
+from bench.trial import FRAME_COLUMNS, PRECISION
 
 COLUMNS = ("problem", "optimizer", "trial", "evaluations", "value")
 IMPROVEMENTS, TRIALS = "improvements.csv", "trials.csv"
@@ -120,7 +120,7 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
     if lacking := [name for name in ("problem", "optimizer", "trial", "status", "fun", "nfev") if name not in table]:
         raise BenchError(f"{trials} has no column {lacking[0]!r}")
     table["trial"] = _whole(table, "trial", trials)
-    own = {*FRAME_COLUMNS, "precision", "line"}
+    own = {*FRAME_COLUMNS, PRECISION, "line"}
     measured: dict[str, list[float]] = {
         name: _numbers(table, name, trials).tolist()
         for name in map(str, table)

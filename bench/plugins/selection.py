@@ -70,6 +70,17 @@ def _limited(names: list[str], what: str) -> list[str]:
     return names
 
 
+def is_of_suite(problem: str) -> bool:
+    """Return whether a problem's name is that of a suite's problem, a family with a grid; the problem is not loaded."""
+    families = registry.entries("problems")
+    for family in (each for each in families if problem.startswith(f"{each}-")):
+        with suppress(Exception):  # a broken family, or the name of another one
+            grid = getattr(registry.load("problems", family), "grid", None)
+            if isinstance(grid, Grid) and grid.member(problem):
+                return True
+    return False
+
+
 def _all_names() -> Iterator[str]:
     """Yield the names of every problem that can be listed, and of all that are on a grid."""
     for family in registry.entries("problems"):

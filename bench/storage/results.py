@@ -7,7 +7,7 @@ import json
 import math
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from itertools import compress, islice
 from os import PathLike
@@ -20,6 +20,7 @@ import pandas as pd
 from bench.errors import BenchError
 from bench.grid import dimension_in
 from bench.objective import Trace, integer_flags
+from bench.plugins import selection
 from bench.problem import Problem
 from bench.scoring import Scored, plain
 from bench.storage.folder import Folder
@@ -27,7 +28,7 @@ from bench.storage.reading import StoreCheck
 from bench.storage.union import differences, united
 from bench.study import Study
 from bench.text import unique
-from bench.trial import FRAME_COLUMNS, Row
+from bench.trial import FRAME_COLUMNS, PRECISION, Row
 
 AnyPath = str | PathLike[str]
 
@@ -105,7 +106,7 @@ class Results:
     @cached_property
     def frame(self) -> pd.DataFrame:
         """The tidy frame: one row a sound trial; see :func:`load_results`."""
-        return self._rows.drop(columns="environment")
+        return _with_precision(self._rows.drop(columns="environment"), self._suite_optima())
 
     @property
     def origins(self) -> pd.Series:
@@ -157,6 +158,15 @@ class Results:
             raise BenchError(f"the data of problem {label!r} is no longer what the trials were made with")
         return problem
 
+    def _suite_optima(self) -> dict[str, float]:
+        """Return the known optima of the problems of suites, by label.
+
+        No other problem is loaded: some compute their best known value in seconds.
+        """
+        suites = {entry.label for entry in self.study.problems if selection.is_of_suite(entry.name)}
+        known = {label: self.facts(label).optimum for label in suites}
+        return {label: optimum for label, optimum in known.items() if optimum is not None}
+
     def facts(self, label: str) -> ProblemFacts:
         """Return the facts of the problem of that label, as it loads on this machine; never raises."""
         return self._facts(label)
@@ -197,8 +207,10 @@ def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
     """Return the tidy frame of a study's folder, one row a trial, in the study's order; or all rows of several folders.
 
     Columns: study, problem, optimizer, trial, seed, status (ok | failed | timeout), fun, nfev, wall_s, cpu_s,
-    objective_s, stop, outside_box, error, one ``x_<variable>`` per variable and one per domain metric. A failed
-    trial's metrics are missing values. Damaged trials are left out, with a warning that names them.
+    objective_s, stop, outside_box, error, one ``x_<variable>`` per variable and one per domain metric. After ``fun``
+    comes ``precision``, which is ``fun`` less the known optimum, where a problem is of a suite whose optima are known.
+    A failed trial's metrics are missing values, and so is what imported results do not say. Damaged trials are left
+    out, with a warning that names them.
 
     Raises:
         BenchError: when a folder holds no study or no trials, or the folders cannot be compared (:class:`Results`).
@@ -323,6 +335,19 @@ def _tidy(rows: Iterable[Row], problems: Sequence[str], optimizers: Sequence[str
     optimizer = pd.Index(optimizers).get_indexer(pd.Index(frame["optimizer"]))
     order = np.lexsort((frame["trial"], optimizer, problem))
     return frame.take(order).reset_index(drop=True)
+
+
+def _with_precision(frame: pd.DataFrame, optima: Mapping[str, float]) -> pd.DataFrame:
+    """Return the frame with a column ``precision`` after ``fun``, missing where the optimum is unknown.
+
+    Without any known optimum, and where a domain metric has that name, the frame stays as it is.
+    """
+    known = frame["problem"].map(optima).astype(float) if optima else pd.Series(dtype=float)
+    if not known.notna().any() or PRECISION in frame:
+        return frame
+    precision = pd.to_numeric(frame["fun"], errors="coerce").astype(float) - known
+    frame.insert(list(frame).index("fun") + 1, PRECISION, precision)
+    return frame
 
 
 def _parsed(rows: list[Row], name: str) -> list[dict[str, float]]:

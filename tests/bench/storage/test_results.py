@@ -7,6 +7,7 @@ import pytest
 
 from bench import BenchError, Results, Study, load_results, run
 from bench.storage.results import COLUMNS, _tidy
+from tests.bench.export.made import make, some_fail
 
 
 @pytest.fixture
@@ -105,3 +106,26 @@ def test_the_order_of_columns_is_that_of_the_study_not_of_the_commits():
     first, second = (_tidy(each, ["a", "b"], ["o"]) for each in (rows, rows[::-1]))
     assert list(first)[len(COLUMNS) :] == ["x_u", "x_v", "early", "late"]
     pd.testing.assert_frame_equal(first, second)
+
+
+class TestPrecision:
+    @pytest.fixture
+    def mixed(self, tmp_path):
+        pytest.importorskip("cocoex", reason="the optimal values of bbob come from coco-experiment")
+        problems = {"bbob-f01-d2-i1": 2, "bbob-f01-d2-i2": 2, "sphere-2": 2}
+        return make(tmp_path / "s", problems, row=some_fail)
+
+    def test_it_is_the_value_less_the_optimum_of_a_suite_s_problem(self, mixed):
+        frame = mixed.frame
+        assert list(frame)[list(frame).index("fun") + 1] == "precision"
+        optima = frame["problem"].map({f"bbob-f01-d2-i{i}": mixed.facts(f"bbob-f01-d2-i{i}").optimum for i in (1, 2)})
+        pd.testing.assert_series_equal(frame["precision"], frame["fun"] - optima, check_names=False, check_exact=True)
+        assert frame.loc[frame["problem"] == "sphere-2", "precision"].isna().all()
+
+    def test_a_frame_without_a_known_optimum_has_no_such_column(self, tmp_path):
+        assert "precision" not in make(tmp_path / "s", {"sphere-2": 2}).frame
+
+    def test_problems_of_no_suite_are_not_loaded_for_it(self, tmp_path, monkeypatch):
+        results = make(tmp_path / "s", {"sphere-2": 2})
+        monkeypatch.setattr(Results, "facts", lambda *_: pytest.fail("loaded"))
+        assert len(results.frame)
