@@ -8,7 +8,7 @@ import sys
 
 import typer
 
-from bench.cli import check, export, import_, merge, pack, report, rm, run, solve, status, unpack, verify
+from bench.cli import archive, check, export, import_, merge, pack, report, rm, run, solve, status, unpack, verify
 from bench.cli import list as list_
 from bench.cli.console import print_error
 from bench.errors import BenchError
@@ -28,6 +28,7 @@ for _name, _command in (
     ("unpack", unpack.unpack),
 ):  # fmt: skip
     app.command(_name)(_command)
+app.add_typer(archive.archive, name="archive")
 
 
 def main() -> None:

@@ -13,6 +13,13 @@ from bench.errors import BenchError
 
 Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.")]
 Jobs = Annotated[int, typer.Option(help="Worker processes; -1 takes every core.")]
+Against = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME",
+        help="Compare with a published data set of COCO's archive, such as bbob/BIPOP-CMA-ES; repeatable.",
+    ),
+]
 Strict = Annotated[
     bool, typer.Option("--strict", help="Keep problem, budget and trace in another process than the optimizer.")
 ]

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench.cli.console import Jobs, print_line
+from bench.cli.console import Against, Jobs, print_line
 
 
 def report(
@@ -20,12 +20,22 @@ def report(
         typer.Option(help="Folder to write; default: OUTPUT, or results/comparisons/NAMES for several."),
     ] = None,
     jobs: Jobs = -1,
+    against: Against = None,
 ) -> None:
     """Write the report of a study's folder: a page, tables (CSV, LaTeX), figures (SVG, PDF) and a methods paragraph.
 
     Several folders, such as those of two versions of an optimizer, are compared as one study.
     """
-    report_on(folders, Console(), output, jobs)
+    report_on([*folders, *published(against)], Console(), output, jobs)
+
+
+def published(names: list[str] | None) -> list[Path]:
+    """Return the folders of published data sets, which are fetched and imported where they are not kept yet."""
+    if not names:
+        return []
+    from bench.importing.archive import imported
+
+    return [imported(name) for name in names]
 
 
 def report_on(folders: list[Path], console: Console, output: Path | None = None, jobs: int = -1) -> None:

@@ -11,8 +11,8 @@ import typer
 from rich.console import Console
 
 from bench.cli.check import check_folder
-from bench.cli.console import Constraints, Jobs, Sandbox, Strict, duration, print_error, print_line
-from bench.cli.report import report_on
+from bench.cli.console import Against, Constraints, Jobs, Sandbox, Strict, duration, print_error, print_line
+from bench.cli.report import published, report_on
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
@@ -64,6 +64,7 @@ def run(
         bool, typer.Option("--check", help="Also check the optimizers (see 'bench check') before the report.")
     ] = False,
     report: Annotated[bool, typer.Option(help="Write the report when the run ends.")] = True,
+    against: Against = None,
 ) -> None:
     """Run a study, continue one that was interrupted, or extend one; then write its report.
 
@@ -82,6 +83,7 @@ def run(
     console = Console()
     settings = {"trials": trials, "budget": budget, "seed": seed, "constraints": constraints}
     chosen = Study.load(study).override(**settings).beside(optimizer or [], problem or [])
+    beside = published(against)  # before the run, which may take long
     if dry_run:
         _show_estimate(plan_study(chosen, output, shard=shard, sandbox=sandbox), jobs, console)
         return
@@ -102,6 +104,8 @@ def run(
     unchecked = check and not check_folder(outcome.folder, console, jobs)
     if report and shard is None:  # a part of a study supports no claim yet
         report_on([outcome.folder], console, jobs=jobs)
+        if beside:
+            report_on([outcome.folder, *beside], console, jobs=jobs)
     else:
         print_line(f"results in {outcome.folder}", console=console)
     if outcome.failed:
