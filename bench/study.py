@@ -18,6 +18,7 @@ import tomli_w
 
 from bench import budget as budgets
 from bench import constraints as handlings
+from bench import targets as target_kinds
 from bench.budget import Budget
 from bench.errors import BenchError, nearest
 from bench.numbers import require_whole
@@ -26,6 +27,7 @@ from bench.plugins import from_file, loading, registry, selection
 from bench.problem import Problem
 from bench.scoring import scored
 from bench.seeds import trial_seed
+from bench.targets import Targets
 from bench.trial import Trial
 
 
@@ -69,6 +71,8 @@ class Study:
         seed: the seed that all trials' seeds derive from.
         title: one line on what is compared.
         constraints: what optimizers see of infeasible points, one of :data:`bench.constraints.HANDLINGS`.
+        targets: what a report counts as reached (:func:`bench.targets.checked`); None: the usual ones of the problems.
+            They decide no trial's result.
     """
 
     name: str
@@ -79,6 +83,7 @@ class Study:
     seed: int = 0
     title: str = ""
     constraints: str = handlings.DEFAULT
+    targets: Targets | None = None
 
     @classmethod
     def load(cls, source: str | os.PathLike[str]) -> Study:
@@ -214,12 +219,18 @@ class Study:
         """Return the study as a TOML document that loads back as an equal study."""
         head = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
         lists = {key: [entry.as_dict() for entry in getattr(self, key)] for key in ("problems", "optimizers")}
-        return tomli_w.dumps(head | self._handling() | lists)
+        targets = {} if self.targets is None else {"targets": self.targets}
+        return tomli_w.dumps(head | self._handling() | targets | lists)
 
     def identity(self) -> str:
-        """Return a hash of all settings that decide a trial's result, so without the number of trials and the title."""
+        """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
+
+        Neither targets nor the default handling of constraints are part of it: older studies do not name them.
+        """
         content = dataclasses.asdict(self) | {"trials": None, "title": None}
-        content = {key: value for key, value in content.items() if key != "constraints"} | self._handling()
+        content = {
+            key: value for key, value in content.items() if key not in ("constraints", "targets")
+        } | self._handling()
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
     def _handling(self) -> dict[str, str]:
@@ -228,13 +239,14 @@ class Study:
 
 
 def _checked(given: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Return the budget as a study holds it, where one is given; raises BenchError for settings that cannot be."""
+    """Return budget and targets as a study holds them, where given; raises BenchError for settings that cannot be."""
     for key, least in (("seed", None), ("trials", 1)):
         if key in given:
             require_whole(f"{where}{key!r}", given[key], least)
     if "constraints" in given:
         handlings.checked(given["constraints"], f"{where}'constraints'")
-    return {"budget": budgets.checked(given["budget"], f"{where}'budget'")} if "budget" in given else {}
+    held = {"budget": budgets.checked, "targets": target_kinds.checked}
+    return {key: check(given[key], f"{where}'{key}'") for key, check in held.items() if key in given}
 
 
 def _read(source: str | os.PathLike[str]) -> tuple[str, str]:

@@ -12,11 +12,13 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.anytime import targets as relative_targets
-from bench.analysis.cells import Traces, budgets, reference_values, scores
+from bench.analysis.cells import Budgets, Traces, budgets, reference_values, scores
 from bench.problem import Floats
 from bench.targets import Targets, percentages, precisions
 
-COCO_PRECISIONS: Floats = 10.0 ** (np.arange(10.0, -41.0, -1.0, dtype=np.float64) / 5)
+COCO_PRECISIONS: Floats = np.array(
+    [10.0 ** (step / 5) if step % 5 else float(f"1e{step // 5}") for step in range(10, -41, -1)]
+)
 """The 51 target precisions of COCO, five a decade from 1e2 to 1e-8 (Hansen et al. 2021)."""
 
 QUANTILES: Floats = np.arange(19.0, 0.0, -1.0, dtype=np.float64) / 20
@@ -71,9 +73,7 @@ def target_table(
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=COLUMNS)
 
 
-def tolerance_times(
-    frame: pd.DataFrame, traces: Traces, expected: Expected, budget: int | Mapping[str, int]
-) -> pd.DataFrame:
+def tolerance_times(frame: pd.DataFrame, traces: Traces, expected: Expected, budget: Budgets) -> pd.DataFrame:
     """Return the times to multiples of the tolerance of expected metrics, as :func:`bench.analysis.hitting_times`.
 
     A trial reaches a multiple when all expected metrics of its best point differ from their true values by at most

@@ -28,6 +28,13 @@ Constraints = Annotated[
     str | None,
     typer.Option(help="What optimizers see of infeasible points: death, penalty, lexicographic or repair."),
 ]
+Targets = Annotated[
+    str | None,
+    typer.Option(
+        help="What counts as reached: precisions, relative, quantiles, tolerance, or a list such as '1e-1,1e-3' (the "
+        "best value less the optimum) or '5%,1%' (of the optimum)."
+    ),
+]
 Parameters = Annotated[
     list[str] | None, typer.Option("--set", help="Parameter of the optimizer, as in agents=300; repeatable.")
 ]

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench.cli.console import Against, Jobs, print_line
+from bench.cli.console import Against, Jobs, Targets, print_line
 
 
 def report(
@@ -21,12 +21,13 @@ def report(
     ] = None,
     jobs: Jobs = -1,
     against: Against = None,
+    targets: Targets = None,
 ) -> None:
     """Write the report of a study's folder: a page, tables (CSV, LaTeX), figures (SVG, PDF) and a methods paragraph.
 
     Several folders, such as those of two versions of an optimizer, are compared as one study.
     """
-    report_on([*folders, *published(against)], Console(), output, jobs)
+    report_on([*folders, *published(against)], Console(), output, jobs, targets)
 
 
 def published(names: list[str] | None) -> list[Path]:
@@ -38,14 +39,16 @@ def published(names: list[str] | None) -> list[Path]:
     return [imported(name) for name in names]
 
 
-def report_on(folders: list[Path], console: Console, output: Path | None = None, jobs: int = -1) -> None:
+def report_on(
+    folders: list[Path], console: Console, output: Path | None = None, jobs: int = -1, targets: str | None = None
+) -> None:
     """Write the report and print its path."""
     from bench.cli.progress import steps
     from bench.report import write_report
     from bench.storage.folder import Folder
 
     with steps(console, "report") as on_progress:
-        page = write_report(*folders, output=output, n_jobs=jobs, on_progress=on_progress)
+        page = write_report(*folders, output=output, n_jobs=jobs, targets=targets, on_progress=on_progress)
     for folder in folders:
         if (noted := Folder(folder).store_note()) and not noted.get("sound"):
             print_line(f"{folder}: {noted.get('sentence')}", "red", console)

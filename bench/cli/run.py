@@ -11,7 +11,17 @@ import typer
 from rich.console import Console
 
 from bench.cli.check import check_folder
-from bench.cli.console import Against, Constraints, Jobs, Sandbox, Strict, duration, print_error, print_line
+from bench.cli.console import (
+    Against,
+    Constraints,
+    Jobs,
+    Sandbox,
+    Strict,
+    Targets,
+    duration,
+    print_error,
+    print_line,
+)
 from bench.cli.report import published, report_on
 from bench.errors import BenchError
 
@@ -38,6 +48,7 @@ def run(
         int | None, typer.Option(help="Seed that all trials' seeds derive from, instead of the study's.")
     ] = None,
     constraints: Constraints = None,
+    targets: Targets = None,
     optimizer: Annotated[
         list[str] | None,
         typer.Option(help="Add an optimizer to the study's: a name, or path/to/file.py:ClassName; repeatable."),
@@ -81,7 +92,7 @@ def run(
         raise BenchError("--check runs optimizers outside the sandbox; leave out --check or --sandbox")
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
     console = Console()
-    settings = {"trials": trials, "budget": budget, "seed": seed, "constraints": constraints}
+    settings = {"trials": trials, "budget": budget, "seed": seed, "constraints": constraints, "targets": targets}
     chosen = Study.load(study).override(**settings).beside(optimizer or [], problem or [])
     beside = published(against)  # before the run, which may take long
     if dry_run:

@@ -7,14 +7,18 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, cast
 
+import numpy as np
 import pandas as pd
 
 from bench import analysis
 from bench.budget import evaluations
+from bench.errors import BenchError
 from bench.execution.citations import bibtex
 from bench.report.methods import Methods, MethodsFacts, methods
+from bench.report.target_words import TargetWords, default_targets, target_words
 from bench.storage.results import ProblemFacts, Results
 from bench.study import Entry, Study
+from bench.targets import Targets
 
 MANY_PROBLEMS = 20
 """More problems than these are folded away one by one, below what can be said of all."""
@@ -25,6 +29,7 @@ class Findings:
     """The analysis of a study; every frame has the cells of the study in the study's order."""
 
     results: Results
+    asked: Targets | None = None  # targets other than the study's own
 
     # what was run
 
@@ -210,27 +215,99 @@ class Findings:
     # over the evaluations
 
     @cached_property
+    def words(self) -> TargetWords:
+        """The words for the targets: those asked for, the study's own, or the usual ones of its problems."""
+        usual = default_targets(self.known, self.pooled.functions)
+        return target_words(self.asked or self.results.study.targets or usual)
+
+    def check_targets(self) -> None:
+        """Raise BenchError where no problem has what the targets are measured by."""
+        if self.words.kind == "tolerance" and not any(each.expected for each in self.known.values()):
+            raise BenchError(
+                "targets by tolerance need a problem with an expected metric, and this study has none; choose other "
+                "targets, such as relative"
+            )
+
+    @cached_property
     def targets(self) -> pd.DataFrame:
-        """The ladder of targets of each problem."""
-        return analysis.targets(self.traces, self.optima)
+        """The targets of each problem."""
+        return self._targets(self.words)
 
     @cached_property
     def hits(self) -> pd.DataFrame:
         """The evaluations that each trial took to reach each target."""
-        return analysis.hitting_times(self.frame, self.traces, self.targets, self.allowed)
+        return self._hits(self.words)
+
+    def _targets(self, words: TargetWords) -> pd.DataFrame:
+        table = analysis.target_table(words.chosen, self.frame, self.traces, self.optima)
+        if words.kind != "tolerance":
+            return table
+        return table[table["problem"].isin([label for label, each in self.known.items() if each.expected])]
+
+    def _hits(self, words: TargetWords) -> pd.DataFrame:
+        if words.kind == "tolerance":
+            expected = {label: each.expected for label, each in self.known.items()}
+            return analysis.tolerance_times(self.frame, self.traces, expected, self.allowed)
+        targets = self.targets if words == self.words else self._targets(words)
+        return analysis.hitting_times(self.frame, self.traces, targets, self.allowed)
 
     @cached_property
     def success(self) -> pd.DataFrame:
         """The share of trials of each cell that reached a target, with its interval."""
-        return analysis.success_rates(self.hits)
+        return analysis.success_rates(self.hits, self.words.levels)
 
     @cached_property
     def running_times(self) -> pd.DataFrame:
-        """The ERT of each cell whose instances are pooled to COCO's precisions; without rows where there is none."""
-        targets = analysis.precision_targets(self.pooled.functions)
-        own = self.frame[self.frame["problem"].isin(self.pooled.functions)]
-        table = analysis.expected_running_time(analysis.hitting_times(own, self.traces, targets, self.allowed))
-        return table.drop(columns="target").rename(columns={"tau": "precision"})
+        """The ERT of each cell to the targets of the tables, with its spread, also by dimension and in seconds.
+
+        The targets have the name of their unit; times in seconds end with ``_s``.
+        """
+        hits = self.hits
+        tabled = np.isclose(hits["tau"].to_numpy(dtype=float)[:, np.newaxis], self.words.tabled, rtol=1e-9, atol=0)
+        tau = np.array(self.words.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
+        own = hits.assign(tau=tau)[tabled.any(axis=1)]
+        table = analysis.running_times(own)
+        times = analysis.running_times(analysis.in_seconds(own, self.frame))
+        names = ["ert", "low", "high", "p10", "p90"]
+        seconds = times[names].add_suffix("_s") if len(times) else pd.DataFrame(columns=[f"{each}_s" for each in names])
+        dimension = table["problem"].astype(object).map(self.dimensions).astype(float)
+        table = table.assign(ert_per_d=table["ert"].astype(float) / dimension)
+        return pd.concat([table, seconds], axis=1).drop(columns="target").rename(columns={"tau": self.words.unit})
+
+    @cached_property
+    def restart_shares(self) -> pd.DataFrame:
+        """The shares of simulated restarts over all targets of each cell, over evaluations up to ten times the budget.
+
+        Over evaluations / d where budgets differ.
+        """
+        return self.restarts_per_dimension if self.scaled else self._restart_shares(self.budgets)
+
+    @cached_property
+    def restarts_per_dimension(self) -> pd.DataFrame:
+        """The same over evaluations / d, of the problems whose dimension is known."""
+        most = {label: self.budgets[label] / d for label, d in self.dimensions.items()}
+        return self._restart_shares(most, self.dimensions)
+
+    def _restart_shares(self, most: Mapping[str, float], dimensions: dict[str, int] | None = None) -> pd.DataFrame:
+        budget, hits = max(most.values(), default=1.0), self.hits
+        first = 1 / max(dimensions.values(), default=1) if dimensions else 1.0
+        grid = np.append(np.geomspace(first, budget, 50), np.geomspace(budget, 10 * budget, 11)[1:])
+        own = hits if dimensions is None else hits[hits["problem"].isin(dimensions)]
+        return analysis.restart_shares(own, grid, dimensions)
+
+    @cached_property
+    def target_sets(self) -> pd.DataFrame:
+        """The mean area under the runtime ECDF, and the rank, of each optimizer under three sets of targets."""
+        others = [kind for kind in ("precisions", "relative", "quantiles") if kind != self.words.chosen][:2]
+        hits = {each.short: self._hits(each) for each in map(target_words, others)}
+        hits = {self.words.short: self.hits} | hits
+        areas = {name: analysis.target_areas(each, self.budgets) for name, each in hits.items()}
+        return analysis.compare_sets(areas, self.optimizers)
+
+    @cached_property
+    def aocc(self) -> pd.DataFrame:
+        """The area over the convergence curve of each cell on problems whose optimum is known and not beaten."""
+        return analysis.aocc(self.frame, self.traces, self.unbeaten, self.budgets)
 
     @cached_property
     def suite_functions(self) -> list[str]:
@@ -285,6 +362,8 @@ class Findings:
                 scale="".join(self.wilcoxon["scale"].unique()),
                 known_optima=int(self.targets.drop_duplicates("problem")["known"].sum()),
                 targets=self.targets["problem"].nunique(),
+                target_set=self.words,
+                aocc=self.aocc["problem"].nunique() if self.words.kind == "precisions" else 0,
                 early={label: int((early & (self.frame["optimizer"] == label)).sum()) for label in self.optimizers},
                 centre_bias=self._biased("centre bias"),
                 structural_bias=self._biased("structural bias"),

@@ -17,11 +17,13 @@ from bench.analysis import ALPHA
 from bench.analysis.cells import NEAR
 from bench.analysis.instances import SOLVED
 from bench.analysis.pairwise import RESAMPLES, TIED
+from bench.analysis.running_time import RESAMPLES as ERT_RESAMPLES
 from bench.bibtex import Work, parse, read
 from bench.budget import described
 from bench.constraints import COEFFICIENT
 from bench.errors import BenchError
 from bench.report.latex import escape
+from bench.report.target_words import TargetWords, target_words
 from bench.report.wording import count, listing, options
 from bench.study import Study
 
@@ -64,6 +66,8 @@ class MethodsFacts:
         noisy: problems whose values optimizers saw with noise.
         mixed: problems with integer variables.
         dominance: problems on which U-scores compare the optimizers.
+        target_set: the words for the targets.
+        aocc: problems on which the area over the convergence curve is given.
     """
 
     study: Study
@@ -85,6 +89,8 @@ class MethodsFacts:
     noisy: int = 0
     mixed: int = 0
     dominance: int = 0
+    target_set: TargetWords = field(default_factory=lambda: target_words("relative"))
+    aocc: int = 0
 
 
 @dataclass(frozen=True)
@@ -136,6 +142,7 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         "tied": TIED,
         "solved": SOLVED,
         "resamples": RESAMPLES,
+        "ert_resamples": ERT_RESAMPLES,
         "coefficient": COEFFICIENT,
         "given": [f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text],
         "early": [f"{count(number, 'trial')} of {label}" for label, number in facts.early.items() if number],

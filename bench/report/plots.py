@@ -120,12 +120,15 @@ def _over_evaluations(
     return Figure(name, caption, figure, curves, shown)
 
 
-def ert_figure(table: pd.DataFrame, optimizers: Sequence[str], suffix: str = "") -> Figure:
+def ert_figure(table: pd.DataFrame, optimizers: Sequence[str], suffix: str = "", *, unit: str = "tau") -> Figure:
     """Return the expected running time over targets, a panel a problem, all on the same axes.
 
-    ``suffix`` ends the figure's name, where there are several of the kind.
+    ``suffix`` ends the figure's name, where there are several of the kind; ``unit`` is what a target's tau is.
     """
     figure, axes = _multiples(table, style.looks(optimizers), ert, across=0.12)
+    for ax in axes:
+        if unit != "tau" and ax.get_xlabel():
+            ax.set_xlabel(unit)
     drawn = table[table["tau"] > 0]
     times = drawn["ert"].to_numpy(dtype=float)
     shown = times[style.drawable(times)]
@@ -147,8 +150,13 @@ def ert_figure(table: pd.DataFrame, optimizers: Sequence[str], suffix: str = "")
     return Figure(f"expected-running-time{suffix}", caption, figure, table, by_target)
 
 
-def ecdf_figure(reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequence[str], *, tau: float) -> Figure:
-    """Return two panels over evaluations: the share of targets reached, and the data profile at the target tau."""
+def ecdf_figure(
+    reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequence[str], *, target: str, restarts: bool = False
+) -> Figure:
+    """Return two panels over evaluations: the share of targets reached, and the data profile at a ``target``.
+
+    ``restarts`` says whether ``reached`` are shares of simulated restarts.
+    """
     looks = style.looks(optimizers)
     figure, (left, right) = style.grid(2, height=1.8, left=0.5, across=0.55, top=_legend_height(looks) + 0.1)
     ecdf(reached, looks=looks, legend=False, ax=left)
@@ -158,8 +166,9 @@ def ecdf_figure(reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequen
     over = "per_dimension" if "per_dimension" in reached else "evaluations"
     unit = ", over groups of d + 1 evaluations" if along == "groups" else ""
     caption = (
-        "Left: the share of all targets, of all problems and trials, that was reached, over evaluations"
-        f"{' / d' if over == 'per_dimension' else ''}. Right: the data profile at tau = {tau:g}, the share of all "
+        f"Left: the share of all targets, of all problems and {'simulated restarts' if restarts else 'trials'}, that "
+        "was reached, over evaluations"
+        f"{' / d' if over == 'per_dimension' else ''}. Right: the data profile at {target}, the share of all "
         f"trials that reached this one target{unit}."
     )
     panels = {"targets reached": (reached, over), "data profile": (profile, along)}
@@ -171,7 +180,7 @@ def ecdf_figure(reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequen
     return Figure("targets-reached", caption, figure, data, shown)
 
 
-def group_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
+def group_figure(curves: pd.DataFrame, optimizers: Sequence[str], *, restarts: bool = False) -> Figure:
     """Return the share of targets reached over evaluations / d, a panel a group of functions and dimension.
 
     ``curves`` are those of :func:`bench.analysis.ecdf` with a column problem, the panel's name.
@@ -187,14 +196,15 @@ def group_figure(curves: pd.DataFrame, optimizers: Sequence[str]) -> Figure:
 
     figure, _ = _multiples(curves, style.looks(optimizers), draw, across=0.46, down=0.4)
     caption = (
-        "The share of all targets, of all problems and trials of a group, that was reached, over evaluations / d. "
+        f"The share of all targets, of all problems and {'simulated restarts' if restarts else 'trials'} of a group, "
+        "that was reached, over evaluations / d. "
         "Higher and further left is better."
     )
     shown = _at_round_numbers(curves, ["problem", "per_dimension"], "fraction", (1,))
     return Figure("targets-by-group", caption, figure, curves, shown)
 
 
-def scaling_figure(table: pd.DataFrame, optimizers: Sequence[str], *, tau: float) -> Figure:
+def scaling_figure(table: pd.DataFrame, optimizers: Sequence[str], *, target: str) -> Figure:
     """Return the expected running time to one target over the dimension, a panel a function.
 
     ``table`` has problem (the function), dimension, optimizer and ert, in evaluations / d.
@@ -207,7 +217,7 @@ def scaling_figure(table: pd.DataFrame, optimizers: Sequence[str], *, tau: float
             ax.set_ylim(shown.min() / 2, 4 * shown.max())
             style.log_scale(ax, "y")
     caption = (
-        f"Expected running time / d to the target tau = {tau:g}, over the dimension d. A horizontal line grows in "
+        f"Expected running time / d to the target {target}, over the dimension d. A horizontal line grows in "
         "proportion to d; a point is missing where no trial reached the target."
     )
     data = table.pivot(index=["problem", "dimension"], columns="optimizer", values="ert")

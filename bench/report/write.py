@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import matplotlib.figure
 import pandas as pd
@@ -27,6 +28,7 @@ from bench.report.parts import Figure, Part, Section, Table
 from bench.report.sections import CLOSING, OPENING
 from bench.report.wording import count
 from bench.storage.results import Results
+from bench.targets import checked
 from bench.text import file_name, free
 
 PAGE, MANIFEST = "report.html", ".report.json"
@@ -38,7 +40,7 @@ WHOLE = {
     "trials": "All trials, one row a trial.",
     "cells": "All cells: trials, failures and statistics of the objective value.",
     "tests": "The tests of every pair of optimizers on every problem.",
-    "running-times": "The expected running times (ERT) of every optimizer on every function, to COCO's precisions.",
+    "running-times": "The expected running times (ERT) of every optimizer on every problem, with their spread.",
 }
 """The tables of a whole study, by name, with their descriptions; no other part has these names."""
 
@@ -51,6 +53,7 @@ def write_report(
     *others: str | PathLike[str],
     output: str | PathLike[str] | None = None,
     n_jobs: int = -1,
+    targets: Any = None,
     on_progress: Progress | None = None,
 ) -> Path:
     """Write ``report.html``, ``tables/``, ``figures/`` and the methods' text, and return the page's path.
@@ -64,19 +67,23 @@ def write_report(
         others: further folders to compare with it.
         output: the folder to write into; by default the study's own, and ``results/comparisons/NAMES`` for several.
         n_jobs: processes that draw figures, -1 for one a core; the files do not depend on it.
+        targets: what counts as reached, other than the study's own (:func:`bench.targets.checked`).
         on_progress: called before every step.
 
     Raises:
-        BenchError: when a folder holds no study or no store, the folders cannot be compared, or ``output`` cannot be
-            written or holds another study.
+        BenchError: when a folder holds no study or no store, the folders cannot be compared, ``targets`` are none, or
+            ``output`` cannot be written or holds another study.
     """
+    chosen = None if targets is None else checked(targets, "the targets of a report")
     results = Results(path, *others)
+    findings = Findings(results, chosen)
+    findings.check_targets()
     folder = _folder(results, None if output is None else Path(output))
     try:
         folder.mkdir(parents=True, exist_ok=True)
         # Threads of BLAS gain nothing on matrices as small as these, and wait for each other where cores are busy.
         with threadpool_limits(limits=1), Drawer(n_jobs if len(results.study.problems) > FEW else 1) as drawer:
-            page = _Report(results, folder, drawer, on_progress or (lambda *_: None)).write()
+            page = _Report(findings, folder, drawer, on_progress or (lambda *_: None)).write()
     except OSError as error:
         raise BenchError(f"the report cannot be written into {folder}: {error.strerror}") from error
     results.note_stores()
@@ -111,9 +118,9 @@ def _folder(results: Results, output: Path | None) -> Path:
 class _Report:
     """A report in progress: the views so far, the files written and the names taken."""
 
-    def __init__(self, results: Results, folder: Path, drawer: Drawer, on_progress: Progress) -> None:
-        self.results = results
-        self.findings = Findings(results)
+    def __init__(self, findings: Findings, folder: Path, drawer: Drawer, on_progress: Progress) -> None:
+        self.results = findings.results
+        self.findings = findings
         self.folder = folder
         self.drawer = drawer
         self.views: list[View] = []
@@ -195,8 +202,8 @@ class _Report:
         findings = self.findings
         frames = (self.results.frame, findings.summary, findings.pairs, findings.running_times)
         for (name, about), frame in zip(WHOLE.items(), frames, strict=True):
-            if name == "running-times" and not findings.pooled.functions:
-                continue  # only a suite with instances has them
+            if name == "running-times" and not len(frame):
+                continue  # no trial left a trace
             path = f"{TABLES}/{name}.csv"
             save_csv(frame, self.folder / path, index=False)
             self.files[path] = about

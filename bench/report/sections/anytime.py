@@ -10,12 +10,12 @@ import pandas as pd
 
 from bench import analysis
 from bench.report.findings import Findings
-from bench.report.parts import Figure, Section, Table
+from bench.report.parts import Figure, Part, Section, Table
 from bench.report.plots import convergence_figure, ecdf_figure, ert_figure, regret_figure
-from bench.report.wording import count, leaders
+from bench.report.target_words import TargetWords, meaning
+from bench.report.wording import count, leaders, listing
 
 TITLE = "Convergence and targets"
-PROFILE = 1e-2  # Moré and Wild (2009) draw data profiles at 1e-1 to 1e-7; here the middle of the ladder
 
 
 def section(findings: Findings) -> Section:
@@ -25,18 +25,29 @@ def section(findings: Findings) -> Section:
     budgets, dimensions, hits = findings.budgets, findings.dimensions, findings.hits
     budget = max(budgets.values())
     groups = analysis.evaluation_grid(max(ceil(budgets[label] / (1 + d)) for label, d in dimensions.items()))
-    profiles = analysis.data_profiles(hits, PROFILE, groups, dimensions)
-    reached = analysis.ecdf(hits, analysis.evaluation_grid(budget))
-    if findings.scaled:
+    words = findings.words
+    profiles = analysis.data_profiles(hits, words.level, groups, dimensions)  # Moré and Wild (2009): at 1e-1 to 1e-7
+    if words.restarts:
+        reached = analysis.mean_shares(findings.restart_shares, findings.optimizers)
+    elif not findings.scaled:
+        reached = analysis.ecdf(hits, analysis.evaluation_grid(budget))
+    else:
         along = np.geomspace(1 / max(dimensions.values()), max(budgets[label] / d for label, d in dimensions.items()))
         reached = analysis.ecdf(hits, along, dimensions)
-    together = ecdf_figure(reached, profiles, findings.optimizers, tau=PROFILE)
-    rates = _success(findings.success)
-    text = (*_leaders(findings, budget), *_ladder(findings.targets, len(findings.problems)))
+    together = ecdf_figure(
+        reached, profiles, findings.optimizers, target=words.at(words.level), restarts=words.restarts
+    )
+    rates: list[Part] = [_success(findings.success, words), *_areas(findings)]
+    text = (
+        *_leaders(findings, budget),
+        *_fastest(findings),
+        *_sets_agree(findings),
+        *_ladder(words, findings.targets, len(findings.problems)),
+    )
     times = analysis.expected_running_time(hits)
     if not findings.many:
         *values, running = _by_problem(findings, findings.problems, times)
-        return Section(TITLE, text, (*values, together, running, rates))
+        return Section(TITLE, text, (*values, together, running, *rates))
     # A figure of so many panels is longer than a page, and the problems of one dimension belong together.
     by_dimension: dict[int | None, list[str]] = {}
     for label in findings.problems:
@@ -49,7 +60,7 @@ def section(findings: Findings) -> Section:
         )
         for dimension, labels in by_dimension.items()
     )
-    return Section(TITLE, text, (together, rates), sections=own_parts)
+    return Section(TITLE, text, (together, *rates), sections=own_parts)
 
 
 def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, suffix: str = "") -> Iterator[Figure]:
@@ -67,7 +78,7 @@ def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, 
     above = analysis.regret(curves, unbeaten, ("median", "q1", "q3"))
     if len(above):
         yield regret_figure(above, optimizers, suffix)
-    yield ert_figure(times[times["problem"].isin(labels)], optimizers, suffix)
+    yield ert_figure(times[times["problem"].isin(labels)], optimizers, suffix, unit=findings.words.unit)
 
 
 def _leaders(findings: Findings, budget: int) -> list[str]:
@@ -96,7 +107,91 @@ def _lowest(reached: pd.DataFrame, spent: str) -> str:
     return f"After {spent} {leaders(finite.eq(finite.min(axis=1), axis=0), 'the lowest median')}."
 
 
-def _ladder(targets: pd.DataFrame, problems: int) -> list[str]:
+def _fastest(findings: Findings) -> list[str]:
+    """Return who has the lowest ERT in evaluations, and in seconds, where there are several optimizers."""
+    words, table = findings.words, findings.running_times
+    solved = table.loc[table["successes"] > 0, words.unit].unique().tolist()
+    level = words.level if words.level in solved else min(solved, default=np.nan)
+    own = table[table[words.unit] == level]
+    reached = [analysis.table(own, name).astype(float) for name in ("ert", "ert_s")] if len(own) else []
+    lowest = [each.eq(each.min(axis=1), axis=0) & np.isfinite(each) for each in reached]
+    if len(findings.optimizers) < 2 or not any(each.any(axis=None) for each in lowest[:1]):
+        return []
+    sentence = f"To {words.at(level)}, {leaders(lowest[0], 'the lowest expected running time in evaluations')}"
+    if lowest[1].any(axis=None):
+        sentence += f"; in seconds of wall time, {leaders(lowest[1], 'the lowest')}"
+    return [f"{sentence}."]
+
+
+def _sets_agree(findings: Findings) -> list[str]:
+    """Return whether the choice of targets changes the order of the optimizers."""
+    sets = findings.target_sets
+    sets = sets[sets.groupby("set")["area"].transform("max") > 0]  # where nothing is reached, there is no order
+    ranks = sets.pivot(index="optimizer", columns="set", values="rank").reindex(
+        columns=list(dict.fromkeys(sets["set"]))
+    )
+    ranks = ranks.dropna(axis=1, how="any").reindex([each for each in findings.optimizers if each in ranks.index])
+    if len(ranks) < 2 or ranks.shape[1] < 2:
+        return []
+    shown = f"{count(ranks.shape[1], 'set')} of targets ({listing(list(map(str, ranks.columns)))})"
+    if ranks.eq(ranks.iloc[:, 0], axis=0).all(axis=None):
+        return [f"The choice of targets does not matter here: the order of the optimizers is the same under {shown}."]
+    first: dict[str, list[str]] = {}
+    for name, own in ranks.items():
+        first.setdefault(listing(list(map(str, own.index[own == own.min()])), 4), []).append(str(name))
+    if len(first) == 1:
+        who = next(iter(first))
+        return [f"Under {shown} the first is the same, {who}, but the order of the others depends on the choice."]
+    parts = [f"{who} under {listing(names)}" for who, names in first.items()]
+    return [f"The choice of targets matters: of {shown}, the first is {'; '.join(parts)}."]
+
+
+def _areas(findings: Findings) -> list[Table]:
+    """Return the tables of the areas under the ECDF of three sets of targets, and of AOCC."""
+    sets = findings.target_sets
+    tables = []
+    names = list(dict.fromkeys(sets["set"]))
+    if len(sets) and len(findings.optimizers) > 1:
+        wide = {
+            f"{name}: {column}": sets[sets["set"] == name].set_index("optimizer")[column]
+            for name in names
+            for column in ("area", "rank")
+        }
+        shown = pd.DataFrame(wide).reindex(findings.optimizers).rename_axis("optimizer")
+        best = pd.DataFrame({name: own.eq(own.min()) for name, own in shown.items() if str(name).endswith("rank")})
+        tables.append(
+            Table(
+                "target-sets",
+                "The mean area under the runtime distribution over log evaluations, and the rank by it, under each set "
+                "of targets.",
+                shown,
+                bold=best,
+                decimals={str(name): 1 if str(name).endswith("rank") else 3 for name in shown},
+                note="An area of 1: every target with the first evaluation; 0: none within the budget. Problems on "
+                "which an optimizer has no trial do not count. Bold: the first.",
+                data=sets,
+            )
+        )
+    if findings.words.kind == "precisions" and len(own := findings.aocc):
+        mean = own.groupby("optimizer")[["aocc", "aocc_from_zero"]].mean()
+        problems = own["problem"].nunique()
+        tables.append(
+            Table(
+                "aocc",
+                f"The area over the convergence curve (AOCC), the mean over {count(problems, 'problem')} with a known "
+                "optimum.",
+                mean[["aocc"]].rename(columns={"aocc": "AOCC"}).reindex(findings.optimizers).rename_axis("optimizer"),
+                decimals=4,
+                note="van Stein et al. (2024): the mean over the evaluations of the budget of 1 − (log10 y + 8) / 10, "
+                "where y is the best precision so far, between 1e-8 and 1e2; 1 is best. In the CSV file, "
+                "aocc_from_zero is the integral that iohinspector computes.",
+                data=own,
+            )
+        )
+    return tables
+
+
+def _ladder(words: TargetWords, targets: pd.DataFrame, problems: int) -> list[str]:
     known = targets.drop_duplicates("problem")["known"].astype(bool)
     deep, short = (f"{analysis.fractions(each)[-1]:g}" for each in (True, False))
     reference, last = (
@@ -109,29 +204,41 @@ def _ladder(targets: pd.DataFrame, problems: int) -> list[str]:
             f"{deep} where f_L is the optimum, else to {short}",
         )
     )
-    meaning = (
+    usual = (
         "A target is the objective value f_L + tau (f_0 − f_L), where f_0 is the median of the first values of the "
-        f"trials and f_L is {reference} (Moré and Wild 2009). Targets fall from tau = 1 to {last}. The expected "
+        f"trials and f_L is {reference} (Moré and Wild 2009). Targets fall from tau = 1 to {last}."
+    )
+    text = (
+        f"{usual if words.kind == 'relative' else meaning(words, known.tolist())} The expected "
         "running time (ERT) is the number of evaluations that all trials spent until they reached the target or ended, "
         "divided by the number of successes; it is infinite where no trial succeeds."
     )
+    if words.restarts:
+        text += (
+            " Shares of targets reached are those of simulated restarts: trials are drawn with replacement until a "
+            "successful one, and their evaluations added, so curves go on beyond the budget."
+        )
     if len(known) == problems:
-        return [meaning]
+        return [text]
     without = count(problems - len(known), "problem")
-    return [
-        meaning,
-        f"The figures below leave out {without} on which no trial found a finite value: there are no targets.",
-    ]
+    why = (
+        "without an expected metric"
+        if words.kind == "tolerance"
+        else "on which no trial found a finite value"
+        if words.kind != "percentages"
+        else "where no trial found a finite value or the optimum is 0"
+    )
+    return [text, f"The figures below leave out {without} {why}: there are no targets."]
 
 
-def _success(rates: pd.DataFrame) -> Table:
+def _success(rates: pd.DataFrame, words: TargetWords) -> Table:
     overall = rates.groupby(["optimizer", "tau"], sort=False, observed=True)[["successes", "trials"]].sum()
     share = 100 * overall["successes"] / overall["trials"].where(overall["trials"] > 0)
     wide = share.unstack(sort=False).sort_index(axis=1, ascending=False).rename_axis(columns=None)
     return Table(
         "success-rates",
-        "Percentage of trials over all problems that reached a target, by tau.",
-        wide.rename(columns=lambda tau: f"tau = {tau:g}"),
+        f"Percentage of trials over all problems that reached a target, by {words.unit}.",
+        wide.rename(columns=words.at),
         decimals=1,
         note="The CSV file and the sections below have the rates by problem, with 95% Wilson intervals.",
         data=rates,

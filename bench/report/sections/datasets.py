@@ -14,7 +14,6 @@ from bench.report.plots import distribution_figure
 from bench.report.wording import count, interval, listing, usual_decimals
 
 TITLE = "Problem by problem"
-TAU = 1e-2  # one of the targets of the success rates
 
 
 def section(findings: Findings) -> Section:
@@ -50,7 +49,7 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
         ),
         _cells(findings, problem, rates),
     ]
-    if problem in findings.pooled.functions:
+    if len(table := findings.running_times) and (table["problem"] == problem).any():
         items.append(_running_times(findings, problem))
     pairs = findings.pairs[findings.pairs["problem"] == problem]
     text = []
@@ -76,7 +75,11 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
     shown.insert(3, "median 95%", _intervals(own["median_low"], own["median_high"], decimals))
     shown["letters"] = matrix[matrix["problem"] == problem].set_index("optimizer")["letters"]
     if len(rates):
-        reached = rates[(rates["problem"] == problem) & (rates["tau"] == TAU)].set_index("optimizer").reindex(own.index)
+        reached = (
+            rates[(rates["problem"] == problem) & (rates["tau"] == findings.words.level)]
+            .set_index("optimizer")
+            .reindex(own.index)
+        )
         shown["success %"] = 100 * reached["rate"]
         shown["success 95%"] = _intervals(100 * reached["low"], 100 * reached["high"], 0)
     return Table(
@@ -86,27 +89,55 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
         lost=shown[["failed"]] > 0,
         decimals={"success %": 0},
         note="The interval of the median is distribution-free; letters as in the comparison; success: trials that "
-        f"reached tau = {TAU:g}, with a 95% Wilson interval. –: too few trials.",
+        f"reached {findings.words.at(findings.words.level)}, with a 95% Wilson interval. –: too few trials.",
         data=own.reset_index(),
     )
 
 
 def _running_times(findings: Findings, problem: str) -> Table:
-    table = findings.running_times
+    words, table = findings.words, findings.running_times
     own = table[table["problem"] == problem]
-    shown = own.pivot(index="optimizer", columns="precision", values="ert").reindex(findings.optimizers)
-    shown = shown.rename(columns=lambda precision: f"{precision:g}").rename_axis(index="optimizer", columns=None)
-    last = own[own["precision"] == SOLVED].set_index("optimizer").reindex(findings.optimizers)
-    shown = shown.iloc[:, ::-1]
-    shown["successes"] = [f"{reached}/{of}" for reached, of in zip(last["successes"], last["trials"], strict=True)]
+    shown = own.pivot(index="optimizer", columns=words.unit, values="ert").reindex(findings.optimizers)
+    shown = shown.rename(columns=lambda level: f"{level:g}").rename_axis(index="optimizer", columns=None)
+    shown = shown.astype(float).iloc[:, ::-1]
+    lowest = shown.eq(shown.min()) & np.isfinite(shown)
+    level = _level(own, words.unit)
+    of = own[own[words.unit] == level]
+    hardest = own[words.unit].min()
+    note = f"Bold: the lowest of a column; ∞: no trial succeeded; successes: trials that reached {hardest:g}."
+    if len(of):
+        of = of.set_index("optimizer").reindex(findings.optimizers)
+        ert = of["ert"].astype(float)
+        seconds = of["ert_s"].astype(float)
+        shown["95%"] = _intervals(of["low"], of["high"], usual_decimals(ert))
+        shown["10–90%"] = _intervals(of["p10"] / ert, of["p90"] / ert, 2)
+        shown["ERT / d"], shown["seconds"] = of["ert_per_d"].astype(float), seconds
+        for column in ("ERT / d", "seconds"):
+            lowest[column] = shown[column].eq(shown[column].min()) & np.isfinite(shown[column])
+        note += (
+            f" At {words.at(level)}, the hardest target that the most optimizers reached: a 95% bootstrap interval of "
+            "the ERT; the 10th and 90th percentiles of simulated restarts over the ERT, the dispersion that COCO "
+            "prints; and the ERT in evaluations / d and in seconds of wall time, at the pace of each trial."
+        )
+    last = own[own[words.unit] == hardest].set_index("optimizer").reindex(findings.optimizers)
+    shown["successes"] = [
+        "" if pd.isna(trials) else f"{reached:.0f}/{trials:.0f}"
+        for reached, trials in zip(last["successes"], last["trials"], strict=True)
+    ]
     return Table(
         f"running-times-{problem}",
-        f"{problem}: expected running time (ERT) in evaluations to each precision, the best value less the optimum.",
+        f"{problem}: expected running time (ERT) in evaluations to each target, by {words.unit}.",
         shown,
-        bold=shown.drop(columns="successes").pipe(lambda ert: ert.eq(ert.min()) & np.isfinite(ert)),
-        note=f"Bold: the lowest of a column; ∞: no trial succeeded; successes: trials that reached {SOLVED:g}.",
+        bold=lowest,
+        note=note,
         data=own,
     )
+
+
+def _level(own: pd.DataFrame, unit: str) -> float:
+    """Return the hardest target that the most optimizers reached; missing where no trial reached any."""
+    reached = (own["successes"] > 0).groupby(own[unit]).sum()
+    return float(reached.index[reached == reached.max()].min()) if reached.max() > 0 else np.nan
 
 
 def _pairs(problem: str, pairs: pd.DataFrame) -> Table:

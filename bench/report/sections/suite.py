@@ -12,7 +12,6 @@ from bench.report.plots import group_figure, scaling_figure
 from bench.report.wording import count, listing
 
 TITLE = "The suite at a glance"
-TAU = 1e-2  # the target whose running time is drawn over the dimension
 ALL = "all functions"
 SAME_SHARE = 5e-4  # of the targets: shares closer than this are printed alike
 
@@ -25,12 +24,14 @@ def section(findings: Findings) -> Section | None:
     items: list[Part] = [_ranks(findings, members)]
     if findings.traces:
         reached = _reached(findings, members)
-        items.insert(0, group_figure(reached, findings.optimizers))
+        items.insert(0, group_figure(reached, findings.optimizers, restarts=findings.words.restarts))
         if members.groupby("function")["dimension"].nunique().max() > 1:
-            items.append(scaling_figure(_scaling(findings, members), findings.optimizers, tau=TAU))
+            words = findings.words
+            items.append(scaling_figure(_scaling(findings, members), findings.optimizers, target=words.at(words.level)))
     text = [_meaning(findings, members)]
     if findings.traces:
-        text.insert(0, _most_targets(reached))
+        most = max(findings.budgets[label] / d for label, d in findings.dimensions.items())
+        text.insert(0, _most_targets(reached[reached["per_dimension"] <= most * (1 + 1e-9)]))
     return Section(TITLE, tuple(text), tuple(items))
 
 
@@ -115,6 +116,8 @@ def _most_targets(reached: pd.DataFrame) -> str:
 
 def _reached(findings: Findings, members: pd.DataFrame) -> pd.DataFrame:
     """Return the ECDF of each optimizer in each panel, over evaluations / d."""
+    if findings.words.restarts:
+        return _restarted(findings, members)
     hits = findings.hits
     most = max(findings.budgets[label] / d for label, d in findings.dimensions.items())
     grid = np.geomspace(1 / max(findings.dimensions.values()), most, 60)
@@ -126,9 +129,20 @@ def _reached(findings: Findings, members: pd.DataFrame) -> pd.DataFrame:
     return pd.concat(curves, ignore_index=True)
 
 
+def _restarted(findings: Findings, members: pd.DataFrame) -> pd.DataFrame:
+    """Return the share of simulated restarts of each optimizer in each panel, over evaluations / d."""
+    shares = findings.restarts_per_dimension
+    curves = [
+        analysis.mean_shares(own, findings.optimizers).assign(problem=f"{group}, d = {dimension}")
+        for group, dimension, problems in _panels(members)
+        if len(own := shares[shares["problem"].isin(problems)])
+    ]
+    return pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(columns=[*shares, "problem"])
+
+
 def _scaling(findings: Findings, members: pd.DataFrame) -> pd.DataFrame:
     """Return function, dimension, optimizer and ERT / d at the target of each problem."""
-    table = analysis.expected_running_time(findings.hits[np.isclose(findings.hits["tau"], TAU)])
+    table = analysis.expected_running_time(findings.hits[np.isclose(findings.hits["tau"], findings.words.level)])
     own = table.merge(members, on="problem")
     return own.assign(problem=own["function"], ert=own["ert"] / own["dimension"])[
         ["problem", "dimension", "optimizer", "trials", "successes", "ert"]

@@ -59,7 +59,7 @@ for suite in settings.suite_to_testbed:
 print("\\n" + json.dumps({"sets": found, "known": known}))
 """
 TARGETS = [100.0, 1.0, 0.1, 1e-3]
-PRECISIONS = np.power(10, np.arange(10, -41, -1) / 5).tolist()  # COCO's: five a decade from 1e2 to 1e-8
+PRECISIONS = analysis.COCO_PRECISIONS.tolist()
 FACTS = "optimum", "features"
 KEYS = "suite", "function"
 TRIGGERS = sorted({math.floor(10 ** (i / 20) + 1e-9) for i in range(62)})  # to 1122

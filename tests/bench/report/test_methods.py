@@ -24,6 +24,7 @@ from bench.report.methods import (
     paragraphs,
     templates,
 )
+from bench.report.target_words import target_words
 from bench.study import Entry, Study
 
 ENVIRONMENT = {
@@ -68,7 +69,8 @@ class TestMethods:
             place = {"article": "journal", "inproceedings": "booktitle", "misc": "howpublished", "phdthesis": "school"}
             assert f"  {place[work.kind]} = " in work.bibtex
             assert work.kind != "article" or "pages = " in work.fields
-        assert library().keys() <= cited(methods(full()))
+        fields_own = replace(full(), target_set=target_words("precisions"), aocc=2)
+        assert library().keys() <= cited(methods(full())) | cited(methods(fields_own))
 
     def test_every_citation_has_its_work_and_every_work_is_cited(self):
         found = methods(full())
@@ -78,6 +80,23 @@ class TestMethods:
         names = [work.author_year for work in parse(found.bibtex)]
         assert all(re.search(rf"[(;] ?{re.escape(name)}[);]", "".join(found.text)) for name in names)
         assert found.bibtex == methods(full()).bibtex
+
+    @pytest.mark.parametrize(
+        ("chosen", "sentence"),
+        [
+            ("relative", "between the median first value of the trials and the known optimum on 1 problem and the"),
+            ("precisions", "the 51 target precisions of COCO from 100 to 1e-8 (Hansen et al., 2021), differences from"),
+            ([1.0, 0.1], "by 2 target precisions (1.0 and 0.1), differences from the known optimum on 1 problem"),
+            (["5%", "1%"], "by values within 5% and 1% of the known optimum on 1 problem"),
+            ("quantiles", "by quantiles of the best values of all trials on a problem"),
+            ("tolerance", "by multiples of the tolerance of the expected metrics"),
+        ],
+    )
+    def test_the_targets_are_stated(self, chosen, sentence):
+        text = said(replace(full(), target_set=target_words(chosen), aocc=2))
+        assert sentence in text
+        assert (", with simulated restarts" in text) == (chosen != "relative")
+        assert "The area over the convergence curve (van Stein et al., 2024) is given on 2 problems with a" in text
 
     def test_the_run_is_told(self):
         text = said(full())

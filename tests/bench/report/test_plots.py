@@ -52,7 +52,7 @@ def every_figure(optimizers, problems=("p", "q")):
         report.convergence_figure(curves(problems, optimizers), optimizers),
         report.regret_figure(curves(problems, optimizers), optimizers),
         report.ert_figure(times(problems, optimizers), optimizers),
-        report.ecdf_figure(fractions(optimizers), fractions(optimizers, "groups"), optimizers, tau=0.01),
+        report.ecdf_figure(fractions(optimizers), fractions(optimizers, "groups"), optimizers, target="tau = 0.01"),
         report.rank_figure(ranks, [list(ranks.index)], 1.5),
         report.forest_figure(improvements(optimizers)),
         report.timing_figure(clock(optimizers)),
@@ -104,7 +104,7 @@ class TestEveryFigure:
             report.convergence_figure(curves(["p"], ["a"]).iloc[:0], ["a"]),
             report.regret_figure(curves(["p"], ["a"]).iloc[:0], ["a"]),
             report.ert_figure(times(["p"], ["a"]).iloc[:0], ["a"]),
-            report.ecdf_figure(fractions(["a"]).iloc[:0], fractions(["a"]).iloc[:0], ["a"], tau=0.01),
+            report.ecdf_figure(fractions(["a"]).iloc[:0], fractions(["a"]).iloc[:0], ["a"], target="tau = 0.01"),
             report.forest_figure(improvements(["a"])),
             report.timing_figure(clock([])),
             report.rank_figure(pd.Series(dtype=float), [], 1.0),
@@ -198,7 +198,7 @@ def test_every_curve_of_trials_on_a_plateau_and_of_any_budget(plateaus, others, 
     profile = analysis.data_profiles(hits, 0.01, analysis.evaluation_grid(1), dict.fromkeys("pqr", 2))
     for each in (
         report.convergence_figure(analysis.convergence(frame, traces, grid), ["a", "b"]),
-        report.ecdf_figure(analysis.ecdf(hits, grid), profile, ["a", "b"], tau=0.01),
+        report.ecdf_figure(analysis.ecdf(hits, grid), profile, ["a", "b"], target="tau = 0.01"),
         report.ert_figure(analysis.expected_running_time(hits), ["a", "b"]),
     ):
         svg(each.figure)
@@ -207,6 +207,6 @@ def test_every_curve_of_trials_on_a_plateau_and_of_any_budget(plateaus, others, 
 
 
 def test_the_data_of_both_panels_of_targets_reached_are_kept():
-    shown = report.ecdf_figure(fractions(["a"]), fractions(["a"]), ["a"], tau=0.01)
+    shown = report.ecdf_figure(fractions(["a"]), fractions(["a"]), ["a"], target="tau = 0.01")
     assert shown.data["panel"].value_counts().to_dict() == {"targets reached": 7, "data profile": 7}
     assert "tau = 0.01" in shown.caption

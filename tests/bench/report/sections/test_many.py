@@ -41,7 +41,7 @@ def test_the_matrix_of_many_problems_is_folded_below_its_text(many):
 
 def test_the_curves_of_many_problems_are_folded_below_those_of_all(many):
     section = anytime.section(many)
-    assert [item.name for item in section.items] == ["targets-reached", "success-rates"]
+    assert [item.name for item in section.items] == ["targets-reached", "success-rates", "target-sets"]
     (each,) = section.sections  # all are of one dimension
     assert each.folded
     assert each.title == "Each problem"

@@ -40,7 +40,7 @@ def test_the_text_says_what_is_pooled(findings):
 def test_who_reached_the_most_targets_is_said_first(findings, items):
     first, _ = suite.section(findings).text
     curves = items["targets-by-group"].data
-    ends = curves[curves["per_dimension"] == curves["per_dimension"].max()]
+    ends = curves[np.isclose(curves["per_dimension"], 30)]  # the budget; simulated restarts go on
     shares = ends[ends["problem"] == "all functions, d = 5"].set_index("optimizer")["fraction"]
     assert first.startswith("Within the whole budget, the most targets were reached by ")
     assert f"5 ({shares.max():.0%})" in first
@@ -86,14 +86,14 @@ def test_ranks_are_given_by_group_and_dimension(findings, items):
 def test_targets_are_shown_for_the_groups_over_evaluations_by_dimension(items):
     curves = items["targets-by-group"].data
     assert curves["problem"].nunique() == 6
-    assert curves["per_dimension"].max() == pytest.approx(30)
+    assert curves["per_dimension"].max() == pytest.approx(300)  # ten times the budget, by simulated restarts
 
 
 def test_running_times_are_shown_over_the_dimension(findings, items):
     table = items["scaling"].data.set_index(["problem", "dimension", "optimizer"])["ert"]
     hits = findings.hits
     own = hits[(hits["problem"] == "classical-sphere-d5") & (hits["optimizer"] == "cma-es-fast")]
-    own = own[np.isclose(own["tau"], suite.TAU)]
+    own = own[np.isclose(own["tau"], 1e-2)]
     reached = np.isfinite(own["evaluations"])
     expected = np.where(reached, own["evaluations"], own["spent"]).sum() / reached.sum() / 5
     assert table["classical sphere", 5, "cma-es-fast"] == pytest.approx(expected)
@@ -120,6 +120,7 @@ def test_a_function_s_own_section_has_its_expected_running_times(findings):
     (own, *_) = datasets.section(findings).sections
     table = next(item for item in own.items if item.name == "running-times-classical-sphere-d2")
     shown, times = table.frame, findings.running_times.set_index(["problem", "optimizer", "precision"])
-    assert list(shown) == ["10", "1", "0.1", "0.01", "0.001", "1e-05", "1e-07", "1e-08", "successes"]
+    assert list(shown) == ["10", "1", "0.1", "0.01", "0.001", "1e-05", "1e-07", "1e-08", "95%", "10–90%", "ERT / d",
+                           "seconds", "successes"]  # fmt: skip
     assert shown.loc["cma-es-fast", "10"] == times.loc[("classical-sphere-d2", "cma-es-fast", 10.0), "ert"]
     assert shown.loc["random-search", "successes"] == "0/6"
