@@ -49,8 +49,17 @@ def test_a_seed_is_pinned():
     assert trial_seed(2024, "signature-12", "gwo", 0) == 4642658214545525248
 
 
+@pytest.mark.parametrize("targets", ["precisions", [10.0, 1e-8], ["5%", "1%"], None])
+def test_targets_are_kept(tmp_path, targets):
+    given = study() if targets is None else study(targets=targets)
+    (tmp_path / "s.toml").write_text(given.to_toml())
+    assert Study.load(tmp_path / "s.toml") == given
+    assert ("targets" in given.to_toml()) == (targets is not None)
+    assert given.override(targets="1%").targets == ["1%"]
+
+
 def test_identity_is_what_decides_a_result():
-    same = [study(), study(trials=9), study(title="other words")]
+    same = [study(), study(trials=9), study(title="other words"), study(targets="quantiles"), study(targets=[0.1])]
     assert len({each.identity() for each in same}) == 1
     other = [study(budget=77), study(seed=1), study(optimizers=[{"name": "scatter", "agents": 5}])]
     assert len({each.identity() for each in [study(), *other]}) == 4
@@ -63,6 +72,8 @@ def test_identity_is_what_decides_a_result():
         ({"trials": "3"}, "'trials' must be a whole number"),
         ({"trials": 0}, "at least 1"),
         ({"name": ""}, "has no name"),
+        ({"targets": "precision"}, "'targets' must be 'precisions', 'relative', 'quantiles' or 'tolerance'"),
+        ({"targets": [1, -1]}, "percentages of the optimum such as ['5%', '1%'], not [1, -1]"),
         ({"problems": []}, "needs at least one [[problems]] table"),
         ({"optimizers": "gwo"}, "needs at least one [[optimizers]] table"),
         ({"optimizers": [{"agents": 3}]}, "needs a name"),

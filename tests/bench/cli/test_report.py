@@ -29,6 +29,21 @@ def folders(tmp_path_factory, testing_plugins):
     return place
 
 
+def test_a_report_may_use_other_targets_than_the_study(bench_here, folders, tmp_path):
+    refused = bench_here("report", folders / "old", "--output", tmp_path / "out", "--targets", "precise")
+    assert refused.returncode == 2
+    assert "the targets of a report must be 'precisions', 'relative', 'quantiles' or 'tolerance'" in refused.stderr
+    assert refused.stderr.count("\n") == 1
+    refused = bench_here("report", folders / "old", "--output", tmp_path / "out", "--targets", "tolerance")
+    assert "need a problem with an expected metric" in refused.stderr
+    assert not (tmp_path / "out").exists()
+    done = bench_here("report", folders / "old", "--output", tmp_path / "out", "--targets", "1e-1, 10")
+    assert done.returncode == 0, done.stderr
+    with (tmp_path / "out" / "tables" / "running-times.csv").open() as file:
+        assert {row["precision"] for row in csv.DictReader(file)} == {"10.0", "0.1"}
+    assert "2 precisions from 10 to 0.1" in (tmp_path / "out" / "report.html").read_text()
+
+
 def test_two_folders_make_one_report(bench_here, folders, tmp_path):
     done = bench_here("report", folders / "old", folders / "new", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
