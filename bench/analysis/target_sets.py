@@ -156,15 +156,17 @@ def target_areas(hits: pd.DataFrame, budget: int | Mapping[str, int]) -> pd.Data
     if hits.empty:
         return pd.DataFrame(columns=columns)
     times = hits["evaluations"].to_numpy(dtype=float)
-    allowed = np.log(np.maximum(budgets(hits, budget).to_numpy(), 2.0))
+    (problem, problems), (optimizer, optimizers) = (pd.factorize(hits[name]) for name in ("problem", "optimizer"))
+    each = [budget if isinstance(budget, int) else budget[label] for label in problems]
+    allowed = np.log(np.maximum(np.array(each, dtype=float), 2.0))[problem]
     with np.errstate(invalid="ignore"):
         area = np.where(np.isfinite(times), np.clip(1 - np.log(times) / allowed, 0.0, 1.0), 0.0)
-    problems, optimizers = (pd.factorize(hits[name].astype(object)) for name in ("problem", "optimizer"))
-    cell = problems[0] * len(optimizers[1]) + optimizers[0]
-    size = len(problems[1]) * len(optimizers[1])
+    cell = problem.astype(np.intp) * len(optimizers) + optimizer
+    size = len(problems) * len(optimizers)
     sums, counts = np.bincount(cell, area, size), np.bincount(cell, minlength=size)
     at = np.flatnonzero(counts)
-    names = problems[1].to_numpy()[at // len(optimizers[1])], optimizers[1].to_numpy()[at % len(optimizers[1])]
+    names = [np.array(each, dtype=object) for each in (problems, optimizers)]
+    names = [names[0][at // len(optimizers)], names[1][at % len(optimizers)]]
     return pd.DataFrame({"problem": names[0], "optimizer": names[1], "area": sums[at] / counts[at]})
 
 

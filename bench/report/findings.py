@@ -263,9 +263,11 @@ class Findings:
         The targets have the name of their unit; times in seconds end with ``_s``.
         """
         hits = self.hits
-        tabled = np.isclose(hits["tau"].to_numpy(dtype=float)[:, np.newaxis], self.words.tabled, rtol=1e-9, atol=0)
-        tau = np.array(self.words.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
-        own = hits.assign(tau=tau)[tabled.any(axis=1)]
+        codes, taus = pd.factorize(hits["tau"].to_numpy(dtype=float))
+        tabled = np.isclose(taus[:, np.newaxis], self.words.tabled, rtol=1e-9, atol=0)
+        kept = tabled.any(axis=1)[codes]
+        rounded = np.array(self.words.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
+        own = hits[kept].assign(tau=rounded[codes[kept]])
         table = analysis.running_times(own)
         times = analysis.running_times(analysis.in_seconds(own, self.frame))
         names = ["ert", "low", "high", "p10", "p90"]
