@@ -88,7 +88,12 @@ def runs(source: Source, notes: list[str]) -> Iterator[Run]:
         BenchError: for an index or a log that is no COCO data, is cut short, or has another f_opt than this project.
     """
     sets = [each for file in source.files if file.suffix == ".info" for each in _index(source, file)]
-    names = optimizer_labels((data.index.parent, data.algorithm) for data in sets)
+    names = optimizer_labels(
+        (data.index.parent, data.algorithm, (data.suite, data.function, data.dimension, entry.instance))
+        for data in sets
+        for _, entries in data.logs
+        for entry in entries
+    )
     logs: dict[PurePosixPath, Iterator[Block]] = {}
     unfinished = 0
     for data in sets:
@@ -143,15 +148,18 @@ def _head(text: str, file: PurePosixPath, line: int) -> DataSet:
     if "biobj" in suite or "biobj" in pairs.get("logger", ""):
         raise BenchError(f"{file}, line {line}, is of {suite!r}, whose problems have several objectives")
     where = f"{file}, line {line},"
-    return DataSet(file, line, label(suite, where), function, dimension, label(pairs.get("algId", "unknown"), where))
+    algorithm = pairs.get("algId") or file.parent.name or "unknown"
+    return DataSet(file, line, label(suite, where), function, dimension, label(algorithm, where))
 
 
 def _entries(text: str, where: str, file: PurePosixPath, data: DataSet) -> None:
     """Add the logs of a line, each with its runs."""
     before = len(data.logs)
     for item in (each.strip() for each in text.split(",")):
-        if item.endswith(".dat"):
-            path = PurePosixPath(item.replace("\\", "/"))
+        if not item or "=" in item:
+            continue  # a comma at the end, or a remark
+        if re.search(r"\.[tm]?dat$", item):
+            path = PurePosixPath(item.replace("\\", "/")).with_suffix(".dat")
             if path.is_absolute() or ".." in path.parts:
                 raise BenchError(f"{where} names {shown(item)}, which is outside the folder")
             data.logs.append((file.parent / path, []))
@@ -234,9 +242,15 @@ def _log(source: Source, file: PurePosixPath) -> list[Block]:
             values.append(cells[2])
             places.append(number)
     close()
-    if lines and not text.endswith(("\n", "\r")):
+    if not text.endswith(("\n", "\r")) and _is_cut(lines[-2:]):
         raise BenchError(f"{file} is cut short in line {len(lines)}: {shown(lines[-1])}")
     return blocks
+
+
+def _is_cut(lines: list[str]) -> bool:
+    """Return whether the last of two lines, which has no end, has fewer or shorter cells than the one before it."""
+    before, last = (line.split() for line in lines) if len(lines) > 1 else ([], [""])
+    return len(last) != len(before) or len(last[-1]) < len(before[-1].lstrip("+-"))
 
 
 def _block(
@@ -252,9 +266,10 @@ def _block(
                 raise BenchError(f"{file}, line {number}, has {shown(' … '.join(cells))}, no numbers") from None
         raise
     whole = evaluations.astype(np.int64)
-    if not (whole == evaluations).all() or np.isnan(best).any():
-        at = int(np.flatnonzero((whole != evaluations) | np.isnan(best))[0])
-        raise BenchError(f"{file}, line {places[at]}, has no whole number of evaluations, or no value")
+    if not (whole == evaluations).all():
+        at = int(np.flatnonzero(whole != evaluations)[0])
+        raise BenchError(f"{file}, line {places[at]}, has {shown(counts[at])} evaluations, no whole number")
+    best[np.isnan(best)] = np.inf  # an objective that failed
     require_increasing(whole, places, str(file), repeats=True)
     twice = np.flatnonzero((np.diff(whole) == 0) & (np.diff(best) != 0))
     if len(twice):

@@ -67,7 +67,9 @@ def runs(source: Source, _notes: list[str]) -> Iterator[Run]:
         BenchError: for a file that is no data of IOHprofiler or is cut short, and for results of maximisation.
     """
     found = [each for file in source.files if _is_index(file) for each in _scenarios(source, file)]
-    names = optimizer_labels((each.file.parent, each.algorithm) for each in found)
+    names = optimizer_labels(
+        (each.file.parent, each.algorithm, (each.head["function_id"], each.dimension)) for each in found
+    )
     for data in found:
         blocks = _blocks(source, data.log)
         if len(blocks) != len(data.runs):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
 from typing import Any
@@ -78,16 +78,30 @@ def require_increasing(
         )
 
 
-def optimizer_labels(named: Iterable[tuple[PurePosixPath, str]]) -> dict[tuple[PurePosixPath, str], str]:
-    """Return the label of each algorithm in a folder: its own name, or the folder's where several folders share it.
+def optimizer_labels(named: Iterable[tuple[PurePosixPath, str, Hashable]]) -> dict[tuple[PurePosixPath, str], str]:
+    """Return the label of each algorithm in a folder: its own name, or the folder's where runs would be mixed.
 
-    Folders of one name, as in ``bbob/gwo`` and ``bbob-noisy/gwo``, are of one algorithm.
+    Several folders of one algorithm are one experiment in parts where they have different names and no data set in
+    common, and also where they have the same name, as in ``bbob/gwo`` and ``bbob-noisy/gwo``. Otherwise they are
+    experiments that share a name.
+
+    Args:
+        named: folder, algorithm and what identifies a data set, such as its function and dimension.
     """
-    pairs = dict.fromkeys(named)
-    folders: dict[str, set[str]] = {}
-    for folder, name in pairs:
-        folders.setdefault(name, set()).add(folder.name)
-    return {(folder, name): folder.name if len(folders[name]) > 1 and folder.name else name for folder, name in pairs}
+    held: dict[str, dict[PurePosixPath, set[Hashable]]] = {}
+    for folder, name, data in named:
+        held.setdefault(name, {}).setdefault(folder, set()).add(data)
+    apart = {
+        name
+        for name, folders in held.items()
+        if len({folder.name for folder in folders}) > 1
+        and sum(map(len, folders.values())) > len(set().union(*folders.values()))
+    }
+    return {
+        (folder, name): folder.name if name in apart and folder.name else name
+        for name, folders in held.items()
+        for folder in folders
+    }
 
 
 def label(text: object, where: str) -> str:

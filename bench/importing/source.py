@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import tarfile
 import tempfile
 import zipfile
@@ -31,7 +32,7 @@ class Source:
     Attributes:
         name: the name of the folder or file.
         root: the folder that holds the files, which may be temporary.
-        files: their paths within it, sorted.
+        files: their paths within it, sorted, f2 before f10.
         sha256: the hash of the file or archive; of a folder, that of the paths and contents of its files.
     """
 
@@ -78,17 +79,23 @@ def opened(path: Path) -> Iterator[Source]:
 def _folder(name: str, root: Path, sha256: str) -> Source:
     files, size = [], 0
     for file in root.rglob("*"):
-        if file.is_file():
-            files.append(PurePosixPath(file.relative_to(root).as_posix()))
+        path = PurePosixPath(file.relative_to(root).as_posix())
+        if file.is_file() and not any(part.startswith((".", "__MACOSX")) for part in path.parts):  # no data of tools
+            files.append(path)
             size += file.stat().st_size
             _limit(name, len(files), size)
-    files.sort()
+    files.sort(key=_natural)
     if not sha256:
         digest = hashlib.sha256()
         for each in files:
             digest.update(f"{each}\0{_hash(root / each)}\n".encode())
         sha256 = digest.hexdigest()
     return Source(name, root, tuple(files), sha256)
+
+
+def _natural(file: PurePosixPath) -> list[str | int]:
+    """Return a key by which f2 comes before f10; texts and numbers alternate."""
+    return [int(part) if part.isdigit() else part for part in re.split(r"([0-9]+)", str(file))]
 
 
 def _limit(name: str, files: int, size: int) -> None:

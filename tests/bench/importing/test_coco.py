@@ -130,6 +130,38 @@ def test_our_export_of_bbob_comes_back_to_the_last_digits_of_the_precision(tmp_p
     np.testing.assert_allclose(back.frame["fun"] - optimum, expected, rtol=1e-8, atol=1e-13)
 
 
+@pytest.mark.parametrize(
+    ("suite", "observer", "dimension"),
+    [
+        ("bbob", "bbob", 5),
+        ("bbob-constrained", "bbob-constrained", 2),
+        ("bbob-mixint", "bbob-mixint", 10),
+        ("bbob-largescale", "bbob-largescale", 20),
+        ("bbob-boxed", "bbob", 2),
+    ],
+)
+def test_what_coco_s_own_observer_logs_today_is_imported(tmp_path, monkeypatch, suite, observer, dimension):
+    cocoex = pytest.importorskip("cocoex", reason="COCO's own logger is the source")
+    monkeypatch.chdir(tmp_path)
+    rng, best = np.random.default_rng(0), {}
+    logger = cocoex.Observer(observer, "result_folder: logged algorithm_name: random")
+    for problem in cocoex.Suite(suite, "instances: 1-2", f"dimensions: {dimension} function_indices: 2,10"):
+        problem.observe_with(logger)
+        values = []
+        for draw in range(50):
+            x = rng.uniform(problem.lower_bounds, problem.upper_bounds) if draw else problem.initial_solution
+            x[: problem.number_of_integer_variables] = np.round(x[: problem.number_of_integer_variables])
+            if not problem.number_of_constraints or (problem.constraint(x) <= 0).all():
+                values.append(problem(x))
+        best[f"{suite}-f{problem.id_function:02d}-d{dimension}-i{problem.id_instance}"] = min(values), len(values)
+        problem.free()
+    import_results(tmp_path / "exdata" / "logged", tmp_path / "back")
+    frame = Results(tmp_path / "back").frame.set_index("problem")
+    assert [*frame.index] == [*best]
+    assert frame["nfev"].tolist() == [evaluations for _, evaluations in best.values()]
+    np.testing.assert_allclose(frame["fun"], [value for value, _ in best.values()], rtol=1e-9)
+
+
 def change(file, old, new):
     content = file.read_bytes()
     assert old in content
@@ -188,6 +220,34 @@ class TestRefused:
             (folder / file).write_bytes(b"".join(lines[:-12]))
         with pytest.raises(BenchError, match="its run on instance 5 ends at evaluation"):
             import_results(folder, tmp_path / "out")
+
+
+def test_what_old_archives_have_is_read(archived, tmp_path):
+    """A comma at the end of a line, a last line without an end, files of macOS, a value that is no number."""
+    pytest.importorskip("cocoex", reason="the optimal values of bbob come from coco-experiment")
+    folder = unpacked(archived, tmp_path)
+    import_results(folder, tmp_path / "whole")
+    change(folder / "bbobexp_f1.info", b", 5:495|-4.8e-009", b", 5:495|-4.8e-009,")
+    (folder / LOG).write_bytes((folder / LOG).read_bytes().rstrip())
+    change(folder / TIMED, b"1 +1.402094080e+000 +1.402094080e+000", b"1 nan nan")
+    (folder / "._bbobexp_f1.info").write_bytes(b"Mac OS X")
+    import_results(folder, tmp_path / "old")
+    assert (
+        Results(tmp_path / "old")
+        .frame.drop(columns="study")
+        .equals(Results(tmp_path / "whole").frame.drop(columns="study"))
+    )
+
+
+def test_parts_of_an_experiment_are_one_optimizer_and_experiments_that_share_a_name_are_not(archived, tmp_path):
+    for name, function in (("part-1", 1), ("part-2", 2), ("twice", 2)):
+        unpacked(archived, tmp_path / "all" / name, function).rename(tmp_path / "all" / name / f"x-{name}")
+    (tmp_path / "all" / "twice").rename(tmp_path / "twice")
+    import_results(tmp_path / "all", tmp_path / "one")
+    assert set(Results(tmp_path / "one").frame["optimizer"]) == {"DIRECT"}
+    (tmp_path / "twice").rename(tmp_path / "all" / "twice")
+    import_results(tmp_path / "all", tmp_path / "several")
+    assert set(Results(tmp_path / "several").frame["optimizer"]) == {"x-part-1", "x-part-2", "x-twice"}
 
 
 @pytest.mark.parametrize(
