@@ -94,7 +94,7 @@ def made(rng: random.Random, cell: int, number: int) -> tuple[Trial, dict[str, o
         "figures": {name: rng.random() for name in ("amplitude_rpm", "amplitude_error_rpm", "backlash_rad")},
         "trace": trace,
     }  # fmt: skip
-    return Trial(f"signature-{cell % 20:02}", f"random-{cell // 20}", number, rng.getrandbits(62)), row
+    return Trial(f"signature-{cell % 20 + 1:02}", f"random-{cell // 20}", number, rng.getrandbits(62)), row
 
 
 def fastest(task: Callable[[], object]) -> float:

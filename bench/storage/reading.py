@@ -19,6 +19,9 @@ Key = tuple[str, str, int]
 
 NAMED = 3  # damaged trials that a sentence names
 UNKNOWN = "an unknown problem", "an unknown optimizer"
+JSON = ("x", "figures")  # columns
+SLICE = 5_000  # rows held as Python objects at a time …
+ROWS = 500  # … of which so many are tuples: more would not fit in the processor's cache
 LONGEST = 100  # characters of a label, which may be damaged too
 
 
@@ -138,6 +141,35 @@ class Reader:
         for cell, *row in self._connection.execute(query, values):
             if cell in self.labels:
                 yield dict(zip(columns, (*self.labels[cell], *row), strict=True))
+
+    def columns(self, names: Sequence[str], *, compared: bool = True) -> Iterator[dict[str, list[Any]]]:
+        """Yield ``cell``, ``trial`` and named columns of the rows that fit their digests, cell by cell.
+
+        Each dictionary holds about ``SLICE`` rows, as a study may have millions; JSON texts are UTF-8. Where rows were
+        checked before, ``compared=False`` spares it here.
+
+        Raises:
+            sqlite3.Error: where a part of the rows cannot be read.
+        """
+        sound = SOUND if compared and self._digests else "1"
+        read = ", ".join(f"CAST({name} AS BLOB)" if name in JSON else name for name in names)
+        tables = TRIALS if sound == SOUND else "results"
+        query = f"SELECT cell, trial, {read} FROM {tables} WHERE {sound} ORDER BY cell, trial"
+        cursor, columns = self._connection.execute(query), self._empty(names)
+        while rows := cursor.fetchmany(ROWS):
+            if not self.labels.keys() >= {row[0] for row in rows}:  # in a store without digests
+                rows = [row for row in rows if row[0] in self.labels]
+            for column, values in zip(columns.values(), zip(*rows, strict=True), strict=False):
+                column.extend(values)
+            if len(columns["cell"]) >= SLICE:
+                yield columns
+                columns = self._empty(names)
+        if columns["cell"]:
+            yield columns
+
+    @staticmethod
+    def _empty(names: Sequence[str]) -> dict[str, list[Any]]:
+        return {name: [] for name in ("cell", "trial", *names)}
 
     def rescue(self, names: Sequence[str], trials: int) -> Iterator[dict[str, Any]]:
         """Yield what :meth:`rows` can read, then the first ``trials`` trials of each cell that can be looked up.

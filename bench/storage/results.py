@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cache, cached_property
-from itertools import compress, islice
+from itertools import compress
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from bench.errors import BenchError
@@ -25,15 +23,13 @@ from bench.problem import Problem
 from bench.scoring import Scored, plain
 from bench.storage.folder import Folder
 from bench.storage.reading import StoreCheck
+from bench.storage.tidy import Slice, tidy
 from bench.storage.union import differences, united
 from bench.study import Study
 from bench.text import unique
-from bench.trial import FRAME_COLUMNS, PRECISION, Row
+from bench.trial import PRECISION
 
 AnyPath = str | PathLike[str]
-
-COLUMNS = (*FRAME_COLUMNS, "environment")
-SLICE = 50_000  # rows held as Python objects at a time, as a study may have millions
 
 
 @dataclasses.dataclass(frozen=True)
@@ -103,15 +99,15 @@ class Results:
         """The folders, in the order given."""
         return [source.folder.path for source in self._sources]
 
-    @cached_property
+    @property
     def frame(self) -> pd.DataFrame:
         """The tidy frame: one row a sound trial; see :func:`load_results`."""
-        return _with_precision(self._rows.drop(columns="environment"), self._suite_optima())
+        return self._frame_and_origins[0]
 
     @property
     def origins(self) -> pd.Series:
         """The number (from 1) of the environment of each row of the frame; not a column, as it is no result."""
-        return self._rows["environment"]
+        return self._frame_and_origins[1]
 
     @property
     def stores(self) -> list[StoreCheck]:
@@ -129,13 +125,16 @@ class Results:
             source.folder.note_store(source.found)
 
     @cached_property
-    def _rows(self) -> pd.DataFrame:
+    def _frame_and_origins(self) -> tuple[pd.DataFrame, pd.Series]:
         shared = {entry.label for entry in self.study.problems}
-        return _tidy(
-            (row for source in self._sources for row in source.rows() if row["problem"] in shared),
+        frame = tidy(
+            (each for source in self._sources for each in source.slices(shared)),
+            sum(source.found.trials for source in self._sources),
             [entry.label for entry in self.study.problems],
             [entry.label for entry in self.study.optimizers],
         )
+        origins = frame.pop("environment")
+        return _with_precision(frame, self._suite_optima()), origins
 
     @cached_property
     def traces(self) -> dict[tuple[str, str, int], Trace]:
@@ -240,18 +239,27 @@ class _Source:
         """The check of the store."""
         return self.folder.store.check()
 
-    def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield the sound rows with shown labels, the study's name and the environment's number among all folders."""
+    def slices(self, problems: Collection[str]) -> Iterator[Slice]:
+        """Yield the sound trials on these problems, with shown labels and the environments' numbers of all folders."""
         known = {entry.label for entry in self.study.problems}
-        for row in self.folder.store.sound_rows(self.found):
-            if row["problem"] not in known or row["optimizer"] not in self.shown:
-                strange = row["optimizer"] if row["problem"] in known else row["problem"]
-                raise BenchError(
-                    f"{self.folder.path} holds trials of {strange!r}, which its study.toml does not name; "
-                    "put back the study.toml that the run wrote"
-                )
-            place = self.environment_places.get(row["environment"])
-            yield row | {"study": self.study.name, "optimizer": self.shown[row["optimizer"]], "environment": place}
+        shown: dict[int, tuple[str, str]] = {}
+        for labels, columns in self.folder.store.sound_columns(self.found):
+            for cell in dict.fromkeys(columns["cell"]):
+                if cell not in shown:
+                    problem, optimizer = labels[cell]
+                    if problem not in known or optimizer not in self.shown:
+                        strange = optimizer if problem in known else problem
+                        raise BenchError(
+                            f"{self.folder.path} holds trials of {strange!r}, which its study.toml does not name; "
+                            "put back the study.toml that the run wrote"
+                        )
+                    shown[cell] = problem, self.shown[optimizer]
+            wanted = [shown[cell][0] in problems for cell in columns["cell"]]
+            if not all(wanted):
+                columns = {name: list(compress(values, wanted)) for name, values in columns.items()}
+            if any(wanted):
+                places = list(map(self.environment_places.get, columns["environment"]))
+                yield Slice(self.study.name, shown, columns | {"environment": places})
 
 
 def _sources(folders: list[Folder]) -> list[_Source]:
@@ -303,40 +311,6 @@ def _agreed(fingerprints: Sequence[dict[str, str]], paths: list[Path]) -> dict[s
     return agreed
 
 
-# the tidy frame
-
-
-def _tidy(rows: Iterable[Row], problems: Sequence[str], optimizers: Sequence[str]) -> pd.DataFrame:
-    """Return the tidy frame of a store's rows, sorted by problem, optimizer (as listed) and trial.
-
-    Its columns are ``COLUMNS``, one ``x_<variable>`` for each variable of any problem, and one for each domain metric.
-    """
-    left = iter(rows)
-    parts: list[tuple[pd.DataFrame, ...]] = []
-    shown: dict[str, tuple[dict[str, float], dict[str, float]]] = {}  # a point and its metrics, by problem
-    while slice_ := list(islice(left, SLICE)):
-        own = pd.DataFrame({name: [row[name] for row in slice_] for name in COLUMNS})
-        if own["seed"].isna().any():  # of imported trials; as floats the other seeds would lose digits
-            own["seed"] = pd.array([row["seed"] for row in slice_], dtype="Int64")
-        x, metrics = _parsed(slice_, "x"), _parsed(slice_, "figures")
-        for row, point, figures in zip(slice_, x, metrics, strict=True):
-            if point and row["problem"] not in shown:
-                shown[row["problem"]] = point, figures
-        parts.append((own, pd.DataFrame(x).add_prefix("x_"), pd.DataFrame(metrics)))
-    if not parts:
-        return pd.DataFrame(columns=[*COLUMNS])
-    frame: pd.DataFrame = pd.concat([pd.concat(each, ignore_index=True) for each in zip(*parts, strict=True)], axis=1)
-    # Problems may have different variables and metrics, whose columns must not be in the order of the commits.
-    known = [shown[problem] for problem in problems if problem in shown]
-    ordered = [*COLUMNS, *(f"x_{name}" for point, _ in known for name in point)]
-    ordered += [name for _, figures in known for name in figures]
-    frame = frame[list(dict.fromkeys([*ordered, *frame]))]
-    problem = pd.Index(problems).get_indexer(pd.Index(frame["problem"]))
-    optimizer = pd.Index(optimizers).get_indexer(pd.Index(frame["optimizer"]))
-    order = np.lexsort((frame["trial"], optimizer, problem))
-    return frame.take(order).reset_index(drop=True)
-
-
 def _with_precision(frame: pd.DataFrame, optima: Mapping[str, float]) -> pd.DataFrame:
     """Return the frame with a column ``precision`` after ``fun``, missing where the optimum is unknown.
 
@@ -348,25 +322,3 @@ def _with_precision(frame: pd.DataFrame, optima: Mapping[str, float]) -> pd.Data
     precision = pd.to_numeric(frame["fun"], errors="coerce").astype(float) - known
     frame.insert(list(frame).index("fun") + 1, PRECISION, precision)
     return frame
-
-
-def _parsed(rows: list[Row], name: str) -> list[dict[str, float]]:
-    """Parse the JSON text of every row, all in one call unless one of them is damaged."""
-    try:
-        parsed: list[dict[str, float]] = json.loads(f"[{','.join(row[name] or '{}' for row in rows)}]")
-    except ValueError:
-        parsed = []
-    if len(parsed) == len(rows) and all(isinstance(each, dict) for each in parsed):
-        return parsed
-    row = next((row for row in rows if not _is_sound(row[name] or "{}")), rows[0])
-    raise BenchError(
-        f"the store is damaged: {name!r} of trial {row['trial']} of {row['optimizer']} on {row['problem']} (study "
-        f"{row['study']}) cannot be read; restore it from a copy"
-    )
-
-
-def _is_sound(text: str) -> bool:
-    try:
-        return isinstance(json.loads(text), dict)
-    except ValueError:
-        return False

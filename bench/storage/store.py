@@ -202,6 +202,22 @@ class Store:
         self._require()
         return self._read((*MEASURED, "trace") if traces else MEASURED, found)
 
+    def sound_columns(self, found: StoreCheck) -> Iterator[tuple[dict[Any, tuple[str, str]], dict[str, list[Any]]]]:
+        """Yield slices of the rows that are as they were written, column by column, with the labels of their cells.
+
+        A slice has ``cell`` and all columns but the trace, as :meth:`bench.storage.reading.Reader.columns` yields them.
+        ``found`` is what :meth:`check` returned just before.
+
+        Raises:
+            BenchError: when there is no store.
+            DamagedStoreError: when SQLite cannot read all rows.
+        """
+        self._require()
+        with self._reader() as reader:
+            if reader:
+                for columns in reader.columns(MEASURED, compared=not found.sound):
+                    yield reader.labels, columns
+
     def _read(self, names: Sequence[str], found: StoreCheck) -> Iterator[dict[str, Any]]:
         with self._reader() as reader:
             if reader:

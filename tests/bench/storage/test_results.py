@@ -6,7 +6,6 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results, Study, load_results, run
-from bench.storage.results import COLUMNS, _tidy
 from tests.bench.export.made import make, some_fail
 
 
@@ -96,16 +95,6 @@ def test_labels_that_look_alike_with_their_folder_stay_apart(ran):
     old = ran("old", optimizers=[{"name": "early"}, {"name": "scatter", "label": "early (old)"}])
     labels = [entry.label for entry in Results(old, ran("new", optimizers=[{"name": "early"}])).study.optimizers]
     assert labels == ["early (old)", "early (old)-2", "early (new)"]
-
-
-def test_the_order_of_columns_is_that_of_the_study_not_of_the_commits():
-    def row(problem, x, figures):
-        return dict.fromkeys(COLUMNS) | {"problem": problem, "optimizer": "o", "trial": 0, "x": x, "figures": figures}
-
-    rows = [row("b", '{"v": 1.0, "u": 2.0}', '{"late": 1.0}'), row("a", '{"u": 1.0, "v": 2.0}', '{"early": 1.0}')]
-    first, second = (_tidy(each, ["a", "b"], ["o"]) for each in (rows, rows[::-1]))
-    assert list(first)[len(COLUMNS) :] == ["x_u", "x_v", "early", "late"]
-    pd.testing.assert_frame_equal(first, second)
 
 
 class TestPrecision:
