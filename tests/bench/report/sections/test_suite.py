@@ -13,7 +13,7 @@ from bench.report.sections import anytime, comparison, datasets, suite
 def findings(tmp_path_factory):
     table = {"suite": "classical", "functions": ["sphere", "rastrigin"], "dimensions": [2, 5], "instances": "1-2"}
     study = Study.from_dict(
-        {"name": "suite", "trials": 3, "budget": "30 * d", "problems": [table],
+        {"name": "suite", "trials": 3, "budget": "200 * d", "problems": [table],
          "optimizers": [{"name": "cma-es-fast"}, {"name": "random-search"}]}
     )  # fmt: skip
     return Findings(Results(run(study, tmp_path_factory.mktemp("run") / "s", n_jobs=1).folder))
@@ -28,7 +28,7 @@ def test_instances_are_pooled(findings):
     assert findings.problems == [f"classical-{each}-d{d}" for each in ("sphere", "rastrigin") for d in (2, 5)]
     assert findings.trials == (6, 6)
     assert set(findings.optima.values()) == {0.0}
-    assert findings.budgets == {label: 30 * d for label, d in findings.dimensions.items()}
+    assert findings.budgets == {label: 200 * d for label, d in findings.dimensions.items()}
 
 
 def test_the_text_says_what_is_pooled(findings):
@@ -86,7 +86,7 @@ def test_ranks_are_given_by_group_and_dimension(findings, items):
 def test_targets_are_shown_for_the_groups_over_evaluations_by_dimension(items):
     curves = items["targets-by-group"].data
     assert curves["problem"].nunique() == 6
-    assert curves["per_dimension"].max() == pytest.approx(300)  # ten times the budget, by simulated restarts
+    assert curves["per_dimension"].max() == pytest.approx(2000)  # ten times the budget, by simulated restarts
 
 
 def test_running_times_are_shown_over_the_dimension(findings, items):
