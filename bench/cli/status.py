@@ -70,7 +70,8 @@ def summary(folder: Folder) -> Group:
     for entry in study.optimizers:
         mine = [cell for cell in cells if cell.optimizer == entry.label]
         done, lost = sum(cell.done for cell in mine), sum(cell.failed for cell in mine)
-        mean = f"{sum(cell.wall_s for cell in mine) / done:.3g}" if done else ""
+        seconds = sum(cell.wall_s for cell in mine)  # 0 of imported trials, whose times are unknown
+        mean = f"{seconds / done:.3g}" if done and seconds else ""
         planned = len(study.problems) * study.trials
         table.add_row(Text(entry.label), str(done), Text(str(lost), style="red" if lost else ""), str(planned), mean)
     head = Text(f"study {study.name}: {study.title}"), Text(f"study hash {study.identity()}")

@@ -91,7 +91,14 @@ def _limits(findings: Findings) -> tuple[str, ...]:
         f"The counts describe {counted} at this budget and with these options; other problems, budgets or options may "
         "give another ranking."
     )
-    return f"“Not significant” does not mean “equal”: {power}.", scope, _across(findings)
+    text = f"“Not significant” does not mean “equal”: {power}."
+    if findings.allowed != findings.budgets:
+        unequal = (
+            "The optimizers had different budgets, and the ranks of final values favour the larger ones: compare the "
+            "running times to targets instead."
+        )
+        return unequal, text, scope, _across(findings)
+    return text, scope, _across(findings)
 
 
 def _across(findings: Findings) -> str:

@@ -126,6 +126,7 @@ def test_a_report_says_what_is_unknown_and_what_differs(mine, archive, tmp_path)
     for sentence in (
         "The folders share 2 problems; only those are compared.",
         "The times of archived are unknown, as of imported results.",
+        "The optimizers had different budgets, and the ranks of final values favour the larger ones",
         "imported results",
         "runs.csv",
     ):
