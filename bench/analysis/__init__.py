@@ -83,6 +83,7 @@ from bench.analysis.pairwise import (
     pairwise_tests,
     power_table,
 )
+from bench.analysis.reference import reference_times
 from bench.analysis.running_time import (
     in_seconds,
     mean_shares,
@@ -152,6 +153,7 @@ __all__ = [
     "precision_targets",
     "probability_of_improvement",
     "ranking",
+    "reference_times",
     "reference_values",
     "regret",
     "relative_medians",

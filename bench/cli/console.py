@@ -17,7 +17,8 @@ Against = Annotated[
     list[str] | None,
     typer.Option(
         metavar="NAME",
-        help="Compare with a published data set of COCO's archive, such as bbob/BIPOP-CMA-ES; repeatable.",
+        help="Compare with a published data set of COCO's archive, such as bbob/BIPOP-CMA-ES, or show the running "
+        "times of the best of 2009 (best2009); repeatable.",
     ),
 ]
 Strict = Annotated[

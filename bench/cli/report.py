@@ -27,20 +27,30 @@ def report(
 
     Several folders, such as those of two versions of an optimizer, are compared as one study.
     """
-    report_on([*folders, *published(against)], Console(), output, jobs, targets)
+    beside, reference = published(against)
+    report_on([*folders, *beside], Console(), output, jobs, targets, reference)
 
 
-def published(names: list[str] | None) -> list[Path]:
-    """Return the folders of published data sets, which are fetched and imported where they are not kept yet."""
+def published(names: list[str] | None) -> tuple[list[Path], str | None]:
+    """Return the folders of published data sets, fetched and imported where they are not kept yet, and the reference.
+
+    The reference is ``"best2009"`` where that is among the names, else None.
+    """
     if not names:
-        return []
+        return [], None
     from bench.importing.archive import imported
+    from bench.importing.best2009 import NAME
 
-    return [imported(name) for name in names]
+    return [imported(name) for name in names if name != NAME], NAME if NAME in names else None
 
 
 def report_on(
-    folders: list[Path], console: Console, output: Path | None = None, jobs: int = -1, targets: str | None = None
+    folders: list[Path],
+    console: Console,
+    output: Path | None = None,
+    jobs: int = -1,
+    targets: str | None = None,
+    reference: str | None = None,
 ) -> None:
     """Write the report and print its path."""
     from bench.cli.progress import steps
@@ -48,7 +58,9 @@ def report_on(
     from bench.storage.folder import Folder
 
     with steps(console, "report") as on_progress:
-        page = write_report(*folders, output=output, n_jobs=jobs, targets=targets, on_progress=on_progress)
+        page = write_report(
+            *folders, output=output, n_jobs=jobs, targets=targets, reference=reference, on_progress=on_progress
+        )
     for folder in folders:
         if (noted := Folder(folder).store_note()) and not noted.get("sound"):
             print_line(f"{folder}: {noted.get('sentence')}", "red", console)

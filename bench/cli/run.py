@@ -86,6 +86,7 @@ def run(
     from bench.execution.pool import WorkerDiedError
     from bench.execution.runner import plan as plan_study
     from bench.execution.runner import run as run_study
+    from bench.importing.best2009 import best2009
     from bench.study import Study
 
     if check and sandbox:
@@ -94,7 +95,9 @@ def run(
     console = Console()
     settings = {"trials": trials, "budget": budget, "seed": seed, "constraints": constraints, "targets": targets}
     chosen = Study.load(study).override(**settings).beside(optimizer or [], problem or [])
-    beside = published(against)  # before the run, which may take long
+    beside, reference = published(against)  # before the run, which may take long
+    if reference:
+        best2009(entry.name for entry in chosen.problems)
     if dry_run:
         _show_estimate(plan_study(chosen, output, shard=shard, sandbox=sandbox), jobs, console)
         return
@@ -114,9 +117,9 @@ def run(
         sys.exit(1)
     unchecked = check and not check_folder(outcome.folder, console, jobs)
     if report and shard is None:  # a part of a study supports no claim yet
-        report_on([outcome.folder], console, jobs=jobs)
+        report_on([outcome.folder], console, jobs=jobs, reference=reference)
         if beside:
-            report_on([outcome.folder, *beside], console, jobs=jobs)
+            report_on([outcome.folder, *beside], console, jobs=jobs, reference=reference)
     else:
         print_line(f"results in {outcome.folder}", console=console)
     if outcome.failed:

@@ -87,7 +87,7 @@ def runs(source: Source, notes: list[str]) -> Iterator[Run]:
     Raises:
         BenchError: for an index or a log that is no COCO data, is cut short, or has another f_opt than this project.
     """
-    sets = [each for file in source.files if file.suffix == ".info" for each in _index(source, file)]
+    sets = indexed(source)
     names = optimizer_labels(
         (data.index.parent, data.algorithm, (data.suite, data.function, data.dimension, entry.instance))
         for data in sets
@@ -111,6 +111,11 @@ def runs(source: Source, notes: list[str]) -> Iterator[Run]:
             raise BenchError(f"{log}, line {block.line}, begins a run that no index names")
     if unfinished:
         notes.append(f"{unfinished} runs were not finished; what they logged is imported.")
+
+
+def indexed(source: Source) -> list[DataSet]:
+    """Return the data sets that every index names."""
+    return [each for file in source.files if file.suffix == ".info" for each in _index(source, file)]
 
 
 def _index(source: Source, file: PurePosixPath) -> Iterator[DataSet]:
@@ -185,10 +190,10 @@ def _blocks(source: Source, log: PurePosixPath) -> list[Block]:
     if log not in files:
         raise BenchError(f"the log {log} is missing, which the index names")
     timed = log.with_suffix(".tdat")
-    found = _log(source, log)
+    found = logged(source, log)
     if timed not in files:
         return found
-    others = _log(source, timed)
+    others = logged(source, timed)
     if len(others) != len(found):
         raise BenchError(f"{log} has {len(found)} runs and {timed} has {len(others)}; one of them is cut short")
     return [_joined(one, other) for one, other in zip(found, others, strict=True)]
@@ -211,7 +216,7 @@ def _joined(one: Block, timed: Block) -> Block:
     return Block(one.header, one.line, evaluations[first], values[first])
 
 
-def _log(source: Source, file: PurePosixPath) -> list[Block]:
+def logged(source: Source, file: PurePosixPath) -> list[Block]:
     """Return the runs of a log, each with its header; raises BenchError with the line that cannot be read."""
     blocks: list[Block] = []
     text = source.text(file)

@@ -14,6 +14,7 @@ from bench import analysis
 from bench.budget import evaluations
 from bench.errors import BenchError
 from bench.execution.citations import bibtex
+from bench.importing.best2009 import best2009, function_of
 from bench.report.methods import Methods, MethodsFacts, methods
 from bench.report.target_words import TargetWords, default_targets, target_words
 from bench.storage.results import ProblemFacts, Results
@@ -30,6 +31,7 @@ class Findings:
 
     results: Results
     asked: Targets | None = None  # targets other than the study's own
+    beside_best: bool = False  # whether the best of 2009 stands beside the optimizers
 
     # what was run
 
@@ -221,12 +223,18 @@ class Findings:
         return target_words(self.asked or self.results.study.targets or usual)
 
     def check_targets(self) -> None:
-        """Raise BenchError where no problem has what the targets are measured by."""
+        """Raise BenchError where no problem has what the targets, or the best of 2009, are measured by."""
         if self.words.kind == "tolerance" and not any(each.expected for each in self.known.values()):
             raise BenchError(
                 "targets by tolerance need a problem with an expected metric, and this study has none; choose other "
                 "targets, such as relative"
             )
+        if self.beside_best and self.words.kind != "precisions":
+            raise BenchError(
+                f"the running times of best2009 are those to precisions, and the targets are {self.words.kind}; add "
+                "--targets precisions or leave out best2009"
+            )
+        _ = self.best_times  # where there are none, a sentence says so
 
     @cached_property
     def targets(self) -> pd.DataFrame:
@@ -274,7 +282,26 @@ class Findings:
         seconds = times[names].add_suffix("_s") if len(times) else pd.DataFrame(columns=[f"{each}_s" for each in names])
         dimension = table["problem"].astype(object).map(self.dimensions).astype(float)
         table = table.assign(ert_per_d=table["ert"].astype(float) / dimension)
+        if self.beside_best:
+            best = self.best_times.set_index(["problem", "precision"])["ert"]
+            keys = pd.MultiIndex.from_arrays([table["problem"].astype(object), table["tau"].astype(float)])
+            table = table.assign(best2009=best.reindex(keys).to_numpy())
         return pd.concat([table, seconds], axis=1).drop(columns="target").rename(columns={"tau": self.words.unit})
+
+    @cached_property
+    def best_times(self) -> pd.DataFrame:
+        """The ERT of the best of 2009 to the targets of the tables: problem, precision and ert.
+
+        It is missing on functions without any, and where trials beat the optimum that precisions are measured from.
+        """
+        if not self.beside_best:
+            return pd.DataFrame(columns=["problem", "precision", "ert"])
+        names = {entry.label: entry.name for entry in self.results.study.problems}
+        functions = {label: function_of(names[self.pooled.members[label][0]]) for label in self.problems}
+        known = best2009(functions.values())
+        levels = sorted({*self.words.tabled, *self.words.levels}, reverse=True)
+        kept = {label: name for label, name in functions.items() if label in self.unbeaten}
+        return analysis.reference_times(known, kept, levels)
 
     @cached_property
     def restart_shares(self) -> pd.DataFrame:
@@ -373,6 +400,7 @@ class Findings:
                 noisy=len(self.noisy),
                 mixed=len(self.mixed),
                 dominance=self.u_scores["problem"].nunique() if len(self.optimizers) > 1 else 0,
+                best2009=self.best_times.dropna()["problem"].nunique(),
             )
         )
 

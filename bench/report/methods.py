@@ -68,6 +68,7 @@ class MethodsFacts:
         dominance: problems on which U-scores compare the optimizers.
         target_set: the words for the targets.
         aocc: problems on which the area over the convergence curve is given.
+        best2009: problems on which the best of 2009 stands beside the optimizers.
     """
 
     study: Study
@@ -91,6 +92,7 @@ class MethodsFacts:
     dominance: int = 0
     target_set: TargetWords = field(default_factory=lambda: target_words("relative"))
     aocc: int = 0
+    best2009: int = 0
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from bench.report.sections import (
     across,
     anytime,
     beside,
+    best,
     comparison,
     datasets,
     dominance,
@@ -19,5 +20,5 @@ from bench.report.sections import (
 OPENING = (verdict, beside, suite, dominance, integrity, comparison)
 """The parts before the plug-ins' sections."""
 
-CLOSING = (across, anytime, datasets, time, power, methods, environment)
+CLOSING = (across, anytime, best, datasets, time, power, methods, environment)
 """The parts after them; the list of downloads ends the page."""

@@ -69,7 +69,7 @@ class TestMethods:
             place = {"article": "journal", "inproceedings": "booktitle", "misc": "howpublished", "phdthesis": "school"}
             assert f"  {place[work.kind]} = " in work.bibtex
             assert work.kind != "article" or "pages = " in work.fields
-        fields_own = replace(full(), target_set=target_words("precisions"), aocc=2)
+        fields_own = replace(full(), target_set=target_words("precisions"), aocc=2, best2009=2)
         assert library().keys() <= cited(methods(full())) | cited(methods(fields_own))
 
     def test_every_citation_has_its_work_and_every_work_is_cited(self):
