@@ -152,15 +152,15 @@ def regret(table: pd.DataFrame, optima: Mapping[str, float], columns: Sequence[s
     return own.assign(**above.mask(reached, 0.0))
 
 
-def coverage(frame: pd.DataFrame, planned: int | Mapping[str, int]) -> pd.DataFrame:
+def coverage(frame: pd.DataFrame, planned: int | Mapping[tuple[str, str], int]) -> pd.DataFrame:
     """Return problem, optimizer, stored, failed and missing (of ``planned``) trials of each cell.
 
-    ``planned`` is one number for all cells, or a number by problem.
+    ``planned`` is one number for all cells, or a number by problem and optimizer, 0 where no plan is known.
     """
-    rows = [
-        (*cell, len(values), int(np.isinf(values).sum()), max(_of(planned, cell[0]) - len(values), 0))
-        for cell, values in cells(frame).items()
-    ]
+    rows = []
+    for cell, values in cells(frame).items():
+        wanted = planned if isinstance(planned, int) else planned[cell]
+        rows.append((*cell, len(values), int(np.isinf(values).sum()), max(wanted - len(values), 0)))
     return pd.DataFrame(rows, columns=["problem", "optimizer", "stored", "failed", "missing"])
 
 
@@ -214,10 +214,6 @@ def timing(frame: pd.DataFrame) -> pd.DataFrame:
             }
         )
     return pd.DataFrame(rows, columns=list(TIMES))
-
-
-def _of(number: int | Mapping[str, int], problem: str) -> int:
-    return number if isinstance(number, int) else number[problem]
 
 
 def _reference_value(lowest: float, optimum: float) -> ReferenceValue:

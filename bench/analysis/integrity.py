@@ -59,7 +59,7 @@ def integrity(
     frame: pd.DataFrame,
     *,
     study_budget: Budgets,
-    planned_trials: int,
+    planned_trials: int | Mapping[tuple[str, str], int],
     traces: Traces | None = None,
     boxes: Boxes | None = None,
     diagnoses: Diagnoses | None = None,
@@ -75,7 +75,7 @@ def integrity(
 
     Args:
         study_budget: evaluations that each trial was allowed, or those by problem or by (problem, optimizer).
-        planned_trials: trials that each cell should hold.
+        planned_trials: trials that each cell should hold, or those by problem and optimizer, 0 where no plan is known.
         boxes: the lower and upper bound of each variable, by problem and by variable.
         diagnoses: the results of ``bench check`` for each optimizer, by label: check, passed and, where there is one,
             figure (the number that decided).
@@ -98,21 +98,21 @@ def integrity(
     return pd.DataFrame(rows, columns=["check", "verdict", "finding", "cells"])
 
 
-def _completeness(frame: pd.DataFrame, planned: int) -> Finding:
+def _completeness(frame: pd.DataFrame, planned: int | Mapping[tuple[str, str], int]) -> Finding:
     table = coverage(frame, planned)
     stored, missing = table["stored"], table["missing"]
     if not stored.sum():
         return Finding("warning", "There is no trial.")
-    if not missing.any() and stored.nunique() == 1:
-        return Finding("pass", f"All planned trials are stored: {stored.sum():,}, {stored.max():,} in each cell.")
-    short = table[stored < stored.max()]
+    span = f"{stored.max():,}" if stored.nunique() == 1 else f"{stored.min():,} to {stored.max():,}"
+    short = table[(missing > 0) | (stored == 0)]
+    if short.empty:
+        return Finding("pass", f"All planned trials are stored: {stored.sum():,}, {span} in each cell.")
     text = (
-        f"{missing.sum():,} of {planned * len(table):,} planned trials are missing and "
-        f"{(stored == 0).sum():,} of {len(table):,} cells are empty."
+        f"{missing.sum():,} of {(stored + missing).sum():,} planned trials are missing and "
+        f"{(stored == 0).sum():,} of {len(table):,} cells are empty. Cells hold {span} trials; fewer than planned: "
+        f"{where(short)}."
     )
-    if not short.empty:
-        text += f" Cells hold {stored.min():,} to {stored.max():,} trials; fewer than others: {where(short)}."
-    return Finding("warning", text, cell_names(table[(missing > 0) | (stored < stored.max())]))
+    return Finding("warning", text, cell_names(short))
 
 
 def _failures(frame: pd.DataFrame) -> Finding:

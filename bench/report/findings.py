@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import Any, cast
 
 import numpy as np
 import pandas as pd
 
 from bench import analysis
-from bench.budget import evaluations
+from bench.budget import described, evaluations
 from bench.errors import BenchError
 from bench.execution.citations import bibtex
 from bench.importing.best2009 import best2009, function_of
@@ -46,7 +47,7 @@ class Findings:
 
     @cached_property
     def planned(self) -> dict[str, int]:
-        """The trials that a cell should hold, by problem."""
+        """The trials that a cell should hold at most, by problem."""
         return {label: self.results.study.trials * len(own) for label, own in self.pooled.members.items()}
 
     @cached_property
@@ -84,7 +85,9 @@ class Findings:
     @cached_property
     def coverage(self) -> pd.DataFrame:
         """Stored, failed and missing trials of each cell."""
-        return analysis.coverage(self.frame, self.planned)
+        members, planned = self.pooled.members, self.results.planned
+        cells = product(members, self.optimizers)
+        return analysis.coverage(self.frame, {(p, o): planned[o] * len(members[p]) for p, o in cells})
 
     @cached_property
     def known(self) -> dict[str, ProblemFacts]:
@@ -364,7 +367,9 @@ class Findings:
         return analysis.integrity(
             analysis.in_study_order(results.frame, study),
             study_budget=study.budget if isinstance(study.budget, int) and self.allowed == self.budgets else budgets,
-            planned_trials=study.trials,
+            planned_trials={
+                (entry.label, label): trials for entry in study.problems for label, trials in results.planned.items()
+            },
             traces=results.traces,
             boxes={label: each.continuous for label, each in facts.items() if each.box},
             diagnoses=self.results.checks,
@@ -400,6 +405,8 @@ class Findings:
                 noisy=len(self.noisy),
                 mixed=len(self.mixed),
                 dominance=self.u_scores["problem"].nunique() if len(self.optimizers) > 1 else 0,
+                budgets={label: described(each) for label, each in self.results.budgets.items()},
+                planned=min(self.results.planned.values()) > 0,
                 best2009=self.best_times.dropna()["problem"].nunique(),
             )
         )

@@ -68,6 +68,8 @@ class MethodsFacts:
         dominance: problems on which U-scores compare the optimizers.
         target_set: the words for the targets.
         aocc: problems on which the area over the convergence curve is given.
+        budgets: the budget of each optimizer in words, by label, where it may not be the study's.
+        planned: whether the number of trials was planned, of every optimizer.
         best2009: problems on which the best of 2009 stands beside the optimizers.
     """
 
@@ -92,6 +94,8 @@ class MethodsFacts:
     dominance: int = 0
     target_set: TargetWords = field(default_factory=lambda: target_words("relative"))
     aocc: int = 0
+    budgets: Mapping[str, str] = field(default_factory=dict)
+    planned: bool = True
     best2009: int = 0
 
 
@@ -135,7 +139,11 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
     alike: dict[str, list[str]] = {}
     for entry in facts.study.optimizers:
         alike.setdefault(options(entry.options), []).append(entry.label)
+    budgets: dict[str, list[str]] = {}
+    for label, words in facts.budgets.items():
+        budgets.setdefault(words, []).append(label)
     return vars(facts) | {
+        "budgets": [f"{words} for {listing(labels)}" for words, labels in budgets.items()],
         "count": count,
         "described": described,
         "listing": listing,

@@ -19,6 +19,7 @@ from bench.errors import BenchError
 from bench.grid import dimension_in
 from bench.objective import Trace, integer_flags
 from bench.plugins import selection
+from bench.plugins.loading import is_imported
 from bench.problem import Problem
 from bench.scoring import Scored, plain
 from bench.storage.folder import Folder
@@ -63,6 +64,8 @@ class Results:
         study: the study as frozen in the folder; for several folders, all their problems and optimizers.
         environments: one record for each run on each machine (:mod:`bench.storage.provenance`).
         budgets: what a run of each optimizer may spend, by the label shown; of imported runs, the most that any spent.
+        planned: the trials that each cell of an optimizer should hold, by the label shown; 0 of imported runs, which
+            follow no plan that is known.
         differences: sentences on how the folders differ where imported results are among them; else none.
         checks: the verdicts of ``bench check`` by optimizer label; empty where it has not run.
         verifications: the note of ``bench verify`` in each folder, empty where it has not run.
@@ -78,6 +81,11 @@ class Results:
         self.names = [source.name for source in self._sources]
         self.study = united([source.study for source in self._sources], self.names)
         self.budgets = {entry.label: each.study.budget for each in self._sources for entry in each.study.optimizers}
+        self.planned = {
+            entry.label: 0 if is_imported(entry.name) else each.study.trials
+            for each in self._sources
+            for entry in each.study.optimizers
+        }
         self.differences = differences([source.study for source in self._sources], self.names)
         self.environments = [record for source in self._sources for record in source.environments]
         self.fingerprints = _agreed([source.folder.fingerprints().data for source in self._sources], self.paths)

@@ -141,6 +141,19 @@ def an_empty_cell(s):
     s.frame = s.frame[~((s.frame["problem"] == "q") & (s.frame["optimizer"] == "c"))]
 
 
+def test_each_optimizer_has_its_own_plan(sound):
+    """Imported results have more trials than ours, or fewer, and no plan that is known."""
+    planned = {(problem, optimizer): TRIALS for problem in PROBLEMS for optimizer in OPTIMIZERS}
+    sound.frame = sound.frame[~((sound.frame["optimizer"] == "c") & (sound.frame["trial"] > 1))]
+    found = sound.check(planned_trials=planned | {("p", "c"): 0, ("q", "c"): 0}).loc["completeness"]
+    assert found["verdict"] == "pass"
+    assert "28, 2 to 6 in each cell" in found["finding"]
+    sound.frame = sound.frame[~((sound.frame["optimizer"] == "c") & (sound.frame["problem"] == "q"))]
+    found = sound.check(planned_trials=planned | {("p", "c"): 0, ("q", "c"): 0}).loc["completeness"]
+    assert (found["verdict"], found["cells"]) == ("warning", "c on q")
+    assert "0 of 26 planned trials are missing and 1 of 6 cells are empty" in found["finding"]
+
+
 @trap("repeatability", "error", "11 of 12 trials", "different: a on p, trial 3", "more than their seeds")
 def a_trial_that_is_not_repeated(s):
     s.verifications = [{"sentence": "11 of 12 trials are the same", "different": ["different: a on p, trial 3"]}]

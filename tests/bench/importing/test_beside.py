@@ -78,6 +78,21 @@ class TestUnited:
         frame = pd.DataFrame({"problem": ["box-f01-d2-i1"] * 2, "optimizer": ["own", "archived"]})
         assert analysis.budgets(frame, both.allowed).tolist() == [120.0, 801.0]
 
+    def test_each_optimizer_has_its_own_plan(self, mine, archive):
+        """Two trials of an archived optimizer are not too few beside three of ours."""
+        both = Results(mine, archive)
+        assert both.planned == {"own": 3, "archived": 0}
+        found = Findings(both)
+        assert found.integrity.set_index("check").loc["completeness", "verdict"] == "pass"
+        assert not found.coverage["missing"].any()
+
+    def test_the_methods_give_each_budget_and_say_what_was_imported(self, mine, archive):
+        text = Findings(Results(mine, archive)).methods.text[0]
+        assert "each with a budget of 120 evaluations for own and 801 evaluations at d = 2" in text
+        assert "The results of archived were made elsewhere and imported." in text
+        assert "All parameters of the optimizers that we ran have their default values." in text
+        assert "planned" not in text
+
     def test_folders_without_a_problem_in_common_are_refused(self, tmp_path, archive):
         other = make(tmp_path / "other", {"sphere-2": 2}).paths[0]
         with pytest.raises(BenchError, match="other and archive have no problem in common, such as 'sphere-2' and"):
