@@ -6,6 +6,7 @@ import tarfile
 import threading
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -119,6 +120,50 @@ def test_an_imported_set_is_kept(published):
     before = (folder / "trials.sqlite").stat().st_mtime_ns
     assert archive.imported("bbob/DIRECT") == folder
     assert (folder / "trials.sqlite").stat().st_mtime_ns == before
+
+
+STUDY = """
+name = "mine"
+trials = 2
+budget = 40
+problems = [{name = "classical-sphere-d2-i1"}]
+optimizers = [{name = "random-search"}]
+"""
+
+
+@pytest.mark.slow
+def test_a_run_is_compared_with_a_published_set(published, tmp_path, monkeypatch):
+    """The run's own report stays without it; a second one has both."""
+    file = published / "bbob" / SETS[0]
+    with tarfile.open(file, "w:gz") as packed:
+        head, *rows = TABLE.splitlines(keepends=True)
+        content = "".join([head, *(row for row in rows if row.startswith("pso,p,"))])
+        content = content.replace("pso,p,", "DIRECT,classical-sphere-d2-i1,").encode()
+        member = tarfile.TarInfo("runs.csv")
+        member.size = len(content)
+        packed.addfile(member, io.BytesIO(content))
+    (published / "bbob" / archive.DEFINITION).write_text(
+        repr([(SETS[0], hashlib.sha256(file.read_bytes()).hexdigest(), 17)])
+    )
+    (tmp_path / "mine.toml").write_text(STUDY)
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        return CliRunner().invoke(app, [*words])
+
+    refused = call("run", "mine.toml", "--against", "bbob/DIRECT")  # before it is fetched: there is no network
+    assert "give a folder that has it with --from" in str(refused.exception)
+    assert not (tmp_path / "results").exists()
+    assert call("archive", "fetch", "bbob/DIRECT", "--from", str(published)).exit_code == 0
+    done = call("run", "mine.toml", "--against", "bbob/DIRECT", "--jobs", "1")
+    assert done.exit_code == 0, done.output
+    first, second = (Path(line.removeprefix("report: ")) for line in done.output.splitlines() if "report: " in line)
+    assert first == Path("results/runs/mine/report.html")
+    assert "imported" not in first.read_text()
+    assert second.parent.parent == Path("results/comparisons")
+    page = second.read_text()
+    assert "The folders share 1 problem; only those are compared." in page
+    assert "The results of DIRECT were made elsewhere and imported." in page
 
 
 @pytest.mark.parametrize("command", ["archive", "data"])
