@@ -19,10 +19,11 @@ def import_results(
         str | None, typer.Option(help="The licence under which the results were published, where you know it.")
     ] = None,
 ) -> None:
-    """Import results of COCO (.info, .dat, .tdat), of IOHprofiler (.json, .dat) or a table (CSV) as a study's folder.
+    """Import results of COCO, of IOHprofiler or a table (CSV) as a study's folder.
 
-    A table has the columns problem, optimizer, trial, evaluations and value. The folder is read like any other: 'bench
-    report MINE IMPORTED' compares both. Imported trials cannot be repeated.
+    COCO and IOHprofiler write folders with an index (.info, or .json of IOHprofiler) and logs (.dat, .tdat). A table
+    has the columns problem, optimizer, trial, evaluations and value. The folder is read like any other: 'bench report
+    MINE IMPORTED' compares both. Imported trials cannot be repeated.
     """
     from bench.importing import import_results as import_source
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bench.errors import BenchError
-from bench.importing import coco, ioh, tables
+from bench.importing import coco, ioh, ioh_info, tables
 from bench.importing.runs import LONGEST, Run
 from bench.importing.source import Source, opened
 from bench.importing.write import numbered, study_of, write
@@ -31,6 +31,7 @@ class _Format(NamedTuple):
 FORMATS = {
     "coco": _Format(coco.recognised, coco.runs),
     "ioh": _Format(ioh.recognised, ioh.runs),
+    "ioh-info": _Format(ioh_info.recognised, ioh_info.runs),
     "csv": _Format(tables.recognised, tables.runs),
 }
 """The formats by name; a source is of one of them."""
@@ -75,7 +76,7 @@ def import_results(
                 f"{source} holds results of {' and of '.join(kinds)}; import one of them at a time"
                 if kinds
                 else f"{source} holds no results in a known format: neither an index of COCO (.info), nor one of "
-                f"IOHprofiler (.json), nor a table ({', '.join(tables.COLUMNS)})"
+                f"IOHprofiler (.json, .info), nor a table ({', '.join(tables.COLUMNS)})"
             )
         notes: list[str] = []
         runs = numbered(FORMATS[kinds[0]].runs(found, notes))

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
-from bench.importing import naming
+from bench.importing import ioh_info, naming
 from bench.importing.runs import Run, improvements, label, optimizer_labels, require_increasing, shown
 from bench.importing.source import Source
 from bench.problem import Floats
@@ -78,7 +78,11 @@ class DataSet:
 
 def recognised(source: Source) -> bool:
     """Return whether the source holds an index of COCO."""
-    return any(file.suffix == ".info" for file in source.files)
+    return any(map(_is_index, source.files))
+
+
+def _is_index(file: PurePosixPath) -> bool:
+    return file.suffix == ".info" and not ioh_info.is_index(file)
 
 
 def runs(source: Source, notes: list[str]) -> Iterator[Run]:
@@ -115,7 +119,7 @@ def runs(source: Source, notes: list[str]) -> Iterator[Run]:
 
 def indexed(source: Source) -> list[DataSet]:
     """Return the data sets that every index names."""
-    return [each for file in source.files if file.suffix == ".info" for each in _index(source, file)]
+    return [each for file in source.files if _is_index(file) for each in _index(source, file)]
 
 
 def _index(source: Source, file: PurePosixPath) -> Iterator[DataSet]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterator
 from pathlib import PurePosixPath
 from typing import Any, NamedTuple
@@ -36,6 +37,9 @@ BBOB = (
     "Gallagher101", "Gallagher21", "Katsuura", "LunacekBiRastrigin",
 )  # fmt: skip
 """IOHexperimenter's names of bbob's functions, by which they are known where a log names no suite."""
+
+_COLUMN = re.compile(r'"([^"]*)"|(\S+)')
+_UNNAMED = ("", "unknown_suite", "unknown suite", "no suite")
 
 Block = tuple[NDArray[np.int64], Floats]
 
@@ -71,7 +75,7 @@ def runs(source: Source, _notes: list[str]) -> Iterator[Run]:
         (each.file.parent, each.algorithm, (each.head["function_id"], each.dimension)) for each in found
     )
     for data in found:
-        blocks = _blocks(source, data.log)
+        blocks = logged(source, data.log, "evaluations", VALUE)
         if len(blocks) != len(data.runs):
             raise BenchError(
                 f"{data.log} has {len(blocks)} runs and {data.file} names {len(data.runs)}; one of them is cut short"
@@ -103,10 +107,14 @@ def _scenarios(source: Source, file: PurePosixPath) -> Iterator[_Data]:
         raise BenchError(f"{file} is no file of IOHprofiler: it {what}") from error
 
 
-def _blocks(source: Source, log: PurePosixPath) -> list[Block]:
-    """Return evaluations and values of each run of a log."""
+def logged(source: Source, log: PurePosixPath, first: str, value: str) -> list[Block]:
+    """Return evaluations and values of each run of a log; a line that begins with the column ``first`` begins a run.
+
+    Raises:
+        BenchError: for a log that is missing, is cut short, or lacks the column ``value``.
+    """
     if log not in source.files:
-        raise BenchError(f"the log {log} is missing, which its JSON file names")
+        raise BenchError(f"the log {log} is missing, which its index names")
     text = source.text(log)
     lines = text.splitlines()
     if lines and not text.endswith("\n"):
@@ -115,19 +123,20 @@ def _blocks(source: Source, log: PurePosixPath) -> list[Block]:
     columns: list[str] = []
     rows: list[tuple[int, float]] = []
     begin = 1
-    for number, line in enumerate([*lines, "evaluations"], start=1):
+    for number, line in enumerate([*lines, f'"{first}"'], start=1):
         cells = line.split()
         if not cells:
             continue
-        if cells[0].strip('"') == "evaluations":
+        if line.lstrip(' "').startswith(first):
             if columns:
                 blocks.append(_block(rows, log, begin))
-            columns, rows, begin = [cell.strip('"') for cell in cells], [], number + 1
-            if number <= len(lines) and VALUE not in columns:
-                raise BenchError(f"{log}, line {number}, has no column {VALUE!r}")
+            columns = [quoted or plain for quoted, plain in _COLUMN.findall(line)]
+            rows, begin = [], number + 1
+            if number <= len(lines) and value not in columns:
+                raise BenchError(f"{log}, line {number}, has no column {value!r}")
             continue
         try:
-            rows.append((int(cells[0]), float(cells[columns.index(VALUE)])))
+            rows.append((int(cells[0]), float(cells[columns.index(value)])))
         except (ValueError, IndexError) as error:
             raise BenchError(f"{log}, line {number}, is no row of evaluations and values: {shown(line)}") from error
     return blocks
@@ -144,16 +153,14 @@ def _block(rows: list[tuple[int, float]], log: PurePosixPath, begin: int) -> Blo
 
 def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: str) -> Run:
     own = "trial" in run and "seed" in run  # this package's export, whose function names are labels of problems
-    problem, bbob = _problem(data, run["instance"], own)
+    if own:
+        problem, less = label(str(data.head.get("function_name", "")), str(data.file)), 0.0
+    else:
+        name = str(data.head.get("function_name", ""))
+        function = data.head["function_id"]
+        problem, less = problem_of(data.head.get("suite"), function, name, data.dimension, run["instance"], data.file)
     trace = _exact(improvements(*block), run.get("best") or {}, where)
-    if bbob:
-        optimum = naming.known(problem).optimum
-        if optimum is None:
-            raise BenchError(
-                f"{data.file} holds values less f_opt, which cannot be looked up for {problem}; install it with: "
-                "pip install 'backlash-bench[suites]'"
-            )
-        trace = improvements(trace.evaluations, trace.values + optimum)
+    trace = improvements(trace.evaluations, trace.values + less)
     last = int(block[0][-1]) if len(block[0]) else 0
     columns: dict[str, Any] = {"x": _point(run.get("best") or {}, problem)}
     if own and is_whole(run["seed"]):
@@ -162,18 +169,27 @@ def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: 
     return Run(problem, algorithm, data.dimension, max(run["evals"], last), trace, number, columns)
 
 
-def _problem(data: _Data, instance: int, own: bool) -> tuple[str, bool]:
-    """Return the label of a run's problem, and whether its values are less f_opt."""
-    function, name = data.head["function_id"], str(data.head.get("function_name", ""))
-    if own:
-        return label(name, str(data.file)), False
-    suite = str(data.head.get("suite", ""))
-    unnamed = (
-        suite in ("", "unknown_suite") and 1 <= function <= len(BBOB) and BBOB[function - 1].lower() == name.lower()
-    )
-    if suite.lower() == "bbob" or unnamed:
-        return naming.problem_name("bbob", function, data.dimension, instance), True
-    return naming.problem_name(suite or name, function, data.dimension, instance), False
+def problem_of(
+    suite: object, function: int | str, name: str, dimension: int, instance: int, file: PurePosixPath
+) -> tuple[str, float]:
+    """Return the label of a problem, and what its raw values lack: f_opt of bbob, 0 of others.
+
+    Raises:
+        BenchError: where f_opt cannot be looked up.
+    """
+    given = str(suite or "").strip()
+    unnamed = given.lower() in _UNNAMED
+    named = isinstance(function, int) and 1 <= function <= len(BBOB) and BBOB[function - 1].lower() == name.lower()
+    if isinstance(function, str) or (given.lower() != "bbob" and not (unnamed and named)):
+        return naming.problem_name(given or name, function, dimension, instance), 0.0
+    problem = naming.problem_name("bbob", function, dimension, instance)
+    optimum = naming.known(problem).optimum
+    if optimum is None:
+        raise BenchError(
+            f"{file} holds values less f_opt, which cannot be looked up for {problem}; install it with: "
+            "pip install 'backlash-bench[suites]'"
+        )
+    return problem, optimum
 
 
 def _exact(trace: Trace, best: dict[str, Any], where: str) -> Trace:

@@ -23,10 +23,18 @@ class Known(NamedTuple):
     variables: tuple[str, ...] = ()
 
 
-def problem_name(suite: str, function: int, dimension: int, instance: int) -> str:
+def problem_name(suite: str, function: int | str, dimension: int, instance: int) -> str:
     """Return the name of a suite's problem, such as ``"bbob-f08-d5-i1"``; an unknown suite's is of the same form."""
-    clean = re.sub(r"[^a-z0-9]+", "-", suite.lower()).strip("-") or "unknown"
-    return f"{clean}-{_functions(clean).get(function, f'f{function:02d}')}-d{dimension}-i{instance}"
+    clean = _clean(suite)
+    if isinstance(function, int):
+        named = _functions(clean).get(function, f"f{function:02d}")
+    else:
+        named = _clean(function)
+    return f"{clean}-{named}-d{dimension}-i{instance}"
+
+
+def _clean(text: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or "unknown"
 
 
 @cache
