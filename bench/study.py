@@ -27,7 +27,7 @@ from bench.plugins import from_file, loading, registry, selection
 from bench.problem import Problem
 from bench.scoring import scored
 from bench.seeds import trial_seed
-from bench.targets import Targets
+from bench.targets import NO_METRIC, Targets
 from bench.trial import Trial
 
 
@@ -177,7 +177,8 @@ class Study:
         """Load every problem and optimizer once and check the budget against the largest generation.
 
         Raises:
-            BenchError: for the first name, parameter, recording or budget that cannot work.
+            BenchError: for the first name, parameter, recording or budget that cannot work, and for targets that no
+                problem has.
         """
         data, least = self.data()
         return Fingerprints(data, self.code((entry.label for entry in self.optimizers), least))
@@ -188,6 +189,8 @@ class Study:
         ``load`` returns the problem of a label.
         """
         problems = {entry.label: (load or self.problem)(entry.label) for entry in self.problems}
+        if self.targets == "tolerance" and not any(problem.expected for problem in problems.values()):
+            raise BenchError(NO_METRIC)
         least = min(self.evaluations(dimension) for dimension in {each.dimension for each in problems.values()})
         return {label: problem.fingerprint() for label, problem in problems.items()}, least
 

@@ -20,6 +20,12 @@ KINDS = {
 }
 """What the kinds of targets are measured by, by name."""
 
+NO_METRIC = (
+    "targets by tolerance need a problem with an expected metric, and this study has none; choose other targets, such "
+    "as relative"
+)
+"""The message where no problem has an expected metric."""
+
 MOST = 1000  # targets of a list
 
 _PERCENT = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)\s*%\s*", re.ASCII)

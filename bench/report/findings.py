@@ -20,7 +20,7 @@ from bench.report.methods import Methods, MethodsFacts, methods
 from bench.report.target_words import TargetWords, default_targets, target_words
 from bench.storage.results import ProblemFacts, Results
 from bench.study import Entry, Study
-from bench.targets import Targets
+from bench.targets import NO_METRIC, Targets
 
 MANY_PROBLEMS = 20
 """More problems than these are folded away one by one, below what can be said of all."""
@@ -228,10 +228,7 @@ class Findings:
     def check_targets(self) -> None:
         """Raise BenchError where no problem has what the targets, or the best of 2009, are measured by."""
         if self.words.kind == "tolerance" and not any(each.expected for each in self.known.values()):
-            raise BenchError(
-                "targets by tolerance need a problem with an expected metric, and this study has none; choose other "
-                "targets, such as relative"
-            )
+            raise BenchError(NO_METRIC)
         if self.beside_best and self.words.kind != "precisions":
             raise BenchError(
                 f"the running times of best2009 are those to precisions, and the targets are {self.words.kind}; add "

@@ -8,8 +8,9 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results, Study, load_results, run, solve
+from bench.execution.runner import plan
 from bench.storage.folder import Folder
-from bench.study import Fingerprints
+from bench.study import Entry, Fingerprints
 
 TIMES = ["wall_s", "cpu_s", "objective_s"]
 
@@ -241,3 +242,18 @@ def test_a_plug_in_that_cannot_be_loaded_ends_the_run_before_it_begins(code, pat
         run(Study.from_dict(study), tmp_path / "out", n_jobs=2)
     assert "\n" not in str(refused.value)
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("of", [plan, run])
+def test_targets_that_no_problem_has_are_refused_before_the_first_trial(tmp_path, of):
+    study = Study("s", (Entry("sphere-2", "p"),), (Entry("scatter", "o"),), trials=1, budget=60, targets="tolerance")
+    with pytest.raises(BenchError, match="targets by tolerance need a problem with an expected metric"):
+        of(study, tmp_path / "s")
+    assert not (tmp_path / "s").exists()
+
+
+def test_targets_that_a_problem_has_are_accepted(tmp_path):
+    study = Study(
+        "s", (Entry("signature-03", "p"),), (Entry("scatter", "o"),), trials=1, budget=60, targets="tolerance"
+    )
+    assert len([*plan(study, tmp_path / "s").missing()]) == 1
