@@ -225,7 +225,7 @@ class Objective:
         return values
 
     def _values(self, x: Floats) -> ArrayLike:
-        """Return what is recorded of the (n, d) points, as the problem returns it."""
+        """Return the values to record of the (n, d) points, as the problem returns them."""
         return self._problem.evaluate(x)
 
     def _record_one(self, value: float, place: int) -> float:

@@ -1,4 +1,4 @@
-"""What is recorded of a problem where an optimizer sees something else: constraints, noise and integer variables.
+"""Record the true values of problems whose optimizers see others: constraints, noise and integer variables.
 
 **The recorded values are those that count**: the objective without noise, at feasible points, with whole numbers in
 place of integer variables (:meth:`Scored.evaluate`). Any other point is recorded as +inf. So trace, best value and its
@@ -32,7 +32,7 @@ class Assessment(NamedTuple):
 
     Attributes:
         points: (n, d) the points in whose place values are recorded: repaired where the handling repairs, and rounded.
-        values: (n,) what is recorded, +inf where a point is infeasible.
+        values: (n,) the values to record, +inf where a point is infeasible.
         shown: (n,) what the optimizer sees.
         violation: (n,) their total violations, 0 where they are feasible.
     """
@@ -44,7 +44,7 @@ class Assessment(NamedTuple):
 
 
 class Scored(Problem):
-    """A problem with constraints, noise or integer variables, whose ``evaluate`` returns what is recorded.
+    """A problem with constraints, noise or integer variables, whose ``evaluate`` returns the recorded values.
 
     The domain metrics of a constrained problem have the ``violation`` of the point.
 
@@ -230,7 +230,7 @@ def _check_integer(problem: Problem, flags: Flags) -> None:
 
 
 def plain(problem: Problem) -> Problem:
-    """Return the problem itself, without what is recorded of it."""
+    """Return the problem that a :class:`Scored` one stands for, and any other problem as it is."""
     return problem.problem if isinstance(problem, Scored) else problem
 
 

@@ -147,7 +147,7 @@ def fly(
 
 @compiled
 def find_neighbours(x: Floats, i: int, r: Floats, near: Floats, neighbours: Indices) -> int:
-    """Return how many neighbours ``i`` has, and set so many of ``neighbours`` (N,) to their increasing indices.
+    """Return the number of neighbours of ``i``; write their increasing indices to the start of ``neighbours`` (N,).
 
     A neighbour is at most ``r`` away in every coordinate and equal in none, which excludes ``i`` itself. ``near`` (N,)
     is room for marks.

@@ -35,7 +35,6 @@ class Member(NamedTuple):
     start: str | int
 
 
-SHARE = parameter(0.9, minimum=0, maximum=1)
 MEMBERS = {
     "CmaEsSampler": Member(
         "CMA-ES by the package cmaes.",
@@ -55,7 +54,7 @@ MEMBERS = {
         {
             "population_size": (int, parameter(50, minimum=2)),
             "mutation_prob": (float | None, parameter(None, minimum=0, maximum=1)),
-            "crossover_prob": (float, SHARE),
+            "crossover_prob": (float, parameter(0.9, minimum=0, maximum=1)),
             "swapping_prob": (float, parameter(0.5, minimum=0, maximum=1)),
         },
         "population_size",

@@ -23,7 +23,7 @@ from bench import Problem
 from bench.errors import require
 from bench.grid import Grid, Member
 from bench.problem import Floats
-from problems.common import Suite, SuiteProblem
+from problems.common import Suite, SuiteProblem, features_of, group_of
 
 REAL_WORLD = (6, 30, 1, 1, 30, 30, 20, 7, 126, 12, 120, 240, 6, 13, 15, 40, 140, 96, 96, 96, 26, 22)
 """The dimensions of the problems of 2011."""
@@ -71,11 +71,7 @@ def _problem(suite: str, name: str, member: Member) -> Problem:
     number = int(member.function[1:])
     function = getattr(minionpy, f"CEC{suite[3:]}Functions")(number, member.dimension)
     lower, upper = np.array(function.get_bounds(), dtype=np.float64).T
-    features: dict[str, str | int] = {
-        "suite": suite,
-        "function": member.function,
-        "group": next(group for group, numbers in GROUPS[suite].items() if number in numbers),
-    }
+    features = features_of(suite, member, group_of(number, GROUPS[suite]))
     # Of the problems of 2011, only the first has a proven optimum: its data are made by known parameters.
     optimum = 0.0 if (suite, number) == ("cec2011", 1) else function.get_f_opt()
 

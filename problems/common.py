@@ -9,7 +9,7 @@ from typing import Any
 
 from bench import FunctionProblem, Problem, load_problem
 from bench.errors import BenchError, nearest
-from bench.grid import Grid
+from bench.grid import Grid, Member
 
 
 class SuiteProblem(FunctionProblem):
@@ -21,6 +21,17 @@ class SuiteProblem(FunctionProblem):
 
     def __reduce__(self) -> tuple[Callable[[], Problem], tuple[()]]:
         return self._load, ()
+
+
+def group_of(number: int, groups: Mapping[str, range]) -> str:
+    """Return the group that has the function of a number."""
+    return next(group for group, numbers in groups.items() if number in numbers)
+
+
+def features_of(suite: str, member: Member, group: str) -> dict[str, str | int]:
+    """Return the features of a suite's problem: suite, function, instance where there is one, and group."""
+    instance: dict[str, str | int] = {"instance": member.instance} if member.instance else {}
+    return {"suite": suite, "function": member.function, **instance, "group": group}
 
 
 @dataclass(frozen=True)

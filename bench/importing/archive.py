@@ -23,6 +23,7 @@ from platformdirs import user_data_dir
 from bench.atomic import replacing
 from bench.errors import BenchError, nearest
 from bench.importing import import_results
+from bench.importing.source import sha256_of
 from bench.storage import provenance
 
 VARIABLE = "BENCH_ARCHIVE"
@@ -111,13 +112,13 @@ def fetch(name: str, source: Path | None = None) -> Path:
     """
     chosen = find(name, source)
     kept = data_folder() / chosen.suite / chosen.path
-    if kept.is_file() and _hash(kept) == chosen.sha256:
+    if kept.is_file() and sha256_of(kept) == chosen.sha256:
         return kept
     if source is None:
         _download(f"{chosen.suite}/{chosen.path}", kept, chosen.sha256)
         return kept
     for file in _candidates(source, chosen):
-        if _hash(file) == chosen.sha256:
+        if sha256_of(file) == chosen.sha256:
             _copy(file, kept)
             return kept
     raise BenchError(f"{source} has no file with the SHA-256 of {chosen.name}, {chosen.sha256[:12]}…")
@@ -176,14 +177,6 @@ def _copy(file: Path, kept: Path) -> None:
             shutil.copyfile(file, temporary)
     except OSError as error:
         raise BenchError(f"{file} cannot be copied to {kept}: {error.strerror or error}") from error
-
-
-def _hash(file: Path) -> str:
-    try:
-        with file.open("rb") as opened:
-            return hashlib.file_digest(opened, "sha256").hexdigest()
-    except OSError as error:
-        raise BenchError(f"{file} cannot be read: {error.strerror}") from error
 
 
 def _download(path: str, kept: Path, sha256: str | None) -> None:

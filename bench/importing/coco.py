@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.export.coco import STAND_IN
 from bench.importing import ioh_info, naming
 from bench.importing.runs import Run, improvements, label, optimizer_labels, require_increasing, shown
 from bench.importing.source import Source
@@ -35,9 +36,6 @@ INFINITE = 1e21
 
 TARGETS = np.power(10, np.arange(-40, 11) / 5)
 """COCO's precisions, 1e-8 to 1e2, five a decade."""
-
-STAND_IN = "stand-in for "
-"""The comment of a problem of no suite, which this package's export gives the place of a function."""
 
 NOISY = 101  # the first function of bbob-noisy, in indices that name no suite
 _PAIR = re.compile(r"(\w+)\s*=\s*(?:'(.*?)'(?=\s*(?:,|$))|([^,]*))")

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from functools import cache
 from typing import NamedTuple
 
 from bench.errors import BenchError
 from bench.grid import Grid, dimension_in
-from bench.plugins import loading, registry
+from bench.plugins import loading, registry, selection
 
 
 class Known(NamedTuple):
@@ -63,19 +64,12 @@ def known(name: str) -> Known:
 @cache
 def is_offered(name: str) -> bool:
     """Return whether an installed family offers a problem of that name, though its library may be missing."""
-    if known(name) != Known():
+    if known(name) != Known() or selection.is_of_suite(name):
         return True
     for family in registry.entries("problems"):
-        try:
-            plugin = registry.load("problems", family)
-            grid = getattr(plugin, "grid", None)
-            if isinstance(grid, Grid):
-                if grid.member(name):
-                    return True
-            elif name in plugin.names():
+        with suppress(Exception):  # a broken family must not hide another's problems
+            if name in registry.load("problems", family).names():
                 return True
-        except Exception:
-            continue
     return False
 
 

@@ -69,9 +69,9 @@ def opened(path: Path) -> Iterator[Source]:
         elif tarfile.is_tarfile(path) or zipfile.is_zipfile(path):
             with tempfile.TemporaryDirectory(prefix="bench-import-") as temporary:
                 (_unpack_tar if tarfile.is_tarfile(path) else _unpack_zip)(path, Path(temporary))
-                yield _folder(path.name, Path(temporary), _hash(path))
+                yield _folder(path.name, Path(temporary), sha256_of(path))
         else:
-            yield Source(path.name, path.parent, (PurePosixPath(path.name),), _hash(path))
+            yield Source(path.name, path.parent, (PurePosixPath(path.name),), sha256_of(path))
     except OSError as error:
         raise BenchError(f"{path} cannot be read: {error.strerror or error}") from error
 
@@ -88,7 +88,7 @@ def _folder(name: str, root: Path, sha256: str) -> Source:
     if not sha256:
         digest = hashlib.sha256()
         for each in files:
-            digest.update(f"{each}\0{_hash(root / each)}\n".encode())
+            digest.update(f"{each}\0{sha256_of(root / each)}\n".encode())
         sha256 = digest.hexdigest()
     return Source(name, root, tuple(files), sha256)
 
@@ -105,9 +105,13 @@ def _limit(name: str, files: int, size: int) -> None:
         )
 
 
-def _hash(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+def sha256_of(path: Path) -> str:
+    """Return the SHA-256 of a file; raises BenchError where it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise BenchError(f"{path} cannot be read: {error.strerror}") from error
 
 
 def _unpack_tar(path: Path, folder: Path) -> None:

@@ -96,7 +96,7 @@ def write(folder: Path, study: Study, runs: Iterable[Run], record: dict[str, Any
 
 
 def _row(run: Run) -> dict[str, Any]:
-    """Return a run as a row of the store; what is unknown is NULL."""
+    """Return a run as a row of the store, with NULL for unknown values."""
     row: dict[str, Any] = {"status": "ok", "fun": run.fun, "nfev": run.nfev} | dict(run.columns)
     texts = {name: json.dumps(row.get(name) or {}) for name in ("x", "figures")}
     trace = {"trace": pack(run.trace)} if row["status"] == "ok" else {}

@@ -15,7 +15,7 @@ from bench import Problem
 from bench.grid import Grid, Member
 from bench.problem import Floats
 from problems.bbob.coco import BOX, INSTANCES, evaluated, function_of, optimal_point
-from problems.common import Suite, SuiteProblem
+from problems.common import Suite, SuiteProblem, features_of
 
 DIMENSIONS = (2, 3, 5, 10, 20, 40)
 BASES = (
@@ -34,13 +34,8 @@ def _problem(name: str, member: Member) -> Problem:
         found = np.array([function.constraint(row) for row in x], dtype=np.float64)
         return found.reshape(len(x), function.number_of_constraints)
 
-    features: dict[str, str | int] = {
-        "suite": "bbob-constrained",
-        "function": member.function,
-        "instance": member.instance,
-        "group": BASES[(number - 1) // 6],
-        "constraints": function.number_of_constraints,
-    }
+    features = features_of("bbob-constrained", member, BASES[(number - 1) // 6])
+    features["constraints"] = function.number_of_constraints
     best = optimal_point(dimension, number + 10_000 * member.instance)
     optimum = float(evaluate(best[np.newaxis])[0])
     lower, upper = [-BOX] * dimension, [BOX] * dimension

@@ -14,8 +14,8 @@ import numpy as np
 from bench import Problem
 from bench.grid import Grid, Member
 from problems.bbob.coco import INSTANCES, evaluated, function_of, optimum_of
-from problems.bbob.noiseless import FUNCTIONS, group_of
-from problems.common import Suite, SuiteProblem
+from problems.bbob.noiseless import FUNCTIONS, GROUPS
+from problems.common import Suite, SuiteProblem, features_of, group_of
 
 DIMENSIONS = (5, 10, 20, 40, 80, 160)
 SCALES = (
@@ -28,12 +28,7 @@ SCALES = (
 def _problem(name: str, member: Member) -> Problem:
     number, dimension, instance = int(member.function[1:]), member.dimension, member.instance
     function = function_of("bbob-mixint", name, number, dimension, instance)
-    features: dict[str, str | int] = {
-        "suite": "bbob-mixint",
-        "function": member.function,
-        "instance": instance,
-        "group": group_of(number),
-    }
+    features = features_of("bbob-mixint", member, group_of(number, GROUPS))
     optimum = optimum_of(number, instance) * SCALES[number - 1]
     integer = np.arange(dimension) < function.number_of_integer_variables
     bounds = function.lower_bounds, function.upper_bounds

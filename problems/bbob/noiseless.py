@@ -13,7 +13,7 @@ from functools import partial
 from bench import Problem
 from bench.grid import Grid, Member
 from problems.bbob.coco import BOX, INSTANCES, evaluated, function_of, optimum_of
-from problems.common import Suite, SuiteProblem
+from problems.common import Suite, SuiteProblem, features_of, group_of
 
 FUNCTIONS = range(1, 25)
 
@@ -27,11 +27,6 @@ GROUPS = {
 """The functions of each of the suite's five groups, as RR-6829 has them."""
 
 
-def group_of(number: int) -> str:
-    """Return the group of a function by its number."""
-    return next(group for group, numbers in GROUPS.items() if number in numbers)
-
-
 def _suite(suite: str, dimensions: tuple[int, ...]) -> Suite:
     grid = Grid(suite, {f"f{number:02d}": dimensions for number in FUNCTIONS}, INSTANCES)
     return Suite(grid, partial(_problem, suite))
@@ -40,12 +35,7 @@ def _suite(suite: str, dimensions: tuple[int, ...]) -> Suite:
 def _problem(suite: str, name: str, member: Member) -> Problem:
     number, dimension, instance = int(member.function[1:]), member.dimension, member.instance
     function = function_of(suite, name, number, dimension, instance)
-    features: dict[str, str | int] = {
-        "suite": suite,
-        "function": member.function,
-        "instance": instance,
-        "group": group_of(number),
-    }
+    features = features_of(suite, member, group_of(number, GROUPS))
     lower, upper = [-BOX] * dimension, [BOX] * dimension
     optimum = optimum_of(number, instance)  # the three suites share it
     return SuiteProblem(evaluated(function), lower, upper, name=name, optimum=optimum, features=features)

@@ -21,7 +21,7 @@ from bench import Problem
 from bench.grid import Grid, Member
 from bench.problem import Floats
 from problems.bbob.coco import BOX, INSTANCES, evaluated, function_of, optimal_point, optimum_of, rotation
-from problems.common import Suite, SuiteProblem
+from problems.common import Suite, SuiteProblem, features_of, group_of
 
 DIMENSIONS = (2, 3, 5, 10, 20, 40)
 
@@ -128,12 +128,7 @@ def _problem(name: str, member: Member) -> Problem:
         f = np.maximum(above(x), 0.0)  # rounding
         return np.where(f < PRECISION, f, noise(f, rng) + RAISED) + optimum
 
-    features: dict[str, str | int] = {
-        "suite": "bbob-noisy",
-        "function": member.function,
-        "instance": instance,
-        "group": next(group for group, numbers in GROUPS.items() if number in numbers),
-    }
+    features = features_of("bbob-noisy", member, group_of(number, GROUPS))
     lower, upper = [-BOX] * dimension, [BOX] * dimension
     return SuiteProblem(observed, lower, upper, name=name, optimum=optimum, features=features, noiseless=noiseless)
 

@@ -48,7 +48,7 @@ def section(findings: Findings) -> Section:
     if not findings.many:
         *values, running = _by_problem(findings, findings.problems, times)
         return Section(TITLE, text, (*values, together, running, *rates))
-    # A figure of so many panels is longer than a page, and the problems of one dimension belong together.
+    # A figure with a panel for each is longer than a page, and the problems of one dimension belong together.
     by_dimension: dict[int | None, list[str]] = {}
     for label in findings.problems:
         by_dimension.setdefault(dimensions.get(label), []).append(label)

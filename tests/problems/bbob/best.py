@@ -27,3 +27,8 @@ def best_points(cases, folder):
 def function_of(suite, function, dimension, instance):
     """Return COCO's function object of a case."""
     return cocoex.Suite(suite, f"instances: {instance}", f"dimensions: {dimension} function_indices: {function}")[0]
+
+
+def name(suite, function, dimension, instance):
+    """Return this project's name of a case."""
+    return f"{suite}-f{function:02d}-d{dimension}-i{instance}"

@@ -5,22 +5,13 @@ import pytest
 
 from bench import load_problem
 from bench.scoring import scored
-from tests.problems.bbob.best import best_points, function_of
+from tests.problems.bbob.best import function_of, name
 from tests.problems.suites import assert_pure_and_reloadable
 
 CASES = [
     *(("bbob-constrained", function, 5, 3) for function in range(1, 55)),
     *(("bbob-constrained", *rest) for rest in ((8, 2, 1), (54, 20, 15), (27, 40, 2))),
 ]
-
-
-def name(suite, function, dimension, instance):
-    return f"{suite}-f{function:02d}-d{dimension}-i{instance}"
-
-
-@pytest.fixture(scope="module")
-def best(tmp_path_factory):
-    return best_points(CASES, tmp_path_factory.mktemp("coco"))
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -4,22 +4,13 @@ import numpy as np
 import pytest
 
 from bench import load_problem, solve
-from tests.problems.bbob.best import best_points, function_of
+from tests.problems.bbob.best import function_of, name
 from tests.problems.suites import assert_pure_and_reloadable
 
 CASES = [
     *(("bbob-mixint", function, 5, 3) for function in range(1, 25)),
     *(("bbob-mixint", *rest) for rest in ((8, 160, 1), (24, 40, 15), (15, 10, 70))),
 ]
-
-
-def name(suite, function, dimension, instance):
-    return f"{suite}-f{function:02d}-d{dimension}-i{instance}"
-
-
-@pytest.fixture(scope="module")
-def best(tmp_path_factory):
-    return best_points(CASES, tmp_path_factory.mktemp("coco"))
 
 
 @pytest.mark.parametrize("case", CASES)

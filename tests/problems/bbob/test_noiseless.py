@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, load_problem
-from tests.problems.bbob.best import best_points, function_of
+from tests.problems.bbob.best import function_of, name
 from tests.problems.suites import assert_pure_and_reloadable, best_found
 
 CASES = [
@@ -19,10 +19,6 @@ CASES = [
 ]  # fmt: skip
 
 
-def name(suite, function, dimension, instance):
-    return f"{suite}-f{function:02d}-d{dimension}-i{instance}"
-
-
 @pytest.mark.parametrize("case", CASES)
 def test_values_are_those_of_coco_bit_for_bit(case):
     problem, theirs = load_problem(name(*case)), function_of(*case)
@@ -31,11 +27,6 @@ def test_values_are_those_of_coco_bit_for_bit(case):
     np.testing.assert_array_equal(problem.upper, theirs.upper_bounds)
     x = np.random.default_rng(1).uniform(-6, 6, (20, problem.dimension))  # some outside the box
     np.testing.assert_array_equal(problem.evaluate(x), [theirs(row) for row in x])
-
-
-@pytest.fixture(scope="module")
-def best(tmp_path_factory):
-    return best_points(CASES, tmp_path_factory.mktemp("coco"))
 
 
 @pytest.mark.parametrize("case", CASES)
