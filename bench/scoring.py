@@ -158,7 +158,7 @@ class ScoredObjective(Objective):
         return self._found.values
 
     def _evaluate(self, rows: Floats) -> Floats:
-        kept, before = rows.copy(), self.best_value
+        kept, before, none = rows.copy(), self.best_value, self.best_point is None
         values = super()._evaluate(kept)
         if not len(kept):
             return values
@@ -171,6 +171,8 @@ class ScoredObjective(Objective):
         elif self.best_value == np.inf and violation[least] < self._least:
             self._least = float(violation[least])
             self.best_point = found.points[least].copy()
+        elif none:  # no point of a trial lies in the box so far
+            self.best_point = self._problem.rounded(kept[:1])[0]
         return np.where(inside, found.shown, np.inf)
 
 

@@ -95,6 +95,15 @@ class TestIntegers:
         assert f(np.array([[4.1, 0.0], [4.0, 0.0]])).tolist() == [np.inf, 16.0]
         assert f.outside_box == 1
 
+    def test_a_trial_without_a_point_in_the_box_ends_at_a_whole_number(self):
+        f = began(mixed())
+        assert np.isinf(f(np.array([[9.4, 0.3], [-7.6, 0.1]]))).all()
+        assert f.best_point.tolist() == [9.0, 0.3]
+        assert f([5.5, 0.0]) == np.inf
+        assert f.best_point.tolist() == [9.0, 0.3]
+        assert f([1.2, 0.5]) == 1.25
+        assert f.best_point.tolist() == [1.0, 0.5]
+
     def test_every_whole_number_is_as_probable_in_an_initial_point(self):
         points = began(mixed()).initial(8000)
         values, counts = np.unique(points[:, 0], return_counts=True)
@@ -176,3 +185,18 @@ def test_results_know_what_is_noisy_and_which_variables_are_whole_numbers(tmp_pa
     assert (loud.noisy, loud.integers, loud.constraints) == (True, (), "")
     assert (whole.noisy, whole.integers) == (False, ("x1", "x2", "x3", "x4"))
     assert whole.continuous == {"x5": (-5.0, 5.0)}
+
+
+def test_an_honest_trial_without_a_point_in_the_box_is_kept(tmp_path):
+    (tmp_path / "outside.py").write_text(
+        "def outside(objective, rng):\n    objective(objective.upper + 0.4)\n    objective.stop('tired')\n"
+    )
+    study = Study.from_dict(
+        {
+            "name": "odd", "trials": 1, "budget": 60, "problems": [{"name": "bbob-mixint-f03-d5-i2"}],
+            "optimizers": [{"name": f"{tmp_path / 'outside.py'}:outside", "label": "outside"}],
+        }
+    )  # fmt: skip
+    run(study, tmp_path / "odd", n_jobs=1)
+    (row,) = load_results(tmp_path / "odd").to_dict("records")
+    assert (row["status"], row["fun"], row["error"]) == ("ok", np.inf, None)
