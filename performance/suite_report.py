@@ -1,6 +1,6 @@
 """What the report of a whole suite takes: 24 functions, 3 dimensions and 15 instances of bbob, 10 optimizers.
 
-    python performance/suite_report.py [--keep FOLDER] [--rounds 1]
+    python performance/suite_report.py [--keep FOLDER] [--rounds 1] [--optimizers 280]
 
 No search is run. Each of the 10,800 trials has made-up improvements, like those of a run on bbob: between 50 and 300,
 spread evenly over the logarithm of the evaluations, until the function is solved, the search is stuck or the budget
@@ -21,7 +21,6 @@ from bench.storage.folder import Folder
 from bench.storage.store import stored
 from bench.trial import Row, Trial
 
-OPTIMIZERS = 10
 STUDY = {
     "name": "suite",
     "title": "A whole suite, with made-up results",
@@ -29,7 +28,6 @@ STUDY = {
     "trials": 1,
     "budget": "1e4 * d",
     "problems": [{"suite": "bbob", "functions": "1-24", "dimensions": [2, 5, 10], "instances": "1-15"}],
-    "optimizers": [{"name": "random-search", "label": f"optimizer-{place}"} for place in range(1, OPTIMIZERS + 1)],
 }
 SOLVED = -8.0  # the logarithm of the precision at which a search ends
 
@@ -38,11 +36,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--keep", type=Path, help="make the store in this folder, or take the one that is there")
     parser.add_argument("--rounds", type=int, default=1)
+    parser.add_argument("--optimizers", type=int, default=10, help="10 by default; 280 are what COCO's archive holds")
     chosen = parser.parse_args()
     with tempfile.TemporaryDirectory() as place:
         folder = chosen.keep or Path(place) / "suite"
         if not (folder / "trials.sqlite").exists():
-            make(folder, Study.from_dict(STUDY))
+            labels = [f"optimizer-{place}" for place in range(1, chosen.optimizers + 1)]
+            optimizers = [{"name": "random-search", "label": label} for label in labels]
+            make(folder, Study.from_dict(STUDY | {"optimizers": optimizers}))
         # in a process of its own, whose memory is measured
         command = [sys.executable, str(Path(__file__).with_name("report.py")), str(folder), str(chosen.rounds)]
         sys.exit(subprocess.run(command, check=False).returncode)

@@ -6,7 +6,7 @@ That is how COCO compares (Hansen, Auger, Ros, Mersmann, Tušar and Brockhoff 20
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,12 +81,7 @@ def pool_instances(
         fun=values.where(~problem.isin(function_of), _precision(values - problem.map(optima).astype(float))),
         instance=problem.map({label: features[label]["instance"] for label in function_of}),
     )
-    moved = {
-        (function_of.get(problem, problem), optimizer, trial + offset.get(problem, 0)): _above(trace, optima[problem])
-        if problem in function_of
-        else trace
-        for (problem, optimizer, trial), trace in traces.items()
-    }
+    moved = _Precisions(traces, pools, offset, optima, trials)
     return Pooled(changed, moved, members)
 
 
@@ -104,8 +99,49 @@ def _precision(above: pd.Series[float]) -> pd.Series[float]:
     return above.mask(above <= SOLVED, 0.0)
 
 
+@dataclass(frozen=True)
+class _Precisions(Mapping[tuple[str, str, int], Trace]):
+    """The traces of pooled trials, each computed when it is asked for: copies of all would double their memory.
+
+    Attributes:
+        traces: the traces of the trials before they were pooled.
+        pools: the instances of each function that was pooled, by label.
+        offset: what was added to the numbers of an instance's trials.
+        optima: the known optimum of each instance.
+        trials: the largest number of trials of an instance.
+    """
+
+    traces: Traces
+    pools: Mapping[str, Sequence[str]]
+    offset: Mapping[str, int]
+    optima: Mapping[str, float]
+    trials: int
+
+    def __getitem__(self, key: tuple[str, str, int]) -> Trace:
+        problem, optimizer, trial = key
+        if problem not in self.pools:
+            return self.traces[key]
+        number, own = divmod(trial, self.trials)
+        if number >= len(self.pools[problem]):
+            raise KeyError(key)
+        instance = self.pools[problem][number]
+        return _above(self.traces[instance, optimizer, own], self.optima[instance])
+
+    def __iter__(self) -> Iterator[tuple[str, str, int]]:
+        function_of = {label: function for function, own in self.pools.items() for label in own}
+        for problem, optimizer, trial in self.traces:
+            yield function_of.get(problem, problem), optimizer, trial + self.offset.get(problem, 0)
+
+    def __len__(self) -> int:
+        return len(self.traces)
+
+
 def _above(trace: Trace, optimum: float) -> Trace:
     """Return the trace of precisions, which ends where the last target is reached."""
-    values = np.where(trace.values - optimum <= SOLVED, 0.0, trace.values - optimum)
-    new = np.append(True, values[1:] < values[:-1])[: len(values)]  # rounding may make neighbours equal
+    values = trace.values - optimum
+    values[values <= SOLVED] = 0.0
+    new = values[1:] < values[:-1]  # rounding may make neighbours equal
+    if new.all():
+        return Trace(trace.evaluations, values)
+    new = np.append(True, new)
     return Trace(trace.evaluations[new], values[new])

@@ -17,7 +17,7 @@ from bench.importing import naming
 from bench.importing.runs import Run
 from bench.plugins.loading import IMPORTED
 from bench.storage.folder import Folder
-from bench.storage.store import pack
+from bench.storage.traces import pack
 from bench.study import Entry, Study
 
 

@@ -12,16 +12,14 @@ from typing import Any
 
 from bench.storage.digests import INTERRUPTED, SOUND, TRIALS, Digests, Place
 from bench.storage.schema import KEY, has_digests
+from bench.storage.traces import Key
 from bench.text import printable
-
-Key = tuple[str, str, int]
-"""Problem label, optimizer label and number of a trial."""
 
 NAMED = 3  # damaged trials that a sentence names
 UNKNOWN = "an unknown problem", "an unknown optimizer"
 JSON = ("x", "figures")  # columns
-SLICE = 5_000  # rows held as Python objects at a time …
-ROWS = 500  # … of which so many are tuples: more would not fit in the processor's cache
+SLICE = 5_000  # rows held as Python objects at a time
+ROWS = 500  # rows held as tuples at a time: more would not fit in the processor's cache
 LONGEST = 100  # characters of a label, which may be damaged too
 
 

@@ -17,7 +17,7 @@ import pandas as pd
 
 from bench.errors import BenchError
 from bench.grid import dimension_in
-from bench.objective import Trace, integer_flags
+from bench.objective import integer_flags
 from bench.plugins import selection
 from bench.plugins.loading import is_imported
 from bench.problem import Problem
@@ -25,6 +25,7 @@ from bench.scoring import Scored, plain
 from bench.storage.folder import Folder
 from bench.storage.reading import StoreCheck
 from bench.storage.tidy import Slice, tidy
+from bench.storage.traces import Traces
 from bench.storage.union import differences, united
 from bench.study import Study
 from bench.text import unique
@@ -145,15 +146,17 @@ class Results:
         return _with_precision(frame, self._suite_optima()), origins
 
     @cached_property
-    def traces(self) -> dict[tuple[str, str, int], Trace]:
+    def traces(self) -> Traces:
         """The anytime traces of sound trials by (problem, optimizer, trial); failed trials have none."""
         shared = {entry.label for entry in self.study.problems}
-        return {
-            (problem, source.shown[optimizer], trial): trace
-            for source in self._sources
-            for (problem, optimizer, trial), trace in source.folder.store.traces(source.found).items()
-            if problem in shared
-        }
+        return Traces(
+            {
+                (problem, source.shown[optimizer]): cell
+                for source in self._sources
+                for (problem, optimizer), cell in source.folder.store.traces(source.found).cells.items()
+                if problem in shared
+            }
+        )
 
     def problem(self, label: str) -> Problem:
         """Return the problem of that label, loaded once; raises BenchError when it is not the problem that was run.
@@ -262,10 +265,11 @@ class _Source:
                             "put back the study.toml that the run wrote"
                         )
                     shown[cell] = problem, self.shown[optimizer]
-            wanted = [shown[cell][0] in problems for cell in columns["cell"]]
-            if not all(wanted):
+            foreign = {cell for cell in dict.fromkeys(columns["cell"]) if shown[cell][0] not in problems}
+            if foreign:
+                wanted = [cell not in foreign for cell in columns["cell"]]
                 columns = {name: list(compress(values, wanted)) for name, values in columns.items()}
-            if any(wanted):
+            if columns["cell"]:
                 places = list(map(self.environment_places.get, columns["environment"]))
                 yield Slice(self.study.name, shown, columns | {"environment": places})
 

@@ -13,13 +13,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from bench.errors import BenchError
-from bench.objective import Trace
 from bench.storage.digests import INTERRUPTED, MEASURED, SEAL, Digests
-from bench.storage.reading import Key, Reader, StoreCheck
+from bench.storage.reading import Reader, StoreCheck
 from bench.storage.schema import KEY, OLDEST, VERSION, prepare
+from bench.storage.traces import Key, Traces, pack
 from bench.text import printable
 from bench.trial import Trial
 
@@ -96,17 +94,6 @@ def stored(trial: Trial, row: Mapping[str, Any]) -> dict[str, Any]:
 def disagreement(one: Mapping[str, Any], other: Mapping[str, Any]) -> str:
     """Return the first of ``REPEATABLE`` in which two rows of one trial, traces included, differ; "" for none."""
     return next((name for name in REPEATABLE if one.get(name) != other.get(name)), "")
-
-
-def pack(trace: Trace) -> bytes:
-    """Return a trace as bytes for the store."""
-    return trace.evaluations.astype("<i8").tobytes() + trace.values.astype("<f8").tobytes()
-
-
-def unpack(blob: bytes) -> Trace:
-    """Return the trace that :func:`pack` packed."""
-    half = len(blob) // 2
-    return Trace(np.frombuffer(blob[:half], dtype="<i8"), np.frombuffer(blob[half:], dtype="<f8"))
 
 
 class Store:
@@ -298,19 +285,15 @@ class Store:
         if not self.exists:
             raise BenchError(f"there is no {FILE} in {self.path.parent}; give the folder that 'bench run' wrote")
 
-    def traces(self, found: StoreCheck | None = None) -> dict[Key, Trace]:
+    def traces(self, found: StoreCheck | None = None) -> Traces:
         """Return the anytime traces by (problem, optimizer, trial); failed trials have none.
 
         After a :meth:`check` that found damage, traces of damaged trials are left out.
         """
-        traces = {}
-        for row in self._read(["trace"], found or StoreCheck()):
-            if row["trace"] is not None:
-                try:
-                    traces[row["problem"], row["optimizer"], row["trial"]] = unpack(row["trace"])
-                except (TypeError, ValueError) as error:
-                    raise BenchError(f"the store {self.path} is damaged: a trace cannot be read") from error
-        return traces
+        try:
+            return Traces.read(self._read(["trace"], found or StoreCheck()))
+        except ValueError as error:
+            raise BenchError(f"the store {self.path} is damaged: a trace cannot be read") from error
 
     def made(self) -> dict[int, int]:
         """Return the number of rows that each environment made, by the environment's number."""

@@ -113,7 +113,7 @@ class _Texts:
             self.repeat(values, 1)
 
     def repeat(self, values: Sequence[str | None], times: Any) -> None:
-        """Add each value so many times."""
+        """Add each value as often as ``times`` says: one number, or one for each value."""
         for value in dict.fromkeys(values):
             self._numbers.setdefault(value, len(self._numbers))
         self._runs.append((np.fromiter(map(self._numbers.__getitem__, values), np.int32, len(values)), times))
@@ -203,7 +203,7 @@ class _Scattered:
 
 
 def _long_enough(array: Array, count: int) -> Array:
-    """Return an array of at least so many values: a run may have added trials since they were counted."""
+    """Return an array of at least ``count`` values: a run may have added trials since they were counted."""
     if count <= len(array):
         return array
     more: Array = np.empty(count + count // 8 - len(array), dtype=array.dtype)
