@@ -82,6 +82,7 @@ from bench.analysis.pairwise import (
     holm,
     pairwise_tests,
     power_table,
+    resampled,
 )
 from bench.analysis.reference import reference_times
 from bench.analysis.running_time import (
@@ -157,6 +158,7 @@ __all__ = [
     "reference_values",
     "regret",
     "relative_medians",
+    "resampled",
     "restart_shares",
     "running_times",
     "scores",

@@ -8,25 +8,28 @@ from __future__ import annotations
 import warnings
 from bisect import bisect_left
 from collections.abc import Sequence
-from functools import lru_cache
-from itertools import combinations
+from functools import lru_cache, partial
 from math import comb
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.special import expit, logit
 from scipy.stats import false_discovery_control, ks_2samp, mannwhitneyu
 
 from bench.analysis.cells import cells, labels
 from bench.problem import Floats
 
 Counts = NDArray[np.float32]
+Indices = NDArray[np.int64]
 
 ALPHA = 0.05  # thesis section 7.2
 TIED = 0.10  # above this share of tied values the exact test is markedly conservative
 RESAMPLES = 9_999  # of every bootstrap; with the sample itself 10,000
 CUTOFFS = {"large": 0.71, "medium": 0.64, "small": 0.56}  # Vargha and Delaney 2000, Table 1
+RESAMPLED = 32  # optimizers up to which A12 has a bootstrap interval: those of 496 pairs take half a second
+AT_ONCE = 2_000  # pairs of samples in memory
 DRAWS = 2_000  # of the power of the test
 EXACT = 2**23  # sums of halves up to this are exact in float32, whatever their order
 LARGEST_SHIFT = 8.0  # standard deviations: complete separation for every practical sample
@@ -49,25 +52,25 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA, seed: int = 0) -> 
     adjusted over all rows under any dependence (Benjamini and Yekutieli 2001), and significant_by.
 
     Its companions: p_mw, the raw two-sided p of Mann and Whitney; a12, the chance that a trial of ``first`` ends
-    below one of ``second``, with the 95 % percentile bootstrap interval a12_low to a12_high, missing below two
-    trials; cliffs_delta, 2 a12 - 1; separated, whether a12 is 0 or 1, so that the interval is one point; lower, the
-    optimizer that a12 favours, "" where the interval holds 0.5: the test also rejects where two optimizers differ in
-    spread alone, and then none is the lower one.
+    below one of ``second``, with the 95 % interval a12_low to a12_high, missing below two trials: the percentile
+    bootstrap, or from 33 optimizers on that of :func:`delong_intervals`; cliffs_delta, 2 a12 - 1; separated, whether
+    a12 is 0 or 1, so that the interval is one point; lower, the optimizer that a12 favours, "" where the interval holds
+    0.5: the test also rejects where two optimizers differ in spread alone, and then none is the lower one.
 
     Assumptions: trials are independent. Failed trials count as +inf, near-ties as ties. The resamples of a ``seed``
     are the same for every pair of as many trials.
     """
-    found = cells(frame, merge=True)
-    rows = []
+    found, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
+    one, other = np.triu_indices(len(optimizers), 1)
+    names = np.array(optimizers, dtype=object)
+    tables = []
     for problem in labels(frame, "problem"):
-        family = [
-            {"problem": problem, "first": a, "second": b, **_compare(found[problem, a], found[problem, b], alpha, seed)}
-            for a, b in combinations(labels(frame, "optimizer"), 2)
-        ]
-        adjusted = holm(np.array([row["p"] for row in family]))
-        rows += [row | {"p_holm": p} for row, p in zip(family, adjusted, strict=True)]
-    pairs = pd.DataFrame(rows, columns=list(COLUMNS))
-    p_by = false_discovery_control(pairs["p"].to_numpy(dtype=float), method="by") if rows else np.empty(0)
+        columns = compare_all([found[problem, optimizer] for optimizer in optimizers], alpha, seed)
+        key = {"problem": np.full(len(one), problem, dtype=object), "first": names[one], "second": names[other]}
+        tables.append(pd.DataFrame(key | columns | {"p_holm": holm(columns["p"])}))
+    rows = pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
+    pairs = rows.reindex(columns=list(COLUMNS))
+    p_by = false_discovery_control(pairs["p"].to_numpy(dtype=float), method="by") if len(rows) else np.empty(0)
     favoured = pairs["first"].where(pairs["a12_low"] > 0.5, pairs["second"].where(pairs["a12_high"] < 0.5, ""))
     flags = dict.fromkeys(("significant", "significant_by", "separated", "testable", "tied"), bool)
     return pairs.assign(
@@ -150,42 +153,104 @@ def tied_share(values: Floats) -> float:
     return float(counts[counts > 1].sum() / max(len(values), 1))
 
 
-def _compare(this: Floats, other: Floats, alpha: float, seed: int) -> dict[str, Any]:
-    n, m = len(this), len(other)
-    smallest = min(n, m)
-    pooled = np.concatenate((this, other))
+def resampled(optimizers: int) -> bool:
+    """Return whether the intervals of A12 between as many optimizers are those of the bootstrap."""
+    return optimizers <= RESAMPLED
+
+
+def compare_all(samples: Sequence[Floats], alpha: float = ALPHA, seed: int = 0) -> dict[str, Any]:
+    """Return those columns of :func:`pairwise_tests` that need the k samples of one problem alone.
+
+    Each has k (k - 1) / 2 values, one a pair, in the order of :func:`itertools.combinations`. Pairs of equal sizes are
+    compared at once.
+    """
+    one, other = np.triu_indices(len(samples), 1)
+    sizes = np.array([len(sample) for sample in samples], dtype=np.int64)
+    n, m = sizes[one], sizes[other]
+    columns: dict[str, Any] = {
+        "n_first": n, "n_second": m, "distance": np.full(len(one), np.nan), "p": np.ones(len(one)),
+        "method": np.full(len(one), "untestable", dtype=object), "p_mw": np.ones(len(one)),
+        **{name: np.full(len(one), np.nan) for name in ("a12", "a12_low", "a12_high")},
+        "testable": np.zeros(len(one), dtype=bool), "tied": np.zeros(len(one), dtype=bool),
+    }  # fmt: skip
+    interval = partial(bootstrap_intervals, seed=seed) if resampled(len(samples)) else delong_intervals
+    for sizes_of_pair in sorted(set(zip(n.tolist(), m.tolist(), strict=True))):
+        alike = np.flatnonzero((n == sizes_of_pair[0]) & (m == sizes_of_pair[1]))
+        for own in np.split(alike, range(AT_ONCE, len(alike), AT_ONCE)):
+            these, others = (np.array([samples[i] for i in places[own]]) for places in (one, other))
+            for name, values in _compare(these, others, alpha).items():
+                columns[name][own] = values
+            if min(sizes_of_pair) > 1:
+                columns["a12_low"][own], columns["a12_high"][own] = interval(these, others)
+    return columns
+
+
+def _compare(these: Floats, others: Floats, alpha: float) -> dict[str, Any]:
+    """Compare pairs of samples, (g, n) and (g, m); an array a column."""
+    n, m = these.shape[1], others.shape[1]
+    pooled = np.sort(np.concatenate((these, others), axis=1), axis=1)
+    equal = np.pad(pooled[:, 1:] == pooled[:, :-1], ((0, 0), (1, 1)))
+    tied = (equal[:, 1:] | equal[:, :-1]).mean(axis=1) > TIED if n + m else np.zeros(len(these), dtype=bool)
+    if not min(n, m):
+        return {"tied": tied}
+    distance = ks_distance(these, others)
+    columns = {"distance": distance, "tied": tied, "a12": _wins(these, others).mean(axis=(1, 2))}
     # The smallest exact p that n and m values allow: complete separation, 2 of C(n + m, n) arrangements.
-    testable = smallest > 0 and 2 / comb(n + m, n) <= alpha
-    tied = tied_share(pooled) > TIED
-    if not testable:
-        p, p_mw, method = 1.0, 1.0, "untestable"
-    elif (pooled == pooled[0]).all():
-        p, p_mw, method = 1.0, 1.0, "identical"
-    else:
-        p, method = _kolmogorov_smirnov(this, other, tied)
-        p_mw = float(mannwhitneyu(this, other, alternative="two-sided").pvalue)
-    low, high = percentile_interval(a12_replicates(this, other, seed)) if smallest > 1 else (np.nan, np.nan)
-    return {
-        "n_first": n,
-        "n_second": m,
-        "distance": float(ks_distance(this, other)) if smallest else np.nan,
-        "p": p,
-        "method": method,
-        "p_mw": p_mw,
-        "a12": a12(this, other),
-        "a12_low": low,
-        "a12_high": high,
-        "testable": testable,
-        "tied": tied,
-    }
+    if 2 / comb(n + m, n) > alpha:
+        return columns
+    identical = pooled[:, 0] == pooled[:, -1]
+    p, p_mw, steps = np.ones(len(these)), np.ones(len(these)), np.rint(n * m * distance).astype(np.int64)
+    exact, permuted = np.flatnonzero(~identical & ~tied), np.flatnonzero(~identical & tied)
+    for places in _alike(exact, steps[:, np.newaxis]):  # without ties p depends on D alone
+        p[places] = _exact_p(these[places[0]], others[places[0]])
+    for places in _alike(permuted, np.column_stack((steps, equal))):  # and with them on where they lie
+        p[places] = permutation_p(these[places[0]], others[places[0]])
+    for places in (np.flatnonzero(~identical & some) for some in (equal.any(axis=1), ~equal.any(axis=1))):
+        if len(places):
+            p_mw[places] = mannwhitneyu(these[places], others[places], alternative="two-sided", axis=1).pvalue
+    method = np.where(identical, "identical", np.where(tied, "permutation", "exact")).astype(object)
+    return columns | {"p": p, "p_mw": p_mw, "method": method, "testable": np.ones(len(these), dtype=bool)}
 
 
-def _kolmogorov_smirnov(this: Floats, other: Floats, tied: bool) -> tuple[float, str]:
-    if tied:
-        return permutation_p(this, other), "permutation"
+def _alike(places: Indices, keys: NDArray[np.int64]) -> list[Indices]:
+    """Split places by their rows of ``keys``."""
+    if not len(places):
+        return []
+    _, which = np.unique(keys[places], axis=0, return_inverse=True)
+    order = np.argsort(which.ravel(), kind="stable")
+    return np.split(places[order], np.cumsum(np.bincount(which.ravel()))[:-1])
+
+
+def bootstrap_intervals(these: Floats, others: Floats, seed: int = 0) -> tuple[Floats, Floats]:
+    """Return the ends of the 95 % percentile bootstrap intervals of A12 of pairs of samples, (g, n) and (g, m)."""
+    ends = [percentile_interval(a12_replicates(this, other, seed)) for this, other in zip(these, others, strict=True)]
+    low, high = np.array(ends).reshape(-1, 2).T
+    return low, high
+
+
+def delong_intervals(these: Floats, others: Floats) -> tuple[Floats, Floats]:
+    """Return the ends of the 95 % intervals of A12 of pairs of samples, (g, n) and (g, m), n and m at least 2.
+
+    The variance is that of DeLong, DeLong and Clarke-Pearson (1988, Biometrics 44), the interval is symmetric on the
+    logit scale (Pepe 2003, The Statistical Evaluation of Medical Tests, section 5.2). An A12 of 0 or 1 has an interval
+    of one point, as in the bootstrap.
+    """
+    won = _wins(these, others)
+    n, m = won.shape[1:]
+    chance = won.mean(axis=(1, 2))
+    variance = won.mean(axis=2).var(axis=1, ddof=1) / n + won.mean(axis=1).var(axis=1, ddof=1) / m
+    inside = (chance > 0) & (chance < 1)
+    width = np.zeros(len(chance))
+    width[inside] = 1.959963984540054 * np.sqrt(variance[inside]) / (chance * (1 - chance))[inside]
+    with np.errstate(divide="ignore"):
+        centre = logit(chance)
+    return expit(centre - width), expit(centre + width)
+
+
+def _exact_p(this: Floats, other: Floats) -> float:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "ks_2samp: Exact calculation", RuntimeWarning)  # warns needlessly at D = 1/n
-        return float(ks_2samp(this, other, method="exact").pvalue), "exact"
+        return float(ks_2samp(this, other, method="exact").pvalue)
 
 
 def permutation_p(this: Floats, other: Floats) -> float:
@@ -213,8 +278,9 @@ def permutation_p(this: Floats, other: Floats) -> float:
 
 
 def _wins(this: Floats, other: Floats) -> Floats:
-    """Return (n, m): 1 where a value of ``this`` is the lower one, 1/2 where they tie and 0 elsewhere."""
-    return np.less.outer(this, other) + 0.5 * np.equal.outer(this, other)
+    """Return (…, n, m): 1 where a value of ``this``, (…, n), is the lower one, 1/2 where they tie and 0 elsewhere."""
+    one, rival = this[..., :, np.newaxis], other[..., np.newaxis, :]
+    return np.asarray((one < rival) + 0.5 * (one == rival), dtype=np.float64)
 
 
 @lru_cache(maxsize=4)
@@ -236,7 +302,7 @@ def critical_distance(n: int, alpha: float) -> int | None:
 
     None when even complete separation (k = n) does not reach it.
     """
-    smallest = 1 + bisect_left(range(1, n + 1), -alpha, key=lambda k: -_exact_p(k, n))  # p decreases with k
+    smallest = 1 + bisect_left(range(1, n + 1), -alpha, key=lambda k: -_p_of(k, n))  # p decreases with k
     return smallest if smallest <= n else None
 
 
@@ -273,7 +339,7 @@ def power_table(n: int, pairs: int, alpha: float = ALPHA) -> pd.DataFrame:
     return table.astype({"distance": float, "shift": float})
 
 
-def _exact_p(k: int, n: int) -> float:
+def _p_of(k: int, n: int) -> float:
     """Return the exact p of D = k/n: that of n values against the same values moved up by k ranks."""
     values = np.arange(n, dtype=float)
-    return float(ks_2samp(values, values + k - 0.5, method="exact").pvalue)
+    return _exact_p(values, values + k - 0.5)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bench.analysis import ALPHA, CUTOFFS, SOLVED, TIED, effect_size
+from bench.analysis import ALPHA, CUTOFFS, SOLVED, TIED, effect_size, resampled
 from bench.report.findings import Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import distribution_figure
@@ -23,12 +23,13 @@ def section(findings: Findings) -> Section:
     rates = findings.success if findings.traces else pd.DataFrame()
     words, bounds = zip(*reversed(CUTOFFS.items()), strict=True)  # from small to large
     above, below = (listing([f"{bound:.2f}" for bound in side]) for side in (bounds, [1 - each for each in bounds]))
+    kind = "bootstrap interval" if resampled(len(findings.optimizers)) else "interval by DeLong’s variance (1988)"
     how_to_read = (
         "Boxes span the quartiles, whiskers reach the furthest point within 1.5 box lengths, and every trial is a "
         "point. D is the largest distance between the two empirical distribution functions, and p is its exact p-value "
         f"(given the ties, where more than {TIED:.0%} of the values are tied). A12 is the probability that a trial of "
-        "the first optimizer ends below a trial of the second, ties counted half, with a 95% bootstrap interval. A12 = "
-        f"0.5 means no tendency; an effect with A12 of at least {above} (or at most {below}) is called "
+        "the first optimizer ends below a trial of the second, ties counted half, with a 95% "
+        f"{kind}. A12 = 0.5 means no tendency; an effect with A12 of at least {above} (or at most {below}) is called "
         f"{listing(words)}. Cliff’s delta is 2 A12 − 1."
     )
     return Section(TITLE, (how_to_read,), sections=tuple(_problem(findings, problem, rates) for problem in every))

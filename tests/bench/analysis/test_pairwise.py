@@ -7,16 +7,20 @@ import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import bootstrap, false_discovery_control, ks_2samp, mannwhitneyu, permutation_test
+from scipy.stats import bootstrap, false_discovery_control, ks_2samp, mannwhitneyu, norm, permutation_test
 from statsmodels.stats.multitest import multipletests
 
+from bench.analysis import pairwise
 from bench.analysis.cells import cells
 from bench.analysis.pairwise import (
     COLUMNS,
     RESAMPLES,
     a12,
     a12_replicates,
+    bootstrap_intervals,
+    compare_all,
     critical_distance,
+    delong_intervals,
     detectable_shift,
     effect_size,
     holm,
@@ -350,3 +354,34 @@ class TestPower:
     @pytest.mark.parametrize("pairs", [0, 1])
     def test_table_of_a_single_pair_has_no_holm_step(self, pairs):
         assert power_table(30, pairs)["level"].tolist() == ["alpha"]
+
+
+class TestManyOptimizers:
+    def test_the_interval_without_resampling_is_close_to_the_bootstrap(self):
+        rng = np.random.default_rng(4)
+        these, others = rng.standard_normal((40, 30)), rng.standard_normal((40, 25)) + rng.uniform(-1, 1, (40, 1))
+        others[:5] = these[:5, :25]  # ties
+        for one, other in zip(delong_intervals(these, others), bootstrap_intervals(these, others), strict=True):
+            assert np.abs(one - other).max() < 0.04
+            assert np.abs(one - other).mean() < 0.015
+
+    def test_its_coverage(self):
+        rng = np.random.default_rng(5)
+        true = norm.cdf(0.8 / np.sqrt(2))  # of two normal distributions that lie 0.8 standard deviations apart
+        low, high = delong_intervals(rng.standard_normal((4_000, 15)), rng.standard_normal((4_000, 15)) + 0.8)
+        assert ((low <= true) & (true <= high)).mean() == pytest.approx(0.95, abs=0.02)
+
+    def test_separated_samples_have_one_point(self):
+        low, high = delong_intervals(np.array([[1.0, 2.0], [5.0, 6.0]]), np.array([[3.0, 4.0], [3.0, 4.0]]))
+        assert low.tolist() == high.tolist() == [1.0, 0.0]
+
+    def test_the_columns_do_not_depend_on_how_many_are_compared_at_once(self, monkeypatch):
+        rng = np.random.default_rng(6)
+        samples = [rng.integers(0, 9, rng.choice([9, 12])).astype(float) for _ in range(8)]
+        whole = compare_all(samples)
+        monkeypatch.setattr(pairwise, "AT_ONCE", 3)
+        for name, values in compare_all(samples).items():
+            assert np.array_equal(values, whole[name])
+        assert not np.array_equal(whole["a12_low"], compare_all(samples, seed=1)["a12_low"])
+        monkeypatch.setattr(pairwise, "RESAMPLED", 7)
+        assert np.array_equal(compare_all(samples)["a12_low"], compare_all(samples, seed=1)["a12_low"])
