@@ -110,9 +110,10 @@ def wilcoxon_tests(
     """
     relative, scale = relative_medians(medians, optima)
     rows: list[dict[str, Any]] = []
+    values = {optimizer: relative[optimizer].to_numpy(dtype=float) for optimizer in medians.columns}
     for first, second in combinations(medians.columns, 2):
         with np.errstate(invalid="ignore"):
-            difference = (relative[first] - relative[second]).fillna(0.0).to_numpy()  # inf - inf: none
+            difference = np.nan_to_num(values[first] - values[second], posinf=inf, neginf=-inf)  # inf - inf: none
         rows.append({"first": first, "second": second, "problems": len(medians), **_signed_ranks(difference, alpha)})
     columns = ["first", "second", "problems", "statistic", "p", "p_holm", "significant", "lower", "scale", "note"]
     tests = pd.DataFrame(rows, columns=columns)
@@ -238,11 +239,21 @@ def _signed_rank_p(ranks: Floats, balance: float) -> float:
     Equal to ``scipy.stats.wilcoxon(method="exact")``, which handles neither ties nor zeros.
     """
     doubled = np.rint(2 * ranks).astype(int)  # shared ranks are halves
-    chances = np.ones(1)  # of each sum of the positive ranks
-    for rank in doubled:  # its sign adds the rank, or nothing
-        chances = (np.pad(chances, (0, rank)) + np.pad(chances, (rank, 0))) / 2
+    chances = _rank_sums(tuple(np.sort(doubled).tolist()))
     sums = 2 * np.arange(len(chances)) - doubled.sum()
     return float(min(chances[np.abs(sums) >= np.rint(2 * abs(balance))].sum(), 1.0))
+
+
+@lru_cache(maxsize=1_000)
+def _rank_sums(ranks: tuple[int, ...]) -> Floats:
+    """Return the chance of each sum of the positive ranks, from 0 on, under fair signs."""
+    chances = np.zeros(sum(ranks) + 1)
+    chances[0], reached = 1.0, 1
+    for rank in ranks:  # its sign adds the rank, or nothing
+        reached += rank
+        chances[rank:reached] += chances[: reached - rank].copy()
+        chances[:reached] /= 2
+    return chances
 
 
 def _complete(frame: pd.DataFrame) -> list[str]:

@@ -7,7 +7,7 @@ Expected running time and ECDF are those of COCO (Hansen, Auger, Brockhoff, Tuš
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import product
 from math import prod
@@ -120,14 +120,15 @@ def hitting_times(frame: pd.DataFrame, traces: Traces, targets: pd.DataFrame, bu
     }
     spent = pd.to_numeric(frame["nfev"], errors="coerce").astype(float).where(frame["status"] == "ok")
     spent = spent.fillna(budgets(frame, budget))
-    blocks = [np.empty((3, 0))]
-    for problem, trace in zip(frame["problem"], _traces_of(frame, traces), strict=True):
-        tau, target = ladders.get(problem, np.empty((2, 0)))
-        reached = np.full(len(target), np.inf) if trace is None else _first_reached(trace, target)
-        blocks.append(np.array([tau, target, reached]))
-    tau, target, reached = np.concatenate(blocks, axis=1)
-    rows = np.repeat(np.arange(len(frame)), [block.shape[1] for block in blocks[1:]])
+    own = [ladders.get(problem, np.empty((2, 0))) for problem in frame["problem"]]
+    sizes = np.array([ladder.shape[1] for ladder in own], dtype=np.int64)
+    rows = np.repeat(np.arange(len(frame), dtype=np.int32), sizes)
     hits = frame[["problem", "optimizer", "trial"]].iloc[rows].reset_index(drop=True)
+    reached, ends = np.full(len(rows), np.inf), np.cumsum(sizes)
+    for end, (_, target), trace in zip(ends, own, _traces_of(frame, traces), strict=True):
+        if trace is not None:
+            reached[end - len(target) : end] = _first_reached(trace, target)
+    tau, target = np.concatenate([np.empty((2, 0)), *own], axis=1)
     return hits.assign(tau=tau, target=target, evaluations=reached, spent=spent.to_numpy()[rows])
 
 
@@ -213,10 +214,10 @@ def data_profiles(
     return _stacked(tables, ["optimizer", unit, "fraction"])
 
 
-def _traces_of(frame: pd.DataFrame, traces: Traces) -> list[Trace | None]:
-    """Return the trace of each trial, None where it failed or has none."""
+def _traces_of(frame: pd.DataFrame, traces: Traces) -> Iterator[Trace | None]:
+    """Yield the trace of each trial, None where it failed or has none."""
     keys = zip(frame["problem"], frame["optimizer"], frame["trial"], strict=True)
-    return [traces.get(key) if status == "ok" else None for key, status in zip(keys, frame["status"], strict=True)]
+    return (traces.get(key) if status == "ok" else None for key, status in zip(keys, frame["status"], strict=True))
 
 
 def _first_reached(trace: Trace, ladder: Floats) -> Floats:

@@ -6,6 +6,7 @@ A failed or non-finite trial scores +inf: it is the worst that can happen, and l
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -226,20 +227,28 @@ def _describe(values: Floats) -> dict[str, Any]:
     if n == 0:
         return {"n": 0, "failed": 0}
     q1, median, q3 = np.quantile(values, [0.25, 0.5, 0.75], method="higher" if failed else "linear")
-    interval: Any = quantile_test(values, p=0.5).confidence_interval(0.95)
+    places = _median_interval(n)
+    low, high = np.sort(values)[list(places)] if places else (np.nan, np.nan)
     return {
         "n": n,
         "failed": failed,
         "mean": values.mean() if not failed else np.nan,
         "sd": _deviation(values) if not failed and n > 1 else np.nan,
         "median": median,
-        "median_low": interval.low,
-        "median_high": interval.high,
+        "median_low": low,
+        "median_high": high,
         "q1": q1,
         "q3": q3,
         "best": values.min(),
         "worst": values.max(),
     }
+
+
+@cache
+def _median_interval(n: int) -> tuple[int, int] | None:
+    """Return the places, among n sorted values, of the ends of the median's 95 % interval; None where it has none."""
+    interval: Any = quantile_test(np.arange(n), p=0.5).confidence_interval(0.95)  # depends on n alone
+    return None if np.isnan([interval.low, interval.high]).any() else (int(interval.low), int(interval.high))
 
 
 def _deviation(values: Floats) -> float:

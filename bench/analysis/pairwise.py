@@ -22,7 +22,6 @@ from bench.analysis.cells import cells, labels
 from bench.problem import Floats
 
 Counts = NDArray[np.float32]
-Indices = NDArray[np.int64]
 
 ALPHA = 0.05  # thesis section 7.2
 TIED = 0.10  # above this share of tied values the exact test is markedly conservative
@@ -201,24 +200,17 @@ def _compare(these: Floats, others: Floats, alpha: float) -> dict[str, Any]:
     identical = pooled[:, 0] == pooled[:, -1]
     p, p_mw, steps = np.ones(len(these)), np.ones(len(these)), np.rint(n * m * distance).astype(np.int64)
     exact, permuted = np.flatnonzero(~identical & ~tied), np.flatnonzero(~identical & tied)
-    for places in _alike(exact, steps[:, np.newaxis]):  # without ties p depends on D alone
-        p[places] = _exact_p(these[places[0]], others[places[0]])
-    for places in _alike(permuted, np.column_stack((steps, equal))):  # and with them on where they lie
-        p[places] = permutation_p(these[places[0]], others[places[0]])
+    for place in exact[np.unique(steps[exact], return_index=True)[1]]:  # without ties p depends on D alone
+        p[exact[steps[exact] == steps[place]]] = _exact_p(these[place], others[place])
+    if len(permuted):  # and with them on where they lie: many pairs share the places
+        keys = np.column_stack((steps, equal))[permuted]
+        _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+        p[permuted] = permutation_p(these[permuted[first]], others[permuted[first]])[which.ravel()]
     for places in (np.flatnonzero(~identical & some) for some in (equal.any(axis=1), ~equal.any(axis=1))):
         if len(places):
             p_mw[places] = mannwhitneyu(these[places], others[places], alternative="two-sided", axis=1).pvalue
     method = np.where(identical, "identical", np.where(tied, "permutation", "exact")).astype(object)
     return columns | {"p": p, "p_mw": p_mw, "method": method, "testable": np.ones(len(these), dtype=bool)}
-
-
-def _alike(places: Indices, keys: NDArray[np.int64]) -> list[Indices]:
-    """Split places by their rows of ``keys``."""
-    if not len(places):
-        return []
-    _, which = np.unique(keys[places], axis=0, return_inverse=True)
-    order = np.argsort(which.ravel(), kind="stable")
-    return np.split(places[order], np.cumsum(np.bincount(which.ravel()))[:-1])
 
 
 def bootstrap_intervals(these: Floats, others: Floats, seed: int = 0) -> tuple[Floats, Floats]:
@@ -253,28 +245,33 @@ def _exact_p(this: Floats, other: Floats) -> float:
         return float(ks_2samp(this, other, method="exact").pvalue)
 
 
-def permutation_p(this: Floats, other: Floats) -> float:
-    """Return the share of all arrangements of the pooled values whose D is as large, ties and all.
+def permutation_p(these: Floats, others: Floats) -> Floats:
+    """Return the share of all arrangements of the pooled values whose D is as large, ties and all, of g pairs, (g,).
 
     What ``scipy.stats.permutation_test`` estimates from random shuffles, computed exactly: each arrangement is a path
     that takes a step for every pooled value in order, and D may be reached only where the value changes (Schröer and
     Trenkler 1995, Computational Statistics & Data Analysis 20). Without ties it is the p of ``ks_2samp``.
+
+    Args:
+        these: (g, n) samples.
+        others: (g, m), the other sample of each pair.
     """
-    n, m = len(this), len(other)
-    pooled = np.sort(np.concatenate((this, other)))
-    changes = np.append(pooled[1:] != pooled[:-1], True)
-    reached = np.rint(n * m * ks_distance(this, other))
+    n, m = these.shape[1], others.shape[1]
+    pooled = np.sort(np.concatenate((these, others), axis=1), axis=1)
+    changes = np.pad(pooled[:, 1:] != pooled[:, :-1], ((0, 0), (0, 1)), constant_values=True)
+    reached = np.rint(n * m * ks_distance(these, others))
     taken = np.arange(n + 1)  # values of ``this`` among those passed
-    inside, outside = np.zeros(n + 1), 0.0
-    inside[0] = 1.0
+    inside, outside = np.zeros((len(these), n + 1)), np.zeros(len(these))
+    inside[:, 0] = 1.0
     for passed in range(n + m):
         share = np.clip((n - taken) / (n + m - passed), 0.0, 1.0)
-        inside[1:], inside[0] = inside[1:] * (1 - share[1:]) + inside[:-1] * share[:-1], inside[0] * (1 - share[0])
-        if changes[passed]:
-            far = np.abs(taken * m - (passed + 1 - taken) * n) >= reached
-            outside += float(inside[far].sum())
-            inside[far] = 0.0
-    return min(outside, 1.0)
+        moved = inside * share
+        inside -= moved
+        inside[:, 1:] += moved[:, :-1]
+        far = (np.abs(taken * m - (passed + 1 - taken) * n) >= reached[:, np.newaxis]) & changes[:, [passed]]
+        outside += np.where(far, inside, 0.0).sum(axis=1)
+        inside[far] = 0.0
+    return np.minimum(outside, 1.0)
 
 
 def _wins(this: Floats, other: Floats) -> Floats:

@@ -328,9 +328,18 @@ class Findings:
     def target_sets(self) -> pd.DataFrame:
         """The mean area under the runtime ECDF, and the rank, of each optimizer under three sets of targets."""
         others = [kind for kind in ("precisions", "relative", "quantiles") if kind != self.words.chosen][:2]
-        hits = {each.short: self._hits(each) for each in map(target_words, others)}
-        hits = {self.words.short: self.hits} | hits
-        areas = {name: analysis.target_areas(each, self.budgets) for name, each in hits.items()}
+        areas = {self.words.short: analysis.target_areas(self.hits, self.budgets)}
+        for each in map(target_words, others):
+            targets = dict(list(self._targets(each).groupby("problem", observed=True)))
+            # Problem by problem: the hits of all trials on all targets may take a gigabyte.
+            tables = [
+                analysis.target_areas(
+                    analysis.hitting_times(own, self.traces, targets[label], self.allowed), self.budgets
+                )
+                for label, own in self.frame.groupby("problem", observed=True)
+                if label in targets
+            ]
+            areas[each.short] = pd.concat(tables, ignore_index=True) if tables else areas[self.words.short].head(0)
         return analysis.compare_sets(areas, self.optimizers)
 
     @cached_property
