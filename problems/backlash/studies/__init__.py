@@ -5,5 +5,6 @@ from importlib.resources import files
 noise = files(__name__) / "noise.toml"
 published = files(__name__) / "published.toml"
 thesis = files(__name__) / "thesis.toml"
+thesis_equal = files(__name__) / "thesis-equal.toml"
 thesis_plus = files(__name__) / "thesis-plus.toml"
 quick = files(__name__) / "quick.toml"
