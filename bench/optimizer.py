@@ -16,6 +16,14 @@ if TYPE_CHECKING:
     from bench.objective import Objective
 
 
+CONDITIONS = ("agents", "handling", "start")
+"""Parameters, or class attributes, that mean the same in all optimizers that have them; reports compare them.
+
+The population size; what becomes of a point outside the box or the constraints; and where the search starts, which is
+``"random"`` for points of ``objective.initial``.
+"""
+
+
 def parameter(default: Any, *, minimum: float | None = None, maximum: float | None = None) -> Any:
     """Return a dataclass field with a default and, optionally, the closed range its value must lie in."""
     return dataclasses.field(default=default, metadata={"minimum": minimum, "maximum": maximum})
@@ -26,7 +34,8 @@ class Optimizer(ABC):
 
     A parameter is declared as a field with a type (``int``, ``float``, ``bool``, ``str``, ``Literal[…]`` or a union
     with None) and a default, with :func:`parameter` where it has a range; its value is checked on construction.
-    A field ``agents`` is the population size, and a trial's budget must hold at least one generation of it.
+    A field ``agents`` is the population size, and a trial's budget must hold at least one generation of it. Reports
+    compare it, ``handling`` and ``start`` (:data:`CONDITIONS`) among the optimizers that have them.
 
     Attributes:
         bibtex: BibTeX of the publications that introduced the method; reports cite them.
@@ -71,6 +80,17 @@ class Optimizer(ABC):
 def settings(optimizer: Optimizer) -> dict[str, Any]:
     """Return the values of an optimizer's parameters, by name."""
     return {field.name: getattr(optimizer, field.name) for field in dataclasses.fields(optimizer)}  # type: ignore[arg-type]
+
+
+def defaults(optimizer: Optimizer) -> dict[str, Any]:
+    """Return the defaults of an optimizer's parameters, by name, without a parameter that has none."""
+    found = {}
+    for field in dataclasses.fields(optimizer):  # type: ignore[arg-type]
+        if field.default is not dataclasses.MISSING:
+            found[field.name] = field.default
+        elif field.default_factory is not dataclasses.MISSING:
+            found[field.name] = field.default_factory()
+    return found
 
 
 def is_frozen(cls: type) -> bool:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import re
 from collections.abc import Container, Iterable
+from typing import Any
 
 
 def file_name(name: str) -> str:
@@ -40,3 +42,8 @@ def printable(text: str, limit: int) -> str:
     """
     cut = (text if len(text) <= limit else f"{text[:limit]}…").replace("\t", " ")
     return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in cut)
+
+
+def option(value: Any) -> str:
+    """Return the value of a plug-in's option as text: a text as it is, others as JSON where they have such a form."""
+    return value if isinstance(value, str) else json.dumps(value, default=str)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import count
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -53,6 +53,8 @@ class MealpyOptimizer(Constructed):
     Every point that mealpy draws uniformly in the box, the start population first, comes from ``objective.initial``.
     mealpy sees values above 1e100, +inf among them, as 1e100.
     """
+
+    start: ClassVar[str] = "random"  # objective.initial
 
     agents: int = parameter(100, minimum=2)
 

@@ -34,6 +34,7 @@ class MinionOptimizer(Adapter):
     sees values above 1e100, +inf among them, as 1e100.
     """
 
+    start: ClassVar[str] = "random"  # objective.initial
     member: ClassVar[str]  # its name in minionpy's Minimizer
     own: ClassVar[tuple[str, ...]]  # its options, by minionpy's names
     from_point: ClassVar[bool]  # whether it starts from one point

@@ -8,7 +8,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import version
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -34,6 +34,8 @@ class PymooOptimizer(Constructed):
     end a run early, and are declared: the tolerances of cma and of Nelder and Mead's simplex, and a mating that finds
     nothing new. pymoo sees values above 1e100, +inf among them, as 1e100.
     """
+
+    start: ClassVar[str] = "random"  # objective.initial
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent, or the algorithm ends by a criterion of its own."""

@@ -78,6 +78,7 @@ class DifferentialEvolution(ScipyOptimizer):
         atol: see ``tol``.
     """
 
+    start: ClassVar[str] = "random"  # objective.initial
     solver: ClassVar[str] = "differential_evolution"
     criterion: ClassVar[str] = "tol"
     bibtex: ClassVar[str] = works("storn1997", "virtanen2020")
@@ -129,6 +130,7 @@ class DualAnnealing(ScipyOptimizer):
         no_local_search: leave the local search out.
     """
 
+    start: ClassVar[str] = "random"  # objective.initial
     solver: ClassVar[str] = "dual_annealing"
     criterion: ClassVar[str] = "maxiter"
     bibtex: ClassVar[str] = works("xiang1997", "virtanen2020")
@@ -223,6 +225,7 @@ class BasinHopping(ScipyOptimizer):
         niter_success: the number of hops without a better minimum after which the search ends; None for no limit.
     """
 
+    start: ClassVar[str] = "random"  # objective.initial
     solver: ClassVar[str] = "basinhopping"
     criterion: ClassVar[str] = "niter_success"
     bibtex: ClassVar[str] = works("wales1997", "virtanen2020")

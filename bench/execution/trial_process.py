@@ -24,6 +24,7 @@ from bench import scoring
 from bench.errors import BenchError
 from bench.execution import strict
 from bench.objective import integer_flags, passes
+from bench.optimizer import CONDITIONS, defaults, settings
 from bench.problem import Floats, FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import note
@@ -31,7 +32,7 @@ from bench.sandbox.side_effects import SideEffects, reset_random
 from bench.seeds import streams
 from bench.storage import provenance
 from bench.study import Study
-from bench.text import printable
+from bench.text import option, printable
 from bench.trial import Result, Trial, measured, numbers, result, run, search
 
 STILL_ASKING = 87
@@ -73,17 +74,30 @@ def check_optimizers(labels: list[str], least: int) -> dict[str, Any]:
         return {"error": printable(str(error), 4000)}
 
 
-def bibtex(labels: list[str]) -> dict[str, str]:
-    """Return the BibTeX of optimizers by label, without those that cannot be loaded."""
-    return bibtex_of(_study(), labels)
+def descriptions(labels: list[str]) -> dict[str, Any]:
+    """Return what :func:`descriptions_of` does for the study of this process."""
+    return descriptions_of(_study(), labels)
 
 
-def bibtex_of(study: Study, labels: list[str]) -> dict[str, str]:
-    """Return the BibTeX of optimizers of this study by label, without those that cannot be loaded."""
-    found = {}
+def descriptions_of(study: Study, labels: list[str]) -> dict[str, Any]:
+    """Return BibTeX, parameters and defaults of optimizers by label, without those that cannot be loaded.
+
+    ``values`` and ``defaults`` are texts by name of the parameter. A class attribute of the name of a condition that
+    reports compare (:data:`bench.optimizer.CONDITIONS`) counts as a parameter without a choice.
+    """
+    found: dict[str, Any] = {}
     for label in labels:
         with contextlib.suppress(Exception):  # a plug-in may raise anything
-            found[label] = study.optimizer(label).bibtex
+            optimizer = study.optimizer(label)
+            own = settings(optimizer)
+            fixed = {
+                name: getattr(optimizer, name) for name in CONDITIONS if name not in own and hasattr(optimizer, name)
+            }
+            found[label] = {
+                "bibtex": optimizer.bibtex,
+                "values": {name: option(value) for name, value in (own | fixed).items()},
+                "defaults": {name: option(value) for name, value in (defaults(optimizer) | fixed).items()},
+            }
     return found
 
 

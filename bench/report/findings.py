@@ -14,7 +14,7 @@ import pandas as pd
 from bench import analysis
 from bench.budget import described, evaluations
 from bench.errors import BenchError
-from bench.execution.citations import bibtex
+from bench.execution.descriptions import Description, describe
 from bench.importing.best2009 import best2009, function_of
 from bench.report.methods import Methods, MethodsFacts, methods
 from bench.report.target_words import TargetWords, default_targets, target_words
@@ -384,17 +384,22 @@ class Findings:
         )
 
     @cached_property
+    def descriptions(self) -> dict[str, Description]:
+        """The optimizers as their plug-ins describe them here, by label."""
+        sandboxes = (record.get("sandbox") for record in self.results.environments)
+        return describe(self.study, next(filter(None, sandboxes), None))
+
+    @cached_property
     def methods(self) -> Methods:
         """The methods section of a paper about this run."""
         study, pairs, early = self.study, self.pairs, analysis.stopped_early(self.frame)
-        sandboxes = (record.get("sandbox") for record in self.results.environments)
         return methods(
             MethodsFacts(
                 study=study,
                 trials=self.trials,
                 empty=int((self.coverage["stored"] == 0).sum()),
                 failed=int(self.coverage["failed"].sum()),
-                bibtex=bibtex(study, next(filter(None, sandboxes), None)),
+                bibtex={label: each.bibtex for label, each in self.descriptions.items()},
                 environments=self.results.environments,
                 tests=len(pairs) if pairs["testable"].any() else 0,
                 permutation_tests=int((pairs["method"] == "permutation").sum()),

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
+
+from bench.text import option
 
 MISSING = "–"
 MOST_LEADERS = 8  # optimizers that a sentence names
@@ -81,10 +82,7 @@ def listing(items: Sequence[str], at_most: int = 8) -> str:
 
 def options(given: Mapping[str, Any]) -> str:
     """Return options of a plug-in as ``"agents = 300, handling = repair"``."""
-    pairs = given.items()
-    return ", ".join(
-        f"{key} = {value if isinstance(value, str) else json.dumps(value, default=str)}" for key, value in pairs
-    )
+    return ", ".join(f"{key} = {option(value)}" for key, value in given.items())
 
 
 def interval(low: float, high: float, decimals: int | None) -> str:

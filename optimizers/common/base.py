@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, update_wrapper
 from pathlib import Path
-from typing import Any, Literal, TypeVar, cast
+from typing import Any, ClassVar, Literal, TypeVar, cast
 
 import numpy as np
 
@@ -34,7 +34,10 @@ class Population(Optimizer):
         handling: how agents return to the feasible region once all of them have moved. ``"repair"`` clips them to the
             box and then applies the problem's own rule; ``"box"`` only clips them. The resulting points are evaluated,
             and the algorithm goes on from them. The start population is repaired in both cases.
+        start: ``"random"``: the start population is ``objective.initial(agents)``.
     """
+
+    start: ClassVar[str] = "random"
 
     agents: int = parameter(30, minimum=1)
     handling: Handling = "repair"

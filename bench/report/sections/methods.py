@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bench.report.conditions import conditions_table
 from bench.report.findings import Findings
 from bench.report.parts import Section
 
@@ -13,4 +14,5 @@ def section(findings: Findings) -> Section:
     if findings.frame.empty:
         return Section(TITLE, ("The study has no trial yet, so there are no methods to describe.",))
     methods = findings.methods
-    return Section(TITLE, methods.text, warnings=methods.warnings, code=methods.bibtex)
+    table = conditions_table(findings.study, findings.descriptions)
+    return Section(TITLE, methods.text, (table,), methods.warnings, code=methods.bibtex)

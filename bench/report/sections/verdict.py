@@ -8,6 +8,7 @@ import pandas as pd
 
 from bench.analysis import ALPHA
 from bench.budget import described
+from bench.report.conditions import sentences
 from bench.report.findings import Findings
 from bench.report.parts import Card, Section, Table
 from bench.report.sections import integrity
@@ -33,7 +34,9 @@ def section(findings: Findings) -> Section:
         return Section(TITLE, (text,), lost=lost)
     cards = (
         Card("What may be claimed", (_claim(findings),), "claim"),
-        Card("What may not be claimed", _limits(findings), "limit"),
+        Card(
+            "What may not be claimed", (*_limits(findings), *sentences(findings.study, findings.descriptions)), "limit"
+        ),
     )
     return Section(TITLE, (_grounds(findings),), (_ranking_table(ranking),), cards=cards, lost=lost)
 

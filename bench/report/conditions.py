@@ -1,0 +1,136 @@
+"""What differs between the optimizers of a study besides their algorithms, as far as their options show it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pandas as pd
+
+from bench.execution.descriptions import Description
+from bench.optimizer import CONDITIONS
+from bench.report.parts import Table
+from bench.report.wording import MISSING, listing
+from bench.study import Study
+from bench.text import option
+
+UNKNOWN, NONE = "not known", "null"
+MOST_VALUES, MOST_LABELS, MOST_OPTIONS = 4, 5, 6  # that a sentence names
+
+
+def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.DataFrame:
+    """Return each optimizer's conditions and the options that differ from its defaults, a row an optimizer.
+
+    Columns: :data:`bench.optimizer.CONDITIONS`, missing where the optimizer has no such option, and ``UNKNOWN`` where
+    it cannot be loaded here and the study does not give it; and ``changed``, a dict of (value, default) by option, or
+    None where the optimizer cannot be loaded.
+    """
+    rows = []
+    for entry in study.optimizers:
+        own = descriptions.get(entry.label, Description())
+        given = {name: option(value) for name, value in entry.options.items()}
+        values = given if own.values is None else own.values
+        row: dict[str, object] = {
+            name: values.get(name, UNKNOWN if own.values is None else None) for name in CONDITIONS
+        }
+        usual = own.defaults or {}
+        row["changed"] = (
+            None
+            if own.values is None
+            else {name: (value, usual.get(name)) for name, value in values.items() if value != usual.get(name)}
+        )
+        rows.append(row)
+    return pd.DataFrame(rows, [entry.label for entry in study.optimizers], [*CONDITIONS, "changed"], dtype=object)
+
+
+def sentences(study: Study, descriptions: Mapping[str, Description]) -> tuple[str, ...]:
+    """Return what differs besides the algorithm, and which options are not the optimizers' own defaults."""
+    table = conditions(study, descriptions)
+    return tuple(filter(None, (_differences(table), _changes(table))))
+
+
+def _differences(table: pd.DataFrame) -> str:
+    differing, alike = [], []
+    for name in CONDITIONS:
+        groups: dict[str, list[str]] = {}
+        for label, value in table.loc[table[name] != UNKNOWN, name].items():
+            groups.setdefault(_said(value), []).append(str(label))
+        if len(groups) > 1:
+            differing.append(f"{name} is {_grouped(groups)}")
+        elif groups and None not in table[name].tolist():
+            alike.append(f"{name} ({next(iter(groups))})")
+    if differing:
+        return (
+            f"The optimizers differ in more than their algorithms: {'; '.join(differing)}. A difference in rank may "
+            "come from this."
+        )
+    known = "known " if (table[[*CONDITIONS]] == UNKNOWN).any(axis=None) else ""
+    return f"The optimizers have the same {known}{listing(alike)}." if alike else ""
+
+
+def _said(value: object) -> str:
+    """Return the value of a condition in words."""
+    return "no option" if value is None else "automatic" if value == NONE else str(value)
+
+
+def _grouped(groups: Mapping[str, list[str]]) -> str:
+    """Return who has which value, the largest group last, such as ``"box for cma-es and repair for the 4 others"``."""
+    ordered = sorted(groups.items(), key=lambda each: len(each[1]))
+    if len(ordered) > MOST_VALUES:
+        return f"set in {len(ordered)} ways"
+    *few, (value, labels) = ordered
+    parts = [f"{each} for {listing(names, at_most=MOST_LABELS)}" for each, names in few]
+    rest = f"the {len(labels)} others" if len(labels) > 1 else labels[0]
+    return listing([*parts, f"{value} for {rest}"])
+
+
+def _changes(table: pd.DataFrame) -> str:
+    known = table["changed"].dropna()
+    unknown = table.index.difference(known.index, sort=False)
+    by_option: dict[str, list[str]] = {}
+    for label, changed in known.items():
+        for name, (value, _) in changed.items():
+            by_option.setdefault(f"{name} = {value}", []).append(str(label))
+    parts = [
+        f"{pair} for {'all' if len(labels) == len(table) else listing(labels, at_most=MOST_LABELS)}"
+        for pair, labels in by_option.items()
+    ]
+    text = ""
+    if len(parts) > MOST_OPTIONS:
+        owners = sum(bool(changed) for changed in known)
+        text = f"{len(parts)} options of {owners} of {len(table)} optimizers differ from the optimizers’ defaults"
+    elif parts:
+        text = f"These options differ from the optimizers’ defaults: {'; '.join(parts)}"
+    elif len(known):
+        text = "All known options are the optimizers’ own defaults" if len(unknown) else "All options are the defaults"
+    if parts:
+        text += " (whether they were tuned on these problems is not recorded)"
+    text += "." if text else ""
+    if len(unknown):
+        names = listing([*map(str, unknown)], at_most=MOST_LABELS)
+        cannot = "it cannot" if len(unknown) == 1 else "they cannot"
+        text += f"{' ' if text else ''}The options of {names} are not all known here, as {cannot} be loaded."
+    return text
+
+
+def conditions_table(study: Study, descriptions: Mapping[str, Description]) -> Table:
+    """Return the table of the conditions and changed options of every optimizer."""
+    table = conditions(study, descriptions)
+    shown = table[list(CONDITIONS)].map(lambda value: MISSING if value is None else _said(value))
+    shown = shown.assign(**{"options other than the defaults": table["changed"].map(_spelled)})
+    return Table(
+        "conditions",
+        "What differs between the optimizers besides their algorithms, as their options show it.",
+        shown.rename_axis("optimizer"),
+        note=f"agents: the population size; in brackets: the default; {MISSING}: the optimizer has no such option; "
+        "automatic: the optimizer chooses it.",
+    )
+
+
+def _spelled(changed: dict[str, tuple[str, str | None]] | None) -> str:
+    if changed is None:
+        return UNKNOWN
+    pairs = [
+        f"{name} = {value}" + ("" if usual is None else f" ({_said(usual)})")
+        for name, (value, usual) in changed.items()
+    ]
+    return ", ".join(pairs) or "none"

@@ -1,0 +1,97 @@
+"""What differs between optimizers besides their algorithms: read from plug-ins and study, for any of them."""
+
+import re
+
+import pytest
+
+from bench import Results, Study
+from bench.execution.descriptions import Description, describe
+from bench.report.conditions import conditions_table, sentences
+from bench.report.findings import Findings
+from bench.report.sections import methods, verdict
+
+
+def study(*optimizers):
+    return Study.from_dict({"name": "s", "problems": [{"name": "signature-03"}], "optimizers": list(optimizers)})
+
+
+def said(*optimizers):
+    own = study(*optimizers)
+    return sentences(own, describe(own))
+
+
+THESIS = {"name": "cma-es", "agents": 300, "handling": "box", "start": "midpoint"}
+
+
+def test_the_thesis_s_study_differs_in_handling_and_start():
+    own = Study.load("thesis")
+    differing, changed = sentences(own, describe(own))
+    assert "handling is box for cma-es and repair for the 4 others" in differing
+    assert "start is midpoint for cma-es and random for the 4 others" in differing
+    assert "agents" not in differing
+    assert "agents = 300 for all; handling = box for cma-es; start = midpoint for cma-es" in changed
+
+
+def test_the_equal_study_differs_in_its_populations_alone():
+    own = Study.load("thesis-equal")
+    differing, _ = sentences(own, describe(own))
+    assert "agents is 30 for" in differing
+    assert not re.search("handling|start", differing)
+    labels = [entry.label for entry in own.optimizers]
+    for agents in (30, 100, 300):
+        alike = [label for label in labels if label.endswith(f" {agents}")]
+        assert alike == [f"{name} {agents}" for name in ("cma-es", "alo", "goa", "gwo", "da")]
+
+
+@pytest.mark.parametrize(
+    ("optimizers", "expected"),
+    [
+        (
+            [{"name": "gwo"}, {"name": "da"}],
+            ("same agents (30), handling (repair) and start (random)", "All options are"),
+        ),
+        ([{"name": "gwo"}, {"name": "cma-es"}], ("agents is 30 for gwo and automatic for cma-es", "All options are")),
+        ([{"name": "gwo"}, {"name": "scipy:dual_annealing"}], ("agents is 30 for gwo and no option for scipy", "All")),
+        (
+            [THESIS, {"name": "gone", "agents": 5}],
+            ("agents is 300 for cma-es and 5 for gone", "gone are not all known"),
+        ),
+        ([{"name": "imported:A"}, {"name": "imported:B"}], ("imported:A and imported:B are not all known",)),
+    ],
+)
+def test_each_kind_of_study_has_its_sentences(optimizers, expected):
+    found = said(*optimizers)
+    assert len(found) == len(expected)
+    assert all(part in sentence for part, sentence in zip(expected, found, strict=True)), found
+
+
+def test_a_plug_in_of_a_stranger_without_such_options_is_described(tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text("def mine(objective, rng, step=0.1):\n    objective(objective.initial(1))\n")
+    differing, changed = said({"name": f"{path}:mine", "label": "mine", "step": 0.5}, {"name": "gwo"})
+    assert "handling is no option for mine and repair for gwo" in differing
+    assert "step = 0.5 for mine" in changed
+
+
+def test_many_ways_are_counted_and_the_table_has_each():
+    own = study(*({"name": "gwo", "label": f"g{agents}", "agents": agents} for agents in range(3, 12)))
+    differing, changed = sentences(own, describe(own))
+    assert "agents is set in 9 ways" in differing
+    assert "9 options of 9 of 9 optimizers" in changed
+    table = conditions_table(own, describe(own)).frame
+    assert table.loc["g5"].tolist() == ["5", "repair", "random", "agents = 5 (30)"]
+
+
+def test_without_any_description_only_the_study_is_known():
+    own = study(THESIS, {"name": "gwo"})
+    differing, unknown = sentences(own, {})
+    assert "same known agents (300), handling (box) and start (midpoint)" in differing
+    assert unknown.startswith("The options of cma-es and gwo are not all known")
+    assert conditions_table(own, {"gwo": Description()}).frame.loc["gwo", "agents"] == "not known"
+
+
+def test_verdict_and_methods_have_them(make, tmp_path):
+    findings = Findings(Results(make(tmp_path / "s", trials=2)))
+    assert "The options of a, b and c are not all known" in " ".join(verdict.section(findings).cards[1].text)
+    (table,) = methods.section(findings).items
+    assert set(table.frame.to_numpy().ravel()) == {"not known"}
