@@ -53,7 +53,8 @@ def types(session: nox.Session) -> None:
 
 @nox.session(venv_backend="uv|venv")  # uv, where it is installed, is ten times as fast as pip
 def benchmark(session: nox.Session) -> None:
-    """Reproduce the thesis's comparison with its report; arguments after -- go to 'bench run thesis'."""
+    """Reproduce the thesis's comparison, check it, and write its report; arguments after -- go to 'bench run'."""
     session.install("-e", ".")
     # Without bytecode files, which uv does not write, each of the run's processes would take seconds to start.
-    session.run("bench", "run", "thesis", "--check", *session.posargs, env={"PYTHONDONTWRITEBYTECODE": ""})
+    command = "bench", "run", "thesis", "--check", "--verify", "1", *session.posargs
+    session.run(*command, env={"PYTHONDONTWRITEBYTECODE": ""})

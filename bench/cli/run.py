@@ -23,6 +23,7 @@ from bench.cli.console import (
     print_line,
 )
 from bench.cli.report import published, report_on
+from bench.cli.verify import verify_folder
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
@@ -74,6 +75,10 @@ def run(
     check: Annotated[
         bool, typer.Option("--check", help="Also check the optimizers (see 'bench check') before the report.")
     ] = False,
+    verify: Annotated[
+        int,
+        typer.Option(metavar="N", min=0, help="Also make N trials of each cell again (see 'bench verify') before it."),
+    ] = 0,
     report: Annotated[bool, typer.Option(help="Write the report when the run ends.")] = True,
     against: Against = None,
 ) -> None:
@@ -115,7 +120,13 @@ def run(
     except WorkerDiedError as error:
         print_error(str(error))
         sys.exit(1)
-    unchecked = check and not check_folder(outcome.folder, console, jobs)
+    unsound = check and not check_folder(outcome.folder, console, jobs)
+    if verify:
+        try:
+            unsound |= not verify_folder(outcome.folder, console, trials=verify, strict=strict, sandbox=sandbox)
+        except BenchError as error:  # as where every trial failed; the report says more
+            print_error(f"no trial could be made again: {error}")
+            unsound = True
     if report and shard is None:  # a part of a study supports no claim yet
         report_on([outcome.folder], console, jobs=jobs, reference=reference)
         if beside:
@@ -124,7 +135,7 @@ def run(
         print_line(f"results in {outcome.folder}", console=console)
     if outcome.failed:
         print_error(f"{outcome.failed} trials failed; see the report or 'bench status {outcome.folder}'")
-    if outcome.failed or unchecked:
+    if outcome.failed or unsound:
         sys.exit(1)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -28,19 +29,23 @@ def verify(
     stored with it. The outcome is noted in the folder for the report. The exit code is 1 where a trial differs or is
     damaged.
     """
-    from bench.cli.progress import steps
-    from bench.execution.verify import verify as verify_folder
+    if not verify_folder(output, Console(), trials=trials, jobs=jobs, strict=strict, sandbox=sandbox):
+        sys.exit(1)
 
-    console = Console()
+
+def verify_folder(
+    path: Path, console: Console, *, trials: int, jobs: int | None = None, strict: bool, sandbox: str | None
+) -> bool:
+    """Make trials of each cell of a folder again and print the outcome; return whether all is as it was stored."""
+    from bench.cli.progress import steps
+    from bench.execution.verify import verify as make_again
+
     with steps(console, "verify") as on_progress:
-        found = verify_folder(
-            output, trials=trials, n_jobs=jobs, strict=strict, sandbox=sandbox, on_progress=on_progress
-        )
+        found = make_again(path, trials=trials, n_jobs=jobs, strict=strict, sandbox=sandbox, on_progress=on_progress)
     for line in found.lines():
         print_line(line, "red", console)
     print_line(found.sentence, console=console)
     print_line(found.store.sentence, None if found.store.sound else "red", console)
     if found.different:
         print_error("some trials are not repeated bit by bit")
-    if found.different or not found.store.sound:
-        sys.exit(1)
+    return not found.different and found.store.sound

@@ -185,3 +185,21 @@ def test_a_run_with_another_handling_of_constraints(bench_here, tmp_path):
     assert bench_here(*command, "death").returncode == 0
     assert 'constraints = "death"' in (tmp_path / "out" / "study.toml").read_text()
     assert (load_results(tmp_path / "out")["violation"] == 0).all()
+
+
+def test_a_run_verifies_its_trials_before_the_report(bench_here, copied):
+    out = copied / "out"
+    command = ["run", copied / "mixed.toml", "--output", out, "--jobs", 1, "--trials", 3, "--verify", 1]
+    done = bench_here(*command)  # faulty's trials fail again
+    assert "3 of 3 trials of 3 cells are the same bit by bit" in done.stdout
+    assert "3 of 3 trials of 3 cells are the same bit by bit" in (out / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_run_without_a_finished_trial_has_nothing_to_verify_and_ends_with_one(bench_here, tmp_path):
+    (tmp_path / "s.toml").write_text(
+        'name = "s"\ntrials = 1\nbudget = 9\n[[problems]]\nname = "sphere-2"\n[[optimizers]]\nname = "faulty"\n'
+    )
+    done = bench_here("run", tmp_path / "s.toml", "--output", tmp_path / "out", "--jobs", 1, "--verify", 1)
+    assert done.returncode == 1
+    assert "no trial could be made again" in done.stderr
+    assert (tmp_path / "out" / "report.html").exists()
