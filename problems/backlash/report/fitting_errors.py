@@ -18,7 +18,7 @@ SWARMS = ("alo", "goa", "da", "gwo")  # the columns of Table 7.2
 EXTRA = "cma-es"
 ORDER = ("gwo", "alo", "da", "goa")  # from the best to the worst, as published
 NEAR = 0.35  # an independent implementation lands within about a third of the published means
-PUBLISHED_TRIALS, PUBLISHED_BUDGET = 30, 60_000
+PUBLISHED_TRIALS, PUBLISHED_BUDGET, PUBLISHED_AGENTS = 30, 60_000, 300
 
 
 def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
@@ -27,7 +27,7 @@ def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
     swarms = [columns[name] for name in SWARMS if name in columns]
     if not swarms or not rows:
         return []
-    pairs = pairwise_tests(_part(frame, rows, swarms))
+    pairs = pairwise_tests(part(frame, rows, swarms))
     means, table = table_7_2(frame, pairs, columns, rows)
     text, items = swarm_tests(pairs), (table,)
     if not re.search("thesis|published", study.name.lower()):
@@ -38,8 +38,12 @@ def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
 
 
 def algorithms(study: Study) -> dict[str, str]:
-    """Return the label of each of the thesis's algorithms in the study, by plug-in name; the first of several."""
-    labels = {entry.name: entry.label for entry in reversed(study.optimizers)}
+    """Return the label of each of the thesis's algorithms in the study, by plug-in name.
+
+    Of several, the first with the thesis's 300 agents, or the first.
+    """
+    likely = sorted(study.optimizers, key=lambda entry: entry.options.get("agents") != PUBLISHED_AGENTS)
+    labels = {entry.name: entry.label for entry in reversed(likely)}
     return {name: labels[name] for name in (*SWARMS, EXTRA) if name in labels}
 
 
@@ -64,7 +68,7 @@ def table_7_2(
     As in the thesis, bold and italics compare the swarms alone, whose tests are ``pairs``. ``columns`` are from
     :func:`algorithms`, ``rows`` from :func:`datasets`.
     """
-    summary = summarise(_part(frame, rows, columns.values()))
+    summary = summarise(part(frame, rows, columns.values()))
     matrix = comparison_matrix(summary[summary["optimizer"] != columns.get(EXTRA)], pairs, statistic="mean")
     named = {label: name for name, label in columns.items()}
     means, bold, italic = (
@@ -86,7 +90,7 @@ def table_7_2(
     return means, marked
 
 
-def _part(frame: pd.DataFrame, problems: Iterable[str], optimizers: Iterable[str]) -> pd.DataFrame:
+def part(frame: pd.DataFrame, problems: Iterable[str], optimizers: Iterable[str]) -> pd.DataFrame:
     """Return the trials of these problems and optimizers, which stay the categories of the frame even without any."""
     for column, labels in (("problem", set(problems)), ("optimizer", set(optimizers))):
         frame = frame[frame[column].isin(labels)]

@@ -32,10 +32,7 @@ Outputs of the notebook in github.com/ElianaGiovannitti/Backlash-estimation (300
 
 def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
     """Return the section on the reference fit, none for a study without a signature problem that can be loaded."""
-    known = {
-        label: plain(results.problem(label)) for label in labels(frame, "problem") if not results.facts(label).reason
-    }
-    problems = {label: each for label, each in known.items() if isinstance(each, SignatureFit)}
+    problems = signature_problems(results, frame)
     if not problems:
         return []
     every = all(problem.constrained for problem in problems.values())
@@ -46,6 +43,14 @@ def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
         return []
     text = tuple(filter(None, (*sentences(trials, fits, constrained), beside_authors(trials, results.study))))
     return [Section(TITLE, text, (_by_optimizer(trials, constrained), _by_dataset(trials), _fits(fits, problems)))]
+
+
+def signature_problems(results: Results, frame: pd.DataFrame) -> dict[str, SignatureFit]:
+    """Return the signature problems of a frame that can be loaded, by label."""
+    known = {
+        label: plain(results.problem(label)) for label in labels(frame, "problem") if not results.facts(label).reason
+    }
+    return {label: each for label, each in known.items() if isinstance(each, SignatureFit)}
 
 
 def under_constraints(study: Study) -> dict[str, bool]:

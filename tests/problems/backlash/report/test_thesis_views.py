@@ -274,7 +274,7 @@ def test_without_a_truth_there_are_figures_of_the_amplitude_but_no_errors(tmp_pa
     results = recorded(tmp_path / "r")
     items = [item.name for section in views(results) for item in section.items]
     fits = ["reference-fit-by-optimizer", "reference-fit-found", "reference-fit"]
-    assert items == [*fits, "amplitude-dots", "amplitude-boxes", "mean-times"]
+    assert items == [*fits, "amplitude-dots", "amplitude-boxes", "execution-time", "mean-times"]
     assert "No expected amplitude is known" in words(results)
     assert not any(section.warnings for section in views(results))
 
@@ -367,7 +367,7 @@ def test_everything_can_be_drawn_and_written(tmp_path, change):
                     svg, _ = save_figure(item, tmp_path, item.name)
                     assert "nan" not in svg.lower()
                     assert item.table.rows
-                    assert item.figure.get_figwidth() == style.TEXT
+                    assert item.figure.get_figwidth() in (style.COLUMN, style.TEXT)
 
 
 def test_every_trial_failed(tmp_path):
@@ -392,5 +392,5 @@ def test_the_views_come_in_the_thesis_s_order(usual):
         ("Fitting error (thesis Table 7.2)", []),
         ("Reference fit", []),
         ("Disturbance amplitude (thesis Fig. 7.4)", ["amplitude-dots", "amplitude-boxes"]),
-        ("Execution time (thesis Fig. 7.5)", []),
+        ("Execution time (thesis Fig. 7.5) and memory", ["execution-time"]),
     ]
