@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from bench.objective import BudgetExhausted, Objective, Trace
     from bench.optimizer import Optimizer, parameter
     from bench.plugins.loading import load_optimizer, load_problem
-    from bench.problem import FunctionProblem, Problem
+    from bench.problem import FittedData, FunctionProblem, Problem
     from bench.report import write_report
     from bench.storage.results import Results, load_results
     from bench.study import Study
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = [
     "BenchError",
     "BudgetExhausted",
+    "FittedData",
     "FunctionProblem",
     "Grid",
     "Objective",
@@ -48,8 +49,8 @@ __all__ = [
 
 # Every name is imported at its first use: importing pandas or numba takes longer than many commands.
 _HOMES = {
-    "BenchError": "errors", "BudgetExhausted": "objective", "FunctionProblem": "problem", "Grid": "grid",
-    "Objective": "objective", "Optimizer": "optimizer", "Problem": "problem", "Result": "trial",
+    "BenchError": "errors", "BudgetExhausted": "objective", "FittedData": "problem",
+    "FunctionProblem": "problem", "Grid": "grid", "Objective": "objective", "Optimizer": "optimizer", "Problem": "problem", "Result": "trial",
     "Results": "storage.results", "Study": "study", "Trace": "objective", "check_optimizer": "check",
     "load_optimizer": "plugins.loading", "load_problem": "plugins.loading", "load_results": "storage.results",
     "parameter": "optimizer", "run": "execution.runner", "solve": "execution.solve", "write_report": "report",

@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -12,6 +13,27 @@ from bench.errors import BenchError
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class FittedData:
+    """Data that the points of a problem are fitted to, which a report draws with the fit of any run.
+
+    Attributes:
+        t: (N,) where the data were taken, such as times.
+        values: (N,) the data.
+        model: the fit at ``datum.t``, as a Vega expression of the point's variables by name: ``"point['a'] +
+            point['b'] * datum.t"``. The page computes it for the run that a reader chooses; what Vega cannot read
+            costs no more than this drawing.
+        t_title: the title of the axis of ``t``, with its unit.
+        title: that of ``values``.
+    """
+
+    t: Floats
+    values: Floats
+    model: str
+    t_title: str = "t"
+    title: str = "value"
 
 
 class Problem(ABC):
@@ -77,6 +99,10 @@ class Problem(ABC):
     def describe(self, x: Floats) -> dict[str, float]:  # noqa: ARG002 - part of the contract
         """Return the domain metrics of the (d,) point ``x``, one column each in the tidy frame; by default none."""
         return {}
+
+    def fitted_data(self) -> FittedData | None:
+        """Return the data that points are fitted to, and the fit, for reports; by default None."""
+        return None
 
     def fingerprint(self) -> str:
         """Return a hash of the data that the problem is made of, or "" where its name identifies it."""

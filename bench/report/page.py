@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import re
 from collections import Counter
 from dataclasses import dataclass, replace
@@ -15,6 +13,7 @@ from xml.etree import ElementTree
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from bench.report.interactive.part import Interactive, digest
 from bench.report.parts import Figure, Part, Section, Table, TableCell
 
 MOST_ROWS = 400  # of a table on the page; the CSV file has the rest
@@ -75,8 +74,8 @@ class Grid:
     total: int
 
 
-def render(title: str, lead: str, views: list[View]) -> str:
-    """Return the page as HTML; the template escapes all text."""
+def render(title: str, lead: str, views: list[View], further: Interactive | None = None) -> str:
+    """Return the page as HTML, with its interactive part after the first view; the template escapes all text."""
     environment = Environment(
         loader=PackageLoader("bench.report", ""),
         autoescape=True,
@@ -87,10 +86,9 @@ def render(title: str, lead: str, views: list[View]) -> str:
     )
     environment.filters["by_folder"] = by_folder
     style, script = _asset("page.css"), _asset("page.js")
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     return environment.get_template("page.html.j2").render(
-        title=title, lead=lead, views=views, style=style, script=script, script_hash=digest,
-        widest=_widest(views), printed_rows=PRINTED_ROWS,
+        title=title, lead=lead, views=views, style=style, script=script, script_hash=digest(script),
+        widest=_widest(views), printed_rows=PRINTED_ROWS, further=further or Interactive(),
     )  # fmt: skip
 
 

@@ -23,6 +23,7 @@ from bench.plots import style
 from bench.plugins import registry
 from bench.report.drawing import Drawer, Drawing, draw
 from bench.report.findings import Findings
+from bench.report.interactive import interactive
 from bench.report.latex import to_latex
 from bench.report.page import Item, View, inline, render
 from bench.report.parts import Figure, Part, Section, Table
@@ -159,7 +160,8 @@ class _Report:
             f"{count(len(study.problems), 'problem')}, {count(study.trials, 'trial')} each, "
             f"{described(study.budget)} a trial."
         )
-        page = self.save(PAGE, render(study.title or study.name, lead, self.views), "This page.")
+        further = interactive(self.findings)
+        page = self.save(PAGE, render(study.title or study.name, lead, self.views, further), "This page.")
         self.clean()
         return page
 

@@ -1,0 +1,376 @@
+"""Choose and shorten what the interactive part shows: the curves of runs, their records, and data that they fitted.
+
+Every value is kept as its distance from the reference of its problem: the known optimum, or the lowest value found
+where that is unknown or beaten. A problem's budgets are shares of its own, the same for all problems.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench import analysis
+from bench.analysis.cells import NEAR
+from bench.objective import Trace
+from bench.plots import style
+from bench.problem import Floats
+from bench.report.findings import Findings
+from bench.report.interactive.coding import coded, packed, short, signal
+from bench.report.interactive.command import optimizer_words, problem_words
+from bench.report.target_words import target_words
+from bench.scoring import plain
+from bench.study import Entry
+from bench.trial import FRAME_COLUMNS, PRECISION
+
+MOST_RUNS = 12_000
+"""Runs with their record and curve; of a larger study, the first of each cell, and the quartiles of every cell."""
+MOST_CELLS = 30_000
+"""Cells of the largest study that has an interactive part."""
+MOST_POINTS, FEWEST_POINTS = 60, 8
+"""Budgets at which curves are kept."""
+MOST_LEVELS = 480_000
+"""Numbers of all curves together, which decides between these two."""
+MOST_COORDINATES = 40_000
+"""Coordinates of best points, all together; beyond, points are left out."""
+MOST_SAMPLES = 3000
+"""Samples of a signal; the first of a longer one."""
+MOST_SIGNALS = 40
+"""Problems whose data are shown; the first of more."""
+
+DASHES: dict[Any, list[int]] = {
+    "-": [],
+    "--": [6, 3],
+    "-.": [6, 3, 2, 3],
+    ":": [2, 3],
+    (0, (5, 1)): [9, 2],
+}
+SHAPES = {
+    "o": "circle",
+    "s": "square",
+    "^": "triangle-up",
+    "D": "diamond",
+    "v": "triangle-down",
+    "P": "cross",
+    "X": "M-1,-1L1,1M1,-1L-1,1",
+}
+"""The line styles and markers of :mod:`bench.plots.style` in Vega's terms."""
+
+
+def explore(findings: Findings) -> dict[str, Any] | None:
+    """Return the data of the interactive part, as JSON can hold them; None for a study too large for it.
+
+    Keys: ``name``; ``optimizers``; ``problems``; ``grid``, the evaluations of the largest budget at which curves are
+    kept (another budget's are in proportion, at least 1); ``targets``, their title and whether they are the report's;
+    ``cells``, of which each has its ``problem`` and ``optimizer`` by place; ``texts``, to which records refer by place;
+    ``complete``, whether all runs are there; ``notes``, sentences on what was left out.
+    """
+    return None if len(findings.problems) * len(findings.optimizers) > MOST_CELLS else _Explored(findings).data()
+
+
+@dataclass(frozen=True)
+class _Explored:
+    findings: Findings
+
+    def data(self) -> dict[str, Any]:
+        findings = self.findings
+        cells = [self.cell(*key, own) for key, own in self.own_trials.items()]
+        problems = [self.problem(label) for label in findings.problems]
+        return {
+            "name": findings.study.name,
+            "optimizers": self.optimizers(),
+            "problems": problems,
+            "grid": self.grid.tolist(),
+            "targets": {"title": self.words.unit},
+            "cells": cells,
+            "texts": list(self.texts),
+            "complete": self.complete,
+            "notes": self.notes(problems),
+        }
+
+    # what is kept
+
+    @cached_property
+    def own_trials(self) -> dict[tuple[str, str], pd.DataFrame]:
+        """The trials of each cell that has any, in the study's order."""
+        frame = self.findings.frame
+        return {
+            (str(problem), str(optimizer)): own
+            for (problem, optimizer), own in frame.groupby(["problem", "optimizer"], observed=True)
+        }
+
+    @cached_property
+    def complete(self) -> bool:
+        return len(self.findings.frame) <= MOST_RUNS
+
+    @cached_property
+    def kept(self) -> int:
+        """The runs of each cell that are kept where not all are."""
+        return MOST_RUNS // len(self.own_trials)
+
+    @cached_property
+    def grid(self) -> NDArray[np.int64]:
+        curves = len(self.findings.frame) if self.complete else self.kept * len(self.own_trials) + 3 * len(self.own_trials)
+        points = min(max(MOST_LEVELS // max(curves, 1), FEWEST_POINTS), MOST_POINTS)
+        return analysis.evaluation_grid(max(self.budgets.values()), points)
+
+    @cached_property
+    def budgets(self) -> dict[str, int]:
+        """The most evaluations that a trial on each problem was allowed."""
+        allowed: Mapping[Any, int] | int = self.findings.allowed
+        if isinstance(allowed, int):
+            return dict.fromkeys(self.findings.problems, allowed)
+        most: dict[str, int] = {}
+        for key, budget in allowed.items():
+            label = key[0] if isinstance(key, tuple) else key
+            most[label] = max(most.get(label, 1), int(budget))
+        return most
+
+    @cached_property
+    def references(self) -> dict[str, analysis.ReferenceValue]:
+        lowest = self.findings.summary.groupby("problem")["best"].min()
+        finite = {str(label): float(best) for label, best in lowest.items() if np.isfinite(best)}
+        return analysis.reference_values(finite, self.findings.optima)
+
+    @cached_property
+    def points_too(self) -> bool:
+        """Whether the runs' best points are kept."""
+        runs = sum(len(self.shown(own)) * self.findings.dimensions.get(p, 0) for (p, _), own in self.own_trials.items())
+        return runs <= MOST_COORDINATES
+
+    def shown(self, own: pd.DataFrame) -> pd.DataFrame:
+        return own if self.complete else own.head(self.kept)
+
+    @cached_property
+    def texts(self) -> dict[str, int]:
+        """Reasons to stop and errors, numbered as they come up."""
+        return {}
+
+    def text(self, text: Any) -> int:
+        return self.texts.setdefault("" if pd.isna(text) else str(text), len(self.texts))
+
+    # optimizers and problems
+
+    def optimizers(self) -> list[dict[str, Any]]:
+        entries = {entry.label: entry for entry in self.findings.study.optimizers}
+        looks = style.looks(self.findings.optimizers)
+        return [
+            {
+                "label": label,
+                "color": looks[label].color,
+                "dash": DASHES[looks[label].line],
+                "shape": SHAPES[looks[label].marker],
+                "options": _options(entries[label]),
+                "command": optimizer_words(entries[label]),
+            }
+            for label in self.findings.optimizers
+        ]
+
+    def problem(self, label: str) -> dict[str, Any]:
+        findings = self.findings
+        entries = {entry.label: entry for entry in findings.results.study.problems}
+        members = findings.pooled.members[label]
+        reference = self.references.get(label)
+        dimension = findings.dimensions.get(label)
+        features = {name: value for name, value in findings.known[label].features.items() if name != "instance"}
+        return {
+            "label": label,
+            "features": features | ({"dimension": dimension} if dimension else {}),
+            "budget": self.budgets[label],
+            "reference": None if reference is None else short(reference.value, 10),
+            "known": reference is not None and reference.known,
+            "precision": label in findings.pooled.functions,
+            "targets": self.targets.get(label, []),
+            "members": [] if members == [label] else members,
+            "options": _options(entries[members[0]]),
+            "commands": packed([problem_words(entries[each], findings.results.study) for each in members]),
+            "variables": self.variables[label] if self.points_too else [],
+            "metrics": self.metrics,
+            "data": self.signals.get(label),
+        }
+
+    @cached_property
+    def words(self) -> Any:
+        """The words of the report's targets, or of relative ones where those are no values of the objective."""
+        return self.findings.words if self.findings.words.kind != "tolerance" else target_words("relative")
+
+    @cached_property
+    def targets(self) -> dict[str, list[list[float | int | None]]]:
+        """Each target of each problem, from the easiest: its level, and its distance from the reference."""
+        findings = self.findings
+        if self.words == findings.words:
+            table = findings.targets
+        else:
+            table = analysis.target_table(self.words.chosen, findings.frame, findings.traces, findings.optima)
+        found: dict[str, list[list[float | int | None]]] = {}
+        for label, level, target in zip(table["problem"], table["tau"], table["target"], strict=True):
+            if label in self.references:
+                found.setdefault(str(label), []).append(
+                    [short(level, 4), short(max(target - self.references[str(label)].value, 0.0), 5)]
+                )
+        return found
+
+    @cached_property
+    def variables(self) -> dict[str, list[str]]:
+        by_problem = self.findings.frame.groupby("problem", observed=True)
+        return {str(label): [name[2:] for name in analysis.variables(own)] for label, own in by_problem}
+
+    @cached_property
+    def metrics(self) -> list[str]:
+        """The domain metrics, columns of numbers."""
+        frame = self.findings.frame
+        own = [name for name in frame if name not in (*FRAME_COLUMNS, PRECISION, "instance") and not name.startswith("x_")]
+        return [str(name) for name in own if pd.api.types.is_numeric_dtype(frame[name])]
+
+    @cached_property
+    def signals(self) -> dict[str, dict[str, Any]]:
+        """The data of the problems to which points are fitted, of the first such problems; a failing one has none."""
+        found: dict[str, dict[str, Any]] = {}
+        for label in self.findings.problems if self.points_too else ():
+            if len(found) < MOST_SIGNALS and self.findings.pooled.members[label] == [label]:
+                own = self._signal(label)
+                found |= {label: own} if own else {}
+        return found
+
+    def _signal(self, label: str) -> dict[str, Any] | None:
+        if self.findings.known[label].reason:
+            return None
+        try:
+            data = plain(self.findings.results.problem(label)).fitted_data()
+            if data is None or not len(data.t):
+                return None
+            t = np.asarray(data.t, dtype=np.float64)
+            uniform = len(t) > 1 and np.allclose(np.diff(t), t[1] - t[0], rtol=1e-6, atol=0)
+            return {
+                "t": [short(t[0], 10), short((t[-1] - t[0]) / (len(t) - 1), 10)]
+                if uniform
+                else {"values": [short(each, 8) for each in t[:MOST_SAMPLES]]},
+                "values": signal(data.values[:MOST_SAMPLES]),
+                "samples": len(t),
+                "model": str(data.model),
+                "t_title": str(data.t_title),
+                "title": str(data.title),
+            }
+        except Exception:  # a plug-in may raise anything, and its runs are shown without it
+            return None
+
+    # cells
+
+    def cell(self, problem: str, optimizer: str, own: pd.DataFrame) -> dict[str, Any]:
+        distances = self.distances(problem, optimizer, own)
+        shown = self.shown(own)
+        cell: dict[str, Any] = {
+            "problem": self.places[0][problem],
+            "optimizer": self.places[1][optimizer],
+            "trials": len(own),
+            "failed": int((own["status"] != "ok").sum()),
+        }
+        if not self.complete:
+            cell["quartiles"] = coded(_quartiles(distances))
+        if not len(shown):
+            return cell
+        ok = (shown["status"] == "ok").tolist()
+        number = shown["trial"].astype(int) % self.stride
+        cell |= {
+            "seed": ["" if pd.isna(each) else str(each) for each in shown["seed"]],
+            "fun": [short(each) if fine else None for each, fine in zip(shown["fun"], ok, strict=True)],
+            "nfev": packed([short(each) for each in shown["nfev"]]),
+            "wall": packed([short(each, 3) for each in shown["wall_s"]]),
+            "objective": packed([short(each, 3) for each in shown["objective_s"]]),
+            "stop": packed([self.text(each) for each in shown["stop"]]),
+            "curve": coded(distances[: len(shown)]),
+        }
+        if number.tolist() != list(range(len(shown))):
+            cell["number"] = number.tolist()
+        if len(members := self.findings.pooled.members[problem]) > 1:
+            cell["member"] = (shown["trial"].astype(int) // self.stride).clip(upper=len(members) - 1).tolist()
+        if not all(ok):
+            reasons = zip(shown["status"], shown["error"], ok, strict=True)
+            cell["error"] = [None if fine else self.text(f"{what}: {_first_line(why)}") for what, why, fine in reasons]
+        if self.points_too:
+            cell["x"] = _joined(shown[[f"x_{name}" for name in self.variables[problem]]])
+        if self.metrics and shown[self.metrics].notna().any(axis=None):
+            cell["metrics"] = _joined(shown[self.metrics])
+        return cell
+
+    @cached_property
+    def stride(self) -> int:
+        """By which the trials' numbers of one instance differ from those of the next; see ``pool_instances``."""
+        trials = self.findings.results.frame["trial"]
+        return int(trials.max()) + 1 if len(trials) else 1
+
+    @cached_property
+    def places(self) -> tuple[dict[str, int], dict[str, int]]:
+        problems, optimizers = self.findings.problems, self.findings.optimizers
+        return {label: i for i, label in enumerate(problems)}, {label: i for i, label in enumerate(optimizers)}
+
+    def distances(self, problem: str, optimizer: str, own: pd.DataFrame) -> Floats:
+        """Return the distance of each trial of a cell from the reference at each budget, +inf for a failed trial.
+
+        A trial without a trace has its best value from its last evaluation on.
+        """
+        budget = self.budgets[problem]
+        spent = np.maximum(np.floor(self.grid * (budget / self.grid[-1]) + 0.5), 1).astype(np.int64)
+        values = np.full((len(own), len(spent)), np.inf)
+        traces = self.findings.traces
+        numbers = zip(own["trial"], own["status"], own["fun"], own["nfev"], strict=True)
+        for row, (trial, status, fun, nfev) in zip(values, numbers, strict=True):
+            if status == "ok" and np.isfinite(fun):
+                trace = traces.get((problem, optimizer, trial)) or Trace(np.array([min(nfev, budget)]), np.array([fun]))
+                row[:] = trace.at(spent)
+        if problem not in self.references:
+            return values
+        reference = self.references[problem].value
+        above = values - reference
+        above[above <= NEAR * abs(reference)] = 0.0
+        return above
+
+    # what was left out
+
+    def notes(self, problems: Sequence[dict[str, Any]]) -> list[str]:
+        """Return sentences on what was left out, and on what is not as in the rest of the report."""
+        runs, notes = len(self.findings.frame), []
+        if not self.complete:
+            which = f"the first {self.kept} runs of each cell" if self.kept else "no single runs"
+            notes.append(
+                f"The study has {runs:,} runs, more than the {MOST_RUNS:,} that fit into a page: it holds the quartiles "
+                f"of every cell, from all runs, and {which}. Ranks are then those of medians, and the shares of "
+                "targets reached those of median runs."
+            )
+        if not self.points_too:
+            notes.append("The runs’ best points are left out, as the page would grow; tables/trials.csv has them.")
+        if any(len(each["targets"]) for each in problems) and self.words != self.findings.words:
+            notes.append("Targets are relative here: those of the report are no values of the objective.")
+        if len(self.signals) == MOST_SIGNALS < len(problems):
+            notes.append(f"The data of the first {MOST_SIGNALS} problems are here.")
+        cut = [label for label, each in self.signals.items() if each["samples"] > MOST_SAMPLES]
+        if cut:
+            notes.append(f"Of longer signals, the first {MOST_SAMPLES:,} samples are here.")
+        return notes
+
+
+def _quartiles(values: Floats) -> Floats:
+    """Return the (3, m) quartiles of (n, m) values, upper order statistics wherever one is infinite."""
+    quartiles: Floats = np.quantile(values, [0.25, 0.5, 0.75], axis=0, method="higher")
+    whole = np.isfinite(values).all(axis=0)
+    quartiles[:, whole] = np.quantile(values[:, whole], [0.25, 0.5, 0.75], axis=0)
+    return quartiles
+
+
+def _joined(frame: pd.DataFrame) -> list[str]:
+    """Return the numbers of each row as a text, missing ones as empty ones."""
+    rows: Iterable[tuple[Any, ...]] = frame.itertuples(index=False, name=None)
+    return [",".join("" if pd.isna(each) else f"{float(each):.7g}" for each in row) for row in rows]
+
+
+def _options(entry: Entry) -> str:
+    return ", ".join(f"{name} = {value}" for name, value in entry.options.items())
+
+
+def _first_line(error: Any) -> str:
+    return "" if pd.isna(error) else str(error).split("\n", 1)[0][:300]

@@ -1,0 +1,79 @@
+"""Make the interactive part ready for the page: data that cannot end their element, scripts with their hashes."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+from dataclasses import dataclass
+from importlib import resources
+
+from markupsafe import Markup
+
+from bench.report.findings import Findings
+from bench.report.interactive.explore import MOST_CELLS, explore
+from bench.report.interactive.library import available, library
+
+TITLE = "Look further"
+ANCHOR = "look-further"  # of the part; a state of the part follows it in a link, after "?"
+EXTRA = "pip install 'backlash-bench[interactive]'"
+
+
+@dataclass(frozen=True)
+class Interactive:
+    """The interactive part of a page.
+
+    Attributes:
+        title: its heading.
+        anchor: its id.
+        hint: a sentence in its place where there is none, else "".
+        data: JSON.
+        scripts: JavaScript, to be run in this order.
+        style: CSS.
+    """
+
+    title: str = TITLE
+    anchor: str = ANCHOR
+    hint: str = ""
+    data: Markup = Markup("")
+    scripts: tuple[Markup, ...] = ()
+    style: Markup = Markup("")
+
+    @property
+    def hashes(self) -> list[str]:
+        """The hashes of the scripts, by which the page's policy knows them."""
+        return [digest(script) for script in self.scripts]
+
+
+def interactive(findings: Findings) -> Interactive:
+    """Return the interactive part of a report, or a sentence on why it has none."""
+    if not available():
+        return Interactive(hint=f"For an interactive part here, {EXTRA} and write the report again.")
+    if findings.frame.empty:
+        return Interactive(hint="Without a trial there is nothing to look into.")
+    data = explore(findings)
+    if data is None:
+        return Interactive(hint=f"A study of more than {MOST_CELLS:,} cells has no interactive part.")
+    return Interactive(
+        data=as_json(data), scripts=(_script(library()), _script(_asset("explore.js"))), style=Markup(_asset("explore.css"))
+    )  # fmt: skip
+
+
+def as_json(data: object) -> Markup:
+    """Return JSON for an element of HTML: in ASCII, and without a character that could end the element."""
+    text = json.dumps(data, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
+    return Markup(text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e"))
+
+
+def digest(script: str) -> str:
+    """Return the SHA-256 of a script as a Content-Security-Policy has it."""
+    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+
+
+def _script(text: str) -> Markup:
+    """Return JavaScript that cannot end its element: in a text, a template or an expression the two mean the same."""
+    return Markup(text.replace("</script", "<\\/script").replace("<!--", "<\\!--"))
+
+
+def _asset(name: str) -> str:
+    return resources.files("bench.report.interactive").joinpath(name).read_text(encoding="utf-8")
