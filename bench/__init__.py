@@ -50,10 +50,11 @@ __all__ = [
 # Every name is imported at its first use: importing pandas or numba takes longer than many commands.
 _HOMES = {
     "BenchError": "errors", "BudgetExhausted": "objective", "FittedData": "problem",
-    "FunctionProblem": "problem", "Grid": "grid", "Objective": "objective", "Optimizer": "optimizer", "Problem": "problem", "Result": "trial",
-    "Results": "storage.results", "Study": "study", "Trace": "objective", "check_optimizer": "check",
-    "load_optimizer": "plugins.loading", "load_problem": "plugins.loading", "load_results": "storage.results",
-    "parameter": "optimizer", "run": "execution.runner", "solve": "execution.solve", "write_report": "report",
+    "FunctionProblem": "problem", "Grid": "grid", "Objective": "objective", "Optimizer": "optimizer",
+    "Problem": "problem", "Result": "trial", "Results": "storage.results", "Study": "study", "Trace": "objective",
+    "check_optimizer": "check", "load_optimizer": "plugins.loading", "load_problem": "plugins.loading",
+    "load_results": "storage.results", "parameter": "optimizer", "run": "execution.runner",
+    "solve": "execution.solve", "write_report": "report",
 }  # fmt: skip
 _PACKAGES = ("analysis", "plots")
 

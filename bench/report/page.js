@@ -53,6 +53,23 @@
         body.append(...(state ? order(original, column, state === "ascending" ? 1 : -1) : original));
       });
     });
+    oneStop(heads.map((head) => head.firstChild));
+  };
+
+  // The titles of a table are one stop of the Tab key; arrows, Home and End move among them.
+
+  const oneStop = (buttons) => {
+    buttons.forEach((button, place) => {
+      button.tabIndex = place ? -1 : 0;
+      button.title = "Sort; the arrow keys move along the columns";
+      button.addEventListener("focus", () => buttons.forEach((each) => (each.tabIndex = each === button ? 0 : -1)));
+      button.addEventListener("keydown", (event) => {
+        const next = { ArrowLeft: place - 1, ArrowRight: place + 1, Home: 0, End: buttons.length - 1 }[event.key];
+        if (next === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
+        event.preventDefault();
+        buttons[next]?.focus();
+      });
+    });
   };
 
   // Filtering
@@ -75,6 +92,20 @@
   for (const table of document.querySelectorAll("table")) {
     sortable(table);
     filterable(table);
+  }
+
+  // A frame is a stop of the Tab key only where it scrolls; without scripts every frame is one.
+
+  const frames = new ResizeObserver((changes) => {
+    for (const { target } of changes) {
+      const frame = target.closest(".scroll");
+      if (frame.scrollWidth > frame.clientWidth) frame.tabIndex = 0;
+      else frame.removeAttribute("tabindex");
+    }
+  });
+  for (const frame of document.querySelectorAll(".scroll")) {
+    frames.observe(frame);
+    frames.observe(frame.firstElementChild);
   }
 
   // Copying

@@ -8,9 +8,9 @@ import pytest
 import bench
 
 NAMES = [
-    "BenchError", "BudgetExhausted", "FunctionProblem", "Grid", "Objective", "Optimizer", "Problem", "Result",
-    "Results", "Study", "Trace", "check_optimizer", "load_optimizer", "load_problem", "load_results", "parameter",
-    "run", "solve", "write_report",
+    "BenchError", "BudgetExhausted", "FittedData", "FunctionProblem", "Grid", "Objective", "Optimizer", "Problem",
+    "Result", "Results", "Study", "Trace", "check_optimizer", "load_optimizer", "load_problem", "load_results",
+    "parameter", "run", "solve", "write_report",
 ]  # fmt: skip
 
 

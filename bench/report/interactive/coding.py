@@ -49,7 +49,11 @@ def signal(values: ArrayLike) -> dict[str, Any]:
     low, high = float(given.min()), float(given.max())
     levels = np.rint(LEVELS * (given - low) / (high - low)) if high > low else np.zeros(len(given))
     steps = np.diff(levels, prepend=0.0).astype(int).tolist()
-    return {"low": short(low, 7), "high": short(high, 7), "steps": ",".join(str(step) if step else "" for step in steps)}
+    return {
+        "low": short(low, 7),
+        "high": short(high, 7),
+        "steps": ",".join(str(step) if step else "" for step in steps),
+    }
 
 
 def short(value: Any, digits: int = 7) -> float | int | None:

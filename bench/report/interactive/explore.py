@@ -6,7 +6,7 @@ where that is unknown or beaten. A problem's budgets are shares of its own, the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -16,7 +16,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench import analysis
-from bench.analysis.cells import NEAR
+from bench.analysis.cells import NEAR, ReferenceValue
 from bench.objective import Trace
 from bench.plots import style
 from bench.problem import Floats
@@ -79,7 +79,7 @@ class _Explored:
 
     def data(self) -> dict[str, Any]:
         findings = self.findings
-        cells = [self.cell(*key, own) for key, own in self.own_trials.items()]
+        cells = [self.cell(*key, rows) for key, rows in self.rows.items()]
         problems = [self.problem(label) for label in findings.problems]
         return {
             "name": findings.study.name,
@@ -96,13 +96,25 @@ class _Explored:
     # what is kept
 
     @cached_property
-    def own_trials(self) -> dict[tuple[str, str], pd.DataFrame]:
-        """The trials of each cell that has any, in the study's order."""
-        frame = self.findings.frame
+    def rows(self) -> dict[tuple[str, str], list[int]]:
+        """The numbers of the frame's rows of each cell that has any, in the study's order."""
+        frame, optimizers = self.findings.frame, self.findings.optimizers
+        places = frame["problem"].cat.codes.to_numpy(int) * len(optimizers) + frame["optimizer"].cat.codes.to_numpy(int)
+        order = np.argsort(places, kind="stable")
+        kinds, starts = np.unique(places[order], return_index=True)
+        labels = analysis.labels(frame, "problem")
         return {
-            (str(problem), str(optimizer)): own
-            for (problem, optimizer), own in frame.groupby(["problem", "optimizer"], observed=True)
+            (labels[kind // len(optimizers)], optimizers[kind % len(optimizers)]): own.tolist()
+            for kind, own in zip(kinds.tolist(), np.split(order, starts[1:]), strict=True)
         }
+
+    @cached_property
+    def columns(self) -> dict[str, list[Any]]:
+        """The frame's columns as lists, which are read faster than the frame."""
+        frame = self.findings.frame
+        names = ["trial", "seed", "status", "fun", "nfev", "wall_s", "objective_s", "stop", "error"]
+        points = [f"x_{name}" for own in self.variables.values() for name in own] if self.points_too else []
+        return {name: frame[name].tolist() for name in dict.fromkeys([*names, *points, *self.metrics])}
 
     @cached_property
     def complete(self) -> bool:
@@ -111,11 +123,11 @@ class _Explored:
     @cached_property
     def kept(self) -> int:
         """The runs of each cell that are kept where not all are."""
-        return MOST_RUNS // len(self.own_trials)
+        return MOST_RUNS // len(self.rows)
 
     @cached_property
     def grid(self) -> NDArray[np.int64]:
-        curves = len(self.findings.frame) if self.complete else self.kept * len(self.own_trials) + 3 * len(self.own_trials)
+        curves = len(self.findings.frame) if self.complete else (self.kept + 3) * len(self.rows)
         points = min(max(MOST_LEVELS // max(curves, 1), FEWEST_POINTS), MOST_POINTS)
         return analysis.evaluation_grid(max(self.budgets.values()), points)
 
@@ -132,7 +144,7 @@ class _Explored:
         return most
 
     @cached_property
-    def references(self) -> dict[str, analysis.ReferenceValue]:
+    def references(self) -> dict[str, ReferenceValue]:
         lowest = self.findings.summary.groupby("problem")["best"].min()
         finite = {str(label): float(best) for label, best in lowest.items() if np.isfinite(best)}
         return analysis.reference_values(finite, self.findings.optima)
@@ -140,11 +152,11 @@ class _Explored:
     @cached_property
     def points_too(self) -> bool:
         """Whether the runs' best points are kept."""
-        runs = sum(len(self.shown(own)) * self.findings.dimensions.get(p, 0) for (p, _), own in self.own_trials.items())
+        runs = sum(len(self.shown(rows)) * self.findings.dimensions.get(key[0], 0) for key, rows in self.rows.items())
         return runs <= MOST_COORDINATES
 
-    def shown(self, own: pd.DataFrame) -> pd.DataFrame:
-        return own if self.complete else own.head(self.kept)
+    def shown(self, rows: list[int]) -> list[int]:
+        return rows if self.complete else rows[: self.kept]
 
     @cached_property
     def texts(self) -> dict[str, int]:
@@ -224,8 +236,9 @@ class _Explored:
     def metrics(self) -> list[str]:
         """The domain metrics, columns of numbers."""
         frame = self.findings.frame
-        own = [name for name in frame if name not in (*FRAME_COLUMNS, PRECISION, "instance") and not name.startswith("x_")]
-        return [str(name) for name in own if pd.api.types.is_numeric_dtype(frame[name])]
+        others = (*FRAME_COLUMNS, PRECISION, "instance")
+        own = [name for name in map(str, frame) if name not in others and not name.startswith("x_")]
+        return [name for name in own if pd.api.types.is_numeric_dtype(frame[name])]
 
     @cached_property
     def signals(self) -> dict[str, dict[str, Any]]:
@@ -261,41 +274,42 @@ class _Explored:
 
     # cells
 
-    def cell(self, problem: str, optimizer: str, own: pd.DataFrame) -> dict[str, Any]:
-        distances = self.distances(problem, optimizer, own)
-        shown = self.shown(own)
+    def cell(self, problem: str, optimizer: str, rows: list[int]) -> dict[str, Any]:
+        shown, columns = self.shown(rows), self.columns
+        distances = self.distances(problem, optimizer, rows)
         cell: dict[str, Any] = {
             "problem": self.places[0][problem],
             "optimizer": self.places[1][optimizer],
-            "trials": len(own),
-            "failed": int((own["status"] != "ok").sum()),
+            "trials": len(rows),
+            "failed": sum(columns["status"][row] != "ok" for row in rows),
         }
         if not self.complete:
             cell["quartiles"] = coded(_quartiles(distances))
-        if not len(shown):
+        if not shown:
             return cell
-        ok = (shown["status"] == "ok").tolist()
-        number = shown["trial"].astype(int) % self.stride
+        own = {name: [values[row] for row in shown] for name, values in columns.items()}
+        ok = [status == "ok" for status in own["status"]]
         cell |= {
-            "seed": ["" if pd.isna(each) else str(each) for each in shown["seed"]],
-            "fun": [short(each) if fine else None for each, fine in zip(shown["fun"], ok, strict=True)],
-            "nfev": packed([short(each) for each in shown["nfev"]]),
-            "wall": packed([short(each, 3) for each in shown["wall_s"]]),
-            "objective": packed([short(each, 3) for each in shown["objective_s"]]),
-            "stop": packed([self.text(each) for each in shown["stop"]]),
+            "seed": ["" if pd.isna(each) else str(each) for each in own["seed"]],
+            "fun": [short(each) if fine else None for each, fine in zip(own["fun"], ok, strict=True)],
+            "nfev": packed([_number(each) for each in own["nfev"]]),
+            "wall": packed([_number(each, 3) for each in own["wall_s"]]),
+            "objective": packed([_number(each, 3) for each in own["objective_s"]]),
+            "stop": packed([self.text(each) for each in own["stop"]]),
             "curve": coded(distances[: len(shown)]),
         }
-        if number.tolist() != list(range(len(shown))):
-            cell["number"] = number.tolist()
+        numbers = [trial % self.stride for trial in own["trial"]]
+        if numbers != list(range(len(shown))):
+            cell["number"] = numbers
         if len(members := self.findings.pooled.members[problem]) > 1:
-            cell["member"] = (shown["trial"].astype(int) // self.stride).clip(upper=len(members) - 1).tolist()
+            cell["member"] = [min(trial // self.stride, len(members) - 1) for trial in own["trial"]]
         if not all(ok):
-            reasons = zip(shown["status"], shown["error"], ok, strict=True)
+            reasons = zip(own["status"], own["error"], ok, strict=True)
             cell["error"] = [None if fine else self.text(f"{what}: {_first_line(why)}") for what, why, fine in reasons]
         if self.points_too:
-            cell["x"] = _joined(shown[[f"x_{name}" for name in self.variables[problem]]])
-        if self.metrics and shown[self.metrics].notna().any(axis=None):
-            cell["metrics"] = _joined(shown[self.metrics])
+            cell["x"] = _joined([own[f"x_{name}"] for name in self.variables[problem]])
+        if self.metrics:
+            cell["metrics"] = _joined([own[name] for name in self.metrics])
         return cell
 
     @cached_property
@@ -309,24 +323,24 @@ class _Explored:
         problems, optimizers = self.findings.problems, self.findings.optimizers
         return {label: i for i, label in enumerate(problems)}, {label: i for i, label in enumerate(optimizers)}
 
-    def distances(self, problem: str, optimizer: str, own: pd.DataFrame) -> Floats:
+    def distances(self, problem: str, optimizer: str, rows: list[int]) -> Floats:
         """Return the distance of each trial of a cell from the reference at each budget, +inf for a failed trial.
 
         A trial without a trace has its best value from its last evaluation on.
         """
-        budget = self.budgets[problem]
+        budget, columns, traces = self.budgets[problem], self.columns, self.findings.traces
         spent = np.maximum(np.floor(self.grid * (budget / self.grid[-1]) + 0.5), 1).astype(np.int64)
-        values = np.full((len(own), len(spent)), np.inf)
-        traces = self.findings.traces
-        numbers = zip(own["trial"], own["status"], own["fun"], own["nfev"], strict=True)
-        for row, (trial, status, fun, nfev) in zip(values, numbers, strict=True):
-            if status == "ok" and np.isfinite(fun):
-                trace = traces.get((problem, optimizer, trial)) or Trace(np.array([min(nfev, budget)]), np.array([fun]))
-                row[:] = trace.at(spent)
+        values = np.full((len(rows), len(spent)), np.inf)
+        for own, row in zip(values, rows, strict=True):
+            fun = columns["fun"][row]
+            if columns["status"][row] == "ok" and np.isfinite(fun):
+                trace = traces.get((problem, optimizer, columns["trial"][row]))
+                last = Trace(np.array([min(columns["nfev"][row], budget)]), np.array([fun]))
+                own[:] = (trace or last).at(spent)
         if problem not in self.references:
             return values
         reference = self.references[problem].value
-        above = values - reference
+        above: Floats = values - reference
         above[above <= NEAR * abs(reference)] = 0.0
         return above
 
@@ -338,9 +352,9 @@ class _Explored:
         if not self.complete:
             which = f"the first {self.kept} runs of each cell" if self.kept else "no single runs"
             notes.append(
-                f"The study has {runs:,} runs, more than the {MOST_RUNS:,} that fit into a page: it holds the quartiles "
-                f"of every cell, from all runs, and {which}. Ranks are then those of medians, and the shares of "
-                "targets reached those of median runs."
+                f"The study has {runs:,} runs, more than the {MOST_RUNS:,} that fit into a page: it holds the "
+                f"quartiles of every cell, from all runs, and {which}. Ranks are then those of medians, and the shares "
+                "of targets reached those of median runs."
             )
         if not self.points_too:
             notes.append("The runs’ best points are left out, as the page would grow; tables/trials.csv has them.")
@@ -356,16 +370,25 @@ class _Explored:
 
 def _quartiles(values: Floats) -> Floats:
     """Return the (3, m) quartiles of (n, m) values, upper order statistics wherever one is infinite."""
-    quartiles: Floats = np.quantile(values, [0.25, 0.5, 0.75], axis=0, method="higher")
-    whole = np.isfinite(values).all(axis=0)
-    quartiles[:, whole] = np.quantile(values[:, whole], [0.25, 0.5, 0.75], axis=0)
-    return quartiles
+    ordered = np.sort(values, axis=0)
+    whole = np.isfinite(ordered[-1])
+    quartiles = []
+    for share in (0.25, 0.5, 0.75):
+        place = share * (len(ordered) - 1)
+        low, high = ordered[int(place)], ordered[int(np.ceil(place))]
+        with np.errstate(invalid="ignore"):
+            quartiles.append(np.where(whole, low + (place % 1) * (high - low), high))
+    return np.array(quartiles)
 
 
-def _joined(frame: pd.DataFrame) -> list[str]:
-    """Return the numbers of each row as a text, missing ones as empty ones."""
-    rows: Iterable[tuple[Any, ...]] = frame.itertuples(index=False, name=None)
+def _joined(columns: Sequence[Sequence[Any]]) -> list[str]:
+    """Return the numbers of each row of these columns as a text, missing ones as empty ones."""
+    rows = zip(*columns, strict=True)
     return [",".join("" if pd.isna(each) else f"{float(each):.7g}" for each in row) for row in rows]
+
+
+def _number(value: Any, digits: int = 7) -> float | int | None:
+    return None if pd.isna(value) else short(value, digits)
 
 
 def _options(entry: Entry) -> str:

@@ -16,6 +16,7 @@ from bench.report.interactive.library import available, library
 
 TITLE = "Look further"
 ANCHOR = "look-further"  # of the part; a state of the part follows it in a link, after "?"
+SCRIPT = ("data", "state", "views", "run", "controls")  # the files of the script, which share one scope
 EXTRA = "pip install 'backlash-bench[interactive]'"
 
 
@@ -27,7 +28,7 @@ class Interactive:
         title: its heading.
         anchor: its id.
         hint: a sentence in its place where there is none, else "".
-        data: JSON.
+        data: JSON; this and the next two are trusted, as :class:`Markup`, where there are any.
         scripts: JavaScript, to be run in this order.
         style: CSS.
     """
@@ -35,9 +36,9 @@ class Interactive:
     title: str = TITLE
     anchor: str = ANCHOR
     hint: str = ""
-    data: Markup = Markup("")
-    scripts: tuple[Markup, ...] = ()
-    style: Markup = Markup("")
+    data: str = ""
+    scripts: tuple[str, ...] = ()
+    style: str = ""
 
     @property
     def hashes(self) -> list[str]:
@@ -54,9 +55,14 @@ def interactive(findings: Findings) -> Interactive:
     data = explore(findings)
     if data is None:
         return Interactive(hint=f"A study of more than {MOST_CELLS:,} cells has no interactive part.")
-    return Interactive(
-        data=as_json(data), scripts=(_script(library()), _script(_asset("explore.js"))), style=Markup(_asset("explore.css"))
-    )  # fmt: skip
+    scripts = (_script(library()), _script(explorer()))
+    return Interactive(data=as_json(data), scripts=scripts, style=Markup(_asset("explore.css")))
+
+
+def explorer() -> str:
+    """Return the script that draws, from its files."""
+    body = "\n".join(_asset(f"script/{name}.js") for name in SCRIPT)
+    return f'(() => {{\n"use strict";\n{body}}})();'
 
 
 def as_json(data: object) -> Markup:

@@ -16,6 +16,9 @@ from bench.report.wording import count, interval, listing, usual_decimals
 TITLE = "Problem by problem"
 BEST = "best of 2009"
 
+FOLDED = 4
+"""More problems than these are folded away one by one."""
+
 
 def section(findings: Findings) -> Section:
     """Return a section for each problem of the study: all its trials, their statistics and the tests of every pair."""
@@ -37,7 +40,11 @@ def section(findings: Findings) -> Section:
 
 def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
     if problem not in findings.problems:
-        return Section(problem, warnings=("No optimizer has a trial on this problem yet.",), folded=findings.many)
+        return Section(
+            problem,
+            warnings=("No optimizer has a trial on this problem yet.",),
+            folded=len(findings.study.problems) > FOLDED,
+        )
     own = findings.coverage[findings.coverage["problem"] == problem]
     empty = list(own.loc[own["stored"] == 0, "optimizer"])
     warnings = [f"No trial of {listing(empty)} on this problem."] if empty else []
@@ -66,7 +73,7 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
                 f"{few} of {count(len(pairs), 'pair')} cannot be significant whatever the values, because there are "
                 "too few trials; p is set to 1."
             )
-    return Section(problem, tuple(text), tuple(items), tuple(warnings), folded=findings.many)
+    return Section(problem, tuple(text), tuple(items), tuple(warnings), folded=len(findings.study.problems) > FOLDED)
 
 
 def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:

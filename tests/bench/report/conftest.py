@@ -246,7 +246,9 @@ reads, writes = (fcntl.fcntl(int(each), fcntl.F_DUPFD, 10) for each in sys.argv[
 os.dup2(reads, 3), os.dup2(writes, 4)  # where Chromium looks for them
 os.execv(sys.argv[3], sys.argv[3:])
 """
-KEYS = {"Tab": (9, ""), "Enter": (13, "\r"), "ArrowRight": (39, "")}
+KEYS = {
+    "Tab": (9, ""), "Enter": (13, "\r"), "ArrowRight": (39, ""), "ArrowDown": (40, ""), "+": (187, "+"), "0": (48, "0"),
+}  # fmt: skip
 
 
 class Browser:
@@ -298,15 +300,15 @@ class Browser:
                 raise TimeoutError("the browser does not answer")
             self.buffer += chunk
 
-    def open(self, path, *, width=1280, height=900, dark=False, media="screen", scripts=True):
-        """Load a file as a reader with such a screen sees it."""
+    def open(self, path, *, width=1280, height=900, dark=False, media="screen", scripts=True, state=""):
+        """Load a file as a reader with such a screen sees it; ``state`` ends its address."""
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
         self("Emulation.setEmulatedMedia", media=media, features=[scheme])
         self("Emulation.setScriptExecutionDisabled", value=not scripts)
         self.events.clear()
         self("Emulation.setScrollbarsHidden", hidden=True)
-        self("Page.navigate", url=path.as_uri())
+        self("Page.navigate", url=path.as_uri() + state)
         self.until(lambda message: message.get("method") == "Page.loadEventFired")
 
     def run(self, script):

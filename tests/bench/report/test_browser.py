@@ -153,14 +153,25 @@ class TestKeyboard:
         assert browser.run("document.querySelector('#wide tbody td').textContent") == "problem-12"
         assert browser.run("document.activeElement.closest('th').cellIndex") == 0
 
-    def test_everything_is_reached_by_tab(self, browser, file):
+    def test_everything_is_reached_by_tab_and_the_titles_of_a_table_by_one(self, browser, file):
         browser.open(file)
         browser.run(OPEN_ALL)
-        wanted = browser.run("document.querySelectorAll('a, button, input, summary, .scroll, pre').length")
+        stops = "a, .copy, input, summary, pre, th:first-child > button"
+        wanted = browser.run(f"document.querySelectorAll('{stops}').length")
+        scrolled = "[...document.querySelectorAll('.scroll')].filter((each) => each.scrollWidth > each.clientWidth)"
+        wanted += browser.wait(f"{scrolled}.every((each) => each.tabIndex === 0) && {scrolled}.length")
         browser.run("window.reached = new Set(); addEventListener('focusin', (event) => reached.add(event.target))")
         for _ in range(wanted + 1):
             browser.press("Tab")
         assert browser.run("reached.size") == wanted
+
+    def test_arrows_move_along_the_titles_of_a_table(self, browser, file):
+        browser.open(file)
+        browser.run("document.querySelector('#wide th button').focus()")
+        browser.press("ArrowRight")
+        assert browser.run("document.activeElement.closest('th').cellIndex") == 1
+        stops = "[...document.querySelectorAll('#wide th button')].map((button) => button.tabIndex)"
+        assert browser.run(stops) == [-1, 0, *[-1] * 12]
 
     def test_arrows_scroll_a_wide_table(self, browser, file):
         browser.open(file, width=400)

@@ -43,9 +43,6 @@ class TestPage:
             "4.1 dataset 1",
             "4.2 dataset 2",
             "4.3 dataset 3",
-            "figures",
-            "report",
-            "tables",
         ]
         (contents,) = document.texts("nav")
         assert contents.startswith("1 Verdict 2 Comparison")
@@ -57,7 +54,10 @@ class TestPage:
             "Data of Figure 2.",
         ]  # fmt: skip
         assert document.texts("figcaption") == ["Figure 1. A figure of few numbers.", "Figure 2. A figure of many."]
-        assert document.texts("summary")[1:] == ["Data table of Figure 1", "Data table of Figure 2"]
+        assert document.texts("summary")[1:] == [
+            "Download Table 1", "Download Table 2", "Data table and files of Figure 1",
+            "Data table and files of Figure 2", "figures (1)", "report (1)", "tables (1)",
+        ]  # fmt: skip
         assert document.texts("a", href="tables/matrix.tex") == ["LaTeX"]
         assert "Table 1 as LaTeX" in document.values("aria-label")
 
@@ -148,7 +148,9 @@ class TestTable:
 
     def test_a_figure_without_data_has_no_table(self, view):
         figure = Figure("f", "Empty.", None, pd.DataFrame({"a": []}))
-        assert "<details" not in render("", "", [view("v", Section("S", items=(figure,)))])
+        page = render("", "", [view("v", Section("S", items=(figure,)))])
+        assert "<summary>Files of Figure 1</summary>" in page
+        assert "<table" not in page
 
     def test_a_long_data_table_stays_off_paper(self, page):
         assert page.count('<details class="long">') == 1

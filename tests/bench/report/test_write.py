@@ -9,6 +9,7 @@ import pytest
 
 from bench import BenchError
 from bench.report import Figure, Section, Table, write, write_report
+from bench.report.interactive import Interactive
 
 PARTS = [
     "Verdict", "Integrity checks", "Comparison", "Across problems", "Convergence and targets", "Problem by problem",
@@ -27,8 +28,10 @@ def patch_plugins(monkeypatch, **sections):
 
 @pytest.fixture(scope="module", autouse=True)
 def _no_plugin_sections():
+    """Leave out the sections of plug-ins and the interactive part, which has its own tests."""
     with pytest.MonkeyPatch.context() as monkeypatch:
         patch_plugins(monkeypatch)
+        monkeypatch.setattr(write, "interactive", lambda findings: Interactive())
         yield
 
 
