@@ -51,15 +51,9 @@ def u_scores(
         counts = own["optimizer"].astype(object).value_counts().reindex(optimizers, fill_value=0)
         if problem not in optima or counts.nunique() != 1 or not counts.iloc[0]:
             continue
-        errors = np.maximum(values[at].to_numpy() - optima[problem], 0.0)
-        found = (traces.get((problem, optimizer, trial)) for optimizer, trial in own.itertuples(index=False, name=None))
-        # A failed trial may have left a trace; its +inf says that it counts for nothing.
-        reached = np.array([
-            np.inf if trace is None or not np.isfinite(error)
-            else np.append(trace.evaluations[trace.values - optima[problem] <= precision].astype(float), np.inf)[0]
-            for trace, error in zip(found, errors, strict=True)
-        ])  # fmt: skip
-        points = _points(reached, errors)
+        reached, points = _points(
+            own, np.asarray(values[at], dtype=np.float64), traces, problem, optima[problem], precision
+        )
         n = int(counts.iloc[0])
         for optimizer in optimizers:
             mine = (own["optimizer"] == optimizer).to_numpy()
@@ -69,9 +63,39 @@ def u_scores(
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
-def _points(reached: Floats, errors: Floats) -> Floats:
-    """Return the rank of each trial from the worst, 1, to the best; ties share their mean rank."""
+def ordered_trials(
+    frame: pd.DataFrame, traces: Traces, optima: Mapping[str, float], precision: float = SOLVED
+) -> pd.DataFrame:
+    """Return the trials on problems of ``optima``, with the rank of each on its problem, 1 the best, in place of fun.
+
+    The ranks are those of trial-based dominance, so that any comparison of values by rank compares speed and accuracy.
+    Arguments as of :func:`u_scores`.
+    """
+    values, rank = scores(frame), pd.Series(np.nan, index=frame.index)
+    for problem, optimum in optima.items():
+        at = frame["problem"] == problem
+        own = frame.loc[at, ["optimizer", "trial"]]
+        rank[at] = (
+            len(own)
+            + 1
+            - _points(own, np.asarray(values[at], dtype=np.float64), traces, problem, optimum, precision)[1]
+        )
+    return frame.assign(fun=rank)[frame["problem"].isin(optima)]
+
+
+def _points(
+    own: pd.DataFrame, values: Floats, traces: Traces, problem: str, optimum: float, precision: float
+) -> tuple[Floats, Floats]:
+    """Return the evaluations of each trial to the target, and its rank from the worst, 1; ties share their mean."""
+    errors = np.maximum(values - optimum, 0.0)
+    found = (traces.get((problem, optimizer, trial)) for optimizer, trial in own.itertuples(index=False, name=None))
+    # A failed trial may have left a trace; its +inf says that it counts for nothing.
+    reached = np.array([
+        np.inf if trace is None or not np.isfinite(error)
+        else np.append(trace.evaluations[trace.values - optimum <= precision].astype(float), np.inf)[0]
+        for trace, error in zip(found, errors, strict=True)
+    ])  # fmt: skip
     late = ~np.isfinite(reached)
     outcomes = np.column_stack((reached, np.where(late, merge_near_ties(errors), 0.0)))
     _, place = np.unique(outcomes, axis=0, return_inverse=True)  # in the order of evaluations, then of errors
-    return np.asarray(rankdata(-place.ravel()), dtype=np.float64)
+    return reached, np.asarray(rankdata(-place.ravel()), dtype=np.float64)

@@ -1,0 +1,66 @@
+"""bench gate: exit with 1 where a new version of an optimizer is worse than the stored results of the old one."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.panel import Panel
+from rich.table import Table
+from rich.text import Text
+
+from bench.cli.console import print_line
+
+STYLES = {"pass": "green", "worse": "red", "undecided": "yellow"}
+CODES = {"pass": 0, "worse": 1, "undecided": 3}
+
+
+def gate(
+    old: Annotated[Path, typer.Argument(help="The folder of the old version's trials.")],
+    new: Annotated[Path, typer.Argument(help="The folder of the new version's trials.")],
+    margin: Annotated[
+        float,
+        typer.Option("--not-worse-than", help="How much more than 50% of the pairs of trials the old version may win."),
+    ] = 0.05,
+    optimizer: Annotated[
+        str | None, typer.Option(help="The optimizer to compare, where a folder holds several.")
+    ] = None,
+    target: Annotated[
+        float | None,
+        typer.Option(help="Compare trials that reach this precision, such as 1e-8, by the evaluations they took."),
+    ] = None,
+    alpha: Annotated[float, typer.Option(help="The chance of a false alarm over all problems, at most.")] = 0.05,
+    common: Annotated[bool, typer.Option("--common", help="Leave out problems that one folder lacks.")] = False,
+    allow_undecided: Annotated[
+        bool, typer.Option("--allow-undecided", help="Exit with 0 where too few trials leave it open.")
+    ] = False,
+    markdown: Annotated[
+        Path | None, typer.Option(help="Write the verdict as Markdown into this file, for a pull request.")
+    ] = None,
+) -> None:
+    """Compare a new version of an optimizer with an old one: 0 not worse, 1 worse by more than the margin, 3 undecided.
+
+    A12 is the chance that a trial of the old version ends better than one of the new version. The verdict is "worse"
+    where A12 is shown to exceed 50% plus the margin, on average over the problems or on one of them, "pass" where it is
+    shown to stay below, and else "undecided".
+    """
+    from bench.atomic import replacing
+    from bench.report.gate import HEADS
+    from bench.report.gate import gate as compare
+
+    verdict = compare(old, new, margin=margin, alpha=alpha, optimizer=optimizer, target=target, common=common)
+    outcome, console = verdict.found.outcome, Console()
+    if markdown is not None:
+        with replacing(markdown) as temporary:
+            temporary.write_text(verdict.markdown(), encoding="utf-8")
+    console.print(Panel(Text(verdict.sentence), title=outcome, style=STYLES[outcome]))
+    table = Table(*HEADS, box=None, pad_edge=False)
+    for row in verdict.rows:
+        table.add_row(*map(Text, row), style="red" if row[-1] else "")
+    console.print(table)
+    for note in verdict.notes:
+        print_line(note, console=console)
+    sys.exit(0 if allow_undecided and outcome == "undecided" else CODES[outcome])

@@ -1,0 +1,210 @@
+"""The gate of an optimizer's author: whether a new version is worse than the stored results of an old one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from os import PathLike
+
+import pandas as pd
+
+from bench.analysis import labels
+from bench.analysis.dominance import ordered_trials
+from bench.analysis.noninferiority import MARGIN, Noninferiority, noninferiority
+from bench.analysis.pairwise import ALPHA
+from bench.budget import described
+from bench.errors import BenchError, nearest
+from bench.report.findings import Findings
+from bench.report.wording import count, listing, p_text
+from bench.storage.folder import Folder
+from bench.storage.results import Results
+from bench.study import Study
+
+AnyPath = str | PathLike[str]
+
+SHOWN = 12  # problems of a table, the worst first
+HEADS = ("problem", "trials", "old better", "95% interval", "p (Holm)", "")
+
+
+@dataclass(frozen=True)
+class Gate:
+    """The comparison of a new version with an old one, and the words for it.
+
+    Attributes:
+        found: the test; its outcome is "pass" also where every trial is identical.
+        sentence: the verdict.
+        notes: sentences on the conditions and on what the reader must know.
+        rows: cells of a table with the heads :data:`HEADS`, at most :data:`SHOWN`, the worst problems first.
+    """
+
+    found: Noninferiority
+    sentence: str
+    notes: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+    def markdown(self) -> str:
+        """Return the verdict as Markdown, for a pull request."""
+        sign = {"pass": "✅", "worse": "❌", "undecided": "⚠️"}[self.found.outcome]
+        head = f"| {' | '.join(HEADS)} |\n|{'-|' * len(HEADS)}"
+        rows = [f"| {' | '.join(each.replace('|', chr(92) + '|') for each in row)} |" for row in self.rows]
+        notes = [f"- {note}" for note in self.notes]
+        return "\n".join([f"## {sign} {self.found.outcome}", "", self.sentence, "", head, *rows, "", *notes, ""])
+
+
+def gate(
+    old: AnyPath,
+    new: AnyPath,
+    *,
+    margin: float = MARGIN,
+    alpha: float = ALPHA,
+    optimizer: str | None = None,
+    target: float | None = None,
+    common: bool = False,
+) -> Gate:
+    """Compare one optimizer of the folder ``new`` with one of the folder ``old``; read both, write nothing.
+
+    Args:
+        old: the folder of the old version.
+        new: the folder of the new version.
+        margin: by which the chance that a trial of the old version ends lower may exceed 0.5.
+        alpha: the chance of a false alarm, at most.
+        optimizer: the label of the optimizer in both folders; not needed where each holds one only.
+        target: a precision: trials that reach it are compared by the evaluations that they took.
+        common: whether to leave out problems that one folder lacks; they are refused otherwise.
+
+    Raises:
+        BenchError: where a folder holds no such optimizer, the folders differ in problems, budget or data, or there is
+            too little to compare.
+    """
+    studies = [Folder(path).study() for path in (old, new)]
+    places = [_place(study, optimizer, path) for study, path in zip(studies, (old, new), strict=True)]
+    findings = Findings(Results(old, new))
+    entries = findings.results.study.optimizers  # those of the old folder first
+    chosen = entries[places[0]].label, entries[len(studies[0].optimizers) + places[1]].label
+    frame = findings.frame[findings.frame["optimizer"].isin(chosen)]
+    missing = _missing(frame, chosen)
+    if len(missing) == len(labels(frame, "problem")):
+        raise BenchError(f"{old} and {new} have no problem in common on which both versions have trials")
+    if missing and not common:
+        where = listing([f"{problem} in {(old, new)[which]}" for problem, which in missing.items()], at_most=4)
+        raise BenchError(f"there are no trials on {where}; run them, or compare the other problems with --common")
+    frame = frame[~frame["problem"].isin(list(missing))]
+    if target is not None:
+        frame = _by_speed(findings, frame, target)
+    found = noninferiority(frame, *chosen, margin=margin, alpha=alpha)
+    same = _identical(
+        findings.results.frame, chosen, [each for label in missing for each in findings.pooled.members[label]]
+    )
+    return _worded(found, findings, frame, chosen, missing, same, target)
+
+
+def _place(study: Study, optimizer: str | None, path: AnyPath) -> int:
+    """Return the place of the optimizer in the study."""
+    known = [entry.label for entry in study.optimizers]
+    if optimizer is None and len(known) > 1:
+        raise BenchError(f"{path} holds {len(known)} optimizers ({listing(known)}); choose one with --optimizer")
+    if optimizer is not None and optimizer not in known:
+        raise BenchError(f"{path} holds no optimizer {optimizer!r}{nearest(optimizer, known)}")
+    return known.index(optimizer) if optimizer is not None else 0
+
+
+def _missing(frame: pd.DataFrame, chosen: tuple[str, str]) -> dict[str, int]:
+    """Return the problems on which one of two optimizers has no trial, and which one it is."""
+    have = [set(frame.loc[frame["optimizer"] == each, "problem"]) for each in chosen]
+    return {
+        label: 0 if label not in have[0] else 1
+        for label in labels(frame, "problem")
+        if not all(label in each for each in have)
+    }
+
+
+def _by_speed(findings: Findings, frame: pd.DataFrame, target: float) -> pd.DataFrame:
+    """Return the trials with their rank by trial-based dominance in place of their value."""
+    if not target > 0:
+        raise BenchError(f"the target is {target!r}, but must be a positive precision, such as 1e-8")
+    problems = [label for label in findings.problems if (frame["problem"] == label).any()]
+    unknown = [label for label in problems if label not in findings.unbeaten]
+    if unknown:
+        raise BenchError(
+            f"no target can be set on {listing(unknown, at_most=3)}, whose optimum is unknown or beaten; leave out "
+            "--target"
+        )
+    return ordered_trials(frame, findings.traces, {label: findings.unbeaten[label] for label in problems}, target)
+
+
+def _identical(frame: pd.DataFrame, chosen: tuple[str, str], missing: list[str]) -> tuple[int, int]:
+    """Return how many trials of both versions are identical in value and evaluations, and the trials in all."""
+    own = frame[~frame["problem"].isin(missing)]
+    names = ["problem", "trial", "seed", "status", "fun", "nfev"]
+    first, second = (own.loc[own["optimizer"] == each, names] for each in chosen)
+    same = len(first.merge(second, on=names))  # failed trials have no value, and equal each other
+    return same, max(len(first), len(second))
+
+
+def _worded(
+    found: Noninferiority,
+    findings: Findings,
+    frame: pd.DataFrame,
+    chosen: tuple[str, str],
+    missing: Mapping[str, int],
+    same: tuple[int, int],
+    target: float | None,
+) -> Gate:
+    """Return the gate with its sentences and table."""
+    problems, (alike, trials) = found.problems, same
+    if alike == trials:
+        found = replace(found, outcome="pass")
+    low, high = problems[["n_old", "n_new"]].to_numpy().min(), problems[["n_old", "n_new"]].to_numpy().max()
+    measure = "final values" if target is None else f"evaluations to the precision {target:g}, else final values"
+    sizes = f"{count(int(low), 'trial') if low == high else f'{low:,} to {high:,} trials'} of each on each"
+    conditions = f"{count(len(problems), 'problem')}, {sizes}, {described(findings.study.budget)}, by {measure}"
+    meaning = "Old better: the chance that a trial of the old version ends better, ties counted half (A12)"
+    allowed = f"the margin allows {found.bound:.1%}. A false alarm has a chance of at most {found.alpha:g}"
+    notes = [f"{chosen[1]} against {chosen[0]}: {conditions}.", f"{meaning}; {allowed}, over all problems."]
+    if found.outcome == "undecided":
+        most = f"{found.needed:,}" if found.needed < 100_000 else "more than 100,000"
+        notes.append(f"If the versions are equal, about {most} trials a problem would show it with a chance of 80%.")
+    if 0 < alike < trials:
+        notes.append(f"{alike:,} of {count(trials, 'trial')} are identical, as their seeds are.")
+    if missing:
+        notes.append(f"Left out, as one version has no trial: {listing(list(missing))}.")
+    for each in chosen:
+        own = frame[frame["optimizer"] == each]
+        if lost := int((own["status"] != "ok").sum()):
+            notes.append(f"{lost:,} of {count(len(own), 'trial')} of {each} failed, and count as the worst.")
+    notes += findings.results.damage
+    ordered = problems.sort_values(["worse", "low", "a12"], ascending=False, kind="stable")
+    rows = [_row("all problems", found.a12, found.low, found.high, "", found.worse_overall, "")]
+    rows += [
+        _row(
+            each["problem"], each["a12"], each["low"], each["high"], p_text(each["p_holm"])[2:].removeprefix("= "),
+            each["worse"], " / ".join(dict.fromkeys(f"{each[size]:,}" for size in ("n_old", "n_new"))),
+        )
+        for each in ordered.iloc[:SHOWN].to_dict("records")
+    ]  # fmt: skip
+    if len(ordered) > SHOWN:
+        notes.append(f"The table shows {SHOWN} of {len(ordered):,} problems, those with the largest lower ends first.")
+    return Gate(found, _sentence(found, alike == trials), tuple(notes), tuple(rows))
+
+
+def _sentence(found: Noninferiority, identical: bool) -> str:
+    """Return the verdict in one sentence."""
+    if identical:
+        return "The new version is not worse: every trial is identical with that of the old version."
+    worse = [str(label) for label in found.problems.loc[found.problems["worse"], "problem"]]
+    seen = (
+        f"the old version ends better in {found.a12:.1%} of the pairs of trials ({found.low:.1%} to {found.high:.1%})"
+    )
+    if found.outcome == "pass":
+        return f"The new version is not worse by more than the margin: {seen}, and {found.bound:.1%} are allowed."
+    if found.outcome == "undecided":
+        return f"Undecided: {seen}, and {found.bound:.1%} are allowed, which shows neither."
+    where = f" on {listing(worse, at_most=4)}" if worse else ""
+    if found.worse_overall:
+        also = f", and so it is{where} alone" if worse else ""
+        return f"The new version is worse by more than the margin over all problems: {seen}{also}."
+    return f"The new version is worse by more than the margin{where}, though not shown so over all problems: {seen}."
+
+
+def _row(name: str, a12: float, low: float, high: float, p: str, worse: bool, trials: str) -> tuple[str, ...]:
+    return name, trials, f"{a12:.1%}", f"{low:.1%} to {high:.1%}", p, "worse" if worse else ""

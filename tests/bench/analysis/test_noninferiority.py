@@ -1,0 +1,105 @@
+"""The gate's test: by hand, against brunnermunzel of scipy, at the margin, and for small, tied and failed samples."""
+
+import numpy as np
+import pytest
+from scipy.stats import brunnermunzel, t
+
+from bench import BenchError
+from bench.analysis.noninferiority import _placements, compare_samples, noninferiority
+
+
+def normal(seed, problems=6, n=30, shift=0.0):
+    rng = np.random.default_rng(seed)
+    return {str(i): (rng.standard_normal(n), rng.standard_normal(n) + shift) for i in range(problems)}
+
+
+def test_the_variance_is_that_of_brunner_and_munzel():
+    ((this, other),) = normal(1, problems=1, n=12, shift=0.5).values()
+    variance, squares = _placements(this, other)
+    a12 = np.mean(np.less.outer(this, other))
+    p = brunnermunzel(this, other).pvalue
+    assert 2 * t.sf(abs(a12 - 0.5) / variance**0.5, variance**2 / squares) == pytest.approx(p)
+
+
+def test_a_version_that_is_clearly_worse_is_named_with_its_problems():
+    samples = normal(2, problems=15) | {"bad": tuple(np.array([[0.0], [1.0]]) + np.arange(30) / 100)}
+    found = compare_samples(samples)
+    assert found.outcome == "worse"
+    assert not found.worse_overall
+    assert list(found.problems.loc[found.problems["worse"], "problem"]) == ["bad"]
+    assert compare_samples(normal(2, shift=0.8)).worse_overall
+
+
+def test_equal_versions_pass_with_enough_trials_and_are_undecided_with_few():
+    assert compare_samples(normal(3, problems=12, n=100)).outcome == "pass"
+    few = compare_samples(normal(3, problems=3, n=8))
+    assert few.outcome == "undecided"
+    assert few.low < 0.5 < few.bound < few.high
+    enough = compare_samples(normal(4, problems=3, n=few.needed))
+    assert few.needed > 100
+    assert enough.high - enough.a12 < 0.05
+
+
+def test_a_better_version_passes():
+    assert compare_samples(normal(5, shift=-1.0)).outcome == "pass"
+
+
+def test_the_margin_counts():
+    samples = normal(6, problems=12, n=60, shift=0.2)  # A12 = Phi(0.2 / sqrt(2)) = 0.556
+    assert compare_samples(samples, margin=0.01).outcome == "worse"
+    assert compare_samples(samples, margin=0.2).outcome == "pass"
+
+
+@pytest.mark.parametrize("n", [2, 3, 4])
+def test_few_separated_trials_on_one_problem_prove_nothing(n):
+    found = compare_samples({"p": (np.arange(n) + 0.0, np.arange(n) + 10.0)})
+    assert (found.outcome, found.a12) == ("undecided", 1.0)
+    assert found.high == 1.0
+
+
+def test_many_separated_trials_on_one_problem_do():
+    assert compare_samples({"p": (np.arange(20) + 0.0, np.arange(20) + 100.0)}).outcome == "worse"
+
+
+def test_tied_trials_leave_a_doubt_that_falls_with_their_number():
+    few, many = (compare_samples({"p": (np.zeros(n), np.zeros(n))}) for n in (5, 200))
+    assert (few.outcome, many.outcome) == ("undecided", "pass")
+    assert few.a12 == many.a12 == 0.5
+
+
+def test_failed_trials_are_the_worst(frame_of):
+    old, new = list(np.arange(20) / 10), [None] * 20
+    assert noninferiority(frame_of({("p", "old"): old, ("p", "new"): new}), "old", "new").a12 == 1.0
+    assert noninferiority(frame_of({("p", "old"): new, ("p", "new"): new}), "old", "new").a12 == 0.5
+
+
+def test_false_alarms_are_rare_at_the_margin_itself():
+    rng = np.random.default_rng(7)
+    alarms = 0
+    for _ in range(100):
+        samples = {}
+        for number in range(6):
+            old, new, other = rng.standard_normal((3, 15))
+            samples[str(number)] = old, np.where(rng.random(15) < 0.3, np.maximum(new, other), new)  # A12 = 0.55
+        alarms += compare_samples(samples).outcome == "worse"
+    assert alarms <= 11  # of 100 at a level of 5 %: a binomial exceeds this in less than 0.5 % of cases
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        ({"margin": 0.0}, "the margin is 0.0"),
+        ({"margin": 0.5}, "the margin is 0.5"),
+        ({"margin": float("nan")}, "the margin is nan"),
+        ({"alpha": 1.0}, "alpha is 1.0"),
+    ],
+)
+def test_what_cannot_be_is_refused(arguments, reason):
+    with pytest.raises(BenchError, match=reason):
+        compare_samples(normal(1), **arguments)
+
+
+def test_too_few_trials_are_refused():
+    for samples in ({}, {"p": (np.zeros(1), np.zeros(5))}):
+        with pytest.raises(BenchError, match="at least two trials"):
+            compare_samples(samples)

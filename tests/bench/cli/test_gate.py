@@ -1,0 +1,120 @@
+"""The command gate: its three outcomes and exit codes, its Markdown, and what it refuses in one sentence."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from bench import Study, Trace
+from bench.cli.gate import CODES
+from bench.storage.folder import Folder
+from bench.study import Entry
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def write(place, name, problems=("sphere-2", "sphere-3"), optimizers=("mine",), *, shift=0.0, **changes):
+    """Write the folder of a study whose trials end at 5 plus ``shift``, and noise that depends on their seed."""
+    entries = (tuple(Entry(label, label) for label in labels) for labels in (problems, optimizers))
+    study = Study(name, *entries, **{"trials": 12, "budget": 60, "seed": 1} | changes)
+    folder = Folder(place / name)
+    folder.path.mkdir()
+    folder.claim(study)
+    with folder.store.writer() as writer:
+        for trial in study.plan():
+            fun = 5 + shift + np.random.default_rng(trial.seed).standard_normal()
+            row = {
+                "status": "ok", "fun": fun, "nfev": 60, "wall_s": 0.1, "cpu_s": 0.1, "objective_s": 0.1,
+                "stop": "budget", "outside_box": 0, "x": {"x1": fun}, "figures": {},
+                "trace": Trace(np.array([1, 30]), np.array([fun + 1, fun])),
+            }  # fmt: skip
+            writer.add(trial, row)
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory, testing_plugins):
+    """Return the folders of a version, the same again, a worse one, one with another seed, and others that differ."""
+    place = tmp_path_factory.mktemp("gate")
+    write(place, "old")
+    write(place, "same")
+    write(place, "worse", seed=2, shift=3.0)
+    write(place, "other", seed=9, trials=4)
+    write(place, "two", optimizers=("mine", "scatter"))
+    write(place, "short", budget=30)
+    write(place, "fewer", problems=("sphere-2",), seed=3, shift=-3.0)
+    write(place, "elsewhere", problems=("sphere-4",))
+    write(place, "unknown", problems=("p",))
+    write(place, "unknown-too", problems=("p",))
+    return place
+
+
+def test_identical_trials_pass(bench_here, folders):
+    done = bench_here("gate", "old", "same", cwd=folders)
+    assert done.returncode == 0
+    assert "every trial is identical" in " ".join(done.stdout.split())
+
+
+def test_a_worse_version_fails_and_the_markdown_says_so(bench_here, folders, tmp_path):
+    done = bench_here("gate", "old", "worse", "--markdown", tmp_path / "gate.md", cwd=folders)
+    assert done.returncode == 1
+    text = (tmp_path / "gate.md").read_text(encoding="utf-8")
+    assert text.startswith("## ❌ worse\n\nThe new version is worse by more than the margin over all problems: ")
+    assert "| sphere-2 | 12 |" in text
+    assert bench_here("gate", "worse", "old", cwd=folders).returncode == 0
+
+
+def test_too_few_trials_are_undecided(bench_here, folders):
+    done = bench_here("gate", "old", "other", cwd=folders)
+    assert done.returncode == CODES["undecided"] == 3
+    assert "trials a problem would show it with a chance of 80%" in done.stdout
+    assert "4 to 12 trials" in done.stdout
+    assert bench_here("gate", "old", "other", "--allow-undecided", cwd=folders).returncode == 0
+
+
+def test_an_optimizer_is_chosen_by_its_label(bench_here, folders):
+    done = bench_here("gate", "two", "worse", "--optimizer", "mine", cwd=folders)
+    assert done.returncode == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (("two", "old"), "two holds 2 optimizers (mine and scatter); choose one with --optimizer"),
+        (("old", "same", "--optimizer", "mime"), "old holds no optimizer 'mime'; did you mean 'mine'?"),
+        (("old", "short"), "only runs of one budget can be compared"),
+        (("old", "fewer"), "there are no trials on sphere-3 in fewer; run them, or compare"),
+        (("old", "elsewhere", "--common"), "old and elsewhere have no problem in common"),
+        (("old", "nowhere"), "nowhere holds no study.toml"),
+        (("old", "old"), "old is given twice"),
+        (("old", "same", "--not-worse-than", "5"), "the margin is 5.0, but must be above 0 and below 0.5"),
+        (("old", "same", "--target", "0"), "the target is 0.0, but must be a positive precision"),
+        (("unknown", "unknown-too", "--target", "1"), "no target can be set on p, whose optimum is unknown or beaten"),
+    ],
+)
+def test_bad_input_costs_one_sentence(bench_here, folders, arguments, reason):
+    done = bench_here("gate", *arguments, cwd=folders)
+    assert done.returncode == 2
+    assert reason in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_problems_that_one_lacks_can_be_left_out(bench_here, folders):
+    done = bench_here("gate", "old", "fewer", "--common", cwd=folders)
+    assert done.returncode == 0
+    assert "Left out, as one version has no trial: sphere-3." in done.stdout
+
+
+def test_speed_counts_with_a_target(bench_here, folders):
+    done = bench_here("gate", "old", "worse", "--target", "1e9", cwd=folders)  # all reach it with their first points
+    assert done.returncode == CODES["undecided"]
+    assert "all problems" in done.stdout
+    assert "50.0%" in done.stdout
+    assert "by evaluations to the precision 1e+09, else final values" in done.stdout
+
+
+def test_the_example_is_a_workflow_that_calls_the_gate(bench_here):
+    workflow = yaml.safe_load((ROOT / "examples" / "gate" / "workflow.yml").read_text(encoding="utf-8"))
+    commands = "\n".join(step.get("run", "") for step in workflow["jobs"]["gate"]["steps"])
+    assert "bench gate old new --not-worse-than 0.05 --markdown gate.md" in commands
+    Study.load(ROOT / "examples" / "gate" / "study.toml")
