@@ -8,7 +8,23 @@ import sys
 
 import typer
 
-from bench.cli import archive, check, export, gate, import_, merge, pack, report, rm, run, solve, status, unpack, verify
+from bench.cli import (
+    archive,
+    check,
+    describe,
+    export,
+    gate,
+    import_,
+    merge,
+    pack,
+    report,
+    rm,
+    run,
+    solve,
+    status,
+    unpack,
+    verify,
+)
 from bench.cli import list as list_
 from bench.cli.console import print_error
 from bench.errors import BenchError
@@ -25,7 +41,7 @@ for _name, _command in (
     ("list", list_.list_plugins), ("run", run.run), ("status", status.status), ("report", report.report),
     ("export", export.export), ("import", import_.import_results), ("check", check.check), ("solve", solve.solve),
     ("verify", verify.verify), ("merge", merge.merge), ("rm", rm.remove), ("pack", pack.pack),
-    ("unpack", unpack.unpack), ("gate", gate.gate),
+    ("unpack", unpack.unpack), ("gate", gate.gate), ("describe", describe.describe),
 ):  # fmt: skip
     app.command(_name)(_command)
 app.add_typer(archive.archive, name="archive")

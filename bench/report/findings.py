@@ -16,6 +16,7 @@ from bench.budget import described, evaluations
 from bench.errors import BenchError
 from bench.execution.descriptions import Description, describe
 from bench.importing.best2009 import best2009, function_of
+from bench.report.landscapes import Landscapes, landscapes
 from bench.report.methods import Methods, MethodsFacts, methods
 from bench.report.target_words import TargetWords, default_targets, target_words
 from bench.storage.results import ProblemFacts, Results
@@ -358,6 +359,11 @@ class Findings:
         own = self.frame[self.frame["problem"].isin(self.suite_functions)]
         return analysis.u_scores(own, self.traces, self.unbeaten)
 
+    @cached_property
+    def landscapes(self) -> Landscapes:
+        """The features of the problems' landscapes."""
+        return landscapes(self.results, {label: self.pooled.members[label][0] for label in self.problems})
+
     # time and soundness
 
     @cached_property
@@ -415,6 +421,7 @@ class Findings:
                 constrained=len(self.constrained),
                 noisy=len(self.noisy),
                 mixed=len(self.mixed),
+                landscapes=len(self.landscapes.table),
                 dominance=self.u_scores["problem"].nunique() if len(self.optimizers) > 1 else 0,
                 budgets={label: described(each) for label, each in self.results.budgets.items()},
                 planned=min(self.results.planned.values()) > 0,

@@ -65,6 +65,7 @@ class MethodsFacts:
         constrained: problems whose constraints were handled.
         noisy: problems whose values optimizers saw with noise.
         mixed: problems with integer variables.
+        landscapes: problems whose landscapes were described by features.
         dominance: problems on which U-scores compare the optimizers.
         target_set: the words for the targets.
         aocc: problems on which the area over the convergence curve is given.
@@ -91,6 +92,7 @@ class MethodsFacts:
     constrained: int = 0
     noisy: int = 0
     mixed: int = 0
+    landscapes: int = 0
     dominance: int = 0
     target_set: TargetWords = field(default_factory=lambda: target_words("relative"))
     aocc: int = 0

@@ -10,6 +10,7 @@ from bench.report.sections import (
     dominance,
     environment,
     integrity,
+    landscape,
     methods,
     power,
     suite,
@@ -20,5 +21,5 @@ from bench.report.sections import (
 OPENING = (verdict, beside, suite, dominance, integrity, comparison)
 """The parts before the plug-ins' sections."""
 
-CLOSING = (across, anytime, best, datasets, time, power, methods, environment)
+CLOSING = (across, landscape, anytime, best, datasets, time, power, methods, environment)
 """The parts after them; the list of downloads ends the page."""

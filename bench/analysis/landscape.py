@@ -1,0 +1,258 @@
+"""Cheap features of a problem's landscape, from a sample of points and their values (exploratory landscape analysis).
+
+Names and definitions are those of flacco (Kerschke and Trautmann 2019, in: Applications in Statistical Computing):
+
+- ``ela_distr``: skewness, excess kurtosis and peaks of the distribution of values (Mersmann, Bischl, Trautmann, Preuss,
+  Weihs and Rudolph 2011, GECCO);
+- ``ela_meta``: how well linear and quadratic models fit, adjusted for their size, and their coefficients (ibid.);
+- ``disp``: how far the best points lie apart, over the distance of all points (Lunacek and Whitley 2006, GECCO);
+- ``nbc``: the nearest better against the nearest neighbour (Kerschke, Preuss, Wessing and Trautmann 2015, GECCO);
+- ``ic``: information content of a walk to the nearest point not visited (Muñoz, Kirley and Halgamuge 2015, IEEE
+  Transactions on Evolutionary Computation 19);
+- ``fitness_distance``: the correlation of value and distance to the best point (Jones and Forrest 1995, ICGA).
+
+Points are scaled to the unit cube and values to 0 … 1, so that no feature depends on units (Prager and Trautmann 2023,
+EvoApplications). Features describe the sample: those of another sample of the same problem differ a little.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.spatial.distance import cdist, pdist
+from scipy.stats import gaussian_kde, kurtosis, qmc, skew, spearmanr
+
+from bench.analysis.pairwise import ALPHA, holm
+from bench.errors import BenchError
+from bench.problem import Floats, Problem
+
+POINTS = 250  # a dimension
+MOST_POINTS = 4_000  # distances between all of them are held
+LEAST_POINTS = 30
+MOST_COLUMNS = 500  # of a model; those with interactions are left out in high dimensions, as they would take a minute
+QUANTILES = (0.02, 0.05, 0.10, 0.25)  # of the best points whose dispersion is measured
+PEAK = 0.01  # the least share of the values that makes a peak
+SETTLED, HALF = 0.05, 0.5  # of the information content, and of the initial partial information
+EPSILONS = np.concatenate(([0.0], np.geomspace(1e-5, 1e15, 1000)))  # differences over distances that count as equal
+LEAST_PROBLEMS = 10  # for which features are compared with ranks
+
+
+def describe(problem: Problem, points: int | None = None, seed: int = 0) -> dict[str, float]:
+    """Return the features of a problem by name, from a Latin hypercube of its box.
+
+    Whole-number variables are rounded, noisy problems are described by their true values, and constraints are not
+    looked at. A feature that the sample does not define is missing (NaN).
+
+    Args:
+        problem: the problem, whose ``evaluate`` is called once.
+        points: the size of the sample; by default 250 a dimension, at most 4,000.
+        seed: repeats the sample.
+
+    Raises:
+        BenchError: for fewer than 30 points, or where fewer than 30 have a finite value or all have the same one.
+    """
+    number = default_points(problem.dimension) if points is None else points
+    if number < LEAST_POINTS:
+        raise BenchError(f"a sample needs at least {LEAST_POINTS} points, not {number}")
+    unit = qmc.LatinHypercube(problem.dimension, rng=np.random.default_rng(seed)).random(number)
+    x = problem.lower + unit * (problem.upper - problem.lower)
+    if problem.integer is not None:
+        x = np.where(problem.integer, np.rint(x), x)
+        unit = (x - problem.lower) / (problem.upper - problem.lower)
+    y = np.asarray(problem.noiseless(x), dtype=float)
+    found = np.isfinite(y)
+    if found.sum() < LEAST_POINTS:
+        raise BenchError(
+            f"{problem.name} has a finite value at {int(found.sum())} of {number:,} points, too few to describe it"
+        )
+    if y[found].min() == y[found].max():
+        raise BenchError(f"{problem.name} has the same value at all {number:,} points, so there is nothing to describe")
+    return features(unit[found], y[found], seed)
+
+
+def default_points(dimension: int) -> int:
+    """Return the points of a sample in this dimension."""
+    return min(max(POINTS * dimension, LEAST_POINTS), MOST_POINTS)
+
+
+def features(x: Floats, y: Floats, seed: int = 0) -> dict[str, float]:
+    """Return the features of the (n, d) points ``x`` of the unit cube and their (n,) finite values ``y``.
+
+    The values are scaled to 0 … 1. ``seed`` chooses where the walk of the information content begins.
+    """
+    y = y / np.abs(y).max()  # so that no difference overflows
+    scaled = (y - y.min()) / (y.max() - y.min())
+    distances = cdist(x, x)
+    start = int(np.random.default_rng(seed).integers(len(x)))
+    with np.errstate(divide="ignore", invalid="ignore"):  # what a degenerate sample does not define is missing
+        found = (
+            distribution(scaled) | meta_models(x, scaled) | dispersion(x, scaled) | nearest_better(distances, scaled)
+            | information_content(distances, scaled, start) | {"fitness_distance.correlation": fdc(distances, scaled)}
+        )  # fmt: skip
+    return {name: float(value) if np.isfinite(value) else np.nan for name, value in found.items()}
+
+
+def distribution(y: Floats) -> dict[str, float]:
+    """Return skewness and excess kurtosis with the n - 1 standard deviation, and the peaks of a density of the values.
+
+    A peak holds at least 1 % of the values between two minima of a Gaussian kernel density with Scott's bandwidth.
+    """
+    n = len(y)
+    density = gaussian_kde(y)
+    reach = 3 * density.factor * y.std(ddof=1)
+    at = np.linspace(y.min() - reach, y.max() + reach, 512)
+    height = density(at)
+    minima = 1 + np.flatnonzero((height[1:-1] < height[:-2]) & (height[1:-1] < height[2:]))
+    mass = [part.sum() * (at[1] - at[0]) for part in np.split(height, minima)]
+    return {
+        "ela_distr.skewness": skew(y) * (1 - 1 / n) ** 1.5,
+        "ela_distr.kurtosis": (kurtosis(y) + 3) * (1 - 1 / n) ** 2 - 3,
+        "ela_distr.number_of_peaks": sum(each > PEAK for each in mass),
+    }
+
+
+def meta_models(x: Floats, y: Floats) -> dict[str, float]:
+    """Return the adjusted R² of four models by least squares, and what the coefficients of two of them show."""
+    linear, simple = _fit(x, y)
+    squares = np.hstack((x, x**2))
+    curved, quadratic = _fit(squares, y)
+    slopes, bends = np.abs(linear[1:]), np.abs(curved[1 + x.shape[1] :])
+    return {
+        "ela_meta.lin_simple.adj_r2": simple,
+        "ela_meta.lin_simple.intercept": linear[0],
+        "ela_meta.lin_simple.coef.min": slopes.min(),
+        "ela_meta.lin_simple.coef.max": slopes.max(),
+        "ela_meta.lin_simple.coef.max_by_min": slopes.max() / slopes.min(),
+        "ela_meta.lin_w_interact.adj_r2": _interactions(x, y),
+        "ela_meta.quad_simple.adj_r2": quadratic,
+        "ela_meta.quad_simple.cond": bends.max() / bends.min(),
+        "ela_meta.quad_w_interact.adj_r2": _interactions(squares, y),
+    }
+
+
+def dispersion(x: Floats, y: Floats) -> dict[str, float]:
+    """Return the mean and median distance among the best points over those among all."""
+    whole = pdist(x)
+    found: dict[str, float] = {}
+    for statistic in (np.mean, np.median):
+        for quantile in QUANTILES:
+            best = pdist(x[y <= np.quantile(y, quantile)])
+            ratio = statistic(best) / statistic(whole) if len(best) else np.nan
+            found[f"disp.ratio_{statistic.__name__}_{round(100 * quantile):02d}"] = float(ratio)
+    return found
+
+
+def nearest_better(distances: Floats, y: Floats) -> dict[str, float]:
+    """Return how distances to the nearest and to the nearest better point relate; the best point has the former."""
+    others = distances + np.diag(np.full(len(y), np.inf))
+    nearest = others.min(axis=1)
+    better = np.where(y[np.newaxis] < y[:, np.newaxis], others, np.inf)
+    target, reach = better.argmin(axis=1), better.min(axis=1)
+    has = np.isfinite(reach)
+    popular = np.bincount(target[has], minlength=len(y))
+    reach = np.where(has, reach, nearest)
+    ratio = nearest / reach
+    return {
+        "nbc.nn_nb.sd_ratio": nearest.std(ddof=1) / reach.std(ddof=1),
+        "nbc.nn_nb.mean_ratio": nearest.mean() / reach.mean(),
+        "nbc.nn_nb.cor": _correlation(nearest, reach),
+        "nbc.dist_ratio.coeff_var": ratio.std(ddof=1) / ratio.mean(),
+        "nbc.nb_fitness.cor": _correlation(popular.astype(float), y),
+    }
+
+
+def information_content(distances: Floats, y: Floats, start: int = 0) -> dict[str, float]:
+    """Return the features of the signs of slopes along a walk, over the slope epsilon below which they count as 0."""
+    walk = _walk(distances, start)
+    slopes = np.diff(y[walk]) / distances[walk[:-1], walk[1:]]
+    slopes = np.where(np.isnan(slopes), 0.0, slopes)  # two equal points of equal value
+    signs = np.where(np.abs(slopes) < EPSILONS[:, np.newaxis], 0, np.sign(slopes)).astype(np.int8)
+    content = np.zeros(len(EPSILONS))
+    for one in (-1, 0, 1):
+        for other in {-1, 0, 1} - {one}:
+            share = ((signs[:, :-1] == one) & (signs[:, 1:] == other)).mean(axis=1)
+            content -= np.where(share > 0, share * np.log(np.where(share > 0, share, 1.0)), 0.0) / np.log(6)
+    partial = np.array([_changes(row) for row in signs]) / (signs.shape[1] - 1)
+    settled, high = EPSILONS[content < SETTLED], EPSILONS[partial > HALF * partial[0]]
+    return {
+        "ic.h_max": content.max(),
+        "ic.eps_s": np.log10(settled.min()) if len(settled) else np.nan,
+        "ic.eps_max": np.median(EPSILONS[content == content.max()]),
+        "ic.eps_ratio": np.log10(high.max()) if len(high) else np.nan,
+        "ic.m0": partial[0],
+    }
+
+
+def fdc(distances: Floats, y: Floats) -> float:
+    """Return the correlation of value and distance to the best point of the sample; 1 for a perfect funnel."""
+    return _correlation(distances[int(y.argmin())], y)
+
+
+def feature_ranks(table: pd.DataFrame, medians: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
+    """Return how each feature goes with the rank of each optimizer over problems, the smallest p first.
+
+    Columns: optimizer, feature, problems, rho (Spearman; positive where the optimizer ranks worse on problems with a
+    larger value), p, p_holm, adjusted over all rows (Holm 1979), and significant (p_holm <= ``alpha``). Features that
+    are missing or equal on all problems but one have no row, and neither has an optimizer of one rank; without 10
+    problems there is no row.
+
+    Args:
+        table: features by problem, such as those of :func:`describe`.
+        medians: medians by problem and optimizer (:func:`bench.analysis.medians`).
+        alpha: the level.
+    """
+    problems = [label for label in medians.index if label in table.index]
+    ranks, rows = medians.loc[problems].rank(axis=1), []
+    for optimizer in ranks:
+        for feature in table:
+            both = pd.DataFrame({"x": table[feature].loc[problems], "rank": ranks[optimizer]}).dropna()
+            if len(both) >= LEAST_PROBLEMS and min(both["x"].nunique(), both["rank"].nunique()) > 1:
+                rho, p = spearmanr(both["x"], both["rank"])
+                rows.append((optimizer, feature, len(both), float(rho), float(p)))
+    found = pd.DataFrame(rows, columns=["optimizer", "feature", "problems", "rho", "p"])
+    found["p_holm"] = holm(found["p"].to_numpy(dtype=float))
+    found["significant"] = (found["p_holm"] <= alpha).astype(bool)
+    return found.sort_values("p", kind="stable", ignore_index=True)
+
+
+def _fit(columns: Floats, y: Floats) -> tuple[Floats, float]:
+    """Return the coefficients of a linear model, its intercept first, and its adjusted R²; missing without freedom."""
+    n, k = columns.shape
+    if n <= k + 1:
+        return np.full(k + 1, np.nan), np.nan
+    design = np.column_stack((np.ones(n), columns))
+    coefficients: Floats = np.linalg.lstsq(design, y, rcond=None)[0].astype(np.float64)
+    unexplained = ((y - design @ coefficients) ** 2).sum() / ((y - y.mean()) ** 2).sum()
+    return coefficients, float(1 - unexplained * (n - 1) / (n - k - 1))
+
+
+def _interactions(columns: Floats, y: Floats) -> float:
+    """Return the adjusted R² with the products of all pairs of columns; missing where there are too many of them."""
+    k = columns.shape[1]
+    if k * (k + 1) / 2 > MOST_COLUMNS:
+        return np.nan
+    products = [columns[:, i] * columns[:, j] for i, j in combinations(range(k), 2)]
+    return _fit(np.column_stack([columns, *products]), y)[1]
+
+
+def _walk(distances: Floats, start: int) -> Any:
+    """Return the order in which a walk from ``start`` visits all points, each the nearest one not visited."""
+    order, left = np.empty(len(distances), dtype=int), np.ones(len(distances), dtype=bool)
+    for step in range(len(distances)):
+        order[step], left[start] = start, False
+        if step + 1 < len(distances):
+            start = int(np.where(left, distances[start], np.inf).argmin())
+    return order
+
+
+def _changes(signs: Any) -> int:
+    """Return how often the sign changes along a walk, zeros left out."""
+    moving = signs[signs != 0]
+    return int(np.count_nonzero(np.diff(moving)))
+
+
+def _correlation(x: Floats, y: Floats) -> float:
+    return float(np.corrcoef(x, y)[0, 1])

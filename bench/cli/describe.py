@@ -1,0 +1,68 @@
+"""bench describe: print features of problems' landscapes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from bench.cli.console import pairs, print_line
+from bench.errors import BenchError
+
+BESIDE = 4  # problems of one table
+
+
+def describe(
+    problems: Annotated[
+        list[str], typer.Argument(metavar="PROBLEM…", help="Problems, or patterns such as 'bbob-f*-d5-i1'.")
+    ],
+    points: Annotated[
+        int | None, typer.Option(help="Points of the sample; default: 250 a dimension, at most 4,000.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the sample.")] = 0,
+    problem_option: Annotated[
+        list[str] | None, typer.Option(help="An option of the problems, as in unit=rpm; repeatable.")
+    ] = None,
+    csv: Annotated[Path | None, typer.Option(help="Write all digits into this file, a row a problem.")] = None,
+) -> None:
+    """Print what kind of problems these are: features of their landscapes from a seeded sample of points.
+
+    Distribution of the values, linear and quadratic models, dispersion of the best points, nearest-better clustering,
+    information content and fitness-distance correlation, named as in flacco. No optimizer runs.
+    """
+    import pandas as pd
+
+    from bench.analysis.landscape import describe as described
+    from bench.atomic import replacing
+    from bench.numbers import require_whole
+    from bench.plugins import loading, selection
+
+    require_whole("the seed", seed, 0)
+    console, rows = Console(), {}
+    for name in dict.fromkeys(each for given in problems for each in selection.matching(given)):
+        problem = loading.load_problem(name, **pairs(problem_option))
+        try:
+            rows[name] = {"dimension": float(problem.dimension)} | described(problem, points, seed)
+        except BenchError:
+            raise
+        except Exception as error:  # a plug-in may raise anything
+            raise BenchError(f"{name} cannot be evaluated: {type(error).__name__}: {error}") from error
+    frame = pd.DataFrame.from_dict(rows, orient="index").rename_axis("problem")
+    if csv is not None:
+        with replacing(csv) as temporary:
+            frame.to_csv(temporary, lineterminator="\n", encoding="utf-8")
+    for first in range(0, len(frame), BESIDE):
+        own = frame.iloc[first : first + BESIDE]
+        table = Table("feature", box=None, pad_edge=False)
+        for name in own.index:
+            table.add_column(Text(str(name)), justify="right")
+        for feature in own:
+            values = ["–" if pd.isna(value) else f"{value:.4g}" for value in own[feature]]
+            table.add_row(str(feature), *values)
+        console.print(table, "")
+    if csv is not None:
+        print_line(f"features: {csv}", console=console)
