@@ -21,7 +21,7 @@ const text = (value) => {
   const size = Math.abs(value);
   return size >= 1e6 || size < 1e-3 ? value.toExponential(3) : String(Number(value.toPrecision(6)));
 };
-const percent = (share) => `${Number((100 * share).toPrecision(3))} %`;
+const percent = (share) => (Number.isNaN(share) ? "–" : `${Number((100 * share).toPrecision(3))} %`);
 const one = (values, k) => (Array.isArray(values) ? values[k] : values); // a column may hold one value for all runs
 
 // Data: every curve holds distances from the problem's reference, at the budgets of the grid.
@@ -97,7 +97,7 @@ const superiority = (p, chosen, i) => {
     }
   }
   return new Map(
-    [...sums].map(([o, { above, n }]) => [o, n < pool.length ? (above - (n * (n - 1)) / 2) / (n * (pool.length - n)) : 0.5]),
+    [...sums].map(([o, { above, n }]) => [o, n < pool.length ? (above - (n * (n - 1)) / 2) / (n * (pool.length - n)) : NaN]),
   );
 };
 
@@ -107,7 +107,8 @@ const ranks = (p, chosen, i) => {
   const found = new Map();
   for (let start = 0; start < order.length; ) {
     let end = start;
-    while (end < order.length && order[start][1] - order[end][1] < 1e-9) end++;
+    do end++;
+    while (end < order.length && order[start][1] - order[end][1] < 1e-9);
     const rank = (start + 1 + end) / 2;
     for (; start < end; start++) found.set(order[start][0], { rank, better: order[start][1] });
   }

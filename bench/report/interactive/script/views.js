@@ -182,11 +182,12 @@ const runView = () => {
       if (Number.isFinite(value)) rows.push({ o, name: names.get(o), value, k, j: ((k * 0.618034) % 1) - 0.5, shown: text(value), run: runName(cell, k) });
     });
     const three = quartiles(cell).map((curve) => valueOf(p, curve[state.budget]));
-    if (Number.isFinite(three[1])) rows.push({ o, name: names.get(o), value: three[1], middle: true });
+    if (Number.isFinite(three[1])) rows.push({ o, name: names.get(o), value: three[1], middle: true, low: three[0], high: Number.isFinite(three[2]) ? three[2] : null });
     table.push([optimizers[o].label, text(cell.trials), text(cell.failed), ...three.map(text)]);
   }
-  const x = padded(scaleOf(rows.map((row) => row.value), state.ylog, state.zoom?.x));
-  for (const row of rows) row.x = row.value <= 0 && x.log ? x.floor : row.value;
+  const x = padded(scaleOf(rows.flatMap((row) => (row.middle ? [row.low, row.value, row.high ?? row.value] : [row.value])), state.ylog, state.zoom?.x));
+  const at = (value) => (value <= 0 && x.log ? x.floor : value);
+  for (const row of rows) Object.assign(row, { x: at(row.value), low: at(row.low), high: at(row.high ?? x.full[1]) });
   const labels = [...names.values()];
   const range = (name) => [...names.keys()].map((o) => optimizers[o][name]);
   const faint = state.cell !== null && chosen.includes(state.cell) ? `datum.o !== ${state.cell}` : "false";
@@ -198,6 +199,11 @@ const runView = () => {
     spec: {
       data: { values: rows }, width: width(), height: 38 * Math.max(labels.length, 1) + 10,
       layer: [
+        {
+          transform: [{ filter: "datum.middle" }],
+          mark: { type: "rule", strokeWidth: 2, color: "#8a939d", clip: true },
+          encoding: { x: { ...position.x, field: "low" }, x2: { field: "high" }, y },
+        },
         {
           transform: [{ filter: "datum.middle" }],
           mark: { type: "tick", thickness: 3, size: 34, color: "#1b1f24", opacity: 0.7, clip: true },
@@ -222,7 +228,7 @@ const runView = () => {
     x, y: null, pick: (datum) => datum.k !== undefined && change({ problem: p, run: { o: datum.o, k: datum.k }, cell: state.cell }),
     head: ["optimizer", "trials", "failed", "lower quartile", "median", "upper quartile"],
     rows: table,
-    about: `${problems[p].label}: every point is a run, the bar the median; a click on a point shows the run`,
+    about: `${problems[p].label}: ${rows.some((row) => !row.middle) ? "every point is a run; bars are medians, lines quartiles; a click on a point shows the run" : "bars are medians, lines quartiles"}`,
     caption: `${problems[p].label} after ${text(evaluations(p, state.budget))} evaluations`,
   };
 };

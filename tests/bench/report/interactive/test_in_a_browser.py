@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import os
+from itertools import product
 from pathlib import Path
 from urllib.parse import quote
 
@@ -87,6 +88,15 @@ class TestState:
     )
     def test_nonsense_in_the_address_shows_the_usual_view(self, look, nonsense):
         assert "targets of 2 problems" in look(nonsense).run(ABOUT)
+
+    def test_little_or_nothing_chosen_is_no_error(self, look, hostile):
+        browser = look()
+        nothing = f"without=p&without={quote(hostile)}"
+        for view, chosen in product(("curves", "values", "ranks"), ("optimizer=", "optimizer=a", nothing)):
+            shown = f"#look-further?view={view}&{chosen}"
+            browser.run(f"document.querySelector('.chart').dataset.ready = '', location.hash = {json.dumps(shown)}")
+            browser.wait(READY)
+            assert "cannot be drawn" not in browser.run("document.querySelector('.further').innerText")
 
     def test_a_hostile_label_is_text_and_a_state(self, look, hostile):
         browser = look(f"view=values&problem={quote(hostile)}")
