@@ -274,22 +274,17 @@ def test_a_report_draws_the_same_signature_from_its_expression(options):
     problem = load_problem("signature-12", **options)
     data = problem.fitted_data()
     assert data.values is problem.signal
-    rng = np.random.default_rng(3)
-    for x in problem.repair(rng.uniform(problem.lower, problem.upper, (3, 7))):
-        x[T2] = problem.upper[T2]  # oscillations that overlap
-        text = {"signal": "format(datum.fit, '.12g')"}
-        svg = vl_convert.vega_to_svg(
-            {
-                "signals": [{"name": "point", "value": dict(zip(problem.variables, x.tolist(), strict=True))}],
-                "data": [
-                    {
-                        "name": "data",
-                        "values": [{"t": t} for t in data.t[::8].tolist()],
-                        "transform": [{"type": "formula", "expr": data.model, "as": "fit"}],
-                    }
-                ],
-                "marks": [{"type": "text", "from": {"data": "data"}, "encode": {"enter": {"text": text}}}],
-            }
-        )
-        drawn = [float(each.replace("−", "-")) for each in re.findall(r"<text[^>]*>([^<]+)</text>", svg)]
-        assert drawn == pytest.approx(problem.model(x)[::8].tolist(), rel=1e-9, abs=1e-9)
+    (x,) = problem.repair(np.random.default_rng(3).uniform(problem.lower, problem.upper, (1, 7)))
+    x[T2] = problem.upper[T2]  # oscillations that overlap
+    text = {"signal": "format(datum.fit, '.12g')"}
+    values = [{"t": t} for t in data.t[::8].tolist()]
+    formula = {"type": "formula", "expr": data.model, "as": "fit"}
+    svg = vl_convert.vega_to_svg(
+        {
+            "signals": [{"name": "point", "value": dict(zip(problem.variables, x.tolist(), strict=True))}],
+            "data": [{"name": "data", "values": values, "transform": [formula]}],
+            "marks": [{"type": "text", "from": {"data": "data"}, "encode": {"enter": {"text": text}}}],
+        }
+    )
+    drawn = [float(each.replace("−", "-")) for each in re.findall(r"<text[^>]*>([^<]+)</text>", svg)]
+    assert drawn == pytest.approx(problem.model(x)[::8].tolist(), rel=1e-9, abs=1e-9)
