@@ -19,11 +19,18 @@ def many(make, tmp_path_factory):
     return Findings(Results(make(tmp_path_factory.mktemp("many") / "s", problems, trials=1)))
 
 
-def test_up_to_twenty_problems_nothing_is_folded(few):
-    for part in (anytime, comparison, datasets):
+def test_up_to_twenty_problems_nothing_said_of_all_is_folded(few):
+    for part in (anytime, comparison):
         section = part.section(few)
         assert not any(each.folded for each in section.sections)
-        assert section.items or part is datasets
+        assert section.items
+
+
+@pytest.mark.parametrize(("number", "folded"), [(datasets.FOLDED, False), (datasets.FOLDED + 1, True)])
+def test_the_sections_of_more_than_four_problems_are_folded(make, tmp_path, number, folded):
+    problems = tuple(f"p{place}" for place in range(number))
+    findings = Findings(Results(make(tmp_path / "s", problems, ("a",), trials=1)))
+    assert {each.folded for each in datasets.section(findings).sections} == {folded}
 
 
 def test_more_problems_are_folded_one_by_one(many):
