@@ -20,6 +20,7 @@ from bench.cli import (
     report,
     rm,
     run,
+    similar,
     solve,
     status,
     unpack,
@@ -41,7 +42,7 @@ for _name, _command in (
     ("list", list_.list_plugins), ("run", run.run), ("status", status.status), ("report", report.report),
     ("export", export.export), ("import", import_.import_results), ("check", check.check), ("solve", solve.solve),
     ("verify", verify.verify), ("merge", merge.merge), ("rm", rm.remove), ("pack", pack.pack),
-    ("unpack", unpack.unpack), ("gate", gate.gate), ("describe", describe.describe),
+    ("unpack", unpack.unpack), ("gate", gate.gate), ("describe", describe.describe), ("similar", similar.similar),
 ):  # fmt: skip
     app.command(_name)(_command)
 app.add_typer(archive.archive, name="archive")

@@ -1,0 +1,80 @@
+"""Record how optimizers search: trials in this process, with every point that they evaluate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from bench.analysis.similarity import behaviour
+from bench.check.problems import FUNCTIONS, RecordingProblem, classic
+from bench.errors import BenchError
+from bench.optimizer import Optimizer
+from bench.problem import Floats, Problem
+from bench.seeds import trial_seed
+from bench.trial import search
+
+DIMENSION = 5
+
+Progress = Callable[[str, int, int], None]
+"""Called with the current step, the steps done and all steps."""
+
+
+def common_problems() -> dict[str, Callable[[], RecordingProblem]]:
+    """Return makers of the classic functions, each with its optimum moved away from the centre, by name."""
+    return {name: lambda name=name: classic(name, DIMENSION, moved=True) for name in FUNCTIONS}  # type: ignore[misc]
+
+
+def recorder(problem: Problem) -> RecordingProblem:
+    """Return a problem of the same true values that records its points; constraints and noise are left out."""
+    return RecordingProblem(
+        problem.noiseless, problem.lower, problem.upper, name=problem.name, optimum=problem.optimum,
+        integer=problem.integer,
+    )  # fmt: skip
+
+
+def behaviours(
+    optimizers: Mapping[str, Optimizer],
+    problems: Mapping[str, Callable[[], RecordingProblem]],
+    trials: int,
+    budget: int,
+    seed: int = 0,
+    on_progress: Progress = lambda *_: None,
+) -> dict[str, Sequence[Floats]]:
+    """Run every optimizer on every problem; return, by optimizer, (trials, numbers) for each problem.
+
+    Precisions are counted from the known optimum, or else from the lowest value of any trial.
+
+    Raises:
+        BenchError: where an optimizer fails.
+    """
+    runs: dict[tuple[str, str], list[tuple[Floats, Floats]]] = {}
+    with threadpool_limits(limits=1):
+        for number, (name, optimizer) in enumerate(optimizers.items()):
+            for place, (label, make) in enumerate(problems.items()):
+                on_progress(f"{name} on {label}", number * len(problems) + place, len(optimizers) * len(problems))
+                seeds = (trial_seed(seed, label, name, trial) for trial in range(trials))
+                runs[name, label] = [_run(name, optimizer, make(), budget, each) for each in seeds]
+    zeros = {}
+    for label, make in problems.items():
+        known = make().optimum
+        values = [own for name in optimizers for _, own in runs[name, label]]
+        zeros[label] = known if known is not None else min(float(own.min()) for own in values)
+    return {
+        name: [
+            np.array([behaviour(points, values, zeros[label], budget) for points, values in runs[name, label]])
+            for label in problems
+        ]
+        for name in optimizers
+    }
+
+
+def _run(name: str, optimizer: Optimizer, problem: RecordingProblem, budget: int, seed: int) -> tuple[Floats, Floats]:
+    """Return the points of one trial, as shares of the box, and their values."""
+    try:
+        search(problem, optimizer, budget, seed)
+    except Exception as error:  # a plug-in may raise anything
+        raise BenchError(f"{name} failed on {problem.name}: {type(error).__name__}: {error}") from error
+    points = problem.points[:budget]
+    return problem.share(points), np.asarray(problem.noiseless(points), dtype=np.float64)

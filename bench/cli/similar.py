@@ -1,0 +1,93 @@
+"""bench similar: show which optimizers search alike."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from bench.cli.console import Parameters, pairs, print_line
+from bench.errors import BenchError
+
+
+def similar(
+    optimizers: Annotated[list[str], typer.Argument(metavar="OPTIMIZER…", help="Two or more optimizers, or patterns.")],
+    problem: Annotated[
+        list[str] | None,
+        typer.Option(help="A problem, or a pattern; repeatable. Default: five classic functions in 5 dimensions."),
+    ] = None,
+    trials: Annotated[
+        int, typer.Option(help="Trials on each problem; half of them are compared with the others.")
+    ] = 30,
+    budget: Annotated[int, typer.Option(help="Evaluations of a trial.")] = 1_500,
+    option: Parameters = None,
+    seed: Annotated[int, typer.Option(help="Seed of the trials.")] = 0,
+    figure: Annotated[Path, typer.Option(help="The file of the map (svg, pdf or png).")] = Path("similar.svg"),
+    csv: Annotated[Path | None, typer.Option(help="Write the pairs with all digits into this file.")] = None,
+) -> None:
+    """Run optimizers on common functions, and print and draw which of them search alike.
+
+    A trial is described by the values it reaches, the spread and the movement of the points that it evaluates, in each
+    eighth of its budget. Optimizers of one cluster cannot be told apart by so many trials. Options of --set go to all.
+    """
+    from bench.analysis.similarity import similarity
+    from bench.atomic import replacing
+    from bench.check.behaviour import behaviours, common_problems, recorder
+    from bench.cli.progress import steps
+    from bench.numbers import require_whole
+    from bench.plots import style
+    from bench.plots.similarity import similarity_map
+    from bench.plugins import loading, selection
+    from bench.report.wording import p_text
+
+    require_whole("the trials", trials, 10)
+    require_whole("the budget of evaluations", budget, 50)
+    require_whole("the seed", seed, 0)
+    if figure.suffix not in (".svg", ".pdf", ".png"):
+        raise BenchError(f"the figure {figure} must end with .svg, .pdf or .png")
+    names = list(dict.fromkeys(each for given in optimizers for each in loading.matching(given)))
+    if len(names) < 2:
+        raise BenchError("similarity needs at least two optimizers; name another one")
+    loaded = {name: loading.load_optimizer(name, **pairs(option)) for name in names}
+    for name, each in loaded.items():
+        each.check_budget(budget, name)
+    chosen = [name for given in problem or () for name in selection.matching(given)]
+    own = {name: loading.load_problem(name) for name in chosen}
+    problems = {name: lambda each=each: recorder(each) for name, each in own.items()} or common_problems()
+    console = Console()
+    with steps(console, "similar") as on_progress:
+        found = similarity(behaviours(loaded, problems, trials, budget, seed, on_progress), seed=seed)
+    table = Table(box=None, pad_edge=False)
+    for head in ("optimizer", "cluster", "against itself", "nearest other", "distance", "p (Holm)"):
+        table.add_column(head, overflow="fold")
+    for name in names:
+        mine = found.pairs[(found.pairs["first"] == name) | (found.pairs["second"] == name)]
+        near = mine.sort_values("distance", kind="stable").to_dict("records")[0]
+        other = near["second"] if near["first"] == name else near["first"]
+        own_distance = float(found.distances.to_numpy()[names.index(name), names.index(name)])
+        cells = (
+            f"{own_distance:.3f}",
+            other,
+            f"{near['distance']:.3f}",
+            p_text(near["p_holm"]).removeprefix("p ").removeprefix("= "),
+        )
+        table.add_row(Text(name), str(found.clusters[name]), *map(Text, cells))
+    console.print(table)
+    groups = [list(own.index) for _, own in found.clusters.groupby(found.clusters) if len(own) > 1]
+    for group in groups:
+        print_line(f"alike, as far as {trials // 2} trials can show: {', '.join(group)}", console=console)
+    if not groups:
+        print_line("Every optimizer differs from every other one.", console=console)
+    conditions = f"{len(problems)} problem{'s' if len(problems) > 1 else ''}, {trials} trials, {budget:,} evaluations"
+    print_line(f"{conditions}; distance: mean Kolmogorov-Smirnov distance of what trials do, 0 to 1", console=console)
+    print_line(f"the map leaves out {found.stress:.0%} of the squared distances", console=console)
+    with style.context(), replacing(figure) as temporary:
+        similarity_map(found).savefig(temporary, metadata={"Date": None} if figure.suffix == ".svg" else None)
+    if csv is not None:
+        with replacing(csv) as temporary:
+            found.pairs.to_csv(temporary, index=False, lineterminator="\n", encoding="utf-8")
+    print_line(f"map: {figure}", console=console)

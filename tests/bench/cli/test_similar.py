@@ -1,0 +1,47 @@
+"""The command similar."""
+
+import csv
+
+import pytest
+
+
+def test_it_prints_clusters_and_draws_a_map(bench_here, tmp_path):
+    done = bench_here(
+        "similar", "hill-climber", "scatter", "--problem", "sphere-[23]", "--trials", "12", "--budget", "60",
+        "--figure", tmp_path / "map.svg", "--csv", tmp_path / "pairs.csv",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "Every optimizer differs from every other one." in done.stdout
+    text = (tmp_path / "map.svg").read_text(encoding="utf-8")
+    assert "hill-climber" in text
+    with (tmp_path / "pairs.csv").open() as file:
+        (row,) = csv.DictReader(file)
+    assert (row["first"], row["second"], row["alike"]) == ("hill-climber", "scatter", "False")
+    assert float(row["distance"]) > float(row["floor"])
+
+
+@pytest.mark.slow
+def test_the_compiled_cma_es_is_the_same_optimizer(bench_here, tmp_path):
+    done = bench_here(
+        "similar", "cma-es", "cma-es-fast", "random-search", "--trials", "20", "--budget", "300",
+        "--figure", tmp_path / "map.pdf",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "alike, as far as 10 trials can show: cma-es, cma-es-fast" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (("scatter",), "at least two optimizers; name another one"),
+        (("scatter", "early", "--trials", "9"), "the trials"),
+        (("scatter", "nobody"), "unknown optimizer 'nobody'"),
+        (("scatter", "early", "--figure", "map.txt"), "must end with .svg, .pdf or .png"),
+        (("scatter", "early", "--set", "wings=2"), "wings"),
+    ],
+)
+def test_bad_input_costs_one_sentence(bench_here, arguments, reason):
+    done = bench_here("similar", *arguments)
+    assert done.returncode == 2
+    assert reason in done.stderr
+    assert done.stderr.count("\n") == 1
