@@ -1,7 +1,7 @@
 """Statistics of a study: pure functions from the tidy frame (:func:`bench.load_results`) to tables; no plotting.
 
 Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`compact_letters`,
-:func:`comparison_matrix`, :func:`ranking`, :func:`regret`. Across problems: :func:`medians`, :func:`friedman`,
+:func:`standings`, :func:`comparison_matrix`, :func:`ranking`, :func:`disagreements`, :func:`regret`. Across problems: :func:`medians`, :func:`friedman`,
 :func:`wilcoxon_tests`, :func:`nemenyi`, :func:`probability_of_improvement`, :func:`interquartile_mean`,
 :func:`u_scores`. Over the evaluations: :func:`convergence`, :func:`targets`, :func:`precision_targets`,
 :func:`target_table`, :func:`hitting_times`, :func:`tolerance_times`, :func:`expected_running_time`,
@@ -92,6 +92,7 @@ from bench.analysis.running_time import (
     running_times,
     simulated_restarts,
 )
+from bench.analysis.standings import disagreements, mean_ranks, standings
 from bench.analysis.target_sets import (
     COCO_PRECISIONS,
     aocc,
@@ -130,6 +131,7 @@ __all__ = [
     "critical_distance",
     "data_profiles",
     "detectable_shift",
+    "disagreements",
     "ecdf",
     "effect_size",
     "evaluation_grid",
@@ -144,6 +146,7 @@ __all__ = [
     "integrity",
     "interquartile_mean",
     "labels",
+    "mean_ranks",
     "mean_shares",
     "medians",
     "nemenyi",
@@ -163,6 +166,7 @@ __all__ = [
     "running_times",
     "scores",
     "simulated_restarts",
+    "standings",
     "stopped_early",
     "success_rates",
     "summarise",

@@ -1,4 +1,4 @@
-"""Summaries of cells and pairs: the thesis's comparison matrix, compact letters, and the number of first ranks."""
+"""Summaries of cells and pairs: the comparison matrix, compact letters, and the number of first ranks."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from bench.analysis.across import average_ranks
 from bench.analysis.cells import merge_near_ties
 from bench.analysis.pairwise import ALPHA
+from bench.analysis.standings import mean_ranks, standings
 
 
 def comparison_matrix(
@@ -17,28 +17,35 @@ def comparison_matrix(
     pairs: pd.DataFrame,
     statistic: Literal["median", "mean"] = "median",
     alpha: float = ALPHA,
+    *,
+    by: Literal["standing", "value"] = "standing",
 ) -> pd.DataFrame:
-    """Return the matrix of thesis Table 7.2, one row a cell: problem, optimizer, value, best and alike.
+    """Return the matrix of a statistic, one row a cell: problem, optimizer, value, best and alike.
 
-    ``value`` is the statistic, missing where it is not known. ``best`` (bold in the thesis) marks the lowest finite
-    value of a problem, each of them where several tie, in problems with at least two values. ``alike`` (italics)
-    marks a known value that is not best, where the test cannot separate its cell from a best one: as in the thesis, by
-    the raw p > ``alpha``; an untestable pair (p = 1) counts as alike. The letters of
-    :func:`compact_letters` summarise all pairs after Holm's adjustment; merge them with this table.
+    ``value`` is the statistic, missing where it is not known. ``best`` marks the first of a problem, each of them where
+    several tie, in problems with at least two optimizers: by "standing", the one that beats the most rivals
+    (:func:`bench.analysis.standings`), unless all of its trials failed; by "value", as in thesis Table 7.2, the one
+    with the lowest finite value. ``alike`` (italics) marks a known value that is not best, where the test cannot
+    separate its cell from a best one: as in the thesis, by the raw p > ``alpha``; an untestable pair (p = 1) counts as
+    alike. The letters of :func:`compact_letters` summarise all pairs after Holm's adjustment; merge them with this
+    table.
 
     The ``statistic`` is "median", or "mean" as in the thesis, which is missing after a single failed trial. ``pairs``
     hold at least the optimizers of ``summary``.
     """
-    values = table(summary, statistic)
-    best = _lowest(values) & (values.notna().sum(axis=1) > 1).to_numpy()[:, np.newaxis]
-    winners = {(problem, optimizer) for optimizer in best for problem in best.index[best[optimizer]]}
+    cells = list(zip(summary["problem"], summary["optimizer"], strict=True))
+    if by == "value":
+        values = table(summary, statistic)
+        best = _lowest(values) & (values.notna().sum(axis=1) > 1).to_numpy()[:, np.newaxis]
+        winners = {(problem, optimizer) for optimizer in best for problem in best.index[best[optimizer]]}
+    else:
+        winners = _first(summary, standings(summary, pairs, alpha))
     near = {
         (pair.problem, one)
         for pair in pairs[pairs["p"] > alpha].itertuples()
         for one, other in ((pair.first, pair.second), (pair.second, pair.first))
         if (pair.problem, other) in winners
     } - winners
-    cells = list(zip(summary["problem"], summary["optimizer"], strict=True))
     return summary[["problem", "optimizer"]].assign(
         value=summary[statistic],
         best=[cell in winners for cell in cells],
@@ -46,18 +53,30 @@ def comparison_matrix(
     )
 
 
+def _first(summary: pd.DataFrame, standing: pd.DataFrame) -> set[tuple[str, str]]:
+    """Return the cells that are ranked first among two or more, and have a trial that did not fail."""
+    found = summary[["problem", "optimizer", "n", "failed"]].merge(standing, on=["problem", "optimizer"])
+    found = found[found["n"] > 0]
+    by_problem = found.groupby("problem", sort=False, observed=True)["rank"]
+    first = (found["rank"] == by_problem.transform("min")) & (by_problem.transform("size") > 1)
+    chosen = found[first & (found["failed"] < found["n"])]
+    return set(zip(chosen["problem"], chosen["optimizer"], strict=True))
+
+
 def compact_letters(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     """Return problem, optimizer and letters of every cell (Piepho 2004, J. Comput. Graph. Stat. 13).
 
-    Two optimizers share a letter where they are not separable: p_holm > ``alpha``. Letters are assigned from the lowest
-    median up, so the best has an "a". "" stands for a cell without trials, "?" for every cell of a problem that needs
-    more than 52 letters. Only the optimizers of ``summary`` get letters.
+    Two optimizers share a letter where they are not separable: p_holm > ``alpha``. Letters are assigned in the order of
+    :func:`bench.analysis.standings`, so the best has an "a". "" stands for a cell without trials, "?" for every cell of
+    a problem that needs more than 52 letters. Only the optimizers of ``summary`` get letters.
     """
+    standing = standings(summary, pairs, alpha)
+    own_pairs = dict(list(pairs.groupby("problem", sort=False, observed=True)))
     letters = {
         (problem, optimizer): text
-        for problem, own in summary[summary["n"] > 0].groupby("problem", sort=False)
+        for problem, own in standing.dropna(subset="rank").groupby("problem", sort=False, observed=True)
         for optimizer, text in _letters(
-            list(own.sort_values("median", kind="stable")["optimizer"]), pairs[pairs["problem"] == problem], alpha
+            list(own.sort_values("rank", kind="stable")["optimizer"]), own_pairs.get(problem, pairs.head(0)), alpha
         ).items()
     }
     cells = summary[["problem", "optimizer"]]
@@ -82,27 +101,29 @@ def _letters(optimizers: list[str], pairs: pd.DataFrame, alpha: float) -> dict[s
 
 
 def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
-    """Return one row an optimizer: problems, first, separable and mean_rank.
+    """Return one row an optimizer: problems, first, separable, worse and mean_rank.
 
-    The unit is the problem, its value the median score, as in :func:`medians`. ``first`` counts the problems with
-    the lowest median (a tie counts for each), ``separable`` those of them where the optimizer differs from every
-    rival (KS, Holm) and tends to be lower than each (``lower`` of :func:`bench.analysis.pairwise_tests`).
+    The unit is the problem, on which every optimizer has a trial. ``first`` counts the problems on which the optimizer
+    is ranked first by :func:`bench.analysis.standings` (a tie counts for each), ``separable`` those on which it is
+    separably lower than every rival, ``worse`` those on which a rival is separably lower than it; ``mean_rank`` is the
+    mean of its ranks.
     """
-    median = medians(summary)
-    first = _lowest(median)
-    beats = pairs[(pairs["p_holm"] <= alpha) & (pairs["lower"] != "")].groupby(["problem", "lower"]).size().to_dict()
-    rivals = max(len(median.columns) - 1, 1)  # with no rival at all nothing is separable
-    separable = [
-        sum(beats.get((problem, optimizer)) == rivals for problem in median.index[first[optimizer]])
-        for optimizer in median.columns
-    ]
+    complete = medians(summary).index
+    standing = standings(summary, pairs, alpha)
+    standing = standing[standing["problem"].isin(complete)]
+    first = _first(summary[summary["problem"].isin(complete)], standing) if len(standing) else set()
+    optimizers = list(dict.fromkeys(summary["optimizer"]))
+    by_optimizer = standing.assign(worse=standing["higher"] > 0).groupby("optimizer", observed=True)
     return pd.DataFrame(
         {
-            "optimizer": list(median.columns),
-            "problems": len(median),
-            "first": first.sum().to_numpy(),
-            "separable": separable,
-            "mean_rank": average_ranks(median).to_numpy(),
+            "optimizer": optimizers,
+            "problems": len(complete),
+            "first": [sum(optimizer == each for _, optimizer in first) for each in optimizers],
+            **{
+                name: by_optimizer[name].sum().reindex(optimizers, fill_value=0).to_numpy(dtype=int)
+                for name in ("separable", "worse")
+            },
+            "mean_rank": mean_ranks(standing).reindex(optimizers).to_numpy(dtype=float),
         }
     )
 

@@ -197,6 +197,16 @@ class Findings:
         return analysis.comparison_matrix(self.summary, self.pairs).merge(letters)
 
     @cached_property
+    def standings(self) -> pd.DataFrame:
+        """The rank of each cell by the rivals that it beats, and those that it is separable from."""
+        return analysis.standings(self.summary, self.pairs)
+
+    @cached_property
+    def disagreements(self) -> pd.DataFrame:
+        """The problems on which median, mean and rank name different optimizers."""
+        return analysis.disagreements(self.summary, self.standings)
+
+    @cached_property
     def ranking(self) -> pd.DataFrame:
         """The number of problems on which each optimizer is ranked first."""
         return analysis.ranking(self.summary, self.pairs)

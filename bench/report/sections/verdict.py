@@ -131,7 +131,8 @@ def _grounds(findings: Findings) -> str:
     pairs = comb(len(findings.optimizers), 2)
     adjusted = f" (adjusted by Holm’s method over the {pairs} pairs of a problem)" if pairs > 1 else ""
     return (
-        "An optimizer is ranked first on a problem if it has the lowest median. It is separable from a rival if the "
+        "An optimizer is ranked first on a problem if it beats the most rivals: more than half of the pairs of a trial of "
+        "it and one of the rival end lower with it (A12 > 0.5). It is separable from a rival if the "
         f"exact two-sample Kolmogorov-Smirnov test rejects equality at alpha = {ALPHA:g}{adjusted} and the 95% "
         f"interval of A12 shows a tendency to lower values ({count(len(findings.pairs), 'test')} in all). A single "
         "winner is named only if it is separable from every rival on more than half of the problems. The counts are "
@@ -144,8 +145,8 @@ def _ranking_table(ranking: pd.DataFrame) -> Table:
     shown = ranking[["optimizer", "first", "separable", "mean_rank"]].set_index("optimizer")
     return Table(
         "ranking",
-        f"On how many of {count(problems, 'problem')} each optimizer has the lowest median, on how many of those it is "
-        "separable from every rival, and its mean rank over all of them.",
+        f"On how many of {count(problems, 'problem')} each optimizer is ranked first, on how many it is separably lower "
+        "than every rival, and its mean rank over all of them.",
         shown.rename(columns={"first": "ranked first", "mean_rank": "mean rank"}),
         decimals=2,
     )

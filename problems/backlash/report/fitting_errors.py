@@ -69,7 +69,8 @@ def table_7_2(
     :func:`algorithms`, ``rows`` from :func:`datasets`.
     """
     summary = summarise(part(frame, rows, columns.values()))
-    matrix = comparison_matrix(summary[summary["optimizer"] != columns.get(EXTRA)], pairs, statistic="mean")
+    swarms = summary[summary["optimizer"] != columns.get(EXTRA)]
+    matrix = comparison_matrix(swarms, pairs, statistic="mean", by="value")
     named = {label: name for name, label in columns.items()}
     means, bold, italic = (
         _by_dataset(part, named, rows)

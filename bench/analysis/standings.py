@@ -1,0 +1,112 @@
+"""The standing of each optimizer on a problem: how many of the others it beats, trial against trial.
+
+An optimizer *beats* another one on a problem where a trial of it more probably ends below a trial of the other than
+above it: A12 > 0.5 (Vargha and Delaney 2000). It is *separably lower* where the adjusted test also rejects equality and
+the interval of A12 excludes 0.5. Ranks follow the number of rivals beaten (Copeland 1951, "A reasonable social welfare
+function"): the median of a cell whose trials end in two basins says which basin holds one more trial than the other,
+and so may rank an optimizer first whose trials mostly end higher.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.stats import rankdata
+
+from bench.analysis.cells import labels
+from bench.analysis.pairwise import ALPHA
+from bench.problem import Floats
+
+COLUMNS = ("problem", "optimizer", "rank", "beaten", "chance", "lower", "higher", "separable")
+
+
+def standings(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
+    """Return one row a cell: problem, optimizer, rank, beaten, chance, lower, higher and separable.
+
+    ``rank`` is 1 for the optimizer that beats the most rivals; ties share their mean rank. ``beaten`` is the number of
+    rivals that it beats, a tie counted half; ``chance`` the mean A12 against them, which decides between optimizers
+    that beat as many. ``lower`` counts the rivals that it is separably lower than, ``higher`` those that are separably
+    lower than it, and ``separable`` says whether it is separably lower than every rival.
+
+    All are missing, or 0, for a cell without trials, which is no rival either. ``pairs`` hold at least the optimizers
+    of ``summary``.
+    """
+    tables = []
+    own_pairs = dict(list(pairs.groupby("problem", sort=False, observed=True)))
+    for problem, own in summary.groupby("problem", sort=False, observed=True):
+        present = own.loc[own["n"] > 0, "optimizer"].astype(object)
+        chances, separable = _matrices(own_pairs.get(problem, pairs.head(0)), list(present), alpha)
+        rivals = len(present) - 1
+        beaten = np.sum(chances > 0.5, axis=1) + 0.5 * (np.sum(chances == 0.5, axis=1) - 1.0)
+        chance = (chances.sum(axis=1) - 0.5) / rivals if rivals > 0 else np.full(len(present), np.nan)
+        columns = {
+            "optimizer": present.to_numpy(), "rank": ranks(beaten, chance), "beaten": beaten, "chance": chance,
+            "lower": separable.sum(axis=1), "higher": separable.sum(axis=0),
+            "separable": separable.sum(axis=1) == max(rivals, 1),
+        }  # fmt: skip
+        found = own[["problem", "optimizer"]].merge(pd.DataFrame(columns), on="optimizer", how="left")
+        tables.append(found)
+    if not tables:
+        return pd.DataFrame(columns=list(COLUMNS))
+    table = pd.concat(tables, ignore_index=True)
+    counts = {name: table[name].astype(float).fillna(0).astype(int) for name in ("lower", "higher")}
+    return table.assign(**counts, separable=table["separable"].eq(True))[list(COLUMNS)]
+
+
+def ranks(beaten: Floats, chance: Floats) -> Floats:
+    """Return the rank of each of k optimizers, (k,) or (k, B), by rivals beaten, then by the mean A12; 1 is best."""
+    # A mean of A12 is a sum of rounded shares: equal ones may differ in their last digits.
+    keys = np.round(np.nan_to_num(chance), 9) + 2.0 * beaten
+    return np.asarray(rankdata(-np.round(keys, 9), axis=0))
+
+
+def disagreements(summary: pd.DataFrame, standing: pd.DataFrame) -> pd.DataFrame:
+    """Return the problems on which median, mean and standing name different best optimizers.
+
+    Columns: problem, standing, median and mean, each a list of the optimizers that are best by it. The mean counts only
+    where every optimizer has one: a failed trial leaves none. Optimizers that tie are all best.
+    """
+    table = summary.merge(standing[["problem", "optimizer", "rank"]], on=["problem", "optimizer"])
+    rows = []
+    for problem, own in table[table["n"] > 0].groupby("problem", sort=False, observed=True):
+        best = {"standing": _lowest(own, "rank"), "median": _lowest(own, "median")}
+        best["mean"] = _lowest(own, "mean") if own["mean"].notna().all() else []
+        named = [set(each) for each in best.values() if each]
+        if len(named) > 1 and not set.intersection(*named):
+            rows.append({"problem": problem, **best})
+    return pd.DataFrame(rows, columns=["problem", "standing", "median", "mean"])
+
+
+def _lowest(own: pd.DataFrame, column: str) -> list[str]:
+    values = own[column].to_numpy(dtype=float)
+    least = values.min()
+    if not np.isfinite(least):
+        return []
+    return list(own.loc[np.isclose(values, least, rtol=1e-10, atol=0), "optimizer"])
+
+
+def _matrices(pairs: pd.DataFrame, optimizers: Sequence[str], alpha: float) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return (k, k) A12 of the first against the second, and whether the first is separably lower."""
+    place = {optimizer: i for i, optimizer in enumerate(optimizers)}
+    known = pairs[pairs["first"].isin(place) & pairs["second"].isin(place)]
+    first, second = (known[name].astype(object).map(place).to_numpy(dtype=int) for name in ("first", "second"))
+    chances = np.full((len(place), len(place)), 0.5)
+    a12 = known["a12"].to_numpy(dtype=float)
+    chances[first, second], chances[second, first] = a12, 1 - a12
+    separable = np.zeros(chances.shape, dtype=bool)
+    clear = (known["p_holm"] <= alpha).to_numpy(dtype=bool)
+    lower = known["lower"].to_numpy(dtype=object)
+    for one, other, name in ((first, second, "first"), (second, first, "second")):
+        wins = clear & (lower == known[name].to_numpy(dtype=object))
+        separable[one[wins], other[wins]] = True
+    return chances, separable
+
+
+def mean_ranks(standing: pd.DataFrame) -> pd.Series[float]:
+    """Return the mean rank of each optimizer over the problems on which every optimizer has a rank."""
+    order = labels(standing, "optimizer")
+    wide = standing.pivot(index="problem", columns="optimizer", values="rank").reindex(columns=order)
+    return wide.dropna().mean().rename_axis(None)
