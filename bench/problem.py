@@ -52,6 +52,8 @@ class Problem(ABC):
             ``{"amplitude_rpm": (140.2, 1.93)}``; reports draw them.
         features: what kind of problem it is, by which reports can group problems, such as ``{"suite": "bbob",
             "function": "f08", "instance": 1, "group": "low or moderate conditioning"}``; empty where nothing is known.
+            ``sweep`` names what problems with the same value are steps of: they are no independent sample of problems,
+            and reports say so beside tests across them.
         repairs: whether the points that :meth:`repair` returns violate no constraint.
         integer: (d,) bool, the variables that are whole numbers, or None without any (default). The harness rounds them
             before a point is evaluated and recorded, so :meth:`evaluate` gets whole numbers; their bounds must be such.

@@ -14,8 +14,13 @@ def file_name(name: str) -> str:
 
     A name that had to be changed ends in a hash, so that two names never share a file.
     """
-    safe = re.sub(r"[^a-z0-9_]+", "-", name.lower()).strip("-")[:60]
+    safe = slug(name)
     return safe if safe and safe == name else f"{safe or 'part'}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+
+
+def slug(name: str) -> str:
+    """Return the letters, digits and ``_`` of a name in lower case, joined by ``-``; "" where it has none."""
+    return re.sub(r"[^a-z0-9_]+", "-", name.lower()).strip("-")[:60]
 
 
 def free(name: str, taken: Container[str]) -> str:

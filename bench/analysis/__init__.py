@@ -1,12 +1,13 @@
 """Statistics of a study: pure functions from the tidy frame (:func:`bench.load_results`) to tables; no plotting.
 
 Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`compact_letters`,
-:func:`standings`, :func:`comparison_matrix`, :func:`ranking`, :func:`disagreements`, :func:`regret`. Across problems: :func:`medians`, :func:`friedman`,
-:func:`wilcoxon_tests`, :func:`nemenyi`, :func:`probability_of_improvement`, :func:`interquartile_mean`,
-:func:`u_scores`. Over the evaluations: :func:`convergence`, :func:`targets`, :func:`precision_targets`,
-:func:`target_table`, :func:`hitting_times`, :func:`tolerance_times`, :func:`expected_running_time`,
-:func:`running_times`, :func:`in_seconds`, :func:`ecdf`, :func:`restart_shares`, :func:`data_profiles`,
-:func:`success_rates`, :func:`aocc`, :func:`target_areas`, :func:`compare_sets`. And
+:func:`standings`, :func:`comparison_matrix`, :func:`ranking`, :func:`disagreements`, :func:`near_best`, :func:`regret`.
+Across problems: :func:`medians`, :func:`friedman`, :func:`wilcoxon_tests`, :func:`nemenyi`,
+:func:`probability_of_improvement`, :func:`interquartile_mean`, :func:`u_scores`, :func:`ranking_certainty`. Over the
+evaluations: :func:`stage_ranks`, :func:`unused_budget`, :func:`convergence`, :func:`targets`,
+:func:`precision_targets`, :func:`target_table`, :func:`hitting_times`, :func:`tolerance_times`,
+:func:`expected_running_time`, :func:`running_times`, :func:`in_seconds`, :func:`ecdf`, :func:`restart_shares`,
+:func:`data_profiles`, :func:`success_rates`, :func:`aocc`, :func:`target_areas`, :func:`compare_sets`. And
 :func:`timing`, :func:`power_table`, :func:`feasibility`, :func:`integrity`.
 
 Arguments mean the same everywhere: ``frame`` is the tidy frame, ``traces`` are those of its trials, by (problem,
@@ -33,6 +34,7 @@ from bench.analysis.across import (
     normalised_errors,
     probability_of_improvement,
     relative_medians,
+    wilcoxon_cliques,
     wilcoxon_tests,
 )
 from bench.analysis.anytime import (
@@ -58,6 +60,7 @@ from bench.analysis.cells import (
     coverage,
     in_study_order,
     labels,
+    near_best,
     reference_values,
     regret,
     scores,
@@ -66,6 +69,7 @@ from bench.analysis.cells import (
     timing,
     variables,
 )
+from bench.analysis.certainty import ranking_certainty
 from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
 from bench.analysis.dominance import u_scores
 from bench.analysis.feasibility import feasibility
@@ -92,6 +96,7 @@ from bench.analysis.running_time import (
     running_times,
     simulated_restarts,
 )
+from bench.analysis.stages import SHARES, stage_ranks, unused_budget
 from bench.analysis.standings import disagreements, mean_ranks, standings
 from bench.analysis.target_sets import (
     COCO_PRECISIONS,
@@ -110,6 +115,7 @@ __all__ = [
     "HIDDEN_THREADS",
     "NEAR",
     "PRECISIONS",
+    "SHARES",
     "SOLVED",
     "TIED",
     "Budgets",
@@ -149,6 +155,7 @@ __all__ = [
     "mean_ranks",
     "mean_shares",
     "medians",
+    "near_best",
     "nemenyi",
     "normalised_errors",
     "pairwise_tests",
@@ -157,6 +164,7 @@ __all__ = [
     "precision_targets",
     "probability_of_improvement",
     "ranking",
+    "ranking_certainty",
     "reference_times",
     "reference_values",
     "regret",
@@ -166,6 +174,7 @@ __all__ = [
     "running_times",
     "scores",
     "simulated_restarts",
+    "stage_ranks",
     "standings",
     "stopped_early",
     "success_rates",
@@ -177,6 +186,8 @@ __all__ = [
     "timing",
     "tolerance_times",
     "u_scores",
+    "unused_budget",
     "variables",
+    "wilcoxon_cliques",
     "wilcoxon_tests",
 ]

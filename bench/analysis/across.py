@@ -163,6 +163,28 @@ def cliques(average_ranks: pd.Series[float], difference: float) -> list[tuple[st
     return groups
 
 
+def wilcoxon_cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> list[tuple[str, ...]]:
+    """Return the groups of at least two optimizers, neighbours by average rank, of which no pair differs significantly.
+
+    ``tests`` are those of :func:`wilcoxon_tests`. They depend on the two optimizers alone, unlike differences of
+    average ranks (Benavoli, Corani and Mangili 2016, Journal of Machine Learning Research 17). Only the largest groups
+    are returned: the bars of a critical-difference diagram.
+    """
+    ordered = [str(label) for label in average_ranks.dropna().sort_values(kind="stable").index]
+    first, second, clear = (tests[name] for name in ("first", "second", "significant"))
+    apart = {frozenset(pair) for *pair, differs in zip(first, second, clear, strict=True) if differs}
+    groups: list[tuple[str, ...]] = []
+    last = 0
+    for start in range(len(ordered)):
+        end = start + 1
+        while end < len(ordered) and not any(frozenset((each, ordered[end])) in apart for each in ordered[start:end]):
+            end += 1
+        if end > max(last, start + 1):
+            groups.append(tuple(ordered[start:end]))
+            last = end
+    return groups
+
+
 def probability_of_improvement(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     """Return the probability that ``first`` ends below ``second``: first, second, problems, probability, low and high.
 

@@ -139,6 +139,24 @@ def reference_values(
     return {problem: _reference_value(found, (optima or {}).get(problem, np.inf)) for problem, found in lowest.items()}
 
 
+def near_best(
+    frame: pd.DataFrame, optima: Mapping[str, float], share: float = 0.01, least: float = 1e-8
+) -> pd.Series[float]:
+    """Return the share of each optimizer's trials that ended near the best known value, the mean over problems.
+
+    Near is within ``share`` of its size, or within ``least`` of it. The best known value is the optimum, or the lowest
+    value of all trials (:func:`reference_values`). Only problems on which every optimizer has a trial count; empty
+    where there is none.
+    """
+    values, optimizers = scores(frame), labels(frame, "optimizer")
+    problem, optimizer = (frame[name].astype(object) for name in ("problem", "optimizer"))
+    lowest = {str(label): float(own) for label, own in values.groupby(problem).min().items()}
+    best = problem.map({label: each.value for label, each in reference_values(lowest, optima).items()}).astype(float)
+    near = pd.Series(np.isfinite(values) & (values <= best + (share * best.abs()).clip(lower=least)), dtype=float)
+    shares = near.groupby([problem, optimizer]).mean().unstack().reindex(columns=optimizers).dropna()
+    return shares.mean() if len(shares) else pd.Series(dtype=float)
+
+
 def regret(table: pd.DataFrame, optima: Mapping[str, float], columns: Sequence[str]) -> pd.DataFrame:
     """Return the rows of the problems of ``optima``, with their optimum subtracted from ``columns``.
 

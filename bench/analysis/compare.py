@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -34,6 +34,7 @@ def comparison_matrix(
     hold at least the optimizers of ``summary``.
     """
     cells = list(zip(summary["problem"], summary["optimizer"], strict=True))
+    winners: set[tuple[Any, Any]]
     if by == "value":
         values = table(summary, statistic)
         best = _lowest(values) & (values.notna().sum(axis=1) > 1).to_numpy()[:, np.newaxis]

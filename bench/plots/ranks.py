@@ -1,8 +1,8 @@
-"""Critical-difference diagrams of ranks over problems, and forest plots of how often one of two does better."""
+"""Critical-difference diagrams, ranks over the budget, and forest plots of how often one of two does better."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -93,6 +93,72 @@ def _ruler(ax: Axes, start: float, length: float) -> None:
         clip_on=False,
     )  # fmt: skip
     ax.text(start + length / 2, 1, f"CD = {length:.2f}", transform=lifted, ha="center", va="bottom")
+
+
+def rank_course(ranks: pd.DataFrame, *, looks: style.Looks | None = None, ax: Axes | None = None) -> Axes:
+    """Draw the mean rank of each optimizer over the evaluations, the best at the top, with its name at the right.
+
+    ``ranks`` has optimizer, evaluations (or share, of the budget) and rank, a row a stage. Optimizers whose look is in
+    the background (:func:`bench.plots.style.looks`) have no name.
+    """
+    looks = style.looks_of(ranks, looks)
+    ax = style.own_axes(ax)
+    along = "evaluations" if "evaluations" in ranks else "share"
+    shown = style.names(looks, RANK_NAME)
+    last: dict[str, float] = {}
+    for optimizer, look in sorted(looks.items(), key=lambda item: not item[1].background):
+        x, y = ranks.loc[ranks["optimizer"] == optimizer, [along, "rank"]].to_numpy(dtype=float).T
+        if not len(x):
+            continue
+        ax.plot(
+            x, y, color=look.color, linestyle=look.line, linewidth=0.6 if look.background else 1.3,
+            marker="" if look.background else look.marker, markersize=4.0, clip_on=False,
+        )  # fmt: skip
+        if not look.background:
+            last[optimizer] = float(y[-1])
+    least, most = float(ranks["rank"].min()), float(ranks["rank"].max())
+    room = max(most - least, 1.0)
+    ax.set_ylim(most + 0.05 * room, least - 0.05 * room)
+    ax.yaxis.set_major_locator(MaxNLocator(6, integer=True))
+    style.log_scale(ax, "x")
+    stages = sorted(ranks[along].unique())
+    ax.set_xticks(stages, [f"{each:,.0f}" if along == "evaluations" else f"{each:.0%}" for each in stages])
+    ax.set_xlim(stages[0], stages[-1])
+    if along == "evaluations":
+        ax.tick_params(axis="x", rotation=30)
+    gap = 1.1 * room * LINE / (ax.get_window_extent().height / ax.figure.dpi)
+    for optimizer, place in _apart(last, gap).items():
+        color = looks[optimizer].color
+        ax.annotate(
+            shown[optimizer], (1.0, last[optimizer]), (1.04, place), xycoords=ax.get_yaxis_transform(), va="center",
+            textcoords=ax.get_yaxis_transform(), color=color, annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 0},
+        )  # fmt: skip
+    ax.set_ylabel("mean rank")
+    ax.set_xlabel("evaluations" if along == "evaluations" else "share of the budget")
+    return ax
+
+
+def _apart(places: Mapping[str, float], gap: float) -> dict[str, float]:
+    """Return places at least a gap apart, as near to their own as a single pass allows, in their order."""
+    found: dict[str, float] = {}
+    group: list[tuple[str, float]] = []
+    for name, place in sorted(places.items(), key=lambda item: item[1]):
+        if group and place < _center(group) + gap * (len(group) / 2 + 0.5):
+            group.append((name, place))
+        else:
+            found |= _spaced(group, gap)
+            group = [(name, place)]
+    return found | _spaced(group, gap)
+
+
+def _center(group: Sequence[tuple[str, float]]) -> float:
+    return sum(place for _, place in group) / max(len(group), 1)
+
+
+def _spaced(group: Sequence[tuple[str, float]], gap: float) -> dict[str, float]:
+    start = _center(group) - gap * (len(group) - 1) / 2
+    return {name: start + gap * number for number, (name, _) in enumerate(group)}
 
 
 def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | None = None) -> Axes:

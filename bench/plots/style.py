@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import unicodedata
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
@@ -41,6 +41,7 @@ POINTS, SMALL = float(RC["font.size"]), 6.67  # of text, and of numbers on axes 
 
 # Okabe and Ito (2008), safe for colour-blind readers; yellow last, as it is faint on white.
 PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000", "#F0E442")
+GREY = "#BDBDBD"  # of optimizers in the background
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 LINES = ("-", "--", "-.", ":", (0, (5, 1)))
 HATCHES = ("", "///")
@@ -63,6 +64,7 @@ class Look:
     color: str
     marker: str
     line: Any
+    background: bool = False
 
 
 Looks = Mapping[str, Look]
@@ -74,12 +76,18 @@ def context() -> AbstractContextManager[None]:
     return matplotlib.rc_context(settings)
 
 
-def looks(labels: Iterable[str]) -> dict[str, Look]:
-    """Return a look for each label; the cycles have coprime lengths, so the first 280 all differ."""
-    return {
+def looks(labels: Iterable[str], best: Collection[str] | None = None) -> dict[str, Look]:
+    """Return a look for each label; the cycles have coprime lengths, so the first 280 all differ.
+
+    With ``best``, only these have a look of their own; the others are drawn in grey, behind them.
+    """
+    known = list(labels)
+    chosen = known if best is None else [label for label in known if label in best]
+    own = {
         label: Look(PALETTE[i % len(PALETTE)], MARKERS[i % len(MARKERS)], LINES[i % len(LINES)])
-        for i, label in enumerate(labels)
+        for i, label in enumerate(chosen)
     }
+    return {label: own.get(label, Look(GREY, "", "-", background=True)) for label in known}
 
 
 def looks_of(frame: pd.DataFrame, given: Looks | None = None) -> Looks:
@@ -177,13 +185,16 @@ def name_rows(ax: Axes, names: Sequence[str]) -> range:
 
 def handles(looks: Looks) -> list[Line2D]:
     """Return the legend entries of the first :data:`MANY_NAMES` optimizers, and how many more there are."""
-    shown = list(zip(names(looks).values(), looks.values(), strict=True))[:MANY_NAMES]
+    own = {label: look for label, look in looks.items() if not look.background}
+    shown = list(zip(names(own).values(), own.values(), strict=True))[:MANY_NAMES]
     entries = [
         Line2D([], [], color=look.color, linestyle=look.line, linewidth=1.2, marker=look.marker, markersize=3.5,
                label=name)
         for name, look in shown
     ]  # fmt: skip
-    if left_out := len(looks) - len(shown):
+    if grey := len(looks) - len(own):
+        entries.append(Line2D([], [], color=GREY, linewidth=1.2, label=f"{grey} others"))
+    if left_out := len(own) - len(shown):
         entries.append(Line2D([], [], linestyle="none", label=f"and {left_out} more"))
     return entries
 

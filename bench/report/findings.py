@@ -16,6 +16,7 @@ from bench.budget import described, evaluations
 from bench.errors import BenchError
 from bench.execution.descriptions import Description, describe
 from bench.importing.best2009 import best2009, function_of
+from bench.plots import style
 from bench.report.landscapes import Landscapes, landscapes
 from bench.report.methods import Methods, MethodsFacts, methods
 from bench.report.target_words import TargetWords, default_targets, target_words
@@ -23,6 +24,10 @@ from bench.storage.results import ProblemFacts, Results
 from bench.study import Entry, Study
 from bench.targets import NO_METRIC, Targets
 
+MANY_OPTIMIZERS = 10
+"""Of more optimizers than these only the best are drawn in colour, and pairs are shown as a matrix."""
+
+COLOURED = 8  # optimizers, as many as there are colours
 MANY_PROBLEMS = 20
 """More problems than these are folded away one by one, below what can be said of all."""
 
@@ -82,6 +87,18 @@ class Findings:
     def optimizers(self) -> list[str]:
         """The labels of the study's optimizers."""
         return analysis.labels(self.frame, "optimizer")
+
+    @cached_property
+    def ranked(self) -> list[str]:
+        """The labels of the optimizers by mean rank, those without one last."""
+        ranks = self.ranking.set_index("optimizer")["mean_rank"]
+        return list(ranks.sort_values(kind="stable", na_position="last").index)
+
+    @cached_property
+    def looks(self) -> style.Looks:
+        """The look of each optimizer in every figure: of many, only the best have one of their own."""
+        best = self.ranked[:COLOURED] if len(self.optimizers) > MANY_OPTIMIZERS else None
+        return style.looks(self.optimizers, best)
 
     @cached_property
     def coverage(self) -> pd.DataFrame:
@@ -178,6 +195,15 @@ class Findings:
         stored = self.coverage.loc[self.coverage["stored"] > 0, "stored"]
         return (int(stored.min()), int(stored.max())) if len(stored) else (0, 0)
 
+    @cached_property
+    def sweeps(self) -> dict[str, list[str]]:
+        """The problems, three or more, that are steps of one sweep, by its name."""
+        found: dict[str, list[str]] = {}
+        for label, each in self.known.items():
+            if name := str(each.features.get("sweep", "")):
+                found.setdefault(name, []).append(label)
+        return {name: own for name, own in found.items() if len(own) > 2}
+
     # at the end of the budget, problem by problem
 
     @cached_property
@@ -211,7 +237,22 @@ class Findings:
         """The number of problems on which each optimizer is ranked first."""
         return analysis.ranking(self.summary, self.pairs)
 
+    @cached_property
+    def testable(self) -> bool:
+        """Whether any test of a pair can be significant with so many trials."""
+        return bool(self.pairs["testable"].any())
+
     # across problems
+
+    @cached_property
+    def certainty(self) -> pd.DataFrame:
+        """How far other trials on the same problems could move the ranking."""
+        return analysis.ranking_certainty(self.frame)
+
+    @cached_property
+    def improvement(self) -> pd.DataFrame:
+        """The probability that a trial of one optimizer ends below one of another, over all problems."""
+        return analysis.probability_of_improvement(self.frame)
 
     @cached_property
     def medians(self) -> pd.DataFrame:
@@ -229,6 +270,16 @@ class Findings:
         return analysis.wilcoxon_tests(self.medians, self.optima)
 
     # over the evaluations
+
+    @cached_property
+    def stages(self) -> pd.DataFrame:
+        """The rank of each cell after some shares of the budget."""
+        return analysis.stage_ranks(self.frame, self.traces, self.budgets)
+
+    @cached_property
+    def unused(self) -> pd.DataFrame:
+        """The share of the budget that each optimizer left."""
+        return analysis.unused_budget(self.frame, self.allowed)
 
     @cached_property
     def words(self) -> TargetWords:

@@ -114,6 +114,7 @@ def _cell(cell: TableCell, number: bool, wrap: bool) -> str:
     text = f"\\textit{{{text}}}" if cell.italic else text
     if cell.bold:
         text = f"\\textbf{{\\boldmath {text}}}" if "$" in text else f"\\textbf{{{text}}}"
+    text = f"{SYMBOLS['✗']} {text}" if cell.lost else text
     return f"{text}\\textsuperscript{{{escape(cell.mark)}}}" if cell.mark else text
 
 

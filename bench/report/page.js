@@ -125,14 +125,27 @@
     code.before(button);
   }
 
-  // Printing: open the data tables of figures, and fold them again afterwards; a folded section stays as it is.
+  // Contents: open or close all sections at once.
 
-  let opened = [];
-  addEventListener("beforeprint", () => {
-    opened = [...document.querySelectorAll("main details:not([open], .long, .folded)")];
-    for (const details of opened) details.open = true;
-  });
-  addEventListener("afterprint", () => {
-    for (const details of opened) details.open = false;
-  });
+  const contents = document.querySelector("nav details");
+  const parts = [...document.querySelectorAll("details.part")];
+  if (contents && parts.length) {
+    const button = make("button", { type: "button", className: "all" }, "Open all sections");
+    button.addEventListener("click", () => {
+      const open = parts.some((part) => !part.open);
+      for (const part of parts) part.open = open;
+      button.textContent = open ? "Close all sections" : "Open all sections";
+    });
+    contents.after(button);
+  }
+
+  // Safari does not open a folded section that a link leads to.
+
+  const reveal = () => {
+    const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    for (let at = target; at; at = at.parentElement) if (at.tagName === "DETAILS") at.open = true;
+    target?.scrollIntoView();
+  };
+  addEventListener("hashchange", reveal);
+  if (location.hash) reveal();
 })();

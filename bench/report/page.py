@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import resources
@@ -17,7 +18,7 @@ from bench.report.interactive.part import Interactive, digest
 from bench.report.parts import Figure, Part, Section, Table, TableCell
 
 MOST_ROWS = 400  # of a table on the page; the CSV file has the rest
-PRINTED_ROWS = 40  # a longer data table of a figure is not printed
+UPRIGHT = 12  # columns of a shaded table above which their titles stand upright
 LONG_TEXT = 30  # characters beyond which a cell may break into lines
 ZOOM = 1.45  # scales a figure's 8 points to the size of the page's text
 
@@ -74,8 +75,17 @@ class Grid:
     total: int
 
 
-def render(title: str, lead: str, views: list[View], further: Interactive | None = None) -> str:
-    """Return the page as HTML, with its interactive part after the first view; the template escapes all text."""
+def render(
+    title: str,
+    lead: str,
+    views: list[View],
+    problems: Mapping[str, str] | None = None,
+    further: Interactive | None = None,
+) -> str:
+    """Return the page as HTML, with its interactive part after the first view; the template escapes all text.
+
+    ``problems`` has the anchor of the section on each problem: rows of tables that name a problem link to it.
+    """
     environment = Environment(
         loader=PackageLoader("bench.report", ""),
         autoescape=True,
@@ -88,7 +98,7 @@ def render(title: str, lead: str, views: list[View], further: Interactive | None
     style, script = _asset("page.css"), _asset("page.js")
     return environment.get_template("page.html.j2").render(
         title=title, lead=lead, views=views, style=style, script=script, script_hash=digest(script),
-        widest=_widest(views), printed_rows=PRINTED_ROWS, further=further or Interactive(),
+        widest=_widest(views), problems=problems or {}, further=further or Interactive(),
     )  # fmt: skip
 
 
@@ -96,16 +106,18 @@ def grid(table: Table) -> Grid:
     """Return the cells of a table that the page shows: all, or those of the first rows of a long table."""
     shown = table
     if len(table.frame) > MOST_ROWS:
-        frames = {name: getattr(table, name) for name in ("frame", "bold", "italic", "marks", "lost")}
+        frames = {name: getattr(table, name) for name in ("frame", "bold", "italic", "marks", "lost", "shades")}
         shown = replace(table, **{name: frame.head(MOST_ROWS) for name, frame in frames.items() if frame is not None})
     header, rows = shown.header, shown.rows
     lengths = [max((len(row[i].text + row[i].mark) for row in rows), default=0) for i in range(len(header))]
     words = [max(map(len, title.split()), default=0) for title, _ in header]
     ems = sum(1 + 0.6 * max(min(length, LONG_TEXT), word) for length, word in zip(lengths, words, strict=True))
-    kinds = [
+    kinds = ["heat"] if table.shades is not None else []
+    kinds += ["upright"] if table.shades is not None and len(header) > UPRIGHT else []
+    kinds += [
         f"{'w' if length > LONG_TEXT else 't'}{place}"
         for place, ((_, numeric), length) in enumerate(zip(header, lengths, strict=True), 1)
-        if not numeric
+        if not numeric and (place == 1 or table.shades is None)
     ]
     return Grid([title for title, _ in header], " ".join(kinds), round(ems), rows, len(table.frame))
 

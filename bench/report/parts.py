@@ -12,6 +12,9 @@ from pandas.api.types import is_bool_dtype, is_numeric_dtype
 
 from bench.report.wording import cell_text, usual_decimals
 
+Axis = Literal["problem", "optimizer"]
+SHADES = 8  # steps of a table's background
+
 
 @dataclass(frozen=True)
 class TableCell:
@@ -23,6 +26,9 @@ class TableCell:
     heads_row: bool = False
     mark: str = ""
     lost: bool = False
+    shade: int | None = None
+    problem: str = ""
+    optimizer: str = ""
 
 
 @dataclass(frozen=True)
@@ -41,6 +47,9 @@ class Table:
             the values of a column are of similar size.
         note: the explanation of the marks, below the table.
         data: the content of the CSV file where ``frame`` is abridged for reading; ``frame`` itself by default.
+        shades: how dark the background of a value is, from 0 to 1: numbers like ``frame``; missing for none.
+        axes: what rows and columns are, ("problem", "optimizer") or the reverse, where each value belongs to a cell of
+            the study: the page then marks it with the names of both.
     """
 
     name: str
@@ -53,6 +62,8 @@ class Table:
     decimals: int | Mapping[str, int] | None = None
     note: str = ""
     data: pd.DataFrame | None = None
+    shades: pd.DataFrame | None = None
+    axes: tuple[Axis, Axis] | None = None
 
     @property
     def has_index(self) -> bool:
@@ -69,17 +80,26 @@ class Table:
     def rows(self) -> list[list[TableCell]]:
         """The cells row by row, those of the index first."""
         keys = self.frame.index.to_frame().itertuples(index=False) if self.has_index else [()] * len(self.frame)
+        looks = (self.bold, self.italic, self.marks, self.lost, self.shades)
         columns = [
             [
-                TableCell(cell_text(value, decimals), bool(bold), bool(italic), mark=mark or "", lost=bool(lost))
-                for value, bold, italic, mark, lost in zip(values, *styles, strict=True)
+                TableCell(
+                    cell_text(value, decimals), bool(bold), bool(italic), mark=mark or "", lost=bool(lost),
+                    shade=None if shade is None or pd.isna(shade) else min(int(shade * SHADES), SHADES - 1),
+                    problem=self._of("problem", label, name), optimizer=self._of("optimizer", label, name),
+                )
+                for label, value, bold, italic, mark, lost, shade in zip(self.frame.index, values, *styles, strict=True)
             ]
             for name, values in self.frame.items()
-            for styles in [[self._styles(which, name) for which in (self.bold, self.italic, self.marks, self.lost)]]
+            for styles in [[self._styles(which, name) for which in looks]]
             for decimals in [self._decimals(name, values)]
-        ]
+        ]  # fmt: skip
         heads = [[TableCell(cell_text(value), heads_row=True) for value in key] for key in keys]
         return [[*head, *(column[i] for column in columns)] for i, head in enumerate(heads)]
+
+    def _of(self, axis: Axis, row: Any, column: Any) -> str:
+        """Return the problem or the optimizer of a value, "" where the table has no axes."""
+        return "" if self.axes is None else str((row, column)[self.axes.index(axis)])
 
     def _decimals(self, column: Any, values: pd.Series[Any]) -> int | None:
         given = self.decimals.get(column) if isinstance(self.decimals, Mapping) else self.decimals
@@ -129,11 +149,13 @@ class Card:
         title: a few words.
         text: paragraphs of plain text.
         tone: "claim" for a statement that the results support, "limit" for a limit of the results.
+        folded: whether only the title shows until a reader opens it; it is printed all the same.
     """
 
     title: str
     text: tuple[str, ...]
     tone: Literal["claim", "limit"]
+    folded: bool = False
 
     def __post_init__(self) -> None:
         """Raise TypeError for a text that the page cannot show."""
@@ -154,6 +176,8 @@ class Section:
         folded: whether a reader opens this subsection to see more than its title; it is printed only when it is open.
         code: text to show and copy verbatim, such as BibTeX.
         sections: subsections, one level deep.
+        on_demand: whether this section is printed only when it is open.
+        problem: the label of the problem that a subsection is about; rows of tables that name it link to it.
     """
 
     title: str
@@ -165,10 +189,14 @@ class Section:
     sections: tuple[Section, ...] = ()
     lost: str = ""
     folded: bool = False
+    on_demand: bool = False
+    problem: str = ""
 
     def __post_init__(self) -> None:
         """Raise TypeError for parts that the page cannot show, so that a plug-in's mistake is found at its source."""
-        _check_texts("section", self.title, self.lost, self.code, *_sequence(self.text), *_sequence(self.warnings))
+        _check_texts(
+            "section", self.title, self.lost, self.code, self.problem, *_sequence(self.text), *_sequence(self.warnings)
+        )
         if not all(isinstance(item, Table | Figure) for item in _sequence(self.items)):
             raise TypeError("a section's items must be Table or Figure")
         if not all(isinstance(card, Card) for card in _sequence(self.cards)):

@@ -24,6 +24,7 @@ from bench.plots import (
     data_profile,
     ecdf,
     ert,
+    rank_course,
     regret,
     scaling,
     style,
@@ -224,19 +225,37 @@ def scaling_figure(table: pd.DataFrame, optimizers: Sequence[str], *, target: st
     return Figure("scaling", caption, figure, table, data[list(optimizers)].rename_axis(columns=None))
 
 
-def rank_figure(
-    average_ranks: pd.Series[float], cliques: Collection[Sequence[str]], critical_difference: float
-) -> Figure:
-    """Return the critical-difference diagram of average ranks over problems."""
+def course_figure(stages: pd.DataFrame, looks: style.Looks) -> Figure:
+    """Return the mean rank of each optimizer over the budget; ``stages`` are those of :func:`stage_ranks`.
+
+    Over shares of the budget where the problems have different ones.
+    """
+    along = "evaluations" if (stages.groupby("share")["evaluations"].nunique() == 1).all() else "share"
+    means = stages.groupby([along, "optimizer"], sort=False, observed=True)["rank"].mean().reset_index()
+    named = [label for label, look in looks.items() if not look.background]
+    right = style.text_width(style.names(named, RANK_NAME).values()) + 0.25
+    figure, (ax,) = style.grid(1, width=_width(right), height=1.9, left=0.45, right=right, bottom=0.55, top=0.08)
+    rank_course(means, looks=looks, ax=ax)
+    problems = stages["problem"].nunique()
+    caption = (
+        f"Who leads when: the mean rank over {problems} problems after "
+        f"{'some evaluations' if along == 'evaluations' else 'shares of the budget'}, 1 for the best."
+    ).replace("over 1 problems", "on the only problem")
+    shown = means.pivot(index=along, columns="optimizer", values="rank")[list(looks)].rename_axis(columns=None)
+    return Figure("ranks-over-budget", caption, figure, stages, shown)
+
+
+def rank_figure(average_ranks: pd.Series[float], cliques: Collection[Sequence[str]]) -> Figure:
+    """Return the critical-difference diagram of average ranks over problems; a bar joins those of a clique."""
     side = style.text_width(style.names(average_ranks.index, RANK_NAME).values()) + 0.5
     figure, (ax,) = style.grid(
         1, width=_width(2 * side),
-        height=cd_height(average_ranks.count(), len(cliques)), left=side, right=side, bottom=0.05, top=0.5,
+        height=cd_height(average_ranks.count(), len(cliques)), left=side, right=side, bottom=0.05, top=0.3,
     )  # fmt: skip
-    cd_diagram(average_ranks, cliques, critical_difference, ax=ax)
+    cd_diagram(average_ranks, cliques, ax=ax)
     caption = (
-        "Average ranks over problems, the best at the left. A bar joins optimizers whose ranks differ by less than "
-        f"the critical difference, {critical_difference:.2f}."
+        "Critical-difference diagram: average ranks of the medians over problems, the best at the left. A bar joins "
+        "optimizers no pair of which differs significantly (Wilcoxon, Holm)."
     )
     return Figure("ranks", caption, figure, average_ranks.rename_axis("optimizer").reset_index(name="average_rank"))
 

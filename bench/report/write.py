@@ -31,11 +31,12 @@ from bench.report.sections import CLOSING, OPENING
 from bench.report.wording import count
 from bench.storage.results import Results
 from bench.targets import checked
-from bench.text import file_name, free
+from bench.text import file_name, free, slug
 
 PAGE, MANIFEST = "report.html", ".report.json"
 TABLES, FIGURES = "tables", "figures"
-ANCHOR = "part"  # of the sections, part.1 and so on; a figure of this name would have ids like these
+ANCHOR = "part"  # of the sections, part.verdict and so on; a figure of this name would have ids like these
+PROBLEM = "problem"  # of the sections on one problem
 FEW = 4  # problems up to which other processes would take longer to start than to draw
 COMPARISONS = Path("results") / "comparisons"
 WHOLE = {
@@ -132,7 +133,9 @@ class _Report:
         self.drawer = drawer
         self.views: list[View] = []
         self.files: dict[str, str] = {}
-        self.names = {*WHOLE, ANCHOR}
+        self.names = {*WHOLE, ANCHOR, PROBLEM}
+        self.anchors: set[str] = set()
+        self.problems: dict[str, str] = {}  # the anchor of the section on each problem
         self._on_progress = on_progress
         self._done = 0
         self._steps = 0
@@ -161,7 +164,8 @@ class _Report:
             f"{described(study.budget)} a trial."
         )
         further = interactive(self.findings)
-        page = self.save(PAGE, render(study.title or study.name, lead, self.views, further), "This page.")
+        html = render(study.title or study.name, lead, self.views, self.problems, further)
+        page = self.save(PAGE, html, "This page.")
         self.clean()
         return page
 
@@ -187,7 +191,13 @@ class _Report:
         return prepared
 
     def append(self, section: Section) -> None:
-        self.views.append(self.view(section, f"{ANCHOR}.{len(self.views) + 1}"))
+        self.views.append(self.view(section, self.anchor(ANCHOR, section.title)))
+
+    def anchor(self, kind: str, title: str) -> str:
+        """Return the id of a section, which stays the same as long as its title does."""
+        name = free(f"{kind}.{slug(title) or 'part'}", self.anchors)
+        self.anchors.add(name)
+        return name
 
     def append_plugin(self, name: str, sections: list[Section] | Exception) -> None:
         """Add the sections of a plug-in, or a warning where it raises, which costs no other part."""
@@ -224,15 +234,20 @@ class _Report:
             "Paths are relative to this page. CSV files have all digits, also where the page shows fewer. Figures are "
             f"{style.COLUMN} or {style.TEXT} in wide, for one or both columns of a paper."
         )
-        section = Section("Downloads", (text,))
+        section = Section("Downloads", (text,), on_demand=True)
         self.step(section.title)
-        self.views.append(View(f"{ANCHOR}.{len(self.views) + 1}", section, [], [], sorted(self.files.items())))
+        anchor = self.anchor(ANCHOR, section.title)
+        self.views.append(View(anchor, section, [], [], sorted(self.files.items())))
 
     def view(self, section: Section, anchor: str) -> View:
         view = View(anchor, section, [self.item(part) for part in section.items], [], [])
-        for number, each in enumerate(section.sections, 1):
-            self.step(f"{section.title}: {each.title}")
-            view.views.append(self.view(each, f"{anchor}.{number}"))
+        for each in section.sections:
+            if each.problem:
+                self.step(f"{section.title}: {each.title}")
+            inner = self.anchor(PROBLEM if each.problem else anchor, each.problem or each.title)
+            if each.problem:
+                self.problems.setdefault(each.problem, inner)
+            view.views.append(self.view(each, inner))
         return view
 
     def item(self, part: Part) -> Item:

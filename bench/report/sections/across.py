@@ -11,6 +11,7 @@ from bench.analysis import ALPHA
 from bench.report.findings import Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import forest_figure, rank_figure
+from bench.report.sections.verdict import across, dependent
 from bench.report.wording import count, p_text
 
 TITLE = "Across problems"
@@ -24,21 +25,20 @@ def section(findings: Findings) -> Section:
     if medians.empty:
         return Section(TITLE, ("No problem has trials of every optimizer, so there is nothing to compare.",))
     left_out = len(findings.problems) - len(medians)
-    text = [_friedman(findings.friedman), _suite(findings)]
+    text = [
+        f"{_friedman(findings.friedman)} {across(findings)}",
+        *filter(None, [dependent(findings)]),
+        _suite(findings),
+    ]
     if left_out:
         text.append(
             f"The tests of this part leave out {count(left_out, 'problem')} on which an optimizer has no trial."
         )
     items: list[Part] = []
     if len(medians) > 1 and len(optimizers) > 2:
-        ranks, difference = analysis.average_ranks(medians), analysis.critical_difference(len(optimizers), len(medians))
-        items.append(rank_figure(ranks, analysis.cliques(ranks, difference), difference))
-        text.append(
-            f"In the critical-difference diagram a bar joins optimizers whose average ranks over {len(medians)} "
-            f"problems differ by less than {difference:.2f}, the critical difference of Nemenyi’s test at {ALPHA:g}. "
-            "The diagram illustrates the ranks; rely on the Wilcoxon tests below it."
-        )
-    items.append(forest_figure(analysis.probability_of_improvement(findings.frame)))
+        ranks = analysis.average_ranks(medians)
+        items.append(rank_figure(ranks, analysis.wilcoxon_cliques(ranks, findings.wilcoxon)))
+    items.append(forest_figure(findings.improvement))
     items += [_wilcoxon(findings.wilcoxon), _aggregate(analysis.interquartile_mean(findings.frame, findings.optima))]
     return Section(TITLE, tuple(text), tuple(items))
 
@@ -68,12 +68,13 @@ def _suite(findings: Findings) -> str:
 def _wilcoxon(tests: pd.DataFrame) -> Table:
     names = {
         "first": "first", "second": "second", "problems": "problems", "statistic": "W", "p": "p", "p_holm": "p (Holm)",
-        "significant": "significant", "lower": "tends lower", "note": "note",
+        "significant": "significant", "lower": "lower", "note": "note",
     }  # fmt: skip
+    shown = tests[list(names)].assign(lower=tests["lower"].where(tests["significant"], ""))
     return Table(
         "wilcoxon",
         "Wilcoxon’s signed-rank test of each pair on the medians of the problems, adjusted by Holm’s method.",
-        tests[list(names)].rename(columns=names),
+        shown.rename(columns=names),
         decimals={"W": 1},
         data=tests,
     )

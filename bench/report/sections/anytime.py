@@ -45,13 +45,10 @@ def section(findings: Findings) -> Section:
         *_ladder(words, findings.targets, len(findings.problems)),
     )
     times = analysis.expected_running_time(hits)
-    if not findings.many:
-        *values, running = _by_problem(findings, findings.problems, times)
-        return Section(TITLE, text, (*values, together, running, *rates))
-    # A figure with a panel for each is longer than a page, and the problems of one dimension belong together.
+    # A figure with a panel for each is a page or longer, and the problems of one dimension belong together.
     by_dimension: dict[int | None, list[str]] = {}
     for label in findings.problems:
-        by_dimension.setdefault(dimensions.get(label), []).append(label)
+        by_dimension.setdefault(dimensions.get(label) if findings.many else None, []).append(label)
     own_parts = tuple(
         Section(
             "Each problem" if dimension is None or len(by_dimension) == 1 else f"Each problem in dimension {dimension}",

@@ -106,20 +106,20 @@ def _odd(odd: pd.DataFrame) -> str:
     if odd.empty:
         return ""
     return (
-        f"On {count(len(odd), 'problem')} ({listing(list(map(str, odd['problem'])), at_most=5)}) the median or the mean "
-        "names another best optimizer than the ranks: the trials there end in several basins, so look at the "
-        "distributions."
+        f"On {count(len(odd), 'problem')} ({listing(list(map(str, odd['problem'])), at_most=5)}) the median or "
+        "the mean names another best optimizer than the ranks: the trials there end in several basins, so look at "
+        "the distributions."
     )
 
 
 def _other_best(odd: pd.DataFrame) -> pd.Series[str]:
     """Return which optimizer is best by the median or by the mean, where it is not the first one, by problem."""
     texts = {
-        each.problem: "; ".join(
-            f"{name} {listing(list(map(str, own)), at_most=3)}"
-            for name, own in (("median", each.median), ("mean", each.mean))
-            if own and not set(own) & set(each.standing)
+        each["problem"]: "; ".join(
+            f"{name} {listing([*map(str, each[name])], at_most=3)}"
+            for name in ("median", "mean")
+            if each[name] and not {*each[name]} & {*each["standing"]}
         )
-        for each in odd.itertuples()
+        for each in odd.to_dict("records")
     }
     return pd.Series(texts, dtype=object)

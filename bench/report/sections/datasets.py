@@ -16,9 +16,6 @@ from bench.report.wording import count, interval, listing, usual_decimals
 TITLE = "Problem by problem"
 BEST = "best of 2009"
 
-FOLDED = 4
-"""More problems than these are folded away one by one."""
-
 
 def section(findings: Findings) -> Section:
     """Return a section for each problem of the study: all its trials, their statistics and the tests of every pair."""
@@ -35,16 +32,14 @@ def section(findings: Findings) -> Section:
         f"{kind}. A12 = 0.5 means no tendency; an effect with A12 of at least {above} (or at most {below}) is called "
         f"{listing(words)}. Cliff’s delta is 2 A12 − 1."
     )
-    return Section(TITLE, (how_to_read,), sections=tuple(_problem(findings, problem, rates) for problem in every))
+    each = tuple(_problem(findings, problem, rates) for problem in every)
+    return Section(TITLE, (how_to_read,), sections=each, on_demand=True)
 
 
 def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
     if problem not in findings.problems:
-        return Section(
-            problem,
-            warnings=("No optimizer has a trial on this problem yet.",),
-            folded=len(findings.study.problems) > FOLDED,
-        )
+        missing = ("No optimizer has a trial on this problem yet.",)
+        return Section(problem, warnings=missing, folded=True, problem=problem)
     own = findings.coverage[findings.coverage["problem"] == problem]
     empty = list(own.loc[own["stored"] == 0, "optimizer"])
     warnings = [f"No trial of {listing(empty)} on this problem."] if empty else []
@@ -73,7 +68,7 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
                 f"{few} of {count(len(pairs), 'pair')} cannot be significant whatever the values, because there are "
                 "too few trials; p is set to 1."
             )
-    return Section(problem, tuple(text), tuple(items), tuple(warnings), folded=len(findings.study.problems) > FOLDED)
+    return Section(problem, tuple(text), tuple(items), tuple(warnings), folded=True, problem=problem)
 
 
 def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
@@ -166,7 +161,7 @@ def _pairs(problem: str, pairs: pd.DataFrame) -> Table:
             "A12": pairs["a12"],
             "A12 95%": [_a12_interval(pair) for pair in pairs.itertuples()],
             "effect": [effect_size(value) if pd.notna(value) else "" for value in pairs["a12"]],
-            "tends lower": pairs["lower"],
+            "lower": pairs["lower"].where(pairs["significant"], ""),
             "note": [_note(pair) for pair in pairs.itertuples()],
         }
     )
@@ -179,7 +174,7 @@ def _pairs(problem: str, pairs: pd.DataFrame) -> Table:
         shown,
         bold=pd.DataFrame({"p (Holm)": pairs["significant"].to_numpy(dtype=bool)}, index=shown.index),
         decimals={"D": 3, "A12": 3},
-        note=f"Bold: significant at {ALPHA:g} after Holm’s adjustment.",
+        note=f"Bold: significant at {ALPHA:g} after Holm’s adjustment; lower: and the interval of A12 excludes 0.5.",
         data=pairs,
     )
 

@@ -44,7 +44,7 @@ def section(findings: Findings) -> Section:
     items += [*origins.environments(), origins.runs()]
     if origins.known and len(origins.groups) > 1:
         items.append(origins.trials())
-    return Section(TITLE, tuple(text), tuple(items), tuple(origins.warnings()))
+    return Section(TITLE, tuple(text), tuple(items), tuple(origins.warnings()), on_demand=True)
 
 
 def _entries(study: Study) -> Table:

@@ -7,14 +7,14 @@ import pandas as pd
 from bench.analysis.integrity import TRAITS
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
-from bench.report.wording import count, listing, unfinished_trials
+from bench.report.wording import count, listing
 
 TITLE = "Integrity checks"
 TROUBLE = ("error", "warning")
 
 
 def section(findings: Findings) -> Section:
-    """Return every check with its finding, warnings for what is wrong, and tables of incomplete cells and failures."""
+    """Return every check with its finding, and tables of incomplete cells and failures."""
     checks = findings.integrity
     troubles = int(checks["verdict"].isin(TROUBLE).sum())
     unchecked = int((checks["verdict"] == "not checked").sum())
@@ -39,8 +39,7 @@ def section(findings: Findings) -> Section:
         TITLE,
         (text, unseen),
         (table, *_incomplete(findings)),
-        warnings(findings),
-        lost=unfinished_trials(findings.frame),
+        on_demand=True,  # the verdict has the warnings
     )
 
 

@@ -66,13 +66,36 @@ def _of_problems(data: pd.DataFrame, problems: pd.Series[Any]) -> pd.DataFrame:
 
 
 def errors_by(data: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    """Return trials, mean and median error, and the percentage of trials within the tolerance, by ``keys``.
+    """Return trials, mean and median error, the median of its size, and the percentage of trials within the tolerance.
 
+    One row for each value of ``keys``. Signed errors show which way an optimizer errs; over- and underestimates cancel
+    in them, so that a wide scatter about the truth looks accurate: only the size shows how far off a trial is.
     Only trials with a known truth count. Errors are over the trials that found a value, the percentage is over all.
     """
     groups = with_truth(data).groupby(keys, observed=True)
     errors = groups["error"].agg(["size", "mean", "median"]).set_axis(["trials", "mean error", "median error"], axis=1)
-    return errors.assign(**{"within band %": 100 * groups["within"].mean()})
+    size = with_truth(data).assign(error=lambda own: own["error"].abs()).groupby(keys, observed=True)["error"].median()
+    return errors.assign(**{"median |error|": size, "within band %": 100 * groups["within"].mean()})
+
+
+def signed_and_size(data: pd.DataFrame, unit: str, factor: float = 1.0) -> str:
+    """Return who is the most accurate by the signed median error and by its size, where these differ; else "".
+
+    ``factor`` converts the errors to the ``unit``, such as " rpm", which follows the numbers.
+    """
+    errors = errors_by(data, ["optimizer"]).dropna()
+    signed, size = factor * errors["median error"], factor * errors["median |error|"]
+    if len(errors) < 2:
+        return ""
+    one, best, worst = (str(each.idxmin()) for each in (signed.abs(), size, -size))
+    if one == best:
+        return ""
+    far = ", the largest of all" if one == worst else ""
+    return (
+        f"By the signed median error {one} looks the most accurate ({signed[one]:+.1f}{unit}), because its errors to "
+        f"both sides cancel. The median size of its error is {size[one]:.1f}{unit}{far}; the smallest is that of "
+        f"{best}, {size[best]:.1f}{unit}."
+    )
 
 
 def expected_by_problem(data: pd.DataFrame) -> pd.DataFrame:

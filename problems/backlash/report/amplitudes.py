@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,16 @@ from bench.analysis import ALPHA, labels
 from bench.plots import style
 from bench.report import Figure, Section, Table
 from bench.report.wording import count, leaders, listing
-from problems.backlash.report.accuracy import dataset_panels, errors_by, estimates, expected_by_problem, shares_within
-from problems.backlash.report.fitting_errors import EXTRA, SWARMS, algorithms
+from problems.backlash.report.accuracy import (
+    dataset_panels,
+    errors_by,
+    estimates,
+    expected_by_problem,
+    shares_within,
+    signed_and_size,
+    with_truth,
+)
+from problems.backlash.report.fitting_errors import EXTRA, SWARMS, algorithms, other_conditions
 from problems.backlash.signature.problem import TOLERANCE_RPM
 
 REFERENCES = ("expected amplitude", "accuracy band")
@@ -44,17 +53,18 @@ def _tables(data: pd.DataFrame, cells: pd.DataFrame) -> list[Table]:
         "amplitude-errors",
         f"Amplitude error in rpm (found less expected), and the percentage of trials within {BAND}.",
         errors_by(data, ["optimizer"]),
-        decimals={"mean error": 2, "median error": 2, "within band %": 1},
+        decimals={"mean error": 2, "median error": 2, "median |error|": 2, "within band %": 1},
         note="Errors are over finished trials, the percentage is over all; a failed trial is not within the band.",
     )
     captions = {
         "within band %": (f"percentage of trials within {BAND}", 0),
+        "median |error|": ("median size of the amplitude error in rpm", 2),
         "median error": ("median amplitude error in rpm", 2),
         "mean error": ("mean amplitude error in rpm", 2),
     }
     by_dataset = [
         Table(
-            f"amplitude-{column.removesuffix(' %').replace(' ', '-')}-by-dataset",
+            f"amplitude-{column.removesuffix(' %').replace(' ', '-').replace('|error|', 'size')}-by-dataset",
             f"By dataset: {caption}.",
             cells[column].unstack("optimizer").rename_axis(columns=None),
             decimals=decimals,
@@ -135,7 +145,8 @@ def sentences(data: pd.DataFrame, study: Study) -> tuple[str, ...]:
     band = f"{BAND} about the expected amplitude (half of Delta A of section 7.2.3)"
     text = (
         f"{shares_within(data)} are within the accuracy band of {band}.",
-        _most_accurate(data, known),
+        _most_accurate(data, known, study),
+        signed_and_size(data, " rpm"),
         _underestimates(swarms),
         _widens(data),
         _narrowest(swarms, known),
@@ -143,25 +154,50 @@ def sentences(data: pd.DataFrame, study: Study) -> tuple[str, ...]:
     return tuple(filter(None, text))
 
 
-def _most_accurate(data: pd.DataFrame, known: dict[str, str]) -> str:
-    """Return which algorithm has most and fewest trials within the band, where the thesis's all have trials."""
+def _most_accurate(data: pd.DataFrame, known: dict[str, str], study: Study) -> str:
+    """Return which algorithm has most and fewest trials within the band, where the thesis's all have trials.
+
+    A claim is neither supported nor contradicted where Wilson's intervals of the shares overlap.
+    """
     if not {*SWARMS, EXTRA} <= set(known):
         return ""
-    within = errors_by(data, ["optimizer"])["within band %"].reindex([known[name] for name in (*SWARMS, EXTRA)])
-    if within.isna().any():
+    labels = [known[name] for name in (*SWARMS, EXTRA)]
+    groups = with_truth(data).groupby("optimizer", observed=True)["within"]
+    counts = groups.agg(["sum", "size"]).reindex(labels)
+    if counts.isna().any(axis=None):
         return ""
-    swarms = within.drop(known[EXTRA])
-    claims = {
-        "CMA-ES the most suited": within[known[EXTRA]] > swarms.max(),
-        "GWO the best of the swarms": swarms[known["gwo"]] > swarms.drop(known["gwo"]).max(),
-        "DA the least effective": swarms[known["da"]] < swarms.drop(known["da"]).min(),
+    shares = {
+        str(label): (hits / trials, *binomtest(int(hits), int(trials)).proportion_ci(method="wilson"))
+        for label, hits, trials in counts.itertuples(name=None)
     }
+    swarms = [known[name] for name in SWARMS]
+    claims = {
+        "CMA-ES the most suited": _above(shares, known[EXTRA], swarms),
+        "GWO the best of the swarms": _above(shares, known["gwo"], [each for each in swarms if each != known["gwo"]]),
+        "DA the least effective": _below(shares, known["da"], [each for each in swarms if each != known["da"]]),
+    }
+    verdicts = {1: "agree", -1: "disagree", 0: "are too close to decide"}
     parts = [
-        f"{listing(those)}, and these shares {verdict}"
-        for verdict, holds in (("agree", True), ("disagree", False))
-        if (those := [claim for claim, held in claims.items() if held == holds])
+        f"{listing(those)}, and these shares {text}"
+        for verdict, text in verdicts.items()
+        if (those := [claim for claim, outcome in claims.items() if outcome == verdict])
     ]
-    return f"The thesis finds {'; it also finds '.join(parts)}."
+    return f"The thesis finds {'; it also finds '.join(parts)} (by 95% Wilson intervals).{other_conditions(study)}"
+
+
+Share = tuple[float, float, float]  # of trials within the band, with its interval
+
+
+def _above(shares: Mapping[str, Share], one: str, others: Sequence[str]) -> int:
+    """Return 1 where the share of one is separably the largest, -1 where another's is separably larger, else 0."""
+    if all(shares[one][1] > shares[each][2] for each in others):
+        return 1
+    return -1 if any(shares[each][1] > shares[one][2] for each in others) else 0
+
+
+def _below(shares: Mapping[str, Share], one: str, others: Sequence[str]) -> int:
+    """Return 1 where the share of one is separably the smallest, -1 where another's is separably smaller, else 0."""
+    return _above({label: (-share, -high, -low) for label, (share, low, high) in shares.items()}, one, others)
 
 
 def _underestimates(swarms: pd.DataFrame) -> str:

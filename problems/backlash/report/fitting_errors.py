@@ -29,7 +29,7 @@ def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
         return []
     pairs = pairwise_tests(part(frame, rows, swarms))
     means, table = table_7_2(frame, pairs, columns, rows)
-    text, items = swarm_tests(pairs), (table,)
+    text, items = swarm_tests(pairs, study), (table,)
     if not re.search("thesis|published", study.name.lower()):
         return [Section(TITLE, text, items)]
     own, theirs = beside_published(means)
@@ -147,7 +147,7 @@ def sentences(means: pd.DataFrame, own: pd.DataFrame, theirs: pd.DataFrame) -> l
         text.append(
             f"Among the swarms {_holders(swarms, 'lowest')} (published: {_holders(printed, 'lowest')}); "
             f"{_holders(swarms, 'highest')} (published: {_holders(printed, 'highest')}). The thesis calls GWO the best "
-            "of the four and DA the least effective."
+            f"of the four and DA the least effective.{_against_table()}"
         )
     lost = [f"{name.upper()} on dataset {k}" for name in map(str, own) for k in own.index[own[name].isna()]]
     if lost:
@@ -155,15 +155,47 @@ def sentences(means: pd.DataFrame, own: pd.DataFrame, theirs: pd.DataFrame) -> l
     return text
 
 
-def swarm_tests(pairs: pd.DataFrame) -> tuple[str, ...]:
-    """Return how many pairs of swarms a test distinguishes; the thesis distinguishes most."""
+def _against_table() -> str:
+    """Return where the thesis's words on DA and its own Table 7.2 differ."""
+    worst = published().idxmax(axis=1).value_counts()
+    name, rows = str(worst.index[0]), int(worst.iloc[0])
+    if name == "da":
+        return ""
+    return (
+        f" The latter is not what its Table 7.2 shows: there {name.upper()} has the highest mean on {rows} of "
+        f"{worst.sum()} datasets, and DA on {int(worst.get('da', 0))}."
+    )
+
+
+def other_conditions(study: Study) -> str:
+    """Return a sentence on the study's trials and budget where they are not the published ones, else ""."""
+    if (study.trials, study.budget) == (PUBLISHED_TRIALS, PUBLISHED_BUDGET):
+        return ""
+    return (
+        f" This run has {count(study.trials, 'trial')} of {described(study.budget)}, the thesis {PUBLISHED_TRIALS} of "
+        f"{PUBLISHED_BUDGET:,}, so it is no repetition."
+    )
+
+
+def swarm_tests(pairs: pd.DataFrame, study: Study) -> tuple[str, ...]:
+    """Return how many pairs of swarms a test distinguishes; the thesis distinguishes most.
+
+    Whether this run agrees depends on its number of trials: with few of them no test can be significant.
+    """
     if pairs.empty:
         return ()
+    if not pairs["testable"].any():
+        trials = count(study.trials, "trial")
+        few = (
+            f"With {trials} a cell no Kolmogorov-Smirnov test can be significant, so nothing can be compared with the "
+            "thesis, which distinguishes the swarms in the majority of cases."
+        )
+        return (few,)
     apart, most = int((pairs["p"] <= ALPHA).sum()), (pairs["p"] <= ALPHA).mean() > 0.5
     text = (
         f"A Kolmogorov-Smirnov test at {ALPHA:g} (raw p) distinguishes the two swarms of {apart} of "
         f"{count(len(pairs), 'pair')}. The thesis distinguishes them in the majority of cases: "
-        f"{'this run agrees' if most else 'this run does not agree'}."
+        f"{'this run agrees' if most else 'this run does not agree'}.{other_conditions(study)}"
     )
     return (text,)
 

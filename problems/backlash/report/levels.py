@@ -34,6 +34,7 @@ def sections(frame: pd.DataFrame, truths: pd.DataFrame, unknown: dict[str, str])
         return [Section(TITLE, text, items, warnings)]
     backlash = known["backlash_rad"]
     text += (f"{accuracy.shares_within(backlash)} are within ±{TOLERANCE_RAD:g} rad of the true backlash.",)
+    text += tuple(filter(None, [accuracy.signed_and_size(backlash, "e-6 rad", 1e6)]))
     if lost := int(backlash["found"].isna().sum()):
         why = "they failed, or the amplitude is outside the calibrated range"
         text += (f"{count(lost, 'trial')} of {len(backlash):,} gave no backlash: {why}.",)
@@ -73,12 +74,12 @@ def found_by_cell(data: pd.DataFrame) -> pd.DataFrame:
 
 def _table(data: pd.DataFrame) -> Table:
     errors = accuracy.errors_by(data, ["optimizer"])
-    errors[["mean error", "median error"]] *= 1e6
+    errors[["mean error", "median error", "median |error|"]] *= 1e6
     return Table(
         "backlash-errors",
         f"Backlash error in 1e-6 rad (found less true), and the percentage of trials within ±{TOLERANCE_RAD:g} rad.",
         errors,
-        decimals={"mean error": 1, "median error": 1, "within band %": 1},
+        decimals={"mean error": 1, "median error": 1, "median |error|": 1, "within band %": 1},
         note="Errors are over the trials that gave a backlash; the percentage is over all trials.",
     )
 

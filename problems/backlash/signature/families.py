@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 # The compiler is imported where a problem is loaded: every study asks every family for its names.
 
+SWEEP = "the gap of one simulated joint"
 OPTIONS = ("period", "turns", "single", "unit", "amplitude_factor", "constrained")
 
 
@@ -26,11 +27,13 @@ class Family:
         known: the names of the problems that can be listed.
         read: returns the recording of a problem's name.
         options: the options that ``read`` takes, besides those of the fit.
+        sweep: what its problems are steps of; "" where each stands for itself.
     """
 
     known: tuple[str, ...]
     read: Callable[..., Recording]
     options: tuple[str, ...] = ()
+    sweep: str = ""
 
     def names(self) -> list[str]:
         """Return the names of the problems that can be listed."""
@@ -45,7 +48,9 @@ class Family:
         recording = self.read(name, **{option: options.pop(option) for option in self.options if option in options})
         from problems.backlash.signature.problem import SignatureFit
 
-        return SignatureFit(name, recording, **options)
+        problem = SignatureFit(name, recording, **options)
+        problem.features = {"sweep": self.sweep} if self.sweep else {}
+        return problem
 
     def level(self, name: str) -> int:
         """Return the number at the end of a listed name."""
@@ -77,6 +82,6 @@ def _recorded(name: str) -> Recording:
     return read(path)
 
 
-signature = Family(tuple(f"signature-{level:02d}" for level in LEVELS), _dataset)
-noisy = Family(tuple(f"noisy-{level:02d}" for level in (0, *LEVELS)), _noisy, ("noise", "draw"))
+signature = Family(tuple(f"signature-{level:02d}" for level in LEVELS), _dataset, sweep=SWEEP)
+noisy = Family(tuple(f"noisy-{level:02d}" for level in (0, *LEVELS)), _noisy, ("noise", "draw"), SWEEP)
 recording = Family((), _recorded)

@@ -20,6 +20,7 @@ from bench.analysis.across import (
     normalised_errors,
     probability_of_improvement,
     relative_medians,
+    wilcoxon_cliques,
     wilcoxon_tests,
 )
 from bench.analysis.cells import summarise
@@ -494,3 +495,26 @@ class TestInterquartileMean:
         frame = random_frame(seed, problems=2)
         stretched = frame.assign(fun=frame["fun"].where(frame["problem"] != "p1", 1_000 * frame["fun"] + 7))
         pd.testing.assert_frame_equal(interquartile_mean(frame), interquartile_mean(stretched))
+
+
+class TestWilcoxonCliques:
+    RANKS = pd.Series({"c": 3.0, "a": 1.0, "b": 2.0, "d": 4.0})
+
+    def cliques(self, *apart):
+        pairs = [(one, other) for i, one in enumerate("abcd") for other in "abcd"[i + 1 :]]
+        significant = [pair in apart or pair[::-1] in apart for pair in pairs]
+        first, second = zip(*pairs, strict=True)
+        tests = pd.DataFrame({"first": first, "second": second, "significant": significant})
+        return wilcoxon_cliques(self.RANKS, tests)
+
+    def test_neighbours_of_which_no_pair_differs_are_joined(self):
+        assert self.cliques() == [("a", "b", "c", "d")]
+        assert self.cliques(("a", "d")) == [("a", "b", "c"), ("b", "c", "d")]
+        assert self.cliques(("d", "a"), ("a", "c"), ("d", "b")) == [("a", "b"), ("b", "c"), ("c", "d")]
+
+    def test_nobody_is_joined_where_all_differ(self):
+        every = [(one, other) for one in "abcd" for other in "abcd" if one < other]
+        assert self.cliques(*every) == []
+
+    def test_a_group_ends_where_any_of_its_pairs_differs(self):
+        assert self.cliques(("b", "c")) == [("a", "b"), ("c", "d")]  # a and c, not neighbours, have no bar

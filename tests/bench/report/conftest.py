@@ -67,7 +67,12 @@ def views(view):
     """A verdict, tables to sort and to filter, figures with short and long data, datasets, a text to copy and files."""
     cards = (
         Card("What may be claimed", ("cma-es is ranked first on 18 of 18 problems.",), "claim"),
-        Card("What may not", ("No optimizer is shown to be equal to another.", "Shifts may be missed."), "limit"),
+        Card(
+            "What may not",
+            ("No optimizer is shown to be equal to another.", "Shifts may be missed."),
+            "limit",
+            folded=True,
+        ),
     )
     numbers = [1234.5, np.inf, 0.5, np.nan, -2.0, 1e-5, 99.0, 1200.0, 3.0, 7.0, 8.0, 9.0]
     wide = pd.DataFrame(

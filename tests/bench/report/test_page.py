@@ -45,7 +45,7 @@ class TestPage:
             "4.3 dataset 3",
         ]
         (contents,) = document.texts("nav")
-        assert contents.startswith("1 Verdict 2 Comparison")
+        assert contents.startswith("Contents 1 Verdict 2 Comparison")
         assert "4 Datasets 3 sections 4.1 dataset 1" in contents
 
     def test_parts_are_numbered_through_and_files_named(self, document):
@@ -62,12 +62,11 @@ class TestPage:
         assert "Table 1 as LaTeX" in document.values("aria-label")
 
     def test_cards_warnings_and_code(self, document):
-        claim, limit = document.texts("div", **{"class": "card claim"}) + document.texts(
-            "div", **{"class": "card limit"}
-        )
+        (claim,) = document.texts("div", **{"class": "card claim"})
+        (limit,) = document.texts("details", **{"class": "card limit"})
         assert "What may be claimed cma-es is ranked first on 18 of 18 problems." in claim
         assert "What may not No optimizer" in limit
-        assert "Few trials." in document.texts("li")
+        assert "⚠ Few trials." in document.texts("summary")
         assert document.texts("pre")[0].startswith("@book{a, title = {<b>} }")
 
     def test_downloads_stand_together_by_kind(self, document):
@@ -152,28 +151,43 @@ class TestTable:
         assert "<summary>Files of Figure 1</summary>" in page
         assert "<table" not in page
 
-    def test_a_long_data_table_stays_off_paper(self, page):
-        assert page.count('<details class="long">') == 1
+    def test_rows_that_name_a_problem_link_to_it(self, view):
+        frame = pd.DataFrame({"a": ["p", "q"]}, index=pd.Index(["p", "q"], name="problem"))
+        views = [view("v", Section("S", items=(table(frame),))), view("problem.p", Section("p"))]
+        page = render("", "", views, {"p": "problem.p"})
+        assert page.count('<a href="#problem.p">p</a>') == 1
+        assert '<th scope="row"><a href="#problem.p">p</a></th><td>p</td>' in page
+
+    def test_shades_and_the_cell_that_a_value_belongs_to(self, view):
+        frame = pd.DataFrame({"x": ["1", "3"], "y": ["2", ""]}, index=pd.Index(["p", "q"], name="problem"))
+        shades = pd.DataFrame({"x": [0.0, 1.0], "y": [0.5, np.nan]}, index=frame.index)
+        whole = table(frame, shades=shades, axes=("problem", "optimizer"))
+        page = render("", "", [view("v", Section("S", items=(whole,)))])
+        assert '<td class="h0" data-problem="p" data-optimizer="x">1</td>' in page
+        assert '<td class="h4" data-problem="p" data-optimizer="y">2</td>' in page
+        assert '<td class="h7" data-problem="q" data-optimizer="x">3</td>' in page
+        assert '<td data-problem="q" data-optimizer="y"></td>' in page
+        turned = table(frame.T, axes=("optimizer", "problem"))
+        assert '<td data-problem="p" data-optimizer="x">1' in render("", "", [view("v", Section("S", items=(turned,)))])
 
 
 class TestFolded:
     @pytest.fixture
     def folded(self, view):
         parts = (Section("one", ("About one.",), folded=True), Section("two", ("About two.",)))
-        return [view("top", Section("All", sections=parts, folded=True))]
+        return [view("first", Section("First")), view("top", Section("All", sections=parts, folded=True))]
 
     def test_a_folded_subsection_shows_its_title_and_opens(self, read, folded):
         document = read(render("t", "", folded))
-        assert document.texts("details", **{"class": "folded"}) == ["1.1 one About one."]
-        assert document.texts("summary") == ["2 sections", "1.1 one"]
-        assert document.texts("p", **{"class": "note"}) == [
-            "Open a section below to see it; only open ones are printed."
-        ]
+        assert document.texts("details", **{"class": "folded"}) == ["2.1 one About one."]
+        assert document.texts("summary") == ["Contents", "2 sections", "2 All", "2.1 one", "2.2 two"]
+        assert "Open a section below to see it; only open ones are printed." in document.text
 
     def test_its_anchor_is_inside_so_that_a_link_opens_it(self, folded):
         page = render("t", "", folded)
         assert page.index("<summary><h3") < page.index('<section id="top-1">') < page.index("About one.")
-        assert page.index('<section id="top-2">') < page.index('<h3 id="top-2.title">')
+        assert page.index('<details class="part">') < page.index('<section id="top"')
+        assert '<section id="first" class="opening"' in page
 
     def test_without_one_nothing_is_said_of_it(self, page):
         assert '<details class="folded"' not in page

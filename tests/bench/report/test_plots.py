@@ -53,7 +53,7 @@ def every_figure(optimizers, problems=("p", "q")):
         report.regret_figure(curves(problems, optimizers), optimizers),
         report.ert_figure(times(problems, optimizers), optimizers),
         report.ecdf_figure(fractions(optimizers), fractions(optimizers, "groups"), optimizers, target="tau = 0.01"),
-        report.rank_figure(ranks, [list(ranks.index)], 1.5),
+        report.rank_figure(ranks, [list(ranks.index)]),
         report.forest_figure(improvements(optimizers)),
         report.timing_figure(clock(optimizers)),
     ]
@@ -107,7 +107,7 @@ class TestEveryFigure:
             report.ecdf_figure(fractions(["a"]).iloc[:0], fractions(["a"]).iloc[:0], ["a"], target="tau = 0.01"),
             report.forest_figure(improvements(["a"])),
             report.timing_figure(clock([])),
-            report.rank_figure(pd.Series(dtype=float), [], 1.0),
+            report.rank_figure(pd.Series(dtype=float), []),
         ]
         for each in empty:
             svg(each.figure)

@@ -50,7 +50,13 @@ def usual(read, folder):
 
 
 def test_a_clear_winner_is_named_with_its_grounds(usual):
-    assert "a is ranked first on 2 of 2 problems and separable from every rival on 2 of 2 (n = 8 trials" in usual.text
+    claim = (
+        "a is best at 100 evaluations: separably lower than all 2 others on 2 of 2 problems, and significantly worse "
+        "on none. It is ranked first on 2 [2, 2] of 2, and would lead in practically every repetition of these trials. "
+        "A run of it beats a run of b, the second in rank, with probability 1.00 [1.00, 1.00]."
+    )
+    assert claim in usual.text
+    assert "n = 8 trials of at most 100 evaluations" in usual.text
     assert "No single winner" not in usual.text
 
 
@@ -60,7 +66,7 @@ def test_the_eleven_parts_stand_in_their_order(usual):
 
 def test_the_page_stands_alone(usual):
     usual.check_that_it_stands_alone(("tables/", "figures/", "methods.", "references."))
-    assert usual.tags.count("svg") == usual.tags.count("figure") == 8
+    assert usual.tags.count("svg") == usual.tags.count("figure") == 9
     assert usual.tags.count("caption") == usual.tags.count("table")
     assert set(usual.values("scope")) == {"col", "row"}
 
@@ -102,7 +108,8 @@ def test_the_bytes_do_not_depend_on_the_number_of_processes(make, tmp_path, monk
 def test_no_single_winner_is_said(make, read, tmp_path):
     folder = make(tmp_path / "s", optimizers=("a", "b"), trials=3)
     page = read(write_report(folder))
-    assert "No single winner: a is ranked first on 2 of 2" in page.text
+    assert "No winner can be named at 100 evaluations: with 3 trials a cell no test can be significant." in page.text
+    assert "a has the lowest mean rank over 2 problems (1.00 of 2), which may be chance." in page.text
     assert "with 3 trials in the smallest cell the test can detect no difference at all" in page.text
     assert page.text.count("1 of 1 pair cannot be significant whatever the values") == 2
 

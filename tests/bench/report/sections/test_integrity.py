@@ -2,7 +2,7 @@
 
 from bench import Results
 from bench.report.findings import Findings
-from bench.report.sections import integrity
+from bench.report.sections import integrity, verdict
 from bench.storage.folder import Folder
 
 
@@ -23,9 +23,10 @@ def test_the_biases_that_a_check_noted_are_warned_of(make, tmp_path):
     ]
     Folder(folder).note_checks({"a": biased, "b": sound})
     findings = Findings(Results(folder))
-    shown = integrity.section(findings)
-    assert [warning.partition(":")[0] for warning in shown.warnings[:2]] == ["Centre bias", "Structural bias"]
-    assert "not uniform in the box: a p = 5e-10." in shown.warnings[1]
+    assert integrity.section(findings).warnings == ()  # they are said once, by the verdict
+    warnings = verdict.section(findings).warnings
+    assert [warning.partition(":")[0] for warning in warnings[:2]] == ["Centre bias", "Structural bias"]
+    assert "not uniform in the box: a p = 5e-10." in warnings[1]
     verdicts = findings.integrity.set_index("check")["verdict"]
     assert set(verdicts[["boundary clamping", "starts and seeds"]]) == {"pass"}
     paragraph = findings.methods.text[0]

@@ -167,18 +167,49 @@ def test_who_has_the_lowest_and_the_highest_mean_is_said_beside_the_published_on
 
 
 def test_the_share_of_pairs_told_apart_is_counted_from_the_tests():
-    pairs = pd.DataFrame({"p": [0.05, 0.01, 0.2, 0.051]})
-    assert "of 2 of 4 pairs" in fitting_errors.swarm_tests(pairs)[0]
-    assert "this run does not agree" in fitting_errors.swarm_tests(pairs)[0]
-    assert "this run agrees" in fitting_errors.swarm_tests(pairs[:3])[0]
-    assert fitting_errors.swarm_tests(pairs[:0]) == ()
+    pairs = pd.DataFrame({"p": [0.05, 0.01, 0.2, 0.051], "testable": True})
+    study = Study("thesis", (), (), trials=30, budget=60_000)
+    assert "of 2 of 4 pairs" in fitting_errors.swarm_tests(pairs, study)[0]
+    assert fitting_errors.swarm_tests(pairs, study)[0].endswith("this run does not agree.")
+    assert fitting_errors.swarm_tests(pairs[:3], study)[0].endswith("this run agrees.")
+    assert fitting_errors.swarm_tests(pairs[:0], study) == ()
+
+
+def test_too_few_trials_neither_agree_nor_disagree_with_the_thesis():
+    pairs = pd.DataFrame({"p": [1.0, 1.0], "testable": False})
+    (said,) = fitting_errors.swarm_tests(pairs, Study("thesis", (), (), trials=1, budget=60_000))
+    assert said.startswith("With 1 trial a cell no Kolmogorov-Smirnov test can be significant")
+    assert "agree" not in said
+    fewer = Study("thesis", (), (), trials=10, budget=9_000)
+    (said,) = fitting_errors.swarm_tests(pairs.assign(testable=True), fewer)
+    assert "does not agree. This run has 10 trials of 9,000 evaluations, the thesis 30 of 60,000" in said
+
+
+def test_the_thesis_s_words_on_da_are_held_to_its_own_table(usual):
+    said = words(usual)
+    assert "The latter is not what its Table 7.2 shows: there GOA has the highest mean on 17 of 18 datasets" in said
+
+
+def test_errors_that_cancel_are_not_called_accurate():
+    def errors(**by_optimizer):
+        rows = [(label, error) for label, own in by_optimizer.items() for error in own]
+        data = pd.DataFrame(rows, columns=["optimizer", "error"])
+        return data.assign(problem=pd.Categorical(["p"] * len(data)), expected=1.0, within=False)
+
+    said = accuracy.signed_and_size(errors(a=[-20.0, 0.5, 20.0], b=[2.0, 2.0, 3.0]), " rpm")
+    assert said == (
+        "By the signed median error a looks the most accurate (+0.5 rpm), because its errors to both sides cancel. The "
+        "median size of its error is 20.0 rpm, the largest of all; the smallest is that of b, 2.0 rpm."
+    )
+    assert accuracy.signed_and_size(errors(a=[1.0, 1.0], b=[2.0, 2.0]), "rpm") == ""
+    assert accuracy.signed_and_size(errors(a=[1.0]), "rpm") == ""
 
 
 def test_amplitude_errors_by_hand(tmp_path):
     results = make(tmp_path / "s", fail=[("signature-03", "my cma-es", 0), ("signature-04", "my cma-es", 1)])
     errors = table(results, "amplitude-errors").frame
-    assert errors.loc["my gwo"].tolist() == pytest.approx([12, -3.0, -3.0, 0.0])
-    assert errors.loc["my cma-es"].tolist() == pytest.approx([12, -1.0, -1.0, 100 * 10 / 12])
+    assert errors.loc["my gwo"].tolist() == pytest.approx([12, -3.0, -3.0, 3.0, 0.0])
+    assert errors.loc["my cma-es"].tolist() == pytest.approx([12, -1.0, -1.0, 1.0, 100 * 10 / 12])
     assert "83% of my cma-es trials" in words(results)
     assert "trials are within the accuracy band of ±1.9336 rpm" in words(results)
     by_dataset = table(results, "amplitude-within-band-by-dataset").frame
@@ -188,8 +219,8 @@ def test_amplitude_errors_by_hand(tmp_path):
 def test_backlash_errors_by_hand(tmp_path):
     results = make(tmp_path / "s", fail=[("signature-03", "my cma-es", 0)])
     errors = table(results, "backlash-errors").frame
-    assert errors.loc["my gwo"].tolist() == pytest.approx([12, -150.0, -150.0, 0.0])
-    assert errors.loc["my cma-es"].tolist() == pytest.approx([12, -50.0, -50.0, 100 * 11 / 12])
+    assert errors.loc["my gwo"].tolist() == pytest.approx([12, -150.0, -150.0, 150.0, 0.0])
+    assert errors.loc["my cma-es"].tolist() == pytest.approx([12, -50.0, -50.0, 50.0, 100 * 11 / 12])
     assert "92% of my cma-es trials" in words(results)
     assert "trials are within ±0.0001 rad of the true backlash." in words(results)
     assert "1 trial of 60 gave no backlash" in words(results)
@@ -300,22 +331,20 @@ def test_only_problems_with_the_figure_are_estimated():
 
 
 def test_conclusions_that_hold_are_told_from_those_that_do_not(tmp_path):
-    def amplitude(hits, spread=0.0):  # hits of 6 trials lie within the band
-        return lambda level, trial: 0.5 if trial < hits else -5 - spread * level * trial
+    def amplitude(hits):  # hits of 30 trials lie within the band
+        return lambda level, trial: 0.5 if trial < hits else -5.0
 
-    agreeing = {
-        "cma-es": amplitude(6),
-        "gwo": amplitude(4),
-        "alo": amplitude(3),
-        "goa": amplitude(2),
-        "da": amplitude(1),
-    }
-    said = words(make(tmp_path / "a", miss=agreeing))
+    hits = {"cma-es": 30, "gwo": 20, "alo": 12, "goa": 8, "da": 1}
+    agreeing = {name: amplitude(number) for name, number in hits.items()}
+    said = words(make(tmp_path / "a", miss=agreeing, trials=30))
     assert "GWO the best of the swarms and DA the least effective, and these shares agree" in said
-    contrary = agreeing | {"goa": amplitude(5)}
-    said = words(make(tmp_path / "b", miss=contrary))
-    assert "CMA-ES the most suited and DA the least effective, and these shares agree" in said
+    said = words(make(tmp_path / "b", miss=agreeing | {"goa": amplitude(28)}, trials=30))
+    assert "DA the least effective, and these shares agree" in said
     assert "it also finds GWO the best of the swarms, and these shares disagree" in said
+    assert "CMA-ES the most suited, and these shares are too close to decide" in said
+    said = words(make(tmp_path / "c", miss=agreeing, trials=1))
+    assert "these shares are too close to decide" in said
+    assert "these shares agree" not in said
 
 
 def test_underestimates_and_widths_are_counted(tmp_path):

@@ -1,0 +1,89 @@
+"""The ranking as tables: the rank of every optimizer on every problem as a map, and the ranking over all problems."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pandas as pd
+
+from bench import analysis
+from bench.analysis import ALPHA
+from bench.report.findings import MANY_OPTIMIZERS, Findings
+from bench.report.parts import Table
+from bench.report.wording import count
+
+NEAR = "≈"  # beside the rank of an optimizer that no test separates from the first
+
+
+def rank_map(findings: Findings) -> Table:
+    """Return the rank of each optimizer on each problem, darker for a better one; optimizers in order of mean rank.
+
+    Many optimizers are the rows, as there are more of them than fit beside each other.
+    """
+    order = findings.ranked
+    ranks = analysis.table(findings.standings, "rank")[order]
+    texts = ranks.map(lambda rank: "" if pd.isna(rank) else f"{rank:g}").astype(object)
+    best = analysis.table(findings.matrix, "best").astype(bool)[order]
+    marks = (_beside_first(findings)[order] & ~best).map(lambda near: NEAR if near else "")
+    shades = (ranks - 1) / max(len(order) - 1, 1)
+    note = (
+        f"Bold: ranked first. {NEAR}: no test separates it from the first. Ties share their mean rank; empty: no trial."
+    )
+    caption = "Rank of each optimizer on each problem, by the rivals that it beats."
+    if len(order) <= MANY_OPTIMIZERS:
+        return Table(
+            "rank-map", caption, texts.rename_axis("problem"), bold=best, marks=marks, shades=shades,
+            axes=("problem", "optimizer"), note=note, data=findings.standings,
+        )  # fmt: skip
+    return Table(
+        "rank-map", caption, texts.T.rename_axis("optimizer"), bold=best.T, marks=marks.T, shades=shades.T,
+        axes=("optimizer", "problem"), note=note, data=findings.standings,
+    )  # fmt: skip
+
+
+def _beside_first(findings: Findings) -> pd.DataFrame:
+    """Return which optimizers no test separates from a first one of the problem, problems by optimizers."""
+    best = analysis.table(findings.matrix, "best").astype(bool)
+    pairs = findings.pairs[findings.pairs["p_holm"] > ALPHA]
+    pairs = pairs[pairs[["n_first", "n_second"]].min(axis=1) > 0]
+    row = best.index.get_indexer(pd.Index(pairs["problem"]))
+    first, second = (best.columns.get_indexer(pd.Index(pairs[name])) for name in ("first", "second"))
+    known = best.to_numpy()
+    near = known.copy()
+    for one, other in ((first, second), (second, first)):
+        beside = known[row, one]
+        near[row[beside], other[beside]] = True
+    return pd.DataFrame(near, index=best.index, columns=best.columns)
+
+
+def ranking_table(findings: Findings) -> Table:
+    """Return the mean ranks and first places with their intervals, best first."""
+    table = findings.ranking.merge(findings.certainty.drop(columns="problems"), on="optimizer")
+    table = table.set_index("optimizer").loc[findings.ranked]
+    problems, sure = int(table["problems"].iloc[0]), bool(table["first_low"].notna().all())
+    rank, first = table["mean_rank"], table["first"]
+    shown = pd.DataFrame(
+        {
+            "mean rank": _with_interval(rank, table["rank_low"], table["rank_high"], 2) if sure else rank,
+            "first": _with_interval(first, table["first_low"], table["first_high"], 0) if sure else first,
+            "separable": table["separable"],
+            "worse": table["worse"],
+        },
+        index=table.index,
+    )
+    return Table(
+        "ranking",
+        f"The ranking over {count(problems, 'problem')}{', with 95% bootstrap intervals' if sure else ''}.",
+        shown,
+        decimals=2,
+        note="First: problems on which it is ranked first; separable: on which it is separably lower than every rival; "
+        "worse: on which a rival is separably lower than it.",
+        data=table.reset_index(),
+    )
+
+
+def _with_interval(values: pd.Series[Any], low: pd.Series[Any], high: pd.Series[Any], decimals: int) -> list[str]:
+    return [
+        f"{one:.{decimals}f} [{least:.{decimals}f}, {most:.{decimals}f}]"
+        for one, least, most in zip(values, low, high, strict=True)
+    ]

@@ -1,0 +1,61 @@
+"""Ranks after shares of the budget, by hand; and the budget left unused."""
+
+import numpy as np
+import pytest
+
+from bench import Trace
+from bench.analysis.cells import summarise
+from bench.analysis.pairwise import pairwise_tests
+from bench.analysis.stages import stage_ranks, unused_budget
+from bench.analysis.standings import standings
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+
+def traces_of(curves):
+    return {
+        (problem, optimizer, trial): Trace(np.array([1, 10, 100]), np.array(values, dtype=float))
+        for (problem, optimizer), own in curves.items()
+        for trial, values in enumerate(own)
+    }
+
+
+def test_the_lead_changes_over_the_budget(frame_of):
+    curves = {("p", "quick"): [[5, 4, 3], [5, 4, 3.5]], ("p", "late"): [[9, 8, 1], [9, 8, 1.5]]}
+    frame = frame_of({cell: [values[-1] for values in own] for cell, own in curves.items()})
+    found = stage_ranks(frame, traces_of(curves), {"p": 100}, (0.01, 0.5, 1.0))
+    assert found["evaluations"].unique().tolist() == [1, 50, 100]
+    ranks = found.pivot(index="share", columns="optimizer", values="rank")
+    assert ranks["quick"].tolist() == [1.0, 1.0, 2.0]
+    assert ranks["late"].tolist() == [2.0, 2.0, 1.0]
+
+
+def test_the_last_stage_has_the_ranks_of_the_results(random_frame):
+    frame = random_frame(3)
+    traces = {
+        (row.problem, row.optimizer, row.trial): Trace(np.array([1]), np.array([row.fun]))
+        for row in frame[frame["status"] == "ok"].itertuples()
+    }
+    found = stage_ranks(frame, traces, {f"p{i}": 10 for i in range(3)}, (1.0,))
+    wanted = standings(summarise(frame), pairwise_tests(frame))
+    assert found["rank"].tolist() == wanted["rank"].tolist()
+
+
+def test_failed_trials_and_those_without_a_trace_lose(frame_of):
+    frame = frame_of({("p", "a"): [None, None], ("p", "b"): [1.0, 1.0]})
+    traces = traces_of({("p", "a"): [[5, 4, 3]] * 2, ("p", "b"): [[9, 8, 7]] * 2})
+    assert stage_ranks(frame, traces, {"p": 100}, (1.0,))["rank"].tolist() == [2.0, 1.0]
+    assert stage_ranks(frame, {}, {"p": 100}, (1.0,))["rank"].tolist() == [1.5, 1.5]
+
+
+def test_problems_that_an_optimizer_lacks_have_no_row(frame_of):
+    frame = frame_of({("p", "a"): [1.0], ("q", "a"): [1.0], ("q", "b"): [2.0]})
+    assert set(stage_ranks(frame, {}, {"p": 9, "q": 9}, (1.0,))["problem"]) == {"q"}
+    assert stage_ranks(frame_of({}), {}, {}).empty
+
+
+def test_unused_budget(frame_of):
+    frame = frame_of({("p", "a"): [1.0, 1.0, None], ("p", "b"): [1.0]}, nfev=[50, 100, 10, 99.5])
+    found = unused_budget(frame, 100).set_index("optimizer")
+    assert found.loc["a"].tolist() == [2, 0.25, 0.5]
+    assert found.loc["b"].tolist() == pytest.approx([1, 0.005, 0.0])
