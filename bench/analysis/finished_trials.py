@@ -30,6 +30,8 @@ SHARED = 0.1  # of an optimizer's trials, above which equal starts are no chance
 ON_BOUND = 1e-12  # of the box's width: a clipped point that is scaled back is rounded
 NAMED = 5  # names in a sentence; the column ``cells`` holds all
 
+CLAMPING = "boundary clamping"  # of final points here, and of an optimizer in the runs of ``bench check``
+
 Verdict = Literal["pass", "note", "warning", "error", "not checked"]
 Boxes = Mapping[str, Mapping[str, tuple[float, float]]]
 CELL = ["problem", "optimizer"]
@@ -338,7 +340,7 @@ CHECKS: dict[str, Callable[[Evidence], Finding]] = {
     "repeated points": _repeated_points,
     "ceiling": _ceiling,
     "same algorithm": _same_algorithm,
-    "clamping": _clamping,
+    CLAMPING: _clamping,
     "seeds": _seeds,
     "random streams": _random_streams,
     "contention": partial(_disturbed, "contention", "Trials waited for a core", WAITED),

@@ -93,9 +93,22 @@ def integrity(
     evidence = Evidence(frame, study_budget, traces or {}, boxes or {})
     none = Finding("not checked", "There is no finished trial.")
     finished = bool((frame["status"] == "ok").any())
-    findings |= {name: check(evidence) if finished else none for name, check in CHECKS.items()}
+    for name, check in CHECKS.items():
+        found = check(evidence) if finished else none
+        findings[name] = _together(found, findings[name]) if name in findings else found
     rows = [(name, found.verdict, found.text, "; ".join(found.cells)) for name, found in findings.items()]
     return pd.DataFrame(rows, columns=["check", "verdict", "finding", "cells"])
+
+
+def _together(here: Finding, elsewhere: Finding) -> Finding:
+    """Return one finding of a trait seen in this study's trials and in separate runs: the worse verdict, both texts."""
+    known = [found for found in (here, elsewhere) if found.verdict != "not checked"]
+    if len(known) < 2:
+        return (known or [here])[0]
+    verdict = "warning" if "warning" in (here.verdict, elsewhere.verdict) else here.verdict
+    return Finding(
+        verdict, f"{here.text} In separate runs: {elsewhere.text[0].lower()}{elsewhere.text[1:]}", here.cells
+    )
 
 
 def _completeness(frame: pd.DataFrame, planned: int | Mapping[tuple[str, str], int]) -> Finding:

@@ -7,7 +7,8 @@ import pandas as pd
 import pytest
 
 from bench.analysis.cells import in_study_order
-from bench.analysis.integrity import TRAITS, integrity
+from bench.analysis.finished_trials import Finding
+from bench.analysis.integrity import TRAITS, _together, integrity
 from bench.objective import Trace
 from bench.storage.reading import StoreCheck
 from bench.study import Entry, Study
@@ -19,7 +20,7 @@ CHECKS = [
     "completeness", "failures", "storage", "repeatability",
     "centre bias", "structural bias", "boundary clamping", "starts and seeds",
     "finite values", "budget", "records", "undeclared stops", "declared stops", "outside the box", "repeated points",
-    "ceiling", "same algorithm", "clamping", "seeds", "random streams", "contention", "hidden threads",
+    "ceiling", "same algorithm", "seeds", "random streams", "contention", "hidden threads",
 ]  # fmt: skip
 
 
@@ -113,7 +114,7 @@ def test_sound_results_pass_every_check(sound):
 
 def test_what_cannot_be_checked_says_so(sound):
     verdicts = sound.check(traces=None, boxes=None, diagnoses=None, verifications=[], stores=[])["verdict"]
-    unchecked = ["storage", "repeatability", *TRAITS, "records", "same algorithm", "clamping", "random streams"]
+    unchecked = ["storage", "repeatability", *TRAITS, "records", "same algorithm", "random streams"]
     assert list(verdicts.index[verdicts == "not checked"]) == unchecked
     assert set(verdicts.drop(unchecked)) == {"pass"}
 
@@ -273,12 +274,12 @@ def one_algorithm_under_two_names(s):
     s.copy(("p", "a", 1), ("p", "c", 3), trace=True)
 
 
-@trap("clamping", "warning", "b 8.33% (v 16.7%)", cells="b on q")
+@trap("boundary clamping", "warning", "b 8.33% (v 16.7%)", cells="b on q")
 def points_on_a_bound(s):
     s.put(s.trial("q", "b", 1), x_v=5.0 - 1e-13).put(s.trial("q", "b", 2), x_v=0.0)
 
 
-@trap("clamping", "warning", "a 12.5% (u 16.7%, v 8.33%), c 4.17% (u 8.33%)")
+@trap("boundary clamping", "warning", "a 12.5% (u 16.7%, v 8.33%), c 4.17% (u 8.33%)")
 def two_worst_variables(s):
     s.put(s.trial("p", "a", 1), x_u=-1.0).put(s.trial("q", "a", 1), x_u=-2.0, x_v=5.0)
     s.put(s.trial("p", "c", 1), x_u=1.0)
@@ -366,7 +367,7 @@ class TestWhatIsNoTrap:
 
     def test_a_box_that_is_not_known_is_named(self, sound):
         points_on_a_bound(sound)
-        found = sound.check(boxes={"p": BOXES["p"]}).loc["clamping"]
+        found = sound.check(boxes={"p": BOXES["p"]}).loc["boundary clamping"]
         assert found["verdict"] == "pass"
         assert "unknown for q" in found["finding"]
 
@@ -392,7 +393,7 @@ class TestWithoutTrials:
     def test_no_final_point_and_no_processor_time(self, sound):
         sound.frame = sound.frame.drop(columns=["x_u", "x_v"]).assign(cpu_s=0.0)
         verdicts = sound.check()["verdict"]
-        unchecked = ["repeated points", "same algorithm", "clamping", "contention", "hidden threads"]
+        unchecked = ["repeated points", "same algorithm", "contention", "hidden threads"]
         assert list(verdicts.index[verdicts == "not checked"]) == unchecked
 
     def test_no_finite_value(self, sound):
@@ -425,3 +426,17 @@ class TestFrames:
         found = sound.check(traces={}).loc["failures"]
         assert "o4 on 2 problems and 3 more." in found["finding"]
         assert found["cells"].count(";") == 15
+
+
+def test_clamping_here_and_in_separate_runs_is_one_finding():
+    here, elsewhere = (
+        Finding("pass", "At most 0.10% lie there."),
+        Finding("warning", "Best points lie there: a 6% of them."),
+    )
+    both = _together(here, elsewhere)
+    assert both.verdict == "warning"
+    assert both.text == "At most 0.10% lie there. In separate runs: best points lie there: a 6% of them."
+    unknown = Finding("not checked", "Nobody looked.")
+    assert _together(here, unknown) == here
+    assert _together(unknown, elsewhere) == elsewhere
+    assert _together(unknown, unknown) == unknown
