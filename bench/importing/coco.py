@@ -34,6 +34,8 @@ from bench.problem import Floats
 INFINITE = 1e21
 """COCO writes 3e21 for infinity; no finite difference is as large."""
 
+EQUAL = 1e-6  # to which a logged value may equal a target
+
 TARGETS = np.power(10, np.arange(-40, 11) / 5)
 """COCO's precisions, 1e-8 to 1e2, five a decade."""
 
@@ -111,6 +113,8 @@ def runs(source: Source, notes: list[str]) -> Iterator[Run]:
     for log, left in logs.items():
         if (block := next(left, None)) is not None:
             raise BenchError(f"{log}, line {block.line}, begins a run that no index names")
+    if len(suites := sorted({data.suite for data in sets})) > 1:
+        notes.append(f"The source holds results of {len(suites)} suites: {', '.join(suites)}.")
     if unfinished:
         notes.append(f"{unfinished} runs were not finished; what they logged is imported.")
 
@@ -198,7 +202,26 @@ def _blocks(source: Source, log: PurePosixPath) -> list[Block]:
     others = logged(source, timed)
     if len(others) != len(found):
         raise BenchError(f"{log} has {len(found)} runs and {timed} has {len(others)}; one of them is cut short")
+    if found:
+        _require_end(found[-1], others[-1], log)
     return [_joined(one, other) for one, other in zip(found, others, strict=True)]
+
+
+def _require_end(one: Block, timed: Block, log: PurePosixPath) -> None:
+    """Refuse a log that lacks its last rows: the other one goes on, the .tdat file to values below a further target."""
+    if timed.evaluations[-1] < one.evaluations[-1]:
+        raise BenchError(
+            f"{log.with_suffix('.tdat')} is cut short: its last run ends at evaluation {timed.evaluations[-1]}, and "
+            f"that of its .dat file at {one.evaluations[-1]}"
+        )
+    later = timed.evaluations > one.evaluations[-1]
+    further = np.searchsorted(TARGETS, timed.values) < np.searchsorted(TARGETS, one.values.min())
+    below = timed.values < TARGETS[np.searchsorted(TARGETS[:-1], timed.values)] * (1 - EQUAL)
+    if (lost := np.flatnonzero(later & further & below)).size:
+        raise BenchError(
+            f"{log} is cut short: its last run lacks evaluation {timed.evaluations[lost[0]]}, with which its .tdat "
+            f"file reaches {timed.values[lost[0]]:.3g}"
+        )
 
 
 def _joined(one: Block, timed: Block) -> Block:
@@ -249,7 +272,7 @@ def logged(source: Source, file: PurePosixPath) -> list[Block]:
             values.append(cells[2])
             places.append(number)
     close()
-    if not text.endswith(("\n", "\r")) and _is_cut(lines[-2:]):
+    if lines and not text.endswith(("\n", "\r")) and _is_cut(lines[-2:]):
         raise BenchError(f"{file} is cut short in line {len(lines)}: {shown(lines[-1])}")
     return blocks
 
@@ -257,7 +280,7 @@ def logged(source: Source, file: PurePosixPath) -> list[Block]:
 def _is_cut(lines: list[str]) -> bool:
     """Return whether the last of two lines, which has no end, has fewer or shorter cells than the one before it."""
     before, last = (line.split() for line in lines) if len(lines) > 1 else ([], [""])
-    return len(last) != len(before) or len(last[-1]) < len(before[-1].lstrip("+-"))
+    return len(last) != len(before) or len(last[-1].lstrip("+-")) < len(before[-1].lstrip("+-"))
 
 
 def _block(

@@ -38,6 +38,11 @@ BBOB = (
 )  # fmt: skip
 """IOHexperimenter's names of bbob's functions, by which they are known where a log names no suite."""
 
+GUESSED = (
+    "The logs name no suite; functions with the numbers and names of bbob's are taken for bbob's, though SBOX-COST has "
+    "the same."
+)
+
 _COLUMN = re.compile(r'"([^"]*)"|(\S+)')
 _UNNAMED = ("", "unknown_suite", "unknown suite", "no suite")
 
@@ -64,13 +69,17 @@ def _is_index(file: PurePosixPath) -> bool:
     return file.name.startswith("IOHprofiler") and file.suffix == ".json"
 
 
-def runs(source: Source, _notes: list[str]) -> Iterator[Run]:
-    """Yield the runs of every JSON file.
+def runs(source: Source, notes: list[str]) -> Iterator[Run]:
+    """Yield the runs of every JSON file; ``notes`` gets a sentence for what a reader should know.
 
     Raises:
         BenchError: for a file that is no data of IOHprofiler or is cut short, and for results of maximisation.
     """
     found = [each for file in source.files if _is_index(file) for each in _scenarios(source, file)]
+    if any(
+        is_guessed(each.head.get("suite"), each.head["function_id"], each.head.get("function_name")) for each in found
+    ):
+        notes.append(GUESSED)
     names = optimizer_labels(
         (each.file.parent, each.algorithm, (each.head["function_id"], each.dimension)) for each in found
     )
@@ -169,6 +178,13 @@ def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: 
     return Run(problem, algorithm, data.dimension, max(run["evals"], last), trace, number, columns)
 
 
+def is_guessed(suite: object, function: int | str, name: object) -> bool:
+    """Return whether a function is known as one of bbob's by its number and name alone, as no suite is named."""
+    unnamed = str(suite or "").strip().lower() in _UNNAMED
+    numbered = isinstance(function, int) and 1 <= function <= len(BBOB)
+    return unnamed and numbered and BBOB[int(function) - 1].lower() == str(name).lower()
+
+
 def problem_of(
     suite: object, function: int | str, name: str, dimension: int, instance: int, file: PurePosixPath
 ) -> tuple[str, float]:
@@ -178,12 +194,12 @@ def problem_of(
         BenchError: where f_opt cannot be looked up.
     """
     given = str(suite or "").strip()
-    unnamed = given.lower() in _UNNAMED
-    named = isinstance(function, int) and 1 <= function <= len(BBOB) and BBOB[function - 1].lower() == name.lower()
-    if isinstance(function, str) or (given.lower() != "bbob" and not (unnamed and named)):
+    if isinstance(function, str) or not (given.lower() == "bbob" or is_guessed(suite, function, name)):
         return naming.problem_name(given or name, function, dimension, instance), 0.0
     problem = naming.problem_name("bbob", function, dimension, instance)
     optimum = naming.known(problem).optimum
+    if optimum is None:  # in other dimensions than COCO's, f_opt is the same
+        optimum = naming.known(naming.problem_name("bbob", function, 2, instance)).optimum
     if optimum is None:
         raise BenchError(
             f"{file} holds values less f_opt, which cannot be looked up for {problem}; install it with: "

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bench.errors import BenchError
-from bench.importing.ioh import Block, logged, problem_of
+from bench.importing.ioh import GUESSED, Block, is_guessed, logged, problem_of
 from bench.importing.runs import Run, improvements, label, optimizer_labels, shown
 from bench.importing.source import Source
 
@@ -69,13 +69,15 @@ def recognised(source: Source) -> bool:
     return any(map(is_index, source.files))
 
 
-def runs(source: Source, _notes: list[str]) -> Iterator[Run]:
-    """Yield the runs of every index.
+def runs(source: Source, notes: list[str]) -> Iterator[Run]:
+    """Yield the runs of every index; ``notes`` gets a sentence for what a reader should know.
 
     Raises:
         BenchError: for an index or a log that is none or is cut short, and for results of maximisation.
     """
     found = [each for file in source.files if is_index(file) for each in _index(source, file)]
+    if any(data.function.isdigit() and is_guessed(data.suite, int(data.function), data.name) for data in found):
+        notes.append(GUESSED)
     names = optimizer_labels(
         (data.index.parent, data.algorithm, (data.function, data.dimension, entry.instance))
         for data in found

@@ -217,7 +217,7 @@ class TestRefused:
         folder = unpacked(archived, tmp_path)
         for file in (LOG, TIMED):
             lines = (folder / file).read_bytes().splitlines(keepends=True)
-            (folder / file).write_bytes(b"".join(lines[:-12]))
+            (folder / file).write_bytes(b"".join(lines[:-24] if file == TIMED else lines[:-12]))
         with pytest.raises(BenchError, match="its run on instance 5 ends at evaluation"):
             import_results(folder, tmp_path / "out")
 

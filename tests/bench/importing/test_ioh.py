@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench import BenchError, Results
+from bench import BenchError, Results, load_problem
 from bench.importing import import_results
 from tests.bench.export.made import exported, make
 
@@ -62,6 +62,22 @@ def test_bbob_gets_this_project_s_names_and_objective_values(tmp_path, suite):
     best = np.array([5784.815836694389, 7.25])  # with all digits of the JSON file
     assert results.frame["fun"].tolist() == (optima + best).tolist()
     assert results.traces["bbob-f06-d5-i1", "rs", 0].evaluations.tolist() == [1, 43]
+
+
+def test_a_function_known_by_its_name_alone_is_noted(tmp_path):
+    pytest.importorskip("cocoex", reason="the optimal values of bbob come from coco-experiment")
+    (note,) = import_results(logged(tmp_path / "x", suite="unknown_suite"), tmp_path / "back").notes
+    assert note.startswith("The logs name no suite; functions with the numbers and names of bbob's are taken for")
+    assert import_results(logged(tmp_path / "y"), tmp_path / "named").notes == ()
+
+
+def test_the_optimum_of_a_bbob_function_is_the_same_in_dimensions_that_coco_does_not_have(tmp_path):
+    pytest.importorskip("cocoex", reason="the optimal values of bbob come from coco-experiment")
+    path = "data_f6_AttractiveSector/IOHprofiler_f6_DIM5.dat"
+    import_results(logged(tmp_path / "x", scenarios=[{"dimension": 7, "path": path, "runs": RUNS}]), tmp_path / "back")
+    frame = Results(tmp_path / "back").frame
+    assert frame["problem"].tolist() == ["bbob-f06-d7-i1", "bbob-f06-d7-i2"]
+    assert frame["fun"][1] == 7.25 + load_problem("bbob-f06-d2-i2").optimum
 
 
 def test_another_suite_keeps_its_name_and_its_values(tmp_path):
