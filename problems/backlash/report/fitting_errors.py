@@ -33,7 +33,7 @@ def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
     if not re.search("thesis|published", study.name.lower()):
         return [Section(TITLE, text, items)]
     own, theirs = beside_published(means)
-    text = (*sentences(means, own, theirs), conditions(study), *text)
+    text = (*sentences(means, own, theirs), conditions(study), *unequal(study), *text)
     return [Section(TITLE, text, (*items, side_by_side(own, theirs)) if own.size else items)]
 
 
@@ -209,6 +209,19 @@ def conditions(study: Study) -> str:
         f"The published means are over {asked}; these are over {count(study.trials, 'trial')} of "
         f"{described(study.budget)}, so they need not agree."
     )
+
+
+def unequal(study: Study) -> tuple[str, ...]:
+    """Return a sentence where the study gives CMA-ES another handling or start than the swarms, as the thesis does."""
+    names = algorithms(study).values()
+    given = [entry.options for entry in study.optimizers if entry.label in names]
+    if len({(options.get("handling", "repair"), options.get("start", "random")) for options in given}) < 2:
+        return ()
+    text = (
+        "As in the thesis, these algorithms do not run under equal conditions. The study thesis-equal compares them "
+        "under the same handling and start, with several populations."
+    )
+    return (text,)
 
 
 def side_by_side(own: pd.DataFrame, theirs: pd.DataFrame) -> Table:

@@ -179,3 +179,8 @@ def test_the_memory_that_reports_print_is_what_is_measured(name):
     done = subprocess.run([sys.executable, "-c", code], cwd=place, capture_output=True, text=True, check=True)
     printed = resources.measured().set_index(["optimizer", "agents"]).loc[(name, 300), "traced_kb"]
     assert float(done.stdout) == pytest.approx(printed, rel=0.3)
+
+
+def test_a_study_of_unequal_conditions_names_the_one_of_equal_ones():
+    assert "The study thesis-equal compares them" in fitting_errors.unequal(Study.load("thesis"))[0]
+    assert fitting_errors.unequal(Study.load("thesis-equal")) == ()

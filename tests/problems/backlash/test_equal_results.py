@@ -1,0 +1,71 @@
+"""The committed run of thesis-equal: it is of the shipped study, can be repeated, and says what its README says."""
+
+import re
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from bench import Study, solve
+from bench.plugins.loading import load_optimizer, load_problem
+
+RESULTS = Path(__file__).resolve().parents[3] / "results"
+FOLDER = RESULTS / "thesis-equal"
+
+
+@pytest.fixture(scope="module")
+def trials():
+    return pd.read_csv(FOLDER / "trials.csv")
+
+
+@pytest.fixture(scope="module")
+def compared():
+    return pd.read_csv(FOLDER / "equal-conditions.csv").set_index("swarm")
+
+
+def test_it_is_whole_and_of_the_shipped_study(trials):
+    study = Study.load(FOLDER / "study.toml")
+    assert study == Study.load("thesis-equal")
+    assert len(trials) == len(study.problems) * len(study.optimizers) * study.trials == 5400
+    assert (trials["status"] == "ok").all()
+    assert trials["seed"].is_unique
+
+
+def test_medians_are_lower_where_the_table_says_so(trials, compared):
+    medians = trials.pivot_table(index="problem", columns="optimizer", values="fun", aggfunc="median")
+    for swarm, row in compared.iterrows():
+        cma = f"cma-es {swarm.split()[1]}"
+        assert (medians[cma] < medians[swarm]).sum() == row["median"]
+    assert medians.filter(like=" 300").idxmin(axis=1).value_counts().to_dict() == {
+        "cma-es 300": 9, "gwo 300": 8, "alo 300": 1
+    }  # fmt: skip
+
+
+def test_the_readme_prints_the_table(compared):
+    text = (FOLDER / "README.md").read_text(encoding="utf-8")
+    blocks = text.split("| 300, equal |")[1]
+    rows = re.findall(r"\| ([A-Z]+) \| (\d+) \| (\d+) / (\d+) \| (\.\d\d) \[(\.\d\d), (\.\d\d)\]", "|" + blocks)
+    assert len(rows) == 12
+    for (name, *numbers), agents in zip(rows, [300] * 4 + [100] * 4 + [30] * 4, strict=True):
+        row = compared.loc[f"{name.lower()} {agents}"]
+        assert [int(each) for each in numbers[:3]] == [row["median"], row["lower"], row["higher"]]
+        for printed, value in zip(numbers[3:], row[["probability", "low", "high"]], strict=True):
+            assert float(printed) == pytest.approx(value, abs=0.00501)
+
+
+def test_the_thesis_s_page_and_the_readme_say_the_same(compared):
+    for page in (RESULTS / "thesis" / "README.md", RESULTS.parent / "README.md"):
+        assert "probability .64" in page.read_text(encoding="utf-8")
+    assert compared.loc["gwo 300", "probability"] == pytest.approx(0.64, abs=0.005)
+    assert compared.loc["gwo 30", "high"] < 0.5
+    assert compared.loc["alo 30", "high"] < 0.5
+
+
+@pytest.mark.parametrize("optimizer", ["gwo 100", "da 30"])
+def test_a_row_is_repeated_by_its_seed_and_options(trials, optimizer):
+    row = trials[(trials["problem"] == "signature-08") & (trials["optimizer"] == optimizer)].iloc[3]
+    name, agents = optimizer.split()
+    problem = load_problem("signature-08", unit="rpm")
+    assert (
+        solve(problem, load_optimizer(name, agents=int(agents)), budget=60_000, seed=int(row["seed"])).fun == row["fun"]
+    )
