@@ -83,7 +83,7 @@ def ert(
     ax, looks = style.own_axes(ax), style.looks_of(table, looks)
     own = style.rows_of(table, problem)
     own = own[own["tau"] > 0].sort_values("tau", ascending=False, kind="stable")
-    for place, (optimizer, look) in enumerate(looks.items()):
+    for place, (optimizer, look) in enumerate(style.behind_first(looks)):
         tau, times = own.loc[own["optimizer"] == optimizer, ["tau", "ert"]].to_numpy(dtype=float).T
         reached = style.drawable(times)
         _curve(ax, tau[reached], times[reached], look, place)
@@ -106,7 +106,7 @@ def scaling(
     """
     ax, looks = style.own_axes(ax), style.looks_of(table, looks)
     own = style.rows_of(table, problem)
-    for place, (optimizer, look) in enumerate(looks.items()):
+    for place, (optimizer, look) in enumerate(style.behind_first(looks)):
         one = own[(own["optimizer"] == optimizer) & style.drawable(own["ert"])].sort_values("dimension")
         _curve(ax, one["dimension"].to_numpy(dtype=float), one["ert"].to_numpy(dtype=float), look, place)
     dimensions = sorted(table["dimension"].unique())
@@ -121,7 +121,7 @@ def scaling(
 def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:
     """Draw the medians and quartile bands of a problem, where an axis can show them."""
     drawn = own[style.drawable(own["median"])]
-    for place, (optimizer, look) in enumerate(looks.items()):
+    for place, (optimizer, look) in enumerate(style.behind_first(looks)):
         one = drawn[drawn["optimizer"] == optimizer]
         at, median, q1, q3 = one[["evaluations", "median", "q1", "q3"]].to_numpy(dtype=float).T
         banded = style.drawable(q3)
@@ -133,7 +133,7 @@ def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:
 def _fractions(curves: pd.DataFrame, share: str, looks: style.Looks | None, legend: bool, ax: Axes | None) -> Axes:
     ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
     along = next(name for name in AXES if name in curves)
-    for place, (optimizer, look) in enumerate(looks.items()):
+    for place, (optimizer, look) in enumerate(style.behind_first(looks)):
         x, fraction = curves.loc[curves["optimizer"] == optimizer, [along, "fraction"]].to_numpy(dtype=float).T
         _curve(ax, x, fraction, look, place, steps=True)
     style.span(ax, curves[along])
@@ -147,7 +147,8 @@ def _curve(ax: Axes, x: np.ndarray, y: np.ndarray, look: style.Look, place: int,
     """Draw the curve of one optimizer with few markers, at other places than those of the previous optimizer."""
     every = max(len(x) // 5, 1)
     ax.plot(
-        x, y, color=look.color, linestyle=look.line, linewidth=1.1, marker=look.marker, markersize=3.0,
+        x, y, color=look.color, linestyle=look.line, linewidth=0.5 if look.background else 1.1, marker=look.marker,
+        markersize=3.0,
         markevery=(2 * place % every, every), drawstyle="steps-post" if steps else "default",
     )  # fmt: skip
 

@@ -106,7 +106,7 @@ def rank_course(ranks: pd.DataFrame, *, looks: style.Looks | None = None, ax: Ax
     along = "evaluations" if "evaluations" in ranks else "share"
     shown = style.names(looks, RANK_NAME)
     last: dict[str, float] = {}
-    for optimizer, look in sorted(looks.items(), key=lambda item: not item[1].background):
+    for optimizer, look in style.behind_first(looks):
         x, y = ranks.loc[ranks["optimizer"] == optimizer, [along, "rank"]].to_numpy(dtype=float).T
         if not len(x):
             continue

@@ -76,11 +76,14 @@ def context() -> AbstractContextManager[None]:
     return matplotlib.rc_context(settings)
 
 
-def looks(labels: Iterable[str], best: Collection[str] | None = None) -> dict[str, Look]:
+def looks(labels: Iterable[str], best: Collection[str] | None = None) -> Looks:
     """Return a look for each label; the cycles have coprime lengths, so the first 280 all differ.
 
-    With ``best``, only these have a look of their own; the others are drawn in grey, behind them.
+    With ``best``, only these have a look of their own; the others are drawn in grey, behind them. Looks stay what they
+    are.
     """
+    if isinstance(labels, Mapping):
+        return labels
     known = list(labels)
     chosen = known if best is None else [label for label in known if label in best]
     own = {
@@ -88,6 +91,11 @@ def looks(labels: Iterable[str], best: Collection[str] | None = None) -> dict[st
         for i, label in enumerate(chosen)
     }
     return {label: own.get(label, Look(GREY, "", "-", background=True)) for label in known}
+
+
+def behind_first(looks: Looks) -> list[tuple[str, Look]]:
+    """Return labels and looks in the order of drawing: those in the background first."""
+    return sorted(looks.items(), key=lambda item: not item[1].background)
 
 
 def looks_of(frame: pd.DataFrame, given: Looks | None = None) -> Looks:

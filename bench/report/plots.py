@@ -1,7 +1,7 @@
 """The figures of the report: :mod:`bench.plots` in panels, sized for papers, with the data behind them.
 
 Frames come from the function of :mod:`bench.analysis` of the same purpose. ``optimizers`` are all optimizers of the
-study, in its order, so that each has the same look in every figure.
+study, in its order, so that each has the same look in every figure, or their looks.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ from bench.report.parts import Figure
 from bench.report.wording import listing
 
 SHOWN_ROWS = 300  # of the table behind a figure
+MOST_ROWS = 40  # of a figure with a row for each optimizer: more could not all be named
 COLUMNS = 3  # panels beside each other
 TITLE_LETTERS = 30  # of a line of small text above a panel
 
@@ -46,15 +47,22 @@ def distribution_figure(
     optimum: float | None,
     expected: Mapping[str, tuple[float, float]],
     least: float | None = None,
+    best: Sequence[str] | None = None,
 ) -> Figure:
     """Return box plots of one problem: the objective value, and each domain metric whose true value is known.
 
     ``expected`` holds the true value and the tolerance of domain metrics, by name. ``least`` is the precision from
-    which on a problem is solved, where the objective values are precisions.
+    which on a problem is solved, where the objective values are precisions. ``best`` are
+    the optimizers to draw, in their order; all by default.
     """
     known = {name: value for name, value in expected.items() if name in frame}
-    optimizers, own = labels(frame, "optimizer"), frame[frame["problem"] == problem]
-    noted = not style.drawable(scores(own)).all() or set(optimizers) > set(own["optimizer"])
+    own, all_of_them = frame[frame["problem"] == problem], len(labels(frame, "optimizer"))
+    if best is not None and len(best) < all_of_them:
+        frame = frame[frame["optimizer"].isin(best)]
+        frame = frame.assign(optimizer=pd.Categorical(frame["optimizer"], categories=list(best)))
+    optimizers = labels(frame, "optimizer")
+    drawn = frame[frame["problem"] == problem]
+    noted = not style.drawable(scores(drawn)).all() or set(optimizers) > set(drawn["optimizer"])
     beside = 0.7 if noted else 0.1  # for the number of failed trials
     left = _left(style.names(optimizers).values())
     figure, axes = style.grid(
@@ -72,17 +80,22 @@ def distribution_figure(
             axes[place].set_yticks([])
     lines = ["the optimum"] if optimum is not None else []
     lines += ["the true values (hatched: their tolerances)"] if known else []
+    some = (
+        f"{problem}, the {len(optimizers)} best of {all_of_them} optimizers"
+        if len(optimizers) < all_of_them
+        else problem
+    )
     truth = f"Line{'s' if known else ''}: {listing(lines)}. " if lines else ""
     solved = "" if least is None else f"Trials that solved an instance, to {least:g}, are drawn at that value. "
     caption = (
-        f"{problem}: every trial (points), with quartile boxes and whiskers to the furthest point within 1.5 box "
+        f"{some}: every trial (points), with quartile boxes and whiskers to the furthest point within 1.5 box "
         f"lengths; the line in a box is the median. {truth}{solved}Failed trials are counted, not drawn."
     )
     data = own[["problem", "optimizer", "trial", "seed", "status", "fun", *known]]
     return Figure(f"distribution-{problem}", caption, figure, data, data.drop(columns=["problem", "seed"]))
 
 
-def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str], suffix: str = "") -> Figure:
+def convergence_figure(curves: pd.DataFrame, optimizers: Iterable[str], suffix: str = "") -> Figure:
     """Return the median best-so-far value over evaluations with its quartiles, a panel a problem.
 
     ``suffix`` ends the figure's name, where there are several of the kind.
@@ -94,7 +107,7 @@ def convergence_figure(curves: pd.DataFrame, optimizers: Sequence[str], suffix: 
     return _over_evaluations(f"convergence{suffix}", caption, convergence, curves, optimizers)
 
 
-def regret_figure(curves: pd.DataFrame, optimizers: Sequence[str], suffix: str = "") -> Figure:
+def regret_figure(curves: pd.DataFrame, optimizers: Iterable[str], suffix: str = "") -> Figure:
     """Return the median regret over evaluations with its quartiles, a panel a problem whose optimum is known.
 
     ``suffix`` ends the figure's name, where there are several of the kind.
@@ -107,12 +120,12 @@ def regret_figure(curves: pd.DataFrame, optimizers: Sequence[str], suffix: str =
     return _over_evaluations(f"regret-curves{suffix}", caption, regret, curves, optimizers)
 
 
-def _banded(optimizers: Sequence[str]) -> str:
-    return ", with the quartiles as a band" if len(optimizers) <= MOST_BANDS else ""
+def _banded(optimizers: Iterable[str]) -> str:
+    return ", with the quartiles as a band" if len(list(optimizers)) <= MOST_BANDS else ""
 
 
 def _over_evaluations(
-    name: str, caption: str, draw: Callable[..., Axes], curves: pd.DataFrame, optimizers: Sequence[str]
+    name: str, caption: str, draw: Callable[..., Axes], curves: pd.DataFrame, optimizers: Iterable[str]
 ) -> Figure:
     figure, axes = _multiples(curves, style.looks(optimizers), draw, across=0.46)
     for ax in axes:
@@ -121,7 +134,7 @@ def _over_evaluations(
     return Figure(name, caption, figure, curves, shown)
 
 
-def ert_figure(table: pd.DataFrame, optimizers: Sequence[str], suffix: str = "", *, unit: str = "tau") -> Figure:
+def ert_figure(table: pd.DataFrame, optimizers: Iterable[str], suffix: str = "", *, unit: str = "tau") -> Figure:
     """Return the expected running time over targets, a panel a problem, all on the same axes.
 
     ``suffix`` ends the figure's name, where there are several of the kind; ``unit`` is what a target's tau is.
@@ -152,7 +165,7 @@ def ert_figure(table: pd.DataFrame, optimizers: Sequence[str], suffix: str = "",
 
 
 def ecdf_figure(
-    reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Sequence[str], *, target: str, restarts: bool = False
+    reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Iterable[str], *, target: str, restarts: bool = False
 ) -> Figure:
     """Return two panels over evaluations: the share of targets reached, and the data profile at a ``target``.
 
@@ -181,7 +194,7 @@ def ecdf_figure(
     return Figure("targets-reached", caption, figure, data, shown)
 
 
-def group_figure(curves: pd.DataFrame, optimizers: Sequence[str], *, restarts: bool = False) -> Figure:
+def group_figure(curves: pd.DataFrame, optimizers: Iterable[str], *, restarts: bool = False) -> Figure:
     """Return the share of targets reached over evaluations / d, a panel a group of functions and dimension.
 
     ``curves`` are those of :func:`bench.analysis.ecdf` with a column problem, the panel's name.
@@ -205,7 +218,7 @@ def group_figure(curves: pd.DataFrame, optimizers: Sequence[str], *, restarts: b
     return Figure("targets-by-group", caption, figure, curves, shown)
 
 
-def scaling_figure(table: pd.DataFrame, optimizers: Sequence[str], *, target: str) -> Figure:
+def scaling_figure(table: pd.DataFrame, optimizers: Iterable[str], *, target: str) -> Figure:
     """Return the expected running time to one target over the dimension, a panel a function.
 
     ``table`` has problem (the function), dimension, optimizer and ert, in evaluations / d.
@@ -276,11 +289,14 @@ def forest_figure(pairs: pd.DataFrame) -> Figure:
 
 def timing_figure(table: pd.DataFrame) -> Figure:
     """Return the mean time of one trial of each optimizer (thesis Fig. 7.5), split into objective and the rest."""
-    left = _left(style.names(table["optimizer"]).values())
-    figure, (ax,) = style.grid(1, width=_width(left), height=style.rows_height(len(table)), left=left, top=0.25)
-    timing(table, ax=ax)
+    shown = table.nsmallest(MOST_ROWS, "wall_mean") if len(table) > MOST_ROWS else table
+    left = _left(style.names(shown["optimizer"]).values())
+    figure, (ax,) = style.grid(1, width=_width(left), height=style.rows_height(len(shown)), left=left, top=0.25)
+    timing(shown, ax=ax)
     data = table[["optimizer", "trials", "wall_mean", "objective_mean"]]
-    return Figure("mean-time", "Mean wall time of one trial of each optimizer over all problems.", figure, data)
+    some = f" The {len(shown)} fastest of {len(table)} are drawn." if len(shown) < len(table) else ""
+    caption = f"Mean wall time of one trial of each optimizer over all problems.{some}"
+    return Figure("mean-time", caption, figure, data)
 
 
 def _multiples(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pandas as pd
@@ -12,6 +13,7 @@ from bench.report.findings import MANY_OPTIMIZERS, Findings
 from bench.report.parts import Table
 from bench.report.wording import count
 
+MOST_PAIRED = 30  # optimizers of a matrix of pairs
 NEAR = "≈"  # beside the rank of an optimizer that no test separates from the first
 
 
@@ -39,6 +41,51 @@ def rank_map(findings: Findings) -> Table:
         "rank-map", caption, texts.T.rename_axis("optimizer"), bold=best.T, marks=marks.T, shades=shades.T,
         axes=("optimizer", "problem"), note=note, data=findings.standings,
     )  # fmt: skip
+
+
+def pair_matrix(findings: Findings) -> Table:
+    """Return the chance that a run of the row ends lower than one of the column, the best optimizers in their order."""
+    order, pairs = findings.ranked[:MOST_PAIRED], findings.improvement
+    wide = pairs.pivot(index="first", columns="second", values="probability").reindex(
+        index=findings.optimizers, columns=findings.optimizers
+    )
+    chances = wide.fillna(1 - wide.T).loc[order, order]
+    tests = findings.wilcoxon[findings.wilcoxon["significant"]]
+    clear = pd.DataFrame(False, index=order, columns=order)
+    for first, second in zip(tests["first"], tests["second"], strict=True):
+        if first in clear.index and second in clear.index:
+            clear.at[first, second] = clear.at[second, first] = True
+    texts = chances.map(lambda chance: "" if pd.isna(chance) else f"{chance:.2f}").astype(object)
+    left = len(findings.optimizers) - len(order)
+    rest = f" The {len(order)} best by mean rank; the file has the {left} others." if left else ""
+    return Table(
+        "pair-matrix",
+        "The chance that a run of the optimizer of the row ends lower than one of that of the column, averaged over "
+        f"problems.{rest}",
+        texts.rename_axis(index="optimizer", columns=None),
+        bold=clear,
+        shades=1 - chances,
+        note="Bold: the pair differs significantly across problems (Wilcoxon, Holm).",
+        data=pairs,
+    )
+
+
+def turned(table: Table, findings: Findings) -> Table:
+    """Return a table of problems by optimizers with the optimizers as rows, best first, where there are many.
+
+    Columns that are no optimizers are left out.
+    """
+    if len(findings.optimizers) <= MANY_OPTIMIZERS:
+        return table
+    order = [label for label in findings.ranked if label in table.frame]
+
+    def turn(frame: pd.DataFrame) -> pd.DataFrame:
+        return frame.reindex(columns=order).T.rename_axis("optimizer")
+
+    named = {name: getattr(table, name) for name in ("frame", "bold", "italic", "marks", "lost")}
+    swapped: dict[str, Any] = {name: turn(frame) for name, frame in named.items() if frame is not None}
+    note = table.note.replace("the row", "the column").replace("a row", "a column")
+    return replace(table, note=note, **swapped)
 
 
 def _beside_first(findings: Findings) -> pd.DataFrame:

@@ -8,9 +8,10 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis import ALPHA
-from bench.report.findings import Findings
+from bench.report.findings import MANY_OPTIMIZERS, Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import forest_figure, rank_figure
+from bench.report.ranking import pair_matrix
 from bench.report.sections.verdict import across, dependent
 from bench.report.wording import count, p_text
 
@@ -38,9 +39,13 @@ def section(findings: Findings) -> Section:
     if len(medians) > 1 and len(optimizers) > 2:
         ranks = analysis.average_ranks(medians)
         items.append(rank_figure(ranks, analysis.wilcoxon_cliques(ranks, findings.wilcoxon)))
-    items.append(forest_figure(findings.improvement))
-    items += [_wilcoxon(findings.wilcoxon), _aggregate(analysis.interquartile_mean(findings.frame, findings.optima))]
-    return Section(TITLE, tuple(text), tuple(items))
+    means = _aggregate(analysis.interquartile_mean(findings.frame, findings.optima))
+    if len(optimizers) <= MANY_OPTIMIZERS:
+        items += [forest_figure(findings.improvement), _wilcoxon(findings.wilcoxon), means]
+        return Section(TITLE, tuple(text), tuple(items))
+    items += [pair_matrix(findings), means]
+    pairs = Section("Every pair of optimizers", items=(_wilcoxon(findings.wilcoxon),), folded=True)
+    return Section(TITLE, tuple(text), tuple(items), sections=(pairs,))
 
 
 def _friedman(test: dict[str, Any]) -> str:

@@ -34,9 +34,7 @@ def section(findings: Findings) -> Section:
     else:
         along = np.geomspace(1 / max(dimensions.values()), max(budgets[label] / d for label, d in dimensions.items()))
         reached = analysis.ecdf(hits, along, dimensions)
-    together = ecdf_figure(
-        reached, profiles, findings.optimizers, target=words.at(words.level), restarts=words.restarts
-    )
+    together = ecdf_figure(reached, profiles, findings.looks, target=words.at(words.level), restarts=words.restarts)
     rates: list[Part] = [_success(findings.success, words), *_areas(findings)]
     text = (
         *_leaders(findings, budget),
@@ -65,7 +63,7 @@ def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, 
 
     A precision is a regret already, so that the convergence of pooled instances is their regret.
     """
-    optimizers, unbeaten, frame = findings.optimizers, findings.unbeaten, findings.frame
+    optimizers, unbeaten, frame = findings.looks, findings.unbeaten, findings.frame
     grid = analysis.evaluation_grid(max(findings.budgets[label] for label in labels))
     curves = analysis.convergence(frame[frame["problem"].isin(labels)], findings.traces, grid)
     precisions = set(findings.pooled.functions) & unbeaten.keys()

@@ -7,6 +7,7 @@ import pandas as pd
 from bench.analysis import ALPHA, NEAR, regret, table
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
+from bench.report.ranking import turned
 from bench.report.sections import feasibility
 from bench.report.wording import count, leaders, listing
 
@@ -50,6 +51,7 @@ def section(findings: Findings) -> Section:
         "red with ✗: a cell with failed trials.",
         data=matrix,
     )
+    shown = turned(shown, findings)
     regrets = regret(findings.summary, findings.unbeaten, VALUES)
     items = [shown]
     if len(regrets):
@@ -78,7 +80,7 @@ def _at_optimum(medians: pd.DataFrame) -> str:
 def _regret(findings: Findings, regrets: pd.DataFrame) -> Table:
     medians = table(regrets, "median")
     data = regrets.drop(columns="sd").assign(optimum=regrets["problem"].map(findings.unbeaten))
-    return Table(
+    shown = Table(
         "regret",
         "Median regret: the median of the best objective value minus the optimum of the problem.",
         medians,
@@ -87,6 +89,7 @@ def _regret(findings: Findings, regrets: pd.DataFrame) -> Table:
         "cell with failed trials. Problems without a known optimum, or with a trial below it, are left out.",
         data=data,
     )
+    return turned(shown, findings)
 
 
 def _gaps(findings: Findings) -> str:

@@ -8,13 +8,14 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis import ALPHA, CUTOFFS, SOLVED, TIED, effect_size, resampled
-from bench.report.findings import Findings
+from bench.report.findings import MANY_OPTIMIZERS, Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import distribution_figure
 from bench.report.wording import count, interval, listing, usual_decimals
 
 TITLE = "Problem by problem"
 BEST = "best of 2009"
+DRAWN = 20  # of many optimizers, in the figure of a problem
 
 
 def section(findings: Findings) -> Section:
@@ -50,6 +51,7 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
             findings.optima.get(problem),
             findings.known[problem].expected,
             SOLVED if problem in findings.pooled.functions else None,
+            _best(findings, problem),
         ),
         _cells(findings, problem, rates),
     ]
@@ -58,7 +60,7 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
     pairs = findings.pairs[findings.pairs["problem"] == problem]
     text = []
     if len(pairs):
-        items.append(_pairs(problem, pairs))
+        items.append(_pairs(findings, problem, pairs))
         text.append(
             f"{int(pairs['significant'].astype(bool).sum())} of {count(len(pairs), 'pair')} differ significantly after "
             f"Holm’s adjustment (alpha = {ALPHA:g}), {int((pairs['p'] <= ALPHA).sum())} before it."
@@ -69,6 +71,14 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
                 "too few trials; p is set to 1."
             )
     return Section(problem, tuple(text), tuple(items), tuple(warnings), folded=True, problem=problem)
+
+
+def _best(findings: Findings, problem: str) -> list[str] | None:
+    """Return the best of many optimizers on a problem, in their order; None where there are few."""
+    if len(findings.optimizers) <= MANY_OPTIMIZERS:
+        return None
+    own = findings.standings[findings.standings["problem"] == problem].sort_values("rank", kind="stable")
+    return list(own["optimizer"].iloc[:DRAWN])
 
 
 def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
@@ -151,7 +161,14 @@ def _level(own: pd.DataFrame, unit: str) -> float:
     return float(reached.index[reached == reached.max()].min()) if reached.max() > 0 else np.nan
 
 
-def _pairs(problem: str, pairs: pd.DataFrame) -> Table:
+def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
+    """Return the tests of every pair, of many optimizers those of the first one alone; the file has all."""
+    pairs, which = every, "every pair of optimizers"
+    if len(findings.optimizers) > MANY_OPTIMIZERS:
+        own = findings.standings[findings.standings["problem"] == problem].dropna(subset="rank")
+        best = own.sort_values("rank", kind="stable")["optimizer"].iloc[0]
+        pairs = every[(every["first"] == best) | (every["second"] == best)].sort_values("p_holm", kind="stable")
+        which = f"{best}, the first in rank, and every other optimizer; the file has all {len(every):,} pairs"
     shown = pd.DataFrame(
         {
             "D": pairs["distance"],
@@ -170,12 +187,12 @@ def _pairs(problem: str, pairs: pd.DataFrame) -> Table:
         shown = shown.drop(columns="note")
     return Table(
         f"tests-{problem}",
-        f"{problem}: every pair of optimizers.",
+        f"{problem}: {which}.",
         shown,
         bold=pd.DataFrame({"p (Holm)": pairs["significant"].to_numpy(dtype=bool)}, index=shown.index),
         decimals={"D": 3, "A12": 3},
         note=f"Bold: significant at {ALPHA:g} after Holm’s adjustment; lower: and the interval of A12 excludes 0.5.",
-        data=pairs,
+        data=every,
     )
 
 

@@ -24,10 +24,10 @@ def section(findings: Findings) -> Section | None:
     items: list[Part] = [_ranks(findings, members)]
     if findings.traces:
         reached = _reached(findings, members)
-        items.insert(0, group_figure(reached, findings.optimizers, restarts=findings.words.restarts))
+        items.insert(0, group_figure(reached, findings.looks, restarts=findings.words.restarts))
         if members.groupby("function")["dimension"].nunique().max() > 1:
             words = findings.words
-            items.append(scaling_figure(_scaling(findings, members), findings.optimizers, target=words.at(words.level)))
+            items.append(scaling_figure(_scaling(findings, members), findings.looks, target=words.at(words.level)))
     text = [_meaning(findings, members)]
     if findings.traces:
         most = max(findings.budgets[label] / d for label, d in findings.dimensions.items())

@@ -73,13 +73,14 @@ def standing(findings: Findings) -> Standing:
         chances[first, second], chances[second, first] = (chance, low, high), (1 - chance, 1 - high, 1 - low)
     known = all(label in findings.unbeaten for label in complete)
     best = "the optimum" if known else "the best known value"
+    precise = findings.words.kind == "precisions"  # a share of an optimum that was shifted at will means nothing
     least, most = findings.trials
     return Standing(
         ranking, beaten, chances, findings.testable,
         budget=described(findings.study.budget),
         problem=str(complete[0]) if len(complete) == 1 else "",
-        found=analysis.near_best(findings.frame, findings.optima, NEAR),
-        near=f"within {NEAR:.0%} of {best}",
+        found=analysis.near_best(findings.frame, findings.optima, 0.0 if precise else NEAR, analysis.SOLVED),
+        near=f"within {analysis.SOLVED:g} of {best}" if precise else f"within {NEAR:.0%} of {best}",
         course=_course(findings),
         unit="of the budget" if findings.scaled else "evaluations",
         clock=_clock(findings),

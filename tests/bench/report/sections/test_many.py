@@ -3,8 +3,9 @@
 import pytest
 
 from bench import Results
-from bench.report.findings import MANY_PROBLEMS, Findings
-from bench.report.sections import anytime, comparison, datasets, verdict
+from bench.report import ranking
+from bench.report.findings import COLOURED, MANY_OPTIMIZERS, MANY_PROBLEMS, Findings
+from bench.report.sections import across, anytime, comparison, datasets, verdict
 
 
 @pytest.fixture(scope="module")
@@ -69,3 +70,43 @@ class TestClaim:
         tied = {label: {"fun": 1.0} for label in "abcde"}
         claim = self.claim(make, tmp_path / "s", tuple("abcde"), tied)
         assert claim == "No optimizer leads at 100 evaluations: all have the same mean rank over 2 problems."
+
+
+@pytest.fixture(scope="module")
+def wide(make, tmp_path_factory):
+    labels = tuple(f"o{number:02d}" for number in range(MANY_OPTIMIZERS + 2, 0, -1))  # the last one is the worst
+    return Findings(Results(make(tmp_path_factory.mktemp("wide") / "s", ("p", "q", "r"), labels, trials=5)))
+
+
+class TestManyOptimizers:
+    def test_they_are_the_rows_of_the_tables_best_first(self, wide):
+        ranked = [f"o{number:02d}" for number in range(MANY_OPTIMIZERS + 2, 0, -1)]
+        ranks = ranking.rank_map(wide)
+        assert list(ranks.frame.index) == ranked
+        assert (list(ranks.frame), ranks.axes) == (["p", "q", "r"], ("optimizer", "problem"))
+        assert ranks.frame["p"].tolist() == [str(rank) for rank in range(1, MANY_OPTIMIZERS + 3)]
+        medians = comparison.section(wide).items[0]
+        assert list(medians.frame.index) == ranked
+        assert medians.bold["q"].tolist() == [True, *[False] * (MANY_OPTIMIZERS + 1)]
+        assert "of the column" in medians.note
+
+    def test_only_the_best_have_a_colour(self, wide):
+        own = [label for label, look in wide.looks.items() if not look.background]
+        assert own == wide.ranked[:COLOURED]
+
+    def test_pairs_are_a_matrix_and_their_table_is_folded(self, wide):
+        section = across.section(wide)
+        assert [item.name for item in section.items] == ["ranks", "pair-matrix", "interquartile-mean"]
+        (pairs,) = section.sections
+        assert (pairs.folded, [item.name for item in pairs.items]) == (True, ["wilcoxon"])
+        matrix = section.items[1]
+        first, last = wide.ranked[0], wide.ranked[-1]
+        assert (matrix.frame.at[first, last], matrix.frame.at[last, first]) == ("1.00", "0.00")
+        assert matrix.frame.at[first, first] == ""
+        assert len(matrix.data) == (MANY_OPTIMIZERS + 2) * (MANY_OPTIMIZERS + 1) / 2
+
+    def test_a_problem_shows_the_pairs_of_its_first_optimizer(self, wide):
+        tests = next(item for item in datasets.section(wide).sections[0].items if item.name == "tests-p")
+        assert len(tests.frame) == MANY_OPTIMIZERS + 1
+        assert all(wide.ranked[0] in pair for pair in tests.frame.index)
+        assert len(tests.data) == (MANY_OPTIMIZERS + 2) * (MANY_OPTIMIZERS + 1) / 2
