@@ -18,6 +18,7 @@ import tomli_w
 
 from bench import budget as budgets
 from bench import constraints as handlings
+from bench import rope as ropes
 from bench import targets as target_kinds
 from bench.budget import Budget
 from bench.errors import BenchError, nearest
@@ -25,6 +26,7 @@ from bench.numbers import require_whole
 from bench.optimizer import Optimizer
 from bench.plugins import from_file, loading, registry, selection
 from bench.problem import Problem
+from bench.rope import Rope
 from bench.scoring import scored
 from bench.seeds import trial_seed
 from bench.targets import NO_METRIC, Targets
@@ -73,6 +75,8 @@ class Study:
         constraints: what optimizers see of infeasible points, one of :data:`bench.constraints.HANDLINGS`.
         targets: what a report counts as reached (:func:`bench.targets.checked`); None: the usual ones of the problems.
             They decide no trial's result.
+        rope: the difference of medians below which two optimizers count as equal (:func:`bench.rope.checked`); None:
+            nothing is said of practical equality. It decides no trial's result.
     """
 
     name: str
@@ -84,6 +88,7 @@ class Study:
     title: str = ""
     constraints: str = handlings.DEFAULT
     targets: Targets | None = None
+    rope: Rope | None = None
 
     @classmethod
     def load(cls, source: str | os.PathLike[str]) -> Study:
@@ -223,16 +228,17 @@ class Study:
         head = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
         lists = {key: [entry.as_dict() for entry in getattr(self, key)] for key in ("problems", "optimizers")}
         targets = {} if self.targets is None else {"targets": self.targets}
-        return tomli_w.dumps(head | self._handling() | targets | lists)
+        rope = {} if self.rope is None else {"rope": self.rope}
+        return tomli_w.dumps(head | self._handling() | targets | rope | lists)
 
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
-        Neither targets nor the default handling of constraints are part of it: older studies do not name them.
+        Targets, rope and the default handling of constraints are no part of it: older studies do not name them.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None}
         content = {
-            key: value for key, value in content.items() if key not in ("constraints", "targets")
+            key: value for key, value in content.items() if key not in ("constraints", "targets", "rope")
         } | self._handling()
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
@@ -242,13 +248,13 @@ class Study:
 
 
 def _checked(given: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Return budget and targets as a study holds them, where given; raises BenchError for settings that cannot be."""
+    """Return budget, targets and rope as a study holds them, where given; raises BenchError for what cannot be."""
     for key, least in (("seed", None), ("trials", 1)):
         if key in given:
             require_whole(f"{where}{key!r}", given[key], least)
     if "constraints" in given:
         handlings.checked(given["constraints"], f"{where}'constraints'")
-    held = {"budget": budgets.checked, "targets": target_kinds.checked}
+    held = {"budget": budgets.checked, "targets": target_kinds.checked, "rope": ropes.checked}
     return {key: check(given[key], f"{where}'{key}'") for key, check in held.items() if key in given}
 
 

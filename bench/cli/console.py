@@ -36,6 +36,12 @@ Targets = Annotated[
         "best value less the optimum) or '5%,1%' (of the optimum)."
     ),
 ]
+Rope = Annotated[
+    str | None,
+    typer.Option(
+        help="Differences of medians that count as equal: a number in the problem's unit, or a share as '1%'."
+    ),
+]
 Parameters = Annotated[
     list[str] | None, typer.Option("--set", help="Parameter of the optimizer, as in agents=300; repeatable.")
 ]

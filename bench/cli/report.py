@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench.cli.console import Against, Jobs, Targets, print_line
+from bench.cli.console import Against, Jobs, Rope, Targets, print_line
 
 
 def report(
@@ -22,13 +22,14 @@ def report(
     jobs: Jobs = -1,
     against: Against = None,
     targets: Targets = None,
+    rope: Rope = None,
 ) -> None:
     """Write the report of a study's folder: a page, tables (CSV, LaTeX), figures (SVG, PDF) and a methods paragraph.
 
     Several folders, such as those of two versions of an optimizer, are compared as one study.
     """
     beside, reference = published(against)
-    report_on([*folders, *beside], Console(), output, jobs, targets, reference)
+    report_on([*folders, *beside], Console(), output, jobs, targets, rope, reference)
 
 
 def published(names: list[str] | None) -> tuple[list[Path], str | None]:
@@ -50,6 +51,7 @@ def report_on(
     output: Path | None = None,
     jobs: int = -1,
     targets: str | None = None,
+    rope: str | None = None,
     reference: str | None = None,
 ) -> None:
     """Write the report and print its path."""
@@ -59,7 +61,13 @@ def report_on(
 
     with steps(console, "report") as on_progress:
         page = write_report(
-            *folders, output=output, n_jobs=jobs, targets=targets, reference=reference, on_progress=on_progress
+            *folders,
+            output=output,
+            n_jobs=jobs,
+            targets=targets,
+            rope=rope,
+            reference=reference,
+            on_progress=on_progress,
         )
     for folder in folders:
         if (noted := Folder(folder).store_note()) and not noted.get("sound"):

@@ -15,6 +15,7 @@ from bench.cli.console import (
     Against,
     Constraints,
     Jobs,
+    Rope,
     Sandbox,
     Strict,
     Targets,
@@ -50,6 +51,7 @@ def run(
     ] = None,
     constraints: Constraints = None,
     targets: Targets = None,
+    rope: Rope = None,
     optimizer: Annotated[
         list[str] | None,
         typer.Option(help="Add an optimizer to the study's: a name, or path/to/file.py:ClassName; repeatable."),
@@ -99,7 +101,7 @@ def run(
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
     console = Console()
     settings = {"trials": trials, "budget": budget, "seed": seed, "constraints": constraints, "targets": targets}
-    chosen = Study.load(study).override(**settings).beside(optimizer or [], problem or [])
+    chosen = Study.load(study).override(**settings, rope=rope).beside(optimizer or [], problem or [])
     beside, reference = published(against)  # before the run, which may take long
     if reference:
         best2009(entry.name for entry in chosen.problems)

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from bench import analysis
+from bench.analysis.equivalence import differences
 from bench.budget import described, evaluations
 from bench.errors import BenchError
 from bench.execution.descriptions import Description, describe
@@ -20,6 +21,7 @@ from bench.plots import style
 from bench.report.landscapes import Landscapes, landscapes
 from bench.report.methods import Methods, MethodsFacts, methods
 from bench.report.target_words import TargetWords, default_targets, target_words
+from bench.rope import Rope
 from bench.storage.results import ProblemFacts, Results
 from bench.study import Entry, Study
 from bench.targets import NO_METRIC, Targets
@@ -38,6 +40,7 @@ class Findings:
 
     results: Results
     asked: Targets | None = None  # targets other than the study's own
+    asked_rope: Rope | None = None  # likewise
     beside_best: bool = False  # whether the best of 2009 stands beside the optimizers
 
     # what was run
@@ -269,6 +272,16 @@ class Findings:
         """Wilcoxon's signed-rank test of each pair of optimizers across problems."""
         return analysis.wilcoxon_tests(self.medians, self.optima)
 
+    @property
+    def rope(self) -> Rope | None:
+        """The differences of medians that count as equal, where any are given."""
+        return self.asked_rope or self.results.study.rope
+
+    @cached_property
+    def equivalence(self) -> pd.DataFrame:
+        """The differences of each pair on each problem beside the rope; none without a rope."""
+        return differences(self.frame, self.rope) if self.rope else pd.DataFrame()
+
     # over the evaluations
 
     @cached_property
@@ -482,6 +495,7 @@ class Findings:
                 constrained=len(self.constrained),
                 noisy=len(self.noisy),
                 mixed=len(self.mixed),
+                rope=self.rope if len(self.equivalence) else None,
                 landscapes=len(self.landscapes.table),
                 dominance=self.u_scores["problem"].nunique() if len(self.optimizers) > 1 else 0,
                 budgets={label: described(each) for label, each in self.results.budgets.items()},

@@ -15,6 +15,7 @@ from markupsafe import Markup
 
 from bench.analysis import ALPHA
 from bench.analysis.cells import NEAR
+from bench.analysis.equivalence import RESAMPLES as EQUIVALENCE_RESAMPLES
 from bench.analysis.instances import SOLVED
 from bench.analysis.pairwise import RESAMPLES, TIED
 from bench.analysis.running_time import RESAMPLES as ERT_RESAMPLES
@@ -25,6 +26,7 @@ from bench.errors import BenchError
 from bench.report.latex import escape
 from bench.report.target_words import TargetWords, target_words
 from bench.report.wording import count, listing, options
+from bench.rope import Rope
 from bench.study import Study
 
 BIBLIOGRAPHY = "references.bib"  # the file of the cited works, beside the methods
@@ -65,6 +67,7 @@ class MethodsFacts:
         constrained: problems whose constraints were handled.
         noisy: problems whose values optimizers saw with noise.
         mixed: problems with integer variables.
+        rope: the region of practical equivalence, where a report has one.
         landscapes: problems whose landscapes were described by features.
         dominance: problems on which U-scores compare the optimizers.
         target_set: the words for the targets.
@@ -92,6 +95,7 @@ class MethodsFacts:
     constrained: int = 0
     noisy: int = 0
     mixed: int = 0
+    rope: Rope | None = None
     landscapes: int = 0
     dominance: int = 0
     target_set: TargetWords = field(default_factory=lambda: target_words("relative"))
@@ -155,6 +159,7 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         "solved": SOLVED,
         "resamples": RESAMPLES,
         "ert_resamples": ERT_RESAMPLES,
+        "equivalence_resamples": EQUIVALENCE_RESAMPLES,
         "coefficient": COEFFICIENT,
         "given": [f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text],
         "early": [f"{count(number, 'trial')} of {label}" for label, number in facts.early.items() if number],

@@ -16,6 +16,7 @@ import matplotlib.figure
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
+from bench import rope as ropes
 from bench.budget import described
 from bench.errors import BenchError
 from bench.importing.best2009 import NAME
@@ -57,6 +58,7 @@ def write_report(
     output: str | PathLike[str] | None = None,
     n_jobs: int = -1,
     targets: Any = None,
+    rope: Any = None,
     reference: str | None = None,
     on_progress: Progress | None = None,
 ) -> Path:
@@ -72,19 +74,22 @@ def write_report(
         output: the folder to write into; by default the study's own, and ``results/comparisons/NAMES`` for several.
         n_jobs: processes that draw figures, -1 for one a core; the files do not depend on it.
         targets: what counts as reached, other than the study's own (:func:`bench.targets.checked`).
+        rope: differences that count as equal, other than the study's own (:func:`bench.rope.checked`).
         reference: "best2009" shows the running times of the best algorithms of 2009 beside those of the optimizers
             (:mod:`bench.importing.best2009`; it needs the extra ``coco``).
         on_progress: called before every step.
 
     Raises:
-        BenchError: when a folder holds no study or no store, the folders cannot be compared, ``targets`` are none,
-            the reference is unknown here or of other problems, or ``output`` cannot be written or holds another study.
+        BenchError: when a folder holds no study or no store, the folders cannot be compared, ``targets`` or ``rope``
+            are none, the reference is unknown here or of other problems, or ``output`` cannot be written or holds
+            another study.
     """
     chosen = None if targets is None else checked(targets, "the targets of a report")
+    equal = None if rope is None else ropes.checked(rope, "the rope of a report")
     if reference not in (None, NAME):
         raise BenchError(f"the reference of a report is {NAME!r} or None, not {reference!r}")
     results = Results(path, *others)
-    findings = Findings(results, chosen, reference == NAME)
+    findings = Findings(results, chosen, equal, reference == NAME)
     findings.check_targets()
     folder = _folder(results, None if output is None else Path(output))
     try:

@@ -58,8 +58,18 @@ def test_targets_are_kept(tmp_path, targets):
     assert given.override(targets="1%").targets == ["1%"]
 
 
+@pytest.mark.parametrize("rope", [0.5, "1%", None])
+def test_a_rope_is_kept(tmp_path, rope):
+    given = study() if rope is None else study(rope=rope)
+    (tmp_path / "s.toml").write_text(given.to_toml())
+    assert Study.load(tmp_path / "s.toml") == given
+    assert ("rope" in given.to_toml()) == (rope is not None)
+    assert given.override(rope="2 %").rope == "2%"
+
+
 def test_identity_is_what_decides_a_result():
     same = [study(), study(trials=9), study(title="other words"), study(targets="quantiles"), study(targets=[0.1])]
+    same += [study(rope=0.5), study(rope="1%")]
     assert len({each.identity() for each in same}) == 1
     other = [study(budget=77), study(seed=1), study(optimizers=[{"name": "scatter", "agents": 5}])]
     assert len({each.identity() for each in [study(), *other]}) == 4
@@ -72,6 +82,7 @@ def test_identity_is_what_decides_a_result():
         ({"trials": "3"}, "'trials' must be a whole number"),
         ({"trials": 0}, "at least 1"),
         ({"name": ""}, "has no name"),
+        ({"rope": "wide"}, "'rope' must be a positive width in the unit of the objective"),
         ({"targets": "precision"}, "'targets' must be 'precisions', 'relative', 'quantiles' or 'tolerance'"),
         ({"targets": [1, -1]}, "percentages of the optimum such as ['5%', '1%'], not [1, -1]"),
         ({"problems": []}, "needs at least one [[problems]] table"),

@@ -9,6 +9,7 @@ from bench.report.sections import (
     datasets,
     dominance,
     environment,
+    equivalence,
     integrity,
     landscape,
     methods,
@@ -21,5 +22,5 @@ from bench.report.sections import (
 OPENING = (verdict, beside, suite, dominance, integrity, comparison)
 """The parts before the plug-ins' sections."""
 
-CLOSING = (across, landscape, anytime, best, datasets, time, power, methods, environment)
+CLOSING = (across, equivalence, landscape, anytime, best, datasets, time, power, methods, environment)
 """The parts after them; the list of downloads ends the page."""

@@ -47,7 +47,7 @@ def full(**changes):
         bibtex={name: registry.load("optimizers", name).bibtex for name in ("gwo", "alo", "cma-es")},
         environments=[ENVIRONMENT], tests=9, permutation_tests=1, ranked_problems=2, known_optima=1, targets=3,
         early={"cma-es": 3, "gwo": 0}, centre_bias={"gwo": True, "alo": False, "cma-es": False},
-        structural_bias={"gwo": True, "alo": True}, constrained=2, dominance=2, landscapes=3,
+        structural_bias={"gwo": True, "alo": True}, constrained=2, dominance=2, landscapes=3, rope="1%",
     )  # fmt: skip
     return replace(facts, **changes)
 
@@ -67,7 +67,7 @@ class TestMethods:
             assert work.author_year.endswith(key[-4:])
             assert re.search(r"\btitle = ", work.fields)
             place = {"article": "journal", "inproceedings": "booktitle", "misc": "howpublished", "phdthesis": "school"}
-            place |= {"incollection": "booktitle"}
+            place |= {"incollection": "booktitle", "book": "publisher"}
             assert f"  {place[work.kind]} = " in work.bibtex
             assert work.kind != "article" or "pages = " in work.fields
         fields_own = replace(full(), target_set=target_words("precisions"), aocc=2, best2009=2)

@@ -1,0 +1,42 @@
+"""The region of practical equivalence (rope) of a study: differences that are too small to matter."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from bench.errors import BenchError
+
+Rope = float | str
+"""As a study holds it: a width in the unit of the objective, or a share of the values such as ``"1%"``."""
+
+
+def checked(given: Any, what: str) -> Rope:
+    """Return a rope as a study holds it: a positive number, or a percentage below 100.
+
+    Args:
+        given: a number, a percentage such as ``"1%"``, or a text of either.
+        what: the subject of a sentence about it, such as ``"the rope"``.
+
+    Raises:
+        BenchError: for anything else.
+    """
+    if isinstance(given, str):
+        text, percent = given.strip().removesuffix("%").strip(), given.strip().endswith("%")
+    else:
+        text, percent = str(given), False
+    try:
+        number = math.nan if isinstance(given, bool) else float(text)
+    except ValueError:
+        number = math.nan
+    if not 0 < number < (100 if percent else math.inf):
+        raise BenchError(
+            f"{what} must be a positive width in the unit of the objective, such as 0.5, or a percentage of the values "
+            f"below 100, such as '1%', not {given!r}"
+        )
+    return f"{number:.12g}%" if percent else number
+
+
+def share(rope: Rope) -> float | None:
+    """Return the share of a rope that is a percentage, None for an absolute one."""
+    return float(rope.removesuffix("%")) / 100 if isinstance(rope, str) else None
