@@ -24,7 +24,8 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     Columns: optimizer; problems, those on which every optimizer has a trial; first_low to first_high, the 95 %
     percentile interval of the number of problems on which the optimizer is ranked first (:func:`bench.analysis.ranking`
     without its tests, which resampled values would mislead by their ties); rank_low to rank_high, that of its mean
-    rank; leads, the share of resamples in which its mean rank is the lowest, a tie shared.
+    rank, both widened to the observed value where resamples, which break ties and know fewer values, shift all of them
+    to one side; leads, the share of resamples in which its mean rank is the lowest, a tie shared.
 
     Trials are drawn with replacement within each cell (Efron 1979), 999 times, or 199 times with more than 30
     optimizers. All is missing where no problem has trials of every optimizer, or a cell of one has a single trial,
@@ -37,19 +38,24 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
         return pd.DataFrame({"optimizer": optimizers, "problems": len(problems)}, columns=list(COLUMNS))
     resamples = RESAMPLES if len(optimizers) <= MANY else RESAMPLES_OF_MANY
     rng = np.random.default_rng(seed)
-    first, total = np.zeros((len(optimizers), resamples)), np.zeros((len(optimizers), resamples))
+    first, total = np.zeros((2, len(optimizers), 1 + resamples))  # the first column is that of the values themselves
     for problem in problems:
         own = _resampled_ranks([found[problem, each] for each in optimizers], resamples, rng)
         first += own == own.min(axis=0)
         total += own
     mean = total / len(problems)
-    lowest = np.isclose(mean, mean.min(axis=0), rtol=0, atol=1e-9)
+    lowest = np.isclose(mean, mean.min(axis=0), rtol=0, atol=1e-9)[:, 1:]
     leads = (lowest / lowest.sum(axis=0)).mean(axis=1)
-    rows = [
-        (optimizer, len(problems), *_whole(first[place]), *percentile_interval(mean[place]), leads[place])
-        for place, optimizer in enumerate(optimizers)
-    ]
+    rows = []
+    for place, optimizer in enumerate(optimizers):
+        counts = _widened(_whole(first[place, 1:]), int(first[place, 0]))
+        interval = _widened(percentile_interval(mean[place, 1:]), float(mean[place, 0]))
+        rows.append((optimizer, len(problems), *counts, *interval, leads[place]))
     return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def _widened(interval: tuple[float, float], observed: float) -> tuple[float, float]:
+    return min(interval[0], observed), max(interval[1], observed)
 
 
 def _whole(counts: Floats) -> tuple[int, int]:
@@ -59,12 +65,12 @@ def _whole(counts: Floats) -> tuple[int, int]:
 
 
 def _resampled_ranks(values: list[Floats], resamples: int, rng: np.random.Generator) -> Floats:
-    """Return the (k, B) ranks of k optimizers in each resample of their values."""
+    """Return the (k, 1 + B) ranks of k optimizers for their values as they are, and in each resample of them."""
     drawn = [_times_drawn(len(each), resamples, rng) for each in values]
     pooled, weights = np.concatenate(values), np.concatenate(drawn)
     starts = np.cumsum([0, *map(len, values[:-1])])
     sizes = np.array([len(each) for each in values], dtype=float)
-    beaten, chance = np.zeros((len(values), resamples)), np.zeros((len(values), resamples))
+    beaten, chance = np.zeros((2, len(values), 1 + resamples))
     for place, (own, counts) in enumerate(zip(values, drawn, strict=True)):
         below = np.less.outer(own, pooled) + 0.5 * np.equal.outer(own, pooled)
         within = below.T.astype(np.float32) @ counts  # (T, B): how many drawn values are below each pooled one
@@ -77,5 +83,6 @@ def _resampled_ranks(values: list[Floats], resamples: int, rng: np.random.Genera
 
 
 def _times_drawn(n: int, resamples: int, rng: np.random.Generator) -> NDArray[np.float32]:
-    """Return how often each of n values is drawn in each resample, (n, B)."""
-    return rng.multinomial(n, np.full(n, 1 / n), size=resamples).T.astype(np.float32)
+    """Return how often each of n values counts, (n, 1 + B): once, and as it is drawn in each resample."""
+    drawn = rng.multinomial(n, np.full(n, 1 / n), size=resamples).T
+    return np.concatenate((np.ones((n, 1)), drawn), axis=1).astype(np.float32)

@@ -118,7 +118,7 @@ def rank_course(ranks: pd.DataFrame, *, looks: style.Looks | None = None, ax: Ax
             last[optimizer] = float(y[-1])
     least, most = float(ranks["rank"].min()), float(ranks["rank"].max())
     room = max(most - least, 1.0)
-    ax.set_ylim(most + 0.05 * room, least - 0.05 * room)
+    ax.set_ylim(most + 0.05 * room, max(least - 0.05 * room, 0.5))
     ax.yaxis.set_major_locator(MaxNLocator(6, integer=True))
     style.log_scale(ax, "x")
     stages = sorted(ranks[along].unique())
@@ -127,7 +127,7 @@ def rank_course(ranks: pd.DataFrame, *, looks: style.Looks | None = None, ax: Ax
     if along == "evaluations":
         ax.tick_params(axis="x", rotation=30)
     gap = 1.1 * room * LINE / (ax.get_window_extent().height / ax.figure.dpi)
-    for optimizer, place in _apart(last, gap).items():
+    for optimizer, place in _apart(last, gap, least).items():
         color = looks[optimizer].color
         ax.annotate(
             shown[optimizer], (1.0, last[optimizer]), (1.04, place), xycoords=ax.get_yaxis_transform(), va="center",
@@ -139,25 +139,25 @@ def rank_course(ranks: pd.DataFrame, *, looks: style.Looks | None = None, ax: Ax
     return ax
 
 
-def _apart(places: Mapping[str, float], gap: float) -> dict[str, float]:
-    """Return places at least a gap apart, as near to their own as a single pass allows, in their order."""
+def _apart(places: Mapping[str, float], gap: float, least: float) -> dict[str, float]:
+    """Return places at least a gap apart and none below the least, as near to their own as a single pass allows."""
     found: dict[str, float] = {}
     group: list[tuple[str, float]] = []
     for name, place in sorted(places.items(), key=lambda item: item[1]):
         if group and place < _center(group) + gap * (len(group) / 2 + 0.5):
             group.append((name, place))
         else:
-            found |= _spaced(group, gap)
+            found |= _spaced(group, gap, least)
             group = [(name, place)]
-    return found | _spaced(group, gap)
+    return found | _spaced(group, gap, least)
 
 
 def _center(group: Sequence[tuple[str, float]]) -> float:
     return sum(place for _, place in group) / max(len(group), 1)
 
 
-def _spaced(group: Sequence[tuple[str, float]], gap: float) -> dict[str, float]:
-    start = _center(group) - gap * (len(group) - 1) / 2
+def _spaced(group: Sequence[tuple[str, float]], gap: float, least: float) -> dict[str, float]:
+    start = max(_center(group) - gap * (len(group) - 1) / 2, least)
     return {name: start + gap * number for number, (name, _) in enumerate(group)}
 
 

@@ -209,6 +209,8 @@ def _course(known: Standing, leader: str) -> str:
         return f"It leads from {known.course[0].first} {known.unit} on."
     before = known.course[-2]
     start = "Up to about" if len(known.course) == 2 else f"From about {before.first} to"
+    if len(known.course) > 2 and before.first == before.last:
+        start = "At about"
     return f"{start} {before.last} {known.unit} {before.optimizer} leads."
 
 

@@ -35,7 +35,8 @@ def section(findings: Findings) -> Section:
         data=tables,
     )
     sentence = detectable_differences(sizes[0], optimizers)
-    return Section(TITLE, (f"{sentence[0].upper()}{sentence[1:]}.",), (table,))
+    text = f"{sentence[0].upper()}{sentence[1:]}."
+    return Section(TITLE, (text,), (table,), on_demand=True)  # the verdict has the sentence
 
 
 def detectable_differences(n: int, optimizers: int) -> str:

@@ -30,7 +30,11 @@ def test_the_ranks_of_a_resample_are_those_of_the_values_drawn(frame_of):
     values[2][:2] = np.inf
     counts = [rng.multinomial(len(each), np.full(len(each), 1 / len(each)), size=5) for each in values]
     found = _resampled_ranks(values, 5, Given(counts))
-    for resample in range(5):
+    counts = [
+        np.concatenate((np.ones((1, len(each)), dtype=int), own)) for each, own in zip(values, counts, strict=True)
+    ]
+    assert found.shape == (3, 6)
+    for resample in range(6):
         drawn = {
             ("p", f"o{i}"): np.repeat(each, own[resample])
             for i, (each, own) in enumerate(zip(values, counts, strict=True))
@@ -56,6 +60,15 @@ def test_equal_optimizers_share_the_lead(frame_of):
     assert (found["first_low"] < found["first_high"]).all()
     assert ranking_certainty(frame).equals(found)
     assert RESAMPLES > 500
+
+
+def test_an_interval_holds_the_observed_value(frame_of):
+    cells = {("p", f"o{i:02d}"): [0.0] * 9 + [float(i % 3 == 0)] for i in range(20)}  # ties that resamples break
+    frame = frame_of(cells)
+    observed = standings(summarise(frame), pairwise_tests(frame)).set_index("optimizer")["rank"]
+    found = ranking_certainty(frame).set_index("optimizer")
+    assert (found["rank_low"] <= observed + 1e-9).all()
+    assert (found["rank_high"] >= observed - 1e-9).all()
 
 
 def test_nothing_to_draw(frame_of):

@@ -130,6 +130,10 @@ def test_runs_near_the_optimum():
             [Spell("alo", "300", "500"), Spell("gwo", "600", "1,000"), Spell("cma-es", "2,000", "60,000")],
             "From about 600 to 1,000 evaluations gwo leads.",
         ),
+        (
+            [Spell("alo", "300", "500"), Spell("gwo", "600", "600"), Spell("cma-es", "2,000", "60,000")],
+            "At about 600 evaluations gwo leads.",
+        ),
         ([], ""),
     ],
 )

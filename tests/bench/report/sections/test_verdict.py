@@ -1,0 +1,95 @@
+"""What the verdict says of budgets, clocks, sweeps and tests across problems, in studies made for it."""
+
+from dataclasses import replace
+
+import pandas as pd
+import pytest
+
+from bench import Results
+from bench.report.findings import Findings
+from bench.report.sections import across, verdict
+
+
+@pytest.fixture(scope="module")
+def findings(make, tmp_path_factory):
+    return Findings(Results(make(tmp_path_factory.mktemp("verdict") / "s", ("p", "q", "r"))))
+
+
+@pytest.fixture
+def fresh(findings):
+    return Findings(findings.results)
+
+
+def test_the_first_screen(findings):
+    shown = verdict.section(findings)
+    assert [card.title for card in shown.cards] == [
+        "What may be claimed",
+        "What may not be claimed",
+        "How this is decided",
+    ]
+    assert [card.folded for card in shown.cards] == [False, True, True]
+    assert [item.name for item in shown.items] == ["rank-map", "ranks-over-budget", "ranking"]
+    ranks, _, ranking = shown.items
+    assert ranks.axes == ("problem", "optimizer")
+    assert ranks.frame.to_numpy().tolist() == [["1", "2", "3"]] * 3
+    assert ranks.shades.iloc[0].tolist() == [0.0, 0.5, 1.0]
+    assert ranking.frame["first"].tolist() == ["3 [3, 3]", "0 [0, 0]", "0 [0, 0]"]
+
+
+def test_ranks_that_no_test_separates_from_the_first_are_marked(make, tmp_path):
+    alike = {"b": {"fun": 5.0}, "c": {"fun": 5.0}}
+    ranks = verdict.section(Findings(Results(make(tmp_path / "s", trials=8, changes=alike)))).items[0]
+    assert set(ranks.marks.to_numpy().ravel()) <= {"", "≈"}
+    assert ranks.bold.sum(axis=1).ge(1).all()
+    assert not (ranks.bold & (ranks.marks == "≈")).any(axis=None)
+
+
+def test_one_trial_has_no_intervals_and_no_winner(make, tmp_path):
+    shown = verdict.section(Findings(Results(make(tmp_path / "s", trials=1))))
+    assert shown.cards[0].text[0].startswith("No winner can be named at 100 evaluations: with 1 trial a cell")
+    assert shown.items[-1].frame["first"].tolist() == [2, 0, 0]
+
+
+def test_steps_of_one_sweep_are_no_independent_sample(fresh):
+    assert verdict.dependent(fresh) == ""
+    del fresh.__dict__["sweeps"]
+    fresh.__dict__["known"] = {
+        label: replace(each, features={"sweep": "the load"}) for label, each in fresh.known.items()
+    }
+    said = verdict.dependent(fresh)
+    assert said.startswith(
+        "The problems are not independent samples: 3 of 3 problems are steps of one sweep, the load. Neighbouring"
+    )
+    assert said in verdict.section(fresh).cards[1].text
+    assert said in across.section(fresh).text
+
+
+def test_friedman_and_wilcoxon_are_said_together(fresh):
+    assert "no pair can be distinguished: too few problems (3 in all)" in verdict.across(fresh)
+    fresh.__dict__["friedman"] = fresh.friedman | {"p_iman_davenport": 1e-9, "note": ""}
+    said = verdict.across(fresh)
+    assert said.startswith("Some optimizers differ across problems (Friedman, p < 0.001), but no pair can be disting")
+    assert said in across.section(fresh).text[0]
+    assert said in verdict.section(fresh).cards[1].text
+
+
+def test_unused_budget_is_said_with_its_share(make, tmp_path):
+    changes = {"a": {"nfev": 60, "stop": "tolfun"}}
+    found = Findings(Results(make(tmp_path / "s", trials=4, changes=changes)))
+    assert verdict.unused(found).startswith("A part of the budget was left unused (mean share): a 40%.")
+    assert verdict.unused(Findings(Results(make(tmp_path / "t", trials=4)))) == ""
+
+
+def test_seconds_that_turn_the_order_round(fresh):
+    table = pd.DataFrame(
+        [(p, o, 1e-2, 3, ert, s) for p in "pqr" for o, ert, s in (("a", 10, 9.0), ("b", 20, 1.0), ("c", 30, 2.0))],
+        columns=["problem", "optimizer", "tau", "successes", "ert", "ert_s"],
+    )
+    fresh.__dict__["running_times"] = table
+    said = verdict._clock(fresh)
+    assert "a has the lowest expected running time in evaluations on 3 of 3 problems" in said
+    assert said.endswith("but b has the lowest in seconds on 3 (a on 0).")
+    fresh.__dict__["running_times"] = table.assign(ert_s=table["ert"] * 1e-3)
+    assert verdict._clock(fresh) == ""
+    fresh.__dict__["running_times"] = table.assign(ert_s=float("nan"))
+    assert verdict._clock(fresh) == ""
