@@ -142,7 +142,13 @@
   // Safari does not open a folded section that a link leads to.
 
   const reveal = () => {
-    const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    let anchor = location.hash.slice(1);
+    try {
+      anchor = decodeURIComponent(anchor);
+    } catch {
+      // an address that was cut is no name of a part
+    }
+    const target = document.getElementById(anchor);
     for (let at = target; at; at = at.parentElement) if (at.tagName === "DETAILS") at.open = true;
     target?.scrollIntoView();
   };

@@ -155,7 +155,7 @@ class TestKeyboard:
     def test_everything_is_reached_by_tab_and_the_titles_of_a_table_by_one(self, browser, file):
         browser.open(file)
         browser.run(OPEN_ALL)
-        stops = "a, .copy, input, summary, pre, th:first-child > button"
+        stops = "a, .all, .copy, input, summary, pre, th:first-child > button"
         wanted = browser.run(f"document.querySelectorAll('{stops}').length")
         scrolled = "[...document.querySelectorAll('.scroll')].filter((each) => each.scrollWidth > each.clientWidth)"
         wanted += browser.wait(f"{scrolled}.every((each) => each.tabIndex === 0) && {scrolled}.length")
@@ -166,6 +166,7 @@ class TestKeyboard:
 
     def test_arrows_move_along_the_titles_of_a_table(self, browser, file):
         browser.open(file)
+        browser.run(OPEN_ALL)
         browser.run("document.querySelector('#wide th button').focus()")
         browser.press("ArrowRight")
         assert browser.run("document.activeElement.closest('th').cellIndex") == 1

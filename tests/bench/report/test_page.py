@@ -32,7 +32,7 @@ class TestPage:
         (policy,) = [value for value in document.values("content") if "default-src" in value]
         assert "default-src 'none'" in policy
         assert f"script-src 'sha256-{digest}'" in policy
-        assert len(script) < 6000
+        assert len(script) < 7000
         assert not [name for _, attrs, _ in document.elements for name in attrs if name.startswith("on")]
 
     def test_headings_are_numbered_and_in_the_contents(self, document):
@@ -54,7 +54,8 @@ class TestPage:
             "Data of Figure 2.",
         ]  # fmt: skip
         assert document.texts("figcaption") == ["Figure 1. A figure of few numbers.", "Figure 2. A figure of many."]
-        assert document.texts("summary")[1:] == [
+        folded = re.compile(r"Download|Data|\w+ \(\d+\)")
+        assert [each for each in document.texts("summary") if folded.match(each)] == [
             "Download Table 1", "Download Table 2", "Data table and files of Figure 1",
             "Data table and files of Figure 2", "figures (1)", "report (1)", "tables (1)",
         ]  # fmt: skip

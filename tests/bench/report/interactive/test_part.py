@@ -36,7 +36,7 @@ def test_the_same_findings_give_the_same_bytes(findings):
 def test_without_the_package_there_is_a_hint_how_to_get_it(findings, read, without):
     further = interactive(findings)
     assert not further.scripts
-    page = read(render("", "", [View("part.1", Section("Verdict"), [], [], [])], further))
+    page = read(render("", "", [View("part.1", Section("Verdict"), [], [], [])], further=further))
     assert part.EXTRA in page.text
     assert page.tags.count("script") == 1
     assert page.texts("h2") == ["1 Verdict"]
