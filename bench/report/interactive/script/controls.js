@@ -101,7 +101,7 @@ const key = make("ul", { className: "key" });
 const chart = make("div", { className: "chart", tabIndex: 0 });
 chart.setAttribute("role", "group");
 const tableSummary = make("summary", { textContent: "Values of this view" });
-const table = make("div", { className: "scroll" });
+const table = make("div", { className: "scroll", role: "group", ariaLabel: "Values of this view" });
 const tables = make("details", {}, tableSummary, table);
 const runs = make("select", { onchange: () => {
   const [o, k] = runs.value.split(",").map(Number);
@@ -134,9 +134,8 @@ const fillTable = ({ head, rows, caption }) => {
   const heads = head.map((title) => make("th", { scope: "col", textContent: title }));
   const lines = rows.map(([first, ...others]) => make("tr", {}, make("th", { scope: "row", textContent: first }), ...others.map((each) => make("td", { textContent: each }))));
   table.replaceChildren(make("table", {}, make("caption", { textContent: caption }), make("thead", {}, make("tr", {}, ...heads)), make("tbody", {}, ...lines)));
-  if (!tables.open) return;
-  table.toggleAttribute("tabindex", table.scrollWidth > table.clientWidth);
-  if (table.hasAttribute("tabindex")) Object.assign(table, { tabIndex: 0, role: "group", ariaLabel: "Values of this view" });
+  if (!tables.open || table.scrollWidth > table.clientWidth) table.tabIndex = 0; // a closed one may prove too wide
+  else table.removeAttribute("tabindex");
 };
 
 const showRun = () => {
@@ -265,6 +264,20 @@ const show = () => {
   });
   showRun();
 };
+
+// The cells of the page's own map of ranks lead here, too; with the keyboard, the choice of a problem does.
+
+for (const place of document.querySelectorAll("[data-problem][data-optimizer]")) {
+  const find = (list, label) => list.findIndex((each) => each.label === label);
+  const [p, o] = [find(problems, place.dataset.problem), find(optimizers, place.dataset.optimizer)];
+  if (p < 0 || o < 0) continue;
+  place.classList.add("leads");
+  place.addEventListener("click", (event) => {
+    if (event.target.closest("a")) return;
+    change({ view: "values", problem: p, cell: o, optimizers: new Set([...state.optimizers, o]) });
+    part.scrollIntoView();
+  });
+}
 
 tables.addEventListener("toggle", () => current && fillTable(current));
 let seen = 0;

@@ -7,11 +7,12 @@ from itertools import product
 from pathlib import Path
 from urllib.parse import quote
 
+import pandas as pd
 import pytest
 
 from bench.report.interactive import interactive
-from bench.report.page import View, render
-from bench.report.parts import Section
+from bench.report.page import Item, View, render
+from bench.report.parts import Section, Table
 
 READY = (
     "[...document.querySelectorAll('.chart')].every((chart) => chart.dataset.ready) && document.querySelector('.chart')"
@@ -22,8 +23,13 @@ ABOUT = "document.querySelector('.about').textContent"
 @pytest.fixture(scope="module")
 def file(findings, tmp_path_factory):
     path = tmp_path_factory.mktemp("further") / "report.html"
-    views = [View(f"part.{n}", Section(f"Part {n}", ("A sentence.",)), [], [], []) for n in (1, 2)]
-    path.write_text(render("A report", "", views, interactive(findings)), encoding="utf-8")
+    ranks = pd.DataFrame({"a": [1], "b": [2]}, index=pd.Index(["p"], name="problem"))
+    ranking = Table("rank-map", "Ranks.", ranks, axes=("problem", "optimizer"))
+    views = [
+        View("part.1", Section("Verdict", items=(ranking,)), [Item("rank-map", [], ranking)], [], []),
+        View("part.2", Section("More", ("A sentence.",)), [], [], []),
+    ]
+    path.write_text(render("A report", "", views, further=interactive(findings)), encoding="utf-8")
     return path
 
 
@@ -118,6 +124,11 @@ class TestClicks:
         assert f"bench solve any any --budget 100 --seed {seed}" in words
         assert "stopped by\nbudget" in words
         assert "&run=0,a" in state(browser)
+
+    def test_a_cell_of_the_pages_own_map_leads_to_its_problem(self, look):
+        browser = look()
+        browser.run("document.querySelector('[data-problem=p][data-optimizer=b]').click()")
+        assert state(browser) == "#look-further?view=values&problem=p&cell=b"
 
     def test_a_run_is_drawn_with_its_trace_and_the_fit_to_the_data(self, look):
         browser = look("view=values&problem=p&run=2,a")
