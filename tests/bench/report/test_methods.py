@@ -132,7 +132,7 @@ class TestMethods:
             ({"ranked_problems": 1}, "Friedman"), ({"ranked_problems": 3}, "of 3,"), ({"trials": (30, 30)}, "planned"),
             ({"tests": 0, "permutation_tests": 0}, "Kolmogorov"), ({"study": study()}, "handling"),
             ({"study": study(problems=["p"]), "ranked_problems": 1}, "Benjamini"),
-            ({"study": study(["gwo", "alo"])}, "Holm"), ({"study": study(["gwo", "alo"])}, "Benavoli"),
+            ({"study": study(["gwo", "alo"])}, "Holm"), ({"study": study(["gwo", "alo"])}, "Benavoli et al., 2016"),
             ({"study": study(["gwo", "alo"])}, "letter"), ({"known_optima": 3}, "lowest value that any"),
             ({"known_optima": 0}, "the known optimum on"), ({"constrained": 0}, "constraints"),
             ({"dominance": 0}, "U-scores"), ({"dominance": 3}, "U-scores on"),

@@ -118,7 +118,7 @@ def test_failed_and_missing_trials_are_said(make, read, tmp_path):
     folder = make(tmp_path / "s", fail=[("p", "b"), ("q", "a", 1)], skip=[("q", "c"), ("p", "a", 7)])
     page = read(write_report(folder))
     assert "9 of 48 planned trials are missing and 1 of 6 cells are empty. Cells hold 0 to 8 trials" in page.text
-    assert "fewer than others: a on p, c on q." in page.text
+    assert "fewer than planned: a on p, c on q." in page.text
     assert "9 of 39 trials did not finish (failed 9), in b on p, a on q. They count as +inf." in page.text
     assert "No trial of c on this problem." in page.text
     assert "ValueError: <b>boom</b> & more" in page.text
