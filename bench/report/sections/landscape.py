@@ -55,7 +55,7 @@ def section(findings: Findings) -> Section | None:
     ]
     sentence, ranks = _ranks(findings, table)
     text += sentence
-    return Section(TITLE, tuple(text), (*items, *ranks))
+    return Section(TITLE, tuple(text), (*items, *ranks), on_demand=True)  # background
 
 
 def _ranks(findings: Findings, table: pd.DataFrame) -> tuple[list[str], list[Part]]:
