@@ -99,11 +99,11 @@ def paragraph(known: Standing) -> str:
     if len(known.level) == len(known.ranking):
         return f"No optimizer leads at {known.budget}: all have the same mean rank {_over(known)}.{_split(known)}"
     leader = known.ordered[0]
-    # Where several share the lead, "it" would be anybody.
-    subject, whose = (leader, f"{leader}’s") if len(known.level) > 1 else ("it", "its")
-    sentences = [_who(known, leader), _certainty(known, leader, subject), _effect(known, leader, subject)]
-    if known.testable:
-        sentences += [_found(known, leader, whose), _course(known, leader), known.clock]
+    sentences = [_who(known, leader)]
+    if len(known.level) == 1:  # where several share the lead, numbers of one of them would single it out
+        sentences += [_certainty(known, leader), _effect(known, leader)]
+        if known.testable:
+            sentences += [_found(known, leader), _course(known, leader), known.clock]
     return " ".join(filter(None, sentences))
 
 
@@ -166,44 +166,43 @@ def _named(known: Standing, leader: str) -> str:
     )
 
 
-def _certainty(known: Standing, leader: str, subject: str) -> str:
+def _certainty(known: Standing, leader: str) -> str:
     """Return the interval of the number of first ranks, and in how many repetitions the leader would lead."""
     row = known.row(leader)
     if known.problem or pd.isna(row["first_low"]):
         return ""
-    start = subject.capitalize() if subject == "it" else subject
     often = "practically every repetition" if row["leads"] >= SURE else f"{row['leads']:.0%} of repetitions"
     return (
-        f"{start} is ranked first on {row['first']} [{row['first_low']:.0f}, {row['first_high']:.0f}] of "
+        f"It is ranked first on {row['first']} [{row['first_low']:.0f}, {row['first_high']:.0f}] of "
         f"{known.problems}, and would lead in {often} of these trials."
     )
 
 
-def _effect(known: Standing, leader: str, subject: str) -> str:
+def _effect(known: Standing, leader: str) -> str:
     second = known.ordered[1]
     chance, low, high = known.chances[leader, second]
     if math.isnan(chance):
         return ""
     shown = "" if math.isnan(low) else f" [{low:.2f}, {high:.2f}]"
     place = "" if len(known.ranking) == 2 else ", the second in rank,"
-    return f"A run of {subject} beats a run of {second}{place} with probability {chance:.2f}{shown}."
+    return f"A run of it beats a run of {second}{place} with probability {chance:.2f}{shown}."
 
 
-def _found(known: Standing, leader: str, whose: str) -> str:
+def _found(known: Standing, leader: str) -> str:
     """Return the share of runs that came near the best known value, with that of the best rival."""
     if known.found.empty or not known.found.max() > 0:
         return ""
     others = known.found.drop(leader)
     best, most, own = str(others.idxmax()), float(others.max()), float(known.found[leader])
     if not own:
-        return f"None of {whose} runs comes {known.near}, but {percent(most)} of {best}’s do."
+        return f"None of its runs comes {known.near}, but {percent(most)} of {best}’s do."
     rest = f"{best} {percent(most)}" if most > 0 else "no other run does"
-    return f"{percent(own)} of {whose} runs come {known.near} ({rest})."
+    return f"{percent(own)} of its runs come {known.near} ({rest})."
 
 
 def _course(known: Standing, leader: str) -> str:
     """Return the range of budgets below the full one in which another one leads, or that none does."""
-    if len(known.level) > 1 or not known.course or known.course[-1].optimizer != leader:
+    if not known.course or known.course[-1].optimizer != leader:
         return ""
     if len(known.course) == 1:
         return f"It leads from {known.course[0].first} {known.unit} on."

@@ -98,11 +98,7 @@ def test_too_few_trials_for_any_test():
 
 def test_several_share_the_lead():
     text = paragraph(standing({"a": 1.5, "b": 1.5, "c": 3.0}, beaten={("a", "c"): 18}))
-    assert text.startswith(
-        "No single winner at 60,000 evaluations: a and b share the lowest mean rank over 18 problems."
-    )
-    assert "a is ranked first on 15 [13, 17]" in text
-    assert "A run of a beats a run of b, the second in rank, with probability 0.50" in text
+    assert text == "No single winner at 60,000 evaluations: a and b share the lowest mean rank over 18 problems."
 
 
 def test_all_are_level():
