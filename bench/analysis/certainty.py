@@ -11,9 +11,10 @@ from bench.analysis.pairwise import percentile_interval
 from bench.analysis.standings import ranks
 from bench.problem import Floats
 
-RESAMPLES = 999
-MANY = 30  # optimizers above which fewer resamples are drawn, as their cost grows with the square of the optimizers
-RESAMPLES_OF_MANY = 199
+RESAMPLES = {30: 999, 100: 199}
+"""Resamples up to a number of optimizers: the cost of one grows with their square."""
+
+FEWEST = 39  # resamples of more optimizers: the smallest number whose extremes are a 95 % interval
 
 COLUMNS = ("optimizer", "problems", "first_low", "first_high", "rank_low", "rank_high", "leads")
 
@@ -27,16 +28,16 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     rank, both widened to the observed value where resamples, which break ties and know fewer values, shift all of them
     to one side; leads, the share of resamples in which its mean rank is the lowest, a tie shared.
 
-    Trials are drawn with replacement within each cell (Efron 1979), 999 times, or 199 times with more than 30
-    optimizers. All is missing where no problem has trials of every optimizer, or a cell of one has a single trial,
-    which leaves nothing to draw.
+    Trials are drawn with replacement within each cell (Efron 1979): 999 times, or 199 times with more than 30
+    optimizers, or 39 times with more than 100. All is missing where no problem has trials of every optimizer, or a cell
+    of one has a single trial, which leaves nothing to draw.
     """
     found, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
     problems = [each for each in labels(frame, "problem") if all(len(found[each, one]) for one in optimizers)]
     sizes = [len(found[each, one]) for each in problems for one in optimizers]
     if not problems or min(sizes) < 2:
         return pd.DataFrame({"optimizer": optimizers, "problems": len(problems)}, columns=list(COLUMNS))
-    resamples = RESAMPLES if len(optimizers) <= MANY else RESAMPLES_OF_MANY
+    resamples = next((drawn for most, drawn in RESAMPLES.items() if len(optimizers) <= most), FEWEST)
     rng = np.random.default_rng(seed)
     first, total = np.zeros((2, len(optimizers), 1 + resamples))  # the first column is that of the values themselves
     for problem in problems:

@@ -17,7 +17,7 @@ from bench.analysis import ALPHA
 from bench.analysis.cells import NEAR
 from bench.analysis.equivalence import RESAMPLES as EQUIVALENCE_RESAMPLES
 from bench.analysis.instances import SOLVED
-from bench.analysis.pairwise import RESAMPLES, TIED
+from bench.analysis.pairwise import RESAMPLES, TIED, resampled
 from bench.analysis.running_time import RESAMPLES as ERT_RESAMPLES
 from bench.bibtex import Work, parse, read
 from bench.budget import described
@@ -157,6 +157,7 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         "near": NEAR,
         "tied": TIED,
         "solved": SOLVED,
+        "resampled": resampled(len(facts.study.optimizers)),
         "resamples": RESAMPLES,
         "ert_resamples": ERT_RESAMPLES,
         "equivalence_resamples": EQUIVALENCE_RESAMPLES,

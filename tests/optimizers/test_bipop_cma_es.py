@@ -61,7 +61,6 @@ def test_a_run_makes_the_planned_restarts_and_spends_the_whole_budget():
     assert populations[:2] == [8, 16]
     large = [size for size in populations if size in (16, 32, 64, 128)]
     assert sorted(set(large)) == large  # each is there once, doubled
-    assert len(set(populations)) > len(large) + 1  # and others in between
 
 
 def test_restarts_begin_at_points_of_their_own_with_the_step_of_their_regime():
@@ -75,6 +74,7 @@ def test_restarts_begin_at_points_of_their_own_with_the_step_of_their_regime():
     steps = np.array([batch.std(axis=0).mean() for batch in seen]) / (0.01 * 10.24)
     sizes = np.array([len(batch) for batch in seen])
     doubled = sizes == np.maximum.accumulate(sizes)  # the small populations are at most half of the last large one
+    assert len(set(sizes[~doubled])) > 3
     np.testing.assert_allclose(steps[doubled], 1, atol=0.25)
     assert np.median(steps[~doubled]) == pytest.approx(0.1, rel=0.5)  # 10^(-2U)
 
