@@ -23,7 +23,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import bootstrap, f, friedmanchisquare, rankdata, studentized_range, trim_mean
 
-from bench.analysis.cells import NEAR, cells, labels, merge_near_ties, reference_values, scores
+from bench.analysis.cells import NEAR, cells, complete_problems, labels, merge_near_ties, reference_values, scores
 from bench.analysis.pairwise import ALPHA, RESAMPLES, a12, a12_replicates, holm, percentile_interval
 from bench.problem import Floats
 
@@ -191,7 +191,7 @@ def probability_of_improvement(frame: pd.DataFrame, seed: int = 0) -> pd.DataFra
     The probability is the mean over problems of A12, with its 95 % percentile bootstrap interval; missing where no
     problem has trials of every optimizer.
     """
-    found, problems, optimizers = cells(frame, merge=True), _complete(frame), labels(frame, "optimizer")
+    found, problems, optimizers = cells(frame, merge=True), complete_problems(frame), labels(frame, "optimizer")
     pairs = list(combinations(optimizers, 2))
     chances, replicates = np.zeros((len(pairs), len(problems))), np.zeros((len(pairs), RESAMPLES))
     for i, problem in enumerate(problems):
@@ -229,7 +229,7 @@ def interquartile_mean(frame: pd.DataFrame, optima: Mapping[str, float] | None =
     high its 95 % percentile bootstrap interval. It is +inf once more than a quarter of the trials failed, and missing
     without any problem that has trials of every optimizer. The scale of the errors is not resampled.
     """
-    problems = _complete(frame)
+    problems = complete_problems(frame)
     errors = normalised_errors(frame[frame["problem"].isin(problems)], optima)
     rows = []
     for optimizer in labels(frame, "optimizer"):
@@ -276,12 +276,6 @@ def _rank_sums(ranks: tuple[int, ...]) -> Floats:
         chances[rank:reached] += chances[: reached - rank].copy()
         chances[:reached] /= 2
     return chances
-
-
-def _complete(frame: pd.DataFrame) -> list[str]:
-    """Return the problems on which every optimizer has a trial."""
-    found, optimizers = cells(frame), labels(frame, "optimizer")
-    return [problem for problem in labels(frame, "problem") if all(len(found[problem, each]) for each in optimizers)]
 
 
 def _normalised(values: Floats, reference: float) -> Floats:

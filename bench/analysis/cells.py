@@ -124,6 +124,12 @@ def cells(frame: pd.DataFrame, merge: bool = False) -> dict[tuple[str, str], Flo
     }
 
 
+def complete_problems(frame: pd.DataFrame) -> list[str]:
+    """Return the problems on which every optimizer has a trial."""
+    found, optimizers = cells(frame), labels(frame, "optimizer")
+    return [problem for problem in labels(frame, "problem") if all(len(found[problem, each]) for each in optimizers)]
+
+
 def reference_values(
     lowest: Mapping[str, float], optima: Mapping[str, float] | None = None
 ) -> dict[str, ReferenceValue]:

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench.analysis.cells import cells, labels
-from bench.analysis.pairwise import percentile_interval
-from bench.analysis.standings import ranks
+from bench.analysis.cells import cells, complete_problems, labels
+from bench.analysis.pairwise import percentile_interval, wins
+from bench.analysis.standings import against_rivals, ranks
 from bench.problem import Floats
 
 RESAMPLES = {30: 999, 100: 199}
@@ -33,7 +33,7 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     of one has a single trial, which leaves nothing to draw.
     """
     found, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
-    problems = [each for each in labels(frame, "problem") if all(len(found[each, one]) for one in optimizers)]
+    problems = complete_problems(frame)
     sizes = [len(found[each, one]) for each in problems for one in optimizers]
     if not problems or min(sizes) < 2:
         return pd.DataFrame({"optimizer": optimizers, "problems": len(problems)}, columns=list(COLUMNS))
@@ -73,13 +73,13 @@ def _resampled_ranks(values: list[Floats], resamples: int, rng: np.random.Genera
     sizes = np.array([len(each) for each in values], dtype=float)
     beaten, chance = np.zeros((2, len(values), 1 + resamples))
     for place, (own, counts) in enumerate(zip(values, drawn, strict=True)):
-        below = np.less.outer(own, pooled) + 0.5 * np.equal.outer(own, pooled)
-        within = below.T.astype(np.float32) @ counts  # (T, B): how many drawn values are below each pooled one
+        within = (
+            wins(own, pooled).T.astype(np.float32) @ counts
+        )  # (T, B): how many drawn values are below each pooled one
         won = np.add.reduceat(within * weights, starts, axis=0)  # sums of halves: exact
         odds = won / (sizes[:, np.newaxis] * len(own))
         odds[place] = 0.5
-        beaten[place] = (odds > 0.5).sum(axis=0) + 0.5 * ((odds == 0.5).sum(axis=0) - 1.0)
-        chance[place] = (odds.sum(axis=0) - 0.5) / max(len(values) - 1, 1)
+        beaten[place], chance[place] = against_rivals(odds, axis=0)
     return ranks(beaten, chance)
 
 

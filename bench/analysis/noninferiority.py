@@ -27,7 +27,7 @@ from scipy.special import expit, logit
 from scipy.stats import norm, rankdata, t
 
 from bench.analysis.cells import cells, labels
-from bench.analysis.pairwise import ALPHA, a12, holm
+from bench.analysis.pairwise import ALPHA, a12, holm, wins
 from bench.errors import BenchError
 from bench.problem import Floats
 
@@ -166,8 +166,8 @@ def _spread(this: Floats, other: Floats) -> _Spread:
 
 def _placements(first: Floats, second: Floats) -> tuple[float, float]:
     """Return variance and squares of A12, from the variance of the placements of each sample in the other."""
-    wins = np.less.outer(first, second) + 0.5 * np.equal.outer(first, second)
-    parts = [(wins.mean(axis=axis).var(ddof=1) / wins.shape[1 - axis], wins.shape[1 - axis] - 1) for axis in (1, 0)]
+    won = wins(first, second)
+    parts = [(won.mean(axis=axis).var(ddof=1) / won.shape[1 - axis], won.shape[1 - axis] - 1) for axis in (1, 0)]
     return float(sum(part for part, _ in parts)), float(sum(part**2 / freedom for part, freedom in parts))
 
 

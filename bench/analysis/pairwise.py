@@ -110,7 +110,7 @@ def a12(this: Floats, other: Floats) -> float:
     """
     if not len(this) or not len(other):
         return float("nan")
-    return float(_wins(this, other).mean())
+    return float(wins(this, other).mean())
 
 
 def a12_replicates(this: Floats, other: Floats, seed: int | Sequence[int] = 0) -> Floats:
@@ -126,7 +126,7 @@ def a12_replicates(this: Floats, other: Floats, seed: int | Sequence[int] = 0) -
         raise ValueError("an empty sample cannot be resampled")
     counts, rivals = _resamples(n, m, seed if isinstance(seed, int) else tuple(seed))
     exact = np.float32 if n * m <= EXACT else np.float64
-    won = _wins(this, other).T.astype(exact) @ counts.astype(exact, copy=False)
+    won = wins(this, other).T.astype(exact) @ counts.astype(exact, copy=False)
     sums = np.einsum("ir,ir->r", won, rivals.astype(exact, copy=False))
     return np.asarray(sums.astype(float) / (n * m))
 
@@ -193,7 +193,7 @@ def _compare(these: Floats, others: Floats, alpha: float) -> dict[str, Any]:
     if not min(n, m):
         return {"tied": tied}
     distance = ks_distance(these, others)
-    columns = {"distance": distance, "tied": tied, "a12": _wins(these, others).mean(axis=(1, 2))}
+    columns = {"distance": distance, "tied": tied, "a12": wins(these, others).mean(axis=(1, 2))}
     # The smallest exact p that n and m values allow: complete separation, 2 of C(n + m, n) arrangements.
     if 2 / comb(n + m, n) > alpha:
         return columns
@@ -227,7 +227,7 @@ def delong_intervals(these: Floats, others: Floats) -> tuple[Floats, Floats]:
     logit scale (Pepe 2003, The Statistical Evaluation of Medical Tests, section 5.2). An A12 of 0 or 1 has an interval
     of one point, as in the bootstrap.
     """
-    won = _wins(these, others)
+    won = wins(these, others)
     n, m = won.shape[1:]
     chance = won.mean(axis=(1, 2))
     variance = won.mean(axis=2).var(axis=1, ddof=1) / n + won.mean(axis=1).var(axis=1, ddof=1) / m
@@ -274,7 +274,7 @@ def permutation_p(these: Floats, others: Floats) -> Floats:
     return np.minimum(outside, 1.0)
 
 
-def _wins(this: Floats, other: Floats) -> Floats:
+def wins(this: Floats, other: Floats) -> Floats:
     """Return (…, n, m): 1 where a value of ``this``, (…, n), is the lower one, 1/2 where they tie and 0 elsewhere."""
     one, rival = this[..., :, np.newaxis], other[..., np.newaxis, :]
     return np.asarray((one < rival) + 0.5 * (one == rival), dtype=np.float64)

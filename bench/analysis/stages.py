@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.cells import Budgets, Traces, budgets, labels, merge_near_ties, scores
-from bench.analysis.standings import ranks
+from bench.analysis.standings import against_rivals, ranks
 from bench.problem import Floats
 
 SHARES = (0.01, 0.03, 0.1, 0.3, 0.6, 1.0)  # of the budget
@@ -73,5 +73,4 @@ def _ranks(values: Sequence[Floats]) -> Floats:
     for place, own in enumerate(map(np.sort, values)):
         below = (np.searchsorted(own, pooled, "left") + np.searchsorted(own, pooled, "right")) / 2
         chances[place] = np.add.reduceat(below, starts) / (sizes * len(own))
-    beaten = (chances > 0.5).sum(axis=1) + 0.5 * ((chances == 0.5).sum(axis=1) - 1.0)
-    return ranks(beaten, (chances.sum(axis=1) - 0.5) / max(len(values) - 1, 1))
+    return ranks(*against_rivals(chances, axis=1))

@@ -40,8 +40,8 @@ def standings(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) 
         present = own.loc[own["n"] > 0, "optimizer"].astype(object)
         chances, separable = _matrices(own_pairs.get(problem, pairs.head(0)), list(present), alpha)
         rivals = len(present) - 1
-        beaten = np.sum(chances > 0.5, axis=1) + 0.5 * (np.sum(chances == 0.5, axis=1) - 1.0)
-        chance = (chances.sum(axis=1) - 0.5) / rivals if rivals > 0 else np.full(len(present), np.nan)
+        beaten, chance = against_rivals(chances, axis=1)
+        chance = chance if rivals > 0 else np.full(len(present), np.nan)
         columns = {
             "optimizer": present.to_numpy(), "rank": ranks(beaten, chance), "beaten": beaten, "chance": chance,
             "lower": separable.sum(axis=1), "higher": separable.sum(axis=0),
@@ -54,6 +54,15 @@ def standings(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) 
     table = pd.concat(tables, ignore_index=True)
     counts = {name: table[name].astype(float).fillna(0).astype(int) for name in ("lower", "higher")}
     return table.assign(**counts, separable=table["separable"].eq(True))[list(COLUMNS)]
+
+
+def against_rivals(chances: Floats, axis: int) -> tuple[Floats, Floats]:
+    """Return the rivals that an optimizer beats, a tie counted half, and the mean A12 against them.
+
+    ``chances`` are the A12 against each of k optimizers along the axis, 0.5 against itself.
+    """
+    beaten = np.sum(chances > 0.5, axis=axis) + 0.5 * (np.sum(chances == 0.5, axis=axis) - 1.0)
+    return beaten, (chances.sum(axis=axis) - 0.5) / max(chances.shape[axis] - 1, 1)
 
 
 def ranks(beaten: Floats, chance: Floats) -> Floats:

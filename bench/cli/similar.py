@@ -32,7 +32,7 @@ def similar(
     """Run optimizers on common functions, and print and draw which of them search alike.
 
     A trial is described by the values it reaches, the spread and the movement of the points that it evaluates, in each
-    eighth of its budget. Optimizers of one cluster cannot be told apart by so many trials. Options of --set go to all.
+    eighth of its budget. These trials do not distinguish the optimizers of one cluster. Options of --set go to all.
     """
     from bench.analysis.similarity import similarity
     from bench.atomic import replacing

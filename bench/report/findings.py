@@ -242,7 +242,7 @@ class Findings:
 
     @cached_property
     def testable(self) -> bool:
-        """Whether any test of a pair can be significant with so many trials."""
+        """Whether any test of a pair can be significant with the trials there are."""
         return bool(self.pairs["testable"].any())
 
     # across problems
@@ -481,7 +481,7 @@ class Findings:
                 failed=int(self.coverage["failed"].sum()),
                 bibtex={label: each.bibtex for label, each in self.descriptions.items()},
                 environments=self.results.environments,
-                tests=len(pairs) if pairs["testable"].any() else 0,
+                tests=len(pairs) if self.testable else 0,
                 permutation_tests=int((pairs["method"] == "permutation").sum()),
                 ranked_problems=len(self.medians),
                 scale="".join(self.wilcoxon["scale"].unique()),

@@ -33,7 +33,7 @@ class Standing:
             :func:`bench.analysis.ranking_certainty`.
         beaten: by (one, other), on how many problems one is separably lower than the other; 0 where there is none.
         chances: by (one, other), the mean over problems of A12, with the ends of its 95 % interval.
-        testable: whether any test can be significant with so many trials.
+        testable: whether any test can be significant with the trials there are.
         budget: the full budget in words, such as "60,000 evaluations".
         problem: the label of the only problem, "" where there are several.
         found: the share of each optimizer's trials that came near the best known value; empty where unknown.

@@ -57,7 +57,7 @@ def signal(values: ArrayLike) -> dict[str, Any]:
 
 
 def short(value: Any, digits: int = 7) -> float | int | None:
-    """Return a number with so many significant digits; None where it is missing or not finite."""
+    """Return a number rounded to some significant digits; None where it is missing or not finite."""
     number = float("nan") if value is None else float(value)
     if not np.isfinite(number):
         return None

@@ -1,4 +1,4 @@
-"""The paragraph on the winner: by how much, how sure, at what budget; and what is said where there is none."""
+"""The paragraph on the winner: margin, certainty and budget, and the sentences where there is no winner."""
 
 from dataclasses import replace
 from itertools import permutations
