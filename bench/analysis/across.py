@@ -24,7 +24,18 @@ import pandas as pd
 from scipy.stats import bootstrap, f, friedmanchisquare, rankdata, studentized_range, trim_mean
 
 from bench.analysis.cells import NEAR, cells, complete_problems, labels, merge_near_ties, reference_values, scores
-from bench.analysis.pairwise import ALPHA, RESAMPLES, a12, a12_replicates, holm, percentile_interval
+from bench.analysis.pairwise import (
+    ALPHA,
+    RESAMPLES,
+    a12,
+    a12_replicates,
+    alike,
+    delong,
+    holm,
+    logit_intervals,
+    percentile_interval,
+    resampled,
+)
 from bench.problem import Floats
 
 TRIMMED = 0.25  # from either end: the mean of the rest is the interquartile mean
@@ -188,24 +199,40 @@ def wilcoxon_cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> li
 def probability_of_improvement(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     """Return the probability that ``first`` ends below ``second``: first, second, problems, probability, low and high.
 
-    The probability is the mean over problems of A12, with its 95 % percentile bootstrap interval; missing where no
-    problem has trials of every optimizer.
+    The probability is the mean over problems of A12, with its 95 % interval: the percentile bootstrap, or from 33
+    optimizers on that of its variance (:func:`bench.analysis.pairwise.delong`). The mean is missing where no problem
+    has trials of every optimizer, the interval where a cell of either has a single trial.
     """
     found, problems, optimizers = cells(frame, merge=True), complete_problems(frame), labels(frame, "optimizer")
-    pairs = list(combinations(optimizers, 2))
-    chances, replicates = np.zeros((len(pairs), len(problems))), np.zeros((len(pairs), RESAMPLES))
-    for i, problem in enumerate(problems):
-        for j, (first, second) in enumerate(pairs):
-            this, other = found[problem, first], found[problem, second]
-            chances[j, i] = a12(this, other)
-            # a seed for each problem: resampled alike, problems would vary together
-            replicates[j] += a12_replicates(this, other, seed=(seed, i)) / len(problems)
-    fewest = {each: min((len(found[problem, each]) for problem in problems), default=0) for each in optimizers}
-    rows = []
-    for (first, second), chance, own in zip(pairs, chances, replicates, strict=True):
-        low, high = percentile_interval(own) if min(fewest[first], fewest[second]) > 1 else (np.nan, np.nan)
-        rows.append((first, second, len(problems), chance.mean() if problems else np.nan, low, high))
-    return pd.DataFrame(rows, columns=["first", "second", "problems", "probability", "low", "high"])
+    samples = [[found[problem, each] for each in optimizers] for problem in problems]
+    first, second = np.triu_indices(len(optimizers), 1)
+    sizes = np.array([[len(own) for own in each] for each in samples], dtype=int).reshape(-1, len(optimizers))
+    fewest = sizes.min(axis=0, initial=len(frame))
+    known = bool(problems) & (np.minimum(fewest[first], fewest[second]) > 1)
+    chance, low, high = (np.full(len(first), np.nan) for _ in range(3))
+    if problems and resampled(len(optimizers)):
+        chances, replicates = np.zeros((len(first), len(problems))), np.zeros((len(first), RESAMPLES))
+        for i, own in enumerate(samples):
+            for pair, (this, other) in enumerate(combinations(own, 2)):
+                chances[pair, i] = a12(this, other)
+                # a seed for each problem: resampled alike, problems would vary together
+                replicates[pair] += a12_replicates(this, other, seed=(seed, i)) / len(problems)
+        chance = chances.mean(axis=1)
+        for pair in np.flatnonzero(known):
+            low[pair], high[pair] = percentile_interval(replicates[pair])
+    elif problems:
+        chance, variance = np.zeros((2, len(first)))
+        for own in samples:
+            for pairs, these, others in alike(own):
+                chances, variances = delong(these, others)
+                chance[pairs] += chances / len(problems)
+                variance[pairs] += variances / len(problems) ** 2
+        low[known], high[known] = logit_intervals(chance[known], variance[known])
+    names = np.array(optimizers, dtype=object)
+    return pd.DataFrame(
+        {"first": names[first], "second": names[second], "problems": len(problems), "probability": chance}
+        | {"low": low, "high": high}
+    )
 
 
 def normalised_errors(frame: pd.DataFrame, optima: Mapping[str, float] | None = None) -> pd.DataFrame:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import warnings
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache, partial
 from math import comb
 from typing import Any
@@ -173,15 +173,27 @@ def compare_all(samples: Sequence[Floats], alpha: float = ALPHA, seed: int = 0) 
         "testable": np.zeros(len(one), dtype=bool), "tied": np.zeros(len(one), dtype=bool),
     }  # fmt: skip
     interval = partial(bootstrap_intervals, seed=seed) if resampled(len(samples)) else delong_intervals
-    for sizes_of_pair in sorted(set(zip(n.tolist(), m.tolist(), strict=True))):
-        alike = np.flatnonzero((n == sizes_of_pair[0]) & (m == sizes_of_pair[1]))
-        for own in np.split(alike, range(AT_ONCE, len(alike), AT_ONCE)):
-            these, others = (np.array([samples[i] for i in places[own]]) for places in (one, other))
-            for name, values in _compare(these, others, alpha).items():
-                columns[name][own] = values
-            if min(sizes_of_pair) > 1:
-                columns["a12_low"][own], columns["a12_high"][own] = interval(these, others)
+    for own, these, others in alike(samples):
+        for name, values in _compare(these, others, alpha).items():
+            columns[name][own] = values
+        if min(these.shape[1], others.shape[1]) > 1:
+            columns["a12_low"][own], columns["a12_high"][own] = interval(these, others)
     return columns
+
+
+def alike(samples: Sequence[Floats]) -> Iterator[tuple[NDArray[np.intp], Floats, Floats]]:
+    """Yield the pairs of k samples, many of the same sizes n and m at once.
+
+    Yields their places in the order of :func:`itertools.combinations`, (g,), and the values, (g, n) and (g, m).
+    """
+    one, other = np.triu_indices(len(samples), 1)
+    sizes = np.array([len(sample) for sample in samples], dtype=np.int64)
+    n, m = sizes[one], sizes[other]
+    for sizes_of_pair in sorted(set(zip(n.tolist(), m.tolist(), strict=True))):
+        same = np.flatnonzero((n == sizes_of_pair[0]) & (m == sizes_of_pair[1]))
+        for own in np.split(same, range(AT_ONCE, len(same), AT_ONCE)):
+            these, others = (np.array([samples[i] for i in places[own]]) for places in (one, other))
+            yield own, these, others
 
 
 def _compare(these: Floats, others: Floats, alpha: float) -> dict[str, Any]:
@@ -221,16 +233,30 @@ def bootstrap_intervals(these: Floats, others: Floats, seed: int = 0) -> tuple[F
 
 
 def delong_intervals(these: Floats, others: Floats) -> tuple[Floats, Floats]:
-    """Return the ends of the 95 % intervals of A12 of pairs of samples, (g, n) and (g, m), n and m at least 2.
+    """Return the ends of the 95 % intervals of A12 of pairs of samples, (g, n) and (g, m), n and m at least 2."""
+    return logit_intervals(*delong(these, others))
 
-    The variance is that of DeLong, DeLong and Clarke-Pearson (1988, Biometrics 44), the interval is symmetric on the
-    logit scale (Pepe 2003, The Statistical Evaluation of Medical Tests, section 5.2). An A12 of 0 or 1 has an interval
-    of one point, as in the bootstrap.
+
+def delong(these: Floats, others: Floats) -> tuple[Floats, Floats]:
+    """Return A12 and its variance, (g,) each, of pairs of samples, (g, n) and (g, m); missing where n or m is 1.
+
+    The variance is that of DeLong, DeLong and Clarke-Pearson (1988, Biometrics 44): of the placements of each sample
+    in the other one.
     """
     won = wins(these, others)
     n, m = won.shape[1:]
-    chance = won.mean(axis=(1, 2))
-    variance = won.mean(axis=2).var(axis=1, ddof=1) / n + won.mean(axis=1).var(axis=1, ddof=1) / m
+    chance, variance = won.mean(axis=(1, 2)), np.full(len(won), np.nan)
+    if min(n, m) > 1:
+        variance = won.mean(axis=2).var(axis=1, ddof=1) / n + won.mean(axis=1).var(axis=1, ddof=1) / m
+    return chance, variance
+
+
+def logit_intervals(chance: Floats, variance: Floats) -> tuple[Floats, Floats]:
+    """Return the ends of the 95 % intervals of chances, (g,), that are symmetric on the logit scale.
+
+    Pepe (2003, The Statistical Evaluation of Medical Tests, section 5.2). A chance of 0 or 1 has an interval of one
+    point, as in the bootstrap.
+    """
     inside = (chance > 0) & (chance < 1)
     width = np.zeros(len(chance))
     width[inside] = 1.959963984540054 * np.sqrt(variance[inside]) / (chance * (1 - chance))[inside]
