@@ -206,7 +206,8 @@ def probability_of_improvement(frame: pd.DataFrame, seed: int = 0) -> pd.DataFra
     found, problems, optimizers = cells(frame, merge=True), complete_problems(frame), labels(frame, "optimizer")
     samples = [[found[problem, each] for each in optimizers] for problem in problems]
     first, second = np.triu_indices(len(optimizers), 1)
-    sizes = np.array([[len(own) for own in each] for each in samples], dtype=int).reshape(-1, len(optimizers))
+    sizes = np.array([[len(own) for own in each] for each in samples], dtype=int)
+    sizes = sizes.reshape(len(problems), len(optimizers))
     fewest = sizes.min(axis=0, initial=len(frame))
     known = bool(problems) & (np.minimum(fewest[first], fewest[second]) > 1)
     chance, low, high = (np.full(len(first), np.nan) for _ in range(3))

@@ -7,13 +7,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench.analysis.cells import cells, complete_problems, labels
-from bench.analysis.pairwise import percentile_interval, wins
+from bench.analysis.pairwise import percentile_interval
 from bench.analysis.standings import against_rivals, ranks
 from bench.problem import Floats
 
 RESAMPLES = {30: 999, 100: 199}
 """Resamples up to a number of optimizers: the cost of one grows with their square."""
 
+AT_ONCE = 2**22  # counts in memory
 FEWEST = 39  # resamples of more optimizers: the smallest number whose extremes are a 95 % interval
 
 COLUMNS = ("optimizer", "problems", "first_low", "first_high", "rank_low", "rank_high", "leads")
@@ -67,20 +68,35 @@ def _whole(counts: Floats) -> tuple[int, int]:
 
 def _resampled_ranks(values: list[Floats], resamples: int, rng: np.random.Generator) -> Floats:
     """Return the (k, 1 + B) ranks of k optimizers for their values as they are, and in each resample of them."""
-    drawn = [_times_drawn(len(each), resamples, rng) for each in values]
-    pooled, weights = np.concatenate(values), np.concatenate(drawn)
-    starts = np.cumsum([0, *map(len, values[:-1])])
-    sizes = np.array([len(each) for each in values], dtype=float)
+    sizes = np.array([len(each) for each in values])
+    owner, pooled = np.repeat(np.arange(len(values)), sizes), np.concatenate(values)
+    counts = np.concatenate([_times_drawn(size, resamples, rng) for size in sizes])
     beaten, chance = np.zeros((2, len(values), 1 + resamples))
-    for place, (own, counts) in enumerate(zip(values, drawn, strict=True)):
-        within = (
-            wins(own, pooled).T.astype(np.float32) @ counts
-        )  # (T, B): how many drawn values are below each pooled one
-        won = np.add.reduceat(within * weights, starts, axis=0)  # sums of halves: exact
-        odds = won / (sizes[:, np.newaxis] * len(own))
-        odds[place] = 0.5
-        beaten[place], chance[place] = against_rivals(odds, axis=0)
+    at_once = max(AT_ONCE // (len(pooled) * len(values)), 1)
+    for start in range(0, 1 + resamples, at_once):
+        chosen = slice(start, start + at_once)
+        won = _won(pooled, owner, counts[:, chosen].T) / np.multiply.outer(sizes, sizes)
+        won[:, np.arange(len(values)), np.arange(len(values))] = 0.5
+        beaten[:, chosen], chance[:, chosen] = (each.T for each in against_rivals(won, axis=1))
     return ranks(beaten, chance)
+
+
+def _won(pooled: Floats, owner: NDArray[np.intp], counts: NDArray[np.float32]) -> Floats:
+    """Return (B, k, k): by resample and pair, the pairs of drawn values of which that of the second optimizer is lower.
+
+    A tie counts half. The T values of all are ``pooled``, those of an ``owner`` one after the other; ``counts``, (B, T),
+    says how often each is drawn. Passed in order, the counts add up to the values below any of the others.
+    """
+    order = pooled.argsort(kind="stable")
+    ordered, own = pooled[order], owner[order]
+    below = np.zeros((len(counts), 1 + len(pooled), owner[-1] + 1), dtype=np.float32)
+    below[:, 1 + np.arange(len(pooled)), own] = counts[:, order]
+    np.cumsum(below, axis=1, out=below)
+    less, most = (ordered.searchsorted(pooled, side) for side in ("left", "right"))
+    lower = below[:, less] + below[:, most]  # twice, so that a tie is a half
+    lower *= counts[:, :, np.newaxis]
+    starts = np.flatnonzero(np.diff(owner, prepend=-1))
+    return np.asarray(np.add.reduceat(lower, starts, axis=1) / 2, dtype=np.float64)  # sums of whole numbers: exact
 
 
 def _times_drawn(n: int, resamples: int, rng: np.random.Generator) -> NDArray[np.float32]:
