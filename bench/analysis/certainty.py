@@ -82,10 +82,10 @@ def _resampled_ranks(values: list[Floats], resamples: int, rng: np.random.Genera
 
 
 def _won(pooled: Floats, owner: NDArray[np.intp], counts: NDArray[np.float32]) -> Floats:
-    """Return (B, k, k): by resample and pair, the pairs of drawn values of which that of the second optimizer is lower.
+    """Return (B, k, k): by resample and pair, the pairs of drawn values of which the second one's is lower.
 
-    A tie counts half. The T values of all are ``pooled``, those of an ``owner`` one after the other; ``counts``, (B, T),
-    says how often each is drawn. Passed in order, the counts add up to the values below any of the others.
+    A tie counts half. The T values of all are ``pooled``, those of an ``owner`` one after the other; ``counts``,
+    (B, T), says how often each is drawn. Passed in order, the counts add up to the values below any of the others.
     """
     order = pooled.argsort(kind="stable")
     ordered, own = pooled[order], owner[order]

@@ -19,6 +19,7 @@ def comparison_matrix(
     alpha: float = ALPHA,
     *,
     by: Literal["standing", "value"] = "standing",
+    standing: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
     """Return the matrix of a statistic, one row a cell: problem, optimizer, value, best and alike.
 
@@ -31,7 +32,8 @@ def comparison_matrix(
     table.
 
     The ``statistic`` is "median", or "mean" as in the thesis, which is missing after a single failed trial. ``pairs``
-    hold at least the optimizers of ``summary``.
+    hold at least the optimizers of ``summary``. ``standing`` is that of :func:`bench.analysis.standings`, where it is
+    already there.
     """
     cells = list(zip(summary["problem"], summary["optimizer"], strict=True))
     winners: set[tuple[Any, Any]]
@@ -40,12 +42,15 @@ def comparison_matrix(
         best = _lowest(values) & (values.notna().sum(axis=1) > 1).to_numpy()[:, np.newaxis]
         winners = {(problem, optimizer) for optimizer in best for problem in best.index[best[optimizer]]}
     else:
-        winners = _first(summary, standings(summary, pairs, alpha))
+        winners = _first(summary, standings(summary, pairs, alpha) if standing is None else standing)
+    unclear = pairs.loc[pairs["p"] > alpha, ["problem", "first", "second"]].astype(object)
+    index = pd.MultiIndex.from_tuples(list(winners), names=["problem", "optimizer"])
     near = {
-        (pair.problem, one)
-        for pair in pairs[pairs["p"] > alpha].itertuples()
-        for one, other in ((pair.first, pair.second), (pair.second, pair.first))
-        if (pair.problem, other) in winners
+        cell
+        for one, other in (("first", "second"), ("second", "first"))
+        for cell in unclear.loc[
+            pd.MultiIndex.from_frame(unclear[["problem", other]]).isin(index), ["problem", one]
+        ].itertuples(index=False, name=None)
     } - winners
     return summary[["problem", "optimizer"]].assign(
         value=summary[statistic],
@@ -64,14 +69,17 @@ def _first(summary: pd.DataFrame, standing: pd.DataFrame) -> set[tuple[str, str]
     return set(zip(chosen["problem"], chosen["optimizer"], strict=True))
 
 
-def compact_letters(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
+def compact_letters(
+    summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA, *, standing: pd.DataFrame | None = None
+) -> pd.DataFrame:
     """Return problem, optimizer and letters of every cell (Piepho 2004, J. Comput. Graph. Stat. 13).
 
     Two optimizers share a letter where they are not separable: p_holm > ``alpha``. Letters are assigned in the order of
     :func:`bench.analysis.standings`, so the best has an "a". "" stands for a cell without trials, "?" for every cell of
-    a problem that needs more than 52 letters. Only the optimizers of ``summary`` get letters.
+    a problem that needs more than 52 letters. Only the optimizers of ``summary`` get letters. ``standing`` is as in
+    :func:`comparison_matrix`.
     """
-    standing = standings(summary, pairs, alpha)
+    standing = standings(summary, pairs, alpha) if standing is None else standing
     own_pairs = dict(list(pairs.groupby("problem", sort=False, observed=True)))
     letters = {
         (problem, optimizer): text
@@ -90,10 +98,10 @@ def _letters(optimizers: list[str], pairs: pd.DataFrame, alpha: float) -> dict[s
 
     place = {optimizer: i for i, optimizer in enumerate(optimizers)}
     alike = np.ones((len(place), len(place)))
-    for first, second, p in zip(pairs["first"], pairs["second"], pairs["p_holm"], strict=True):
-        if first in place and second in place:
-            i, j = place[first], place[second]
-            alike[i, j] = alike[j, i] = p > alpha  # the library's own rule differs at p = alpha
+    known = pairs[pairs["first"].isin(place) & pairs["second"].isin(place)]
+    first, second = (known[name].astype(object).map(place).to_numpy(dtype=int) for name in ("first", "second"))
+    # the library's own rule differs at p = alpha
+    alike[first, second] = alike[second, first] = known["p_holm"].to_numpy(dtype=float) > alpha
     try:
         shown = compact_letter_display(alike, alpha=0.5, names=optimizers)
     except ValueError:  # more groups than letters
@@ -101,16 +109,18 @@ def _letters(optimizers: list[str], pairs: pd.DataFrame, alpha: float) -> dict[s
     return {optimizer: text.replace(" ", "") for optimizer, text in shown.items()}
 
 
-def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
+def ranking(
+    summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA, *, standing: pd.DataFrame | None = None
+) -> pd.DataFrame:
     """Return one row an optimizer: problems, first, separable, worse and mean_rank.
 
     The unit is the problem, on which every optimizer has a trial. ``first`` counts the problems on which the optimizer
     is ranked first by :func:`bench.analysis.standings` (a tie counts for each), ``separable`` those on which it is
     separably lower than every rival, ``worse`` those on which a rival is separably lower than it; ``mean_rank`` is the
-    mean of its ranks.
+    mean of its ranks. ``standing`` is as in :func:`comparison_matrix`.
     """
     complete = medians(summary).index
-    standing = standings(summary, pairs, alpha)
+    standing = standings(summary, pairs, alpha) if standing is None else standing
     standing = standing[standing["problem"].isin(complete)]
     first = _first(summary[summary["problem"].isin(complete)], standing) if len(standing) else set()
     optimizers = list(dict.fromkeys(summary["optimizer"]))

@@ -222,8 +222,8 @@ class Findings:
     @cached_property
     def matrix(self) -> pd.DataFrame:
         """The comparison matrix of medians with its letters, one row a cell."""
-        letters = analysis.compact_letters(self.summary, self.pairs)
-        return analysis.comparison_matrix(self.summary, self.pairs).merge(letters)
+        letters = analysis.compact_letters(self.summary, self.pairs, standing=self.standings)
+        return analysis.comparison_matrix(self.summary, self.pairs, standing=self.standings).merge(letters)
 
     @cached_property
     def standings(self) -> pd.DataFrame:
@@ -238,7 +238,7 @@ class Findings:
     @cached_property
     def ranking(self) -> pd.DataFrame:
         """The number of problems on which each optimizer is ranked first."""
-        return analysis.ranking(self.summary, self.pairs)
+        return analysis.ranking(self.summary, self.pairs, standing=self.standings)
 
     @cached_property
     def testable(self) -> bool:
