@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from bench.analysis.cells import cells, complete_problems, labels
 from bench.analysis.pairwise import percentile_interval
-from bench.analysis.standings import against_rivals, ranks
+from bench.analysis.standings import against_rivals, ranks, won
 from bench.problem import Floats
 
 RESAMPLES = {30: 999, 100: 199}
@@ -75,28 +75,10 @@ def _resampled_ranks(values: list[Floats], resamples: int, rng: np.random.Genera
     at_once = max(AT_ONCE // (len(pooled) * len(values)), 1)
     for start in range(0, 1 + resamples, at_once):
         chosen = slice(start, start + at_once)
-        won = _won(pooled, owner, counts[:, chosen].T) / np.multiply.outer(sizes, sizes)
-        won[:, np.arange(len(values)), np.arange(len(values))] = 0.5
-        beaten[:, chosen], chance[:, chosen] = (each.T for each in against_rivals(won, axis=1))
+        lower = won(pooled, owner, counts[:, chosen].T) / np.multiply.outer(sizes, sizes)
+        lower[:, np.arange(len(values)), np.arange(len(values))] = 0.5
+        beaten[:, chosen], chance[:, chosen] = (each.T for each in against_rivals(lower, axis=1))
     return ranks(beaten, chance)
-
-
-def _won(pooled: Floats, owner: NDArray[np.intp], counts: NDArray[np.float32]) -> Floats:
-    """Return (B, k, k): by resample and pair, the pairs of drawn values of which the second one's is lower.
-
-    A tie counts half. The T values of all are ``pooled``, those of an ``owner`` one after the other; ``counts``,
-    (B, T), says how often each is drawn. Passed in order, the counts add up to the values below any of the others.
-    """
-    order = pooled.argsort(kind="stable")
-    ordered, own = pooled[order], owner[order]
-    below = np.zeros((len(counts), 1 + len(pooled), owner[-1] + 1), dtype=np.float32)
-    below[:, 1 + np.arange(len(pooled)), own] = counts[:, order]
-    np.cumsum(below, axis=1, out=below)
-    less, most = (ordered.searchsorted(pooled, side) for side in ("left", "right"))
-    lower = below[:, less] + below[:, most]  # twice, so that a tie is a half
-    lower *= counts[:, :, np.newaxis]
-    starts = np.flatnonzero(np.diff(owner, prepend=-1))
-    return np.asarray(np.add.reduceat(lower, starts, axis=1) / 2, dtype=np.float64)  # sums of whole numbers: exact
 
 
 def _times_drawn(n: int, resamples: int, rng: np.random.Generator) -> NDArray[np.float32]:

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from scipy.spatial.distance import cdist, pdist
-from scipy.stats import gaussian_kde, kurtosis, qmc, skew, spearmanr
+from scipy.stats import gaussian_kde, kurtosis, pearsonr, qmc, rankdata, skew
 
 from bench.analysis.pairwise import ALPHA, holm
 from bench.errors import BenchError
@@ -205,14 +205,21 @@ def feature_ranks(table: pd.DataFrame, medians: pd.DataFrame, alpha: float = ALP
         alpha: the level.
     """
     problems = [label for label in medians.index if label in table.index]
-    ranks, rows = medians.loc[problems].rank(axis=1), []
-    for optimizer in ranks:
-        for feature in table:
-            both = pd.DataFrame({"x": table[feature].loc[problems], "rank": ranks[optimizer]}).dropna()
-            if len(both) >= LEAST_PROBLEMS and min(both["x"].nunique(), both["rank"].nunique()) > 1:
-                rho, p = spearmanr(both["x"], both["rank"])
-                rows.append((optimizer, feature, len(both), float(rho), float(p)))
-    found = pd.DataFrame(rows, columns=["optimizer", "feature", "problems", "rho", "p"])
+    ranks, tables = medians.loc[problems].rank(axis=1), []
+    for number, feature in enumerate(table):
+        x = table[feature].loc[problems].dropna()
+        own = ranks.loc[x.index]
+        varying = np.flatnonzero(own.nunique() > 1)
+        if len(x) >= LEAST_PROBLEMS and x.nunique() > 1 and len(varying):
+            # Spearman's rho of all optimizers at once: Pearson's correlation of ranks
+            ys = rankdata(own.to_numpy()[:, varying], axis=0)
+            rho, p = pearsonr(rankdata(x)[:, np.newaxis], ys, axis=0)
+            key = {"place": varying, "number": number, "optimizer": own.columns[varying], "feature": feature}
+            tables.append(pd.DataFrame(key | {"problems": len(x), "rho": rho, "p": p}))
+    columns = ["optimizer", "feature", "problems", "rho", "p"]
+    if not tables:
+        return pd.DataFrame(columns=[*columns, "p_holm", "significant"]).astype({"significant": bool})
+    found = pd.concat(tables).sort_values(["place", "number"], ignore_index=True)[columns]
     found["p_holm"] = holm(found["p"].to_numpy(dtype=float))
     found["significant"] = (found["p_holm"] <= alpha).astype(bool)
     return found.sort_values("p", kind="stable", ignore_index=True)

@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.cells import Budgets, Traces, budgets, labels, merge_near_ties, scores
-from bench.analysis.standings import against_rivals, ranks
-from bench.problem import Floats
+from bench.analysis.standings import against_rivals, ranks, won
 
 SHARES = (0.01, 0.03, 0.1, 0.3, 0.6, 1.0)  # of the budget
 
@@ -38,10 +37,13 @@ def stage_ranks(
         cells = [rows_of.get((problem, optimizer), np.empty(0, dtype=np.intp)) for optimizer in optimizers]
         if not cells or not all(map(len, cells)):
             continue
+        sizes = np.array(list(map(len, cells)))
+        owner, once = np.repeat(np.arange(len(cells)), sizes), np.ones((1, sizes.sum()), dtype=np.float32)
         spent = _spent(budget[problem], shares)
         for place, share in enumerate(shares):
             merged = merge_near_ties(values[np.concatenate(cells), place])
-            rank = _ranks(np.split(merged, np.cumsum(list(map(len, cells)))[:-1]))
+            chances = won(merged, owner, once)[0] / np.multiply.outer(sizes, sizes)
+            rank = ranks(*against_rivals(chances, axis=0))
             own = {"problem": problem, "optimizer": optimizers, "share": share, "evaluations": spent[place]}
             tables.append(pd.DataFrame(own | {"rank": rank}))
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
@@ -63,14 +65,3 @@ def unused_budget(frame: pd.DataFrame, budget: Budgets) -> pd.DataFrame:
 
 def _spent(budget: int, shares: Sequence[float]) -> np.ndarray:
     return np.maximum(np.round(np.array(shares) * budget), 1).astype(np.int64)
-
-
-def _ranks(values: Sequence[Floats]) -> Floats:
-    """Return the (k,) ranks of k samples by the rivals that they beat."""
-    pooled = np.concatenate(values)
-    starts, sizes = np.cumsum([0, *map(len, values[:-1])]), np.array(list(map(len, values)))
-    chances = np.empty((len(values), len(values)))
-    for place, own in enumerate(map(np.sort, values)):
-        below = (np.searchsorted(own, pooled, "left") + np.searchsorted(own, pooled, "right")) / 2
-        chances[place] = np.add.reduceat(below, starts) / (sizes * len(own))
-    return ranks(*against_rivals(chances, axis=1))

@@ -65,6 +65,24 @@ def against_rivals(chances: Floats, axis: int) -> tuple[Floats, Floats]:
     return beaten, (chances.sum(axis=axis) - 0.5) / max(chances.shape[axis] - 1, 1)
 
 
+def won(pooled: Floats, owner: NDArray[np.intp], counts: NDArray[np.float32]) -> Floats:
+    """Return (B, k, k): by resample and pair, the pairs of drawn values of which the second one's is lower.
+
+    A tie counts half. The T values of all are ``pooled``, those of an ``owner`` one after the other; ``counts``,
+    (B, T), says how often each is drawn. Passed in order, the counts add up to the values below any of the others.
+    """
+    order = pooled.argsort(kind="stable")
+    ordered, own = pooled[order], owner[order]
+    below = np.zeros((len(counts), 1 + len(pooled), owner[-1] + 1), dtype=np.float32)
+    below[:, 1 + np.arange(len(pooled)), own] = counts[:, order]
+    np.cumsum(below, axis=1, out=below)
+    less, most = (ordered.searchsorted(pooled, side) for side in ("left", "right"))
+    lower = below[:, less] + below[:, most]  # twice, so that a tie is a half
+    lower *= counts[:, :, np.newaxis]
+    starts = np.flatnonzero(np.diff(owner, prepend=-1))
+    return np.asarray(np.add.reduceat(lower, starts, axis=1) / 2, dtype=np.float64)  # sums of whole numbers: exact
+
+
 def ranks(beaten: Floats, chance: Floats) -> Floats:
     """Return the rank of each of k optimizers, (k,) or (k, B), by rivals beaten, then by the mean A12; 1 is best."""
     # A mean of A12 is a sum of rounded shares: equal ones may differ in their last digits.

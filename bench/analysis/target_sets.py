@@ -117,26 +117,15 @@ def aocc(
     """
     own = frame[frame["problem"].isin(optima)]
     allowed = budgets(own, budget).to_numpy()
-    area, start, end = (np.zeros(len(own)) for _ in range(3))
+    area, start, end = np.zeros((3, len(own)))
     keys = zip(own["problem"], own["optimizer"], own["trial"], own["status"], strict=True)
-    kept = [
-        (row, trace, optima[problem])
-        for row, (problem, optimizer, trial, status) in enumerate(keys)
-        if status == "ok" and (trace := traces.get((problem, optimizer, trial))) is not None and len(trace.values)
-    ]
-    if kept:
-        rows = np.array([row for row, _, _ in kept])
-        sizes = np.array([len(trace.values) for _, trace, _ in kept])
-        values = np.concatenate([trace.values - optimum for _, trace, optimum in kept])
-        evaluations = np.concatenate([trace.evaluations for _, trace, _ in kept]).astype(float)
-        share = 1 - (np.log10(np.clip(values, LOWEST, HIGHEST)) + 8) / 10
-        last = np.cumsum(sizes) - 1
-        until = np.append(evaluations[1:], 0.0)
-        until[last] = allowed[rows] + 1
-        first = last - sizes + 1
-        area[rows] = np.add.reduceat(share * (until - evaluations), first) / allowed[rows]
-        start[rows] = np.where(evaluations[first] == 1, share[first], 0.0)
-        end[rows] = share[last]
+    for row, (problem, optimizer, trial, status) in enumerate(keys):
+        trace = traces.get((problem, optimizer, trial)) if status == "ok" else None
+        if trace is not None and len(trace.values):
+            share = 1 - (np.log10(np.clip(trace.values - optima[problem], LOWEST, HIGHEST)) + 8) / 10
+            held = np.diff(trace.evaluations, append=allowed[row] + 1)
+            area[row] = (share * held).sum() / allowed[row]
+            start[row], end[row] = share[0] if trace.evaluations[0] == 1 else 0.0, share[-1]
     table = own[["problem", "optimizer"]].assign(aocc=area, aocc_from_zero=area - (end - start) / allowed)
     if table.empty:
         return pd.DataFrame(columns=["problem", "optimizer", "trials", "aocc", "aocc_from_zero"])

@@ -14,6 +14,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from bench.analysis import ALPHA
+from bench.analysis.across import FEWER
 from bench.analysis.cells import NEAR
 from bench.analysis.equivalence import RESAMPLES as EQUIVALENCE_RESAMPLES
 from bench.analysis.instances import SOLVED
@@ -159,6 +160,7 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         "solved": SOLVED,
         "resampled": resampled(len(facts.study.optimizers)),
         "resamples": RESAMPLES,
+        "fewer_resamples": FEWER,
         "ert_resamples": ERT_RESAMPLES,
         "equivalence_resamples": EQUIVALENCE_RESAMPLES,
         "coefficient": COEFFICIENT,
