@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
-from itertools import product
 from math import prod
 from statistics import median
 
@@ -47,11 +46,15 @@ def best_so_far(traces: Sequence[Trace], evaluations: NDArray[np.int64], failed:
     values = np.full((len(traces) + failed, len(evaluations)), np.inf)
     for row, trace in zip(values, traces, strict=False):
         row[:] = trace.at(evaluations)
-    quartiles = np.quantile(values, [0.25, 0.5, 0.75], axis=0, method="higher")
-    whole = np.isfinite(values).all(axis=0)
-    quartiles[:, whole] = np.quantile(values[:, whole], [0.25, 0.5, 0.75], axis=0)
-    q1, median, q3 = quartiles
-    return pd.DataFrame({"evaluations": evaluations, "median": median, "q1": q1, "q3": q3})
+    return pd.DataFrame(dict(zip(CURVE, (evaluations, *_quartiles(values)), strict=True)))
+
+
+def _quartiles(values: Floats) -> Floats:
+    """Return median, lower and upper quartile, (3, …, E), of values of n trials, (…, n, E)."""
+    shares = [0.5, 0.25, 0.75]
+    finite = np.asarray(np.isfinite(values).all(axis=-2, keepdims=True))
+    between = np.quantile(np.where(finite, values, 0.0), shares, axis=-2)
+    return np.where(finite[..., 0, :], between, np.quantile(values, shares, axis=-2, method="higher"))
 
 
 def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int64]) -> pd.DataFrame:
@@ -60,17 +63,23 @@ def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int
     A failed trial counts as +inf, and so does one without a trace. No rows for a cell without trials. ``evaluations``
     are the counts to look at, such as an :func:`evaluation_grid`.
     """
-    found: dict[tuple[str, str], list[Trace | None]] = {}
+    never = np.full(len(evaluations), np.inf)
+    found: dict[str, dict[str, list[Floats]]] = {label: {} for label in labels(frame, "problem")}
     for problem, optimizer, trace in zip(frame["problem"], frame["optimizer"], _traces_of(frame, traces), strict=True):
-        found.setdefault((problem, optimizer), []).append(trace)
-    curves = []
-    for problem, optimizer in product(labels(frame, "problem"), labels(frame, "optimizer")):
-        if trials := found.get((problem, optimizer)):
-            known = [trace for trace in trials if trace is not None]
-            curve = best_so_far(known, evaluations, failed=len(trials) - len(known))
-            curves.append(curve.assign(problem=problem, optimizer=optimizer))
-    columns = ["problem", "optimizer", *CURVE]
-    return _stacked(curves, columns)[columns]
+        values = never if trace is None else trace.at(evaluations)
+        found[problem].setdefault(optimizer, []).append(values)
+    tables = []
+    for problem, cells in found.items():
+        optimizers = [label for label in labels(frame, "optimizer") if label in cells]
+        sizes = np.array([len(cells[label]) for label in optimizers])
+        curves = np.empty((3, len(optimizers), len(evaluations)))
+        for size in set(sizes.tolist()):  # cells of as many trials at once
+            alike = np.flatnonzero(sizes == size)
+            curves[:, alike] = _quartiles(np.array([cells[optimizers[place]] for place in alike]))
+        own = {"problem": problem, "optimizer": np.repeat(np.array(optimizers, dtype=object), len(evaluations))}
+        along = (np.tile(evaluations, len(optimizers)), *curves.reshape(3, -1))
+        tables.append(pd.DataFrame(own | dict(zip(CURVE, along, strict=True))))
+    return _stacked([table for table in tables if len(table)], ["problem", "optimizer", *CURVE])
 
 
 def fractions(known: bool) -> Floats:

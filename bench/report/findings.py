@@ -30,6 +30,9 @@ MANY_OPTIMIZERS = 10
 """Of more optimizers than these only the best are drawn in colour, and pairs are shown as a matrix."""
 
 COLOURED = 8  # optimizers, as many as there are colours
+CROWD = 60
+"""Of more optimizers than these only the best are shown problem by problem; the files of the whole study have all."""
+
 MANY_PROBLEMS = 20
 """More problems than these are folded away one by one, below what can be said of all."""
 
@@ -102,6 +105,12 @@ class Findings:
         """The look of each optimizer in every figure: of many, only the best have one of their own."""
         best = self.ranked[:COLOURED] if len(self.optimizers) > MANY_OPTIMIZERS else None
         return style.looks(self.optimizers, best)
+
+    @cached_property
+    def drawn(self) -> style.Looks:
+        """The looks of those whose curves are drawn problem by problem: of a crowd, the best."""
+        crowd = len(self.optimizers) > CROWD
+        return {label: look for label, look in self.looks.items() if not (crowd and look.background)}
 
     @cached_property
     def coverage(self) -> pd.DataFrame:

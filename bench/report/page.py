@@ -17,7 +17,6 @@ from markupsafe import Markup
 from bench.report.interactive.part import Interactive, digest
 from bench.report.parts import Figure, Part, Section, Table, TableCell
 
-MOST_ROWS = 400  # of a table on the page; the CSV file has the rest
 UPRIGHT = 12  # columns of a shaded table above which their titles stand upright
 LONG_TEXT = 30  # characters beyond which a cell may break into lines
 ZOOM = 1.45  # scales a figure's 8 points to the size of the page's text
@@ -105,9 +104,11 @@ def render(
 def grid(table: Table) -> Grid:
     """Return the cells of a table that the page shows: all, or those of the first rows of a long table."""
     shown = table
-    if len(table.frame) > MOST_ROWS:
+    if len(table.frame) > table.most_rows:
         frames = {name: getattr(table, name) for name in ("frame", "bold", "italic", "marks", "lost", "shades")}
-        shown = replace(table, **{name: frame.head(MOST_ROWS) for name, frame in frames.items() if frame is not None})
+        shown = replace(
+            table, **{name: frame.head(table.most_rows) for name, frame in frames.items() if frame is not None}
+        )
     header, rows = shown.header, shown.rows
     lengths = [max((len(row[i].text + row[i].mark) for row in rows), default=0) for i in range(len(header))]
     words = [max(map(len, title.split()), default=0) for title, _ in header]

@@ -16,6 +16,9 @@ Axis = Literal["problem", "optimizer"]
 SHADES = 8  # steps of a table's background
 
 
+MOST_ROWS = 400  # of a table on the page; the CSV file has the rest
+
+
 @dataclass(frozen=True)
 class TableCell:
     """A cell of a table: its plain text and its typography."""
@@ -50,6 +53,7 @@ class Table:
         shades: how dark the background of a value is, from 0 to 1: numbers like ``frame``; missing for none.
         axes: what rows and columns are, ("problem", "optimizer") or the reverse, where each value belongs to a cell of
             the study: the page then marks it with the names of both.
+        most_rows: rows that the page shows, the first ones; the files have all.
     """
 
     name: str
@@ -64,6 +68,7 @@ class Table:
     data: pd.DataFrame | None = None
     shades: pd.DataFrame | None = None
     axes: tuple[Axis, Axis] | None = None
+    most_rows: int = MOST_ROWS
 
     @property
     def has_index(self) -> bool:

@@ -47,10 +47,13 @@ def section(findings: Findings) -> Section:
     by_dimension: dict[int | None, list[str]] = {}
     for label in findings.problems:
         by_dimension.setdefault(dimensions.get(label) if findings.many else None, []).append(label)
+    drawn, every = len(findings.drawn), len(findings.optimizers)
+    paragraphs = (f"Drawn are the {drawn} best of {every} optimizers by mean rank.",) if drawn < every else ()
     own_parts = tuple(
         Section(
             "Each problem" if dimension is None or len(by_dimension) == 1 else f"Each problem in dimension {dimension}",
-            items=tuple(_by_problem(findings, labels, times, suffix=f"-d{dimension}" if len(by_dimension) > 1 else "")),
+            paragraphs,
+            tuple(_by_problem(findings, labels, times, suffix=f"-d{dimension}" if len(by_dimension) > 1 else "")),
             folded=True,
         )
         for dimension, labels in by_dimension.items()
@@ -63,7 +66,8 @@ def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, 
 
     A precision is a regret already, so that the convergence of pooled instances is their regret.
     """
-    optimizers, unbeaten, frame = findings.looks, findings.unbeaten, findings.frame
+    optimizers, unbeaten, frame = findings.drawn, findings.unbeaten, findings.frame
+    frame, times = (each[each["optimizer"].isin(optimizers)] for each in (frame, times))
     grid = analysis.evaluation_grid(max(findings.budgets[label] for label in labels))
     curves = analysis.convergence(frame[frame["problem"].isin(labels)], findings.traces, grid)
     precisions = set(findings.pooled.functions) & unbeaten.keys()
@@ -85,14 +89,12 @@ def _leaders(findings: Findings, budget: int) -> list[str]:
         return [
             " ".join(_lowest(own, count(int(str(spent)), "evaluation")) for spent, own in curves.groupby("evaluations"))
         ]
-    sentences = []
-    for share in (0.01, 0.1, 1.0):  # of each problem's own budget
-        each = []
-        for label, own in findings.frame.groupby("problem", observed=True, sort=False):
-            spent = np.array([max(round(share * findings.budgets[str(label)]), 1)])
-            each.append(analysis.convergence(own, findings.traces, spent))
-        sentences.append(_lowest(pd.concat(each), f"{share:.0%} of the budget"))
-    return [" ".join(sentences)]
+    shares, each = (0.01, 0.1, 1.0), []  # of each problem's own budget
+    for label, own in findings.frame.groupby("problem", observed=True, sort=False):
+        spent = [max(round(share * findings.budgets[str(label)]), 1) for share in shares]
+        reached = analysis.convergence(own, findings.traces, np.array(spent))
+        each.append(reached.assign(share=np.tile(shares, len(reached) // len(shares))))
+    return [" ".join(_lowest(own, f"{share:.0%} of the budget") for share, own in pd.concat(each).groupby("share"))]
 
 
 def _lowest(reached: pd.DataFrame, spent: str) -> str:

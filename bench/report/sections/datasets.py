@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from bench.analysis import ALPHA, CUTOFFS, SOLVED, TIED, effect_size, resampled
-from bench.report.findings import MANY_OPTIMIZERS, Findings
-from bench.report.parts import Part, Section, Table
+from bench.report.findings import CROWD, MANY_OPTIMIZERS, Findings
+from bench.report.parts import MOST_ROWS, Part, Section, Table
 from bench.report.plots import distribution_figure
 from bench.report.wording import count, interval, listing, usual_decimals
 
 TITLE = "Problem by problem"
 BEST = "best of 2009"
-DRAWN = 20  # of many optimizers, in the figure of a problem
+SHOWN = 20  # of many optimizers, in the figure of a problem; of a crowd, in its tables
 
 
 def section(findings: Findings) -> Section:
@@ -53,10 +54,10 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
             SOLVED if problem in findings.pooled.functions else None,
             _best(findings, problem),
         ),
-        _cells(findings, problem, rates),
+        _abridged(findings, problem, _cells(findings, problem, rates)),
     ]
     if len(table := findings.running_times) and (table["problem"] == problem).any():
-        items.append(_running_times(findings, problem))
+        items.append(_abridged(findings, problem, _running_times(findings, problem)))
     pairs = findings.pairs[findings.pairs["problem"] == problem]
     text = []
     if len(pairs):
@@ -75,10 +76,23 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
 
 def _best(findings: Findings, problem: str) -> list[str] | None:
     """Return the best of many optimizers on a problem, in their order; None where there are few."""
-    if len(findings.optimizers) <= MANY_OPTIMIZERS:
-        return None
-    own = findings.standings[findings.standings["problem"] == problem].sort_values("rank", kind="stable")
-    return list(own["optimizer"].iloc[:DRAWN])
+    return _by_rank(findings, problem)[:SHOWN] if len(findings.optimizers) > MANY_OPTIMIZERS else None
+
+
+def _by_rank(findings: Findings, problem: str) -> list[str]:
+    own = findings.standings[findings.standings["problem"] == problem]
+    return list(own.sort_values("rank", kind="stable")["optimizer"])
+
+
+def _abridged(findings: Findings, problem: str, table: Table) -> Table:
+    """Return a table with a row an optimizer; of a crowd, the page shows the best ones of the problem."""
+    if len(findings.optimizers) <= CROWD:
+        return table
+    order = [label for label in _by_rank(findings, problem) if label in table.frame.index]
+    order += [label for label in table.frame.index if label not in order]  # a row beside the optimizers
+    frames = {name: getattr(table, name) for name in ("frame", "bold", "lost")}
+    moved = {name: frame.reindex(order) for name, frame in frames.items() if frame is not None}
+    return replace(table, **moved, most_rows=SHOWN, note=f"{table.note} In the order of their ranks.")
 
 
 def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
@@ -163,12 +177,13 @@ def _level(own: pd.DataFrame, unit: str) -> float:
 
 def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
     """Return the tests of every pair, of many optimizers those of the first one alone; the file has all."""
-    pairs, which = every, "every pair of optimizers"
+    pairs, which, crowd = every, "every pair of optimizers", len(findings.optimizers) > CROWD
     if len(findings.optimizers) > MANY_OPTIMIZERS:
         own = findings.standings[findings.standings["problem"] == problem].dropna(subset="rank")
         best = own.sort_values("rank", kind="stable")["optimizer"].iloc[0]
         pairs = every[(every["first"] == best) | (every["second"] == best)].sort_values("p_holm", kind="stable")
-        which = f"{best}, the first in rank, and every other optimizer; the file has all {len(every):,} pairs"
+        which = f"{best}, the first in rank, and every other optimizer; "
+        which += f"{'tables/tests.csv' if crowd else 'the file'} has all {len(every):,} pairs"
     shown = pd.DataFrame(
         {
             "D": pairs["distance"],
@@ -192,7 +207,8 @@ def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
         bold=pd.DataFrame({"p (Holm)": pairs["significant"].to_numpy(dtype=bool)}, index=shown.index),
         decimals={"D": 3, "A12": 3},
         note=f"Bold: significant at {ALPHA:g} after Holm’s adjustment; lower: and the interval of A12 excludes 0.5.",
-        data=every,
+        data=pairs if crowd else every,
+        most_rows=SHOWN if crowd else MOST_ROWS,
     )
 
 

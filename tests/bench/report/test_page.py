@@ -11,8 +11,8 @@ import pandas as pd
 import pytest
 
 from bench.plots import style
-from bench.report.page import MOST_ROWS, by_folder, grid, inline, render
-from bench.report.parts import Card, Figure, Section, Table
+from bench.report.page import by_folder, grid, inline, render
+from bench.report.parts import MOST_ROWS, Card, Figure, Section, Table
 from bench.report.write import save_figure
 
 HOSTILE = "<script>alert(1)</script>&amp; {{ 7*7 }} {% raw %} \"'><b onclick=x>"
