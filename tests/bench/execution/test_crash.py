@@ -157,14 +157,15 @@ def wait_until(condition):
 
 
 @pytest.mark.slow
-def test_fifty_kills_lose_nothing_and_change_nothing(start, tmp_path):
+@pytest.mark.parametrize("kills", [12, pytest.param(50, marks=pytest.mark.slowest)])
+def test_kills_lose_nothing_and_change_nothing(start, tmp_path, kills):
     """At random moments, from a run's first: its parent, its whole group, any process that plug-ins are loaded in."""
-    folder, whole, chance = tmp_path / "out", tmp_path / "whole", random.Random(50)
+    folder, whole, chance = tmp_path / "out", tmp_path / "whole", random.Random(kills)
     first = start(whole, trials=1, slow=0)
     assert first.end()[0] == 0
     usual = time.monotonic() - first.began  # of a whole, short run, on this machine as busy as it is
-    ends = ["parent", "group"] * 6
-    others = ["trial"] * 38  # roots, templates, judges and those in which trials are made
+    ends = ["parent", "group"] * (kills // 8)
+    others = ["trial"] * (kills - len(ends))  # roots, templates, judges and those in which trials are made
     chance.shuffle(ends)
     chance.shuffle(others)
     seen, planned = {}, 0
