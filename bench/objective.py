@@ -12,6 +12,7 @@ import numpy as np
 from numpy import empty, ndarray
 from numpy.typing import ArrayLike, NDArray
 
+from bench.compiled import compiled
 from bench.numbers import require_whole
 from bench.problem import Flags, Floats, Problem
 from bench.text import printable
@@ -361,17 +362,4 @@ def _compiled_passes() -> tuple[Callable[..., int], Callable[..., tuple[int, int
     any_vector = types.Array(number, 1, "A", readonly=True, aligned=False)
     take = whole(any_vector, plane, plane)
     scan = types.UniTuple(whole, 2)(plane, any_vector, plane, number, number[::1], whole[::1])
-    return _compiled(_take, take), _compiled(_scan, scan)
-
-
-def _compiled(function: Callable[..., Any], signature: Any) -> Callable[..., Any]:
-    from numba import config, njit
-
-    if config.DISABLE_JIT:
-        return function
-    try:
-        compiled = njit([signature], cache=True)(function)
-    except RuntimeError:  # no folder that numba could write to
-        compiled = njit([signature])(function)
-    made: Callable[..., Any] = compiled.get_overload(signature)
-    return made
+    return compiled(_take, take), compiled(_scan, scan)

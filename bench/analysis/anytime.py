@@ -27,6 +27,7 @@ PER_DECADE = 10
 DECADES_KNOWN = 8  # to 1e-8, the last target of COCO
 DECADES_FOUND = 3  # a harder target only distinguishes the trial that found f_L from the rest
 _LADDER = 10.0 ** (-np.arange(PER_DECADE * DECADES_KNOWN + 1) / PER_DECADE)
+AT_ONCE = 1_000_000  # hits that are counted at once, to bound memory
 CURVE = ("evaluations", "median", "q1", "q3")
 
 
@@ -241,30 +242,32 @@ def _counts(hits: pd.DataFrame) -> pd.DataFrame:
     ``paid`` is the sum of the evaluations until the target, or of all that were spent where it was not reached.
     """
     problems, optimizers = labels(hits, "problem"), labels(hits, "optimizer")
-    problem, optimizer = (
-        pd.Categorical(hits[column], categories=known).codes.astype(np.intp)
-        for column, known in (("problem", problems), ("optimizer", optimizers))
-    )
-    rung, taus = pd.factorize(hits["tau"].to_numpy(dtype=float))
+    taus = pd.Index(hits["tau"].to_numpy(dtype=float)).unique()
     shape = len(problems), len(optimizers), len(taus)
-    cell = (problem * len(optimizers) + optimizer) * len(taus) + rung
-    evaluations, spent = (hits[column].to_numpy(dtype=float) for column in ("evaluations", "spent"))
-    reached = np.isfinite(evaluations)
-    paid = np.where(reached, evaluations, spent)
-    trials, successes, sums = (
-        np.bincount(cell, weights, minlength=prod(shape)).reshape(shape) for weights in (None, reached, paid)
-    )
-    target = np.full((len(problems), len(taus)), np.nan)
-    target[problem, rung] = hits["target"]
+    counts, target = np.zeros((3, prod(shape))), np.full((len(problems), len(taus)), np.nan)
+    for start in range(0, len(hits), AT_ONCE):
+        own = hits.iloc[start : start + AT_ONCE]
+        problem, optimizer = (
+            pd.Categorical(own[column], categories=known).codes.astype(np.intp)
+            for column, known in (("problem", problems), ("optimizer", optimizers))
+        )
+        rung = taus.get_indexer(pd.Index(own["tau"].to_numpy(dtype=float)))
+        cell = (problem * len(optimizers) + optimizer) * len(taus) + rung
+        evaluations, spent = (own[column].to_numpy(dtype=float) for column in ("evaluations", "spent"))
+        reached = np.isfinite(evaluations)
+        for row, weights in zip(counts, (None, reached, np.where(reached, evaluations, spent)), strict=True):
+            row += np.bincount(cell, weights, minlength=len(row))
+        target[problem, rung] = own["target"]
+    trials, successes, sums = counts.reshape(3, *shape)
     on_ladder = trials.any(axis=1, keepdims=True)  # of the problem, whichever optimizer has trials
     at = np.nonzero(np.broadcast_to(on_ladder, shape))
     return pd.DataFrame(
         {
             "problem": np.array(problems, dtype=object)[at[0]],
             "optimizer": np.array(optimizers, dtype=object)[at[1]],
-            "tau": taus[at[2]],
+            "tau": taus.to_numpy()[at[2]],
             "target": target[at[0], at[2]],
-            "trials": trials[at],
+            "trials": trials[at].astype(int),
             "successes": successes[at].astype(int),
             "paid": sums[at],
         }

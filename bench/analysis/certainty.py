@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bench.analysis.cells import cells, complete_problems, labels
 from bench.analysis.pairwise import percentile_interval
@@ -14,7 +13,7 @@ from bench.problem import Floats
 RESAMPLES = {30: 999, 100: 199}
 """Resamples up to a number of optimizers: the cost of one grows with their square."""
 
-AT_ONCE = 2**22  # counts in memory
+AT_ONCE = 2**20  # pairs of optimizers in memory
 FEWEST = 39  # resamples of more optimizers: the smallest number whose extremes are a 95 % interval
 
 COLUMNS = ("optimizer", "problems", "first_low", "first_high", "rank_low", "rank_high", "leads")
@@ -72,7 +71,7 @@ def _resampled_ranks(values: list[Floats], resamples: int, rng: np.random.Genera
     owner, pooled = np.repeat(np.arange(len(values)), sizes), np.concatenate(values)
     counts = np.concatenate([_times_drawn(size, resamples, rng) for size in sizes])
     beaten, chance = np.zeros((2, len(values), 1 + resamples))
-    at_once = max(AT_ONCE // (len(pooled) * len(values)), 1)
+    at_once = max(AT_ONCE // len(values) ** 2, 1)
     for start in range(0, 1 + resamples, at_once):
         chosen = slice(start, start + at_once)
         lower = won(pooled, owner, counts[:, chosen].T) / np.multiply.outer(sizes, sizes)
@@ -81,7 +80,7 @@ def _resampled_ranks(values: list[Floats], resamples: int, rng: np.random.Genera
     return ranks(beaten, chance)
 
 
-def _times_drawn(n: int, resamples: int, rng: np.random.Generator) -> NDArray[np.float32]:
+def _times_drawn(n: int, resamples: int, rng: np.random.Generator) -> Floats:
     """Return how often each of n values counts, (n, 1 + B): once, and as it is drawn in each resample."""
     drawn = rng.multinomial(n, np.full(n, 1 / n), size=resamples).T
-    return np.concatenate((np.ones((n, 1)), drawn), axis=1).astype(np.float32)
+    return np.concatenate((np.ones((n, 1)), drawn), axis=1)

@@ -62,14 +62,19 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA, seed: int = 0) -> 
     found, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
     one, other = np.triu_indices(len(optimizers), 1)
     names = np.array(optimizers, dtype=object)
-    tables = []
-    for problem in labels(frame, "problem"):
-        columns = compare_all([found[problem, optimizer] for optimizer in optimizers], alpha, seed)
-        key = {"problem": np.full(len(one), problem, dtype=object), "first": names[one], "second": names[other]}
-        tables.append(pd.DataFrame(key | columns | {"p_holm": holm(columns["p"])}))
-    rows = pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
-    pairs = rows.reindex(columns=list(COLUMNS))
-    p_by = false_discovery_control(pairs["p"].to_numpy(dtype=float), method="by") if len(rows) else np.empty(0)
+    problems = labels(frame, "problem")
+    # Of each column one array from the beginning: many small ones would leave gaps in the memory.
+    columns: dict[str, Any] = {}
+    for place, problem in enumerate(problems):
+        own = compare_all([found[problem, optimizer] for optimizer in optimizers], alpha, seed)
+        for name, values in (own | {"p_holm": holm(own["p"])}).items():
+            every = columns.setdefault(name, np.empty((len(problems), len(one)), dtype=values.dtype))
+            every[place] = values
+    columns = {name: every.ravel() for name, every in columns.items()}
+    columns["problem"] = np.repeat(np.array(problems, dtype=object), len(one))
+    columns |= {name: np.tile(names[which], len(problems)) for name, which in (("first", one), ("second", other))}
+    pairs = pd.DataFrame(columns, columns=list(COLUMNS), copy=False)
+    p_by = false_discovery_control(pairs["p"].to_numpy(dtype=float), method="by") if len(pairs) else np.empty(0)
     favoured = pairs["first"].where(pairs["a12_low"] > 0.5, pairs["second"].where(pairs["a12_high"] < 0.5, ""))
     flags = dict.fromkeys(("significant", "significant_by", "separated", "testable", "tied"), bool)
     return pairs.assign(

@@ -38,7 +38,7 @@ def stage_ranks(
         if not cells or not all(map(len, cells)):
             continue
         sizes = np.array(list(map(len, cells)))
-        owner, once = np.repeat(np.arange(len(cells)), sizes), np.ones((1, sizes.sum()), dtype=np.float32)
+        owner, once = np.repeat(np.arange(len(cells)), sizes), np.ones((1, sizes.sum()))
         spent = _spent(budget[problem], shares)
         for place, share in enumerate(shares):
             merged = merge_near_ties(values[np.concatenate(cells), place])

@@ -9,7 +9,8 @@ and so may rank an optimizer first whose trials mostly end higher.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
 
 import numpy as np
 import pandas as pd
@@ -18,6 +19,7 @@ from scipy.stats import rankdata
 
 from bench.analysis.cells import labels
 from bench.analysis.pairwise import ALPHA
+from bench.compiled import compiled
 from bench.problem import Floats
 
 COLUMNS = ("problem", "optimizer", "rank", "beaten", "chance", "lower", "higher", "separable")
@@ -65,22 +67,50 @@ def against_rivals(chances: Floats, axis: int) -> tuple[Floats, Floats]:
     return beaten, (chances.sum(axis=axis) - 0.5) / max(chances.shape[axis] - 1, 1)
 
 
-def won(pooled: Floats, owner: NDArray[np.intp], counts: NDArray[np.float32]) -> Floats:
+def won(pooled: Floats, owner: NDArray[np.intp], counts: Floats) -> Floats:
     """Return (B, k, k): by resample and pair, the pairs of drawn values of which the second one's is lower.
 
-    A tie counts half. The T values of all are ``pooled``, those of an ``owner`` one after the other; ``counts``,
-    (B, T), says how often each is drawn. Passed in order, the counts add up to the values below any of the others.
+    A tie counts half. The T values of all are ``pooled``, each of an ``owner`` from 0 to k - 1; ``counts``, (B, T),
+    says how often each is drawn.
     """
     order = pooled.argsort(kind="stable")
-    ordered, own = pooled[order], owner[order]
-    below = np.zeros((len(counts), 1 + len(pooled), owner[-1] + 1), dtype=np.float32)
-    below[:, 1 + np.arange(len(pooled)), own] = counts[:, order]
-    np.cumsum(below, axis=1, out=below)
-    less, most = (ordered.searchsorted(pooled, side) for side in ("left", "right"))
-    lower = below[:, less] + below[:, most]  # twice, so that a tie is a half
-    lower *= counts[:, :, np.newaxis]
-    starts = np.flatnonzero(np.diff(owner, prepend=-1))
-    return np.asarray(np.add.reduceat(lower, starts, axis=1) / 2, dtype=np.float64)  # sums of whole numbers: exact
+    ends = pooled[order].searchsorted(pooled[order], "right")
+    pairs = np.zeros((len(counts), owner.max() + 1, owner.max() + 1))
+    _compiled_pass()(
+        owner[order].astype(np.int64),
+        ends.astype(np.int64),
+        np.ascontiguousarray(counts[:, order], dtype=np.float64),
+        pairs,
+    )
+    return pairs / 2  # sums of whole numbers: exact
+
+
+def _pass(owner: NDArray[np.int64], ends: NDArray[np.int64], counts: Floats, pairs: Floats) -> None:
+    """Add to ``pairs``, (B, k, k), twice the pairs of :func:`won`, from values in order; equal ones have the same end.
+
+    Passed in order, the counts add up to the values of each owner below the next one: before a group of equal values
+    those that are lower, and after it those that are not higher.
+    """
+    below = np.empty(pairs.shape[2])
+    for draw in range(len(counts)):
+        below[:] = 0.0
+        start = 0
+        while start < len(owner):
+            for after in range(2):
+                for place in range(start, ends[start]):
+                    for other in range(len(below)):
+                        pairs[draw, owner[place], other] += counts[draw, place] * below[other]
+                for place in range(start, ends[start] * (1 - after)):
+                    below[owner[place]] += counts[draw, place]
+            start = ends[start]
+
+
+@cache
+def _compiled_pass() -> Callable[..., None]:
+    from numba import types
+
+    whole, plane = types.int64[::1], types.float64[:, ::1]
+    return compiled(_pass, types.void(whole, whole, plane, types.float64[:, :, ::1]))
 
 
 def ranks(beaten: Floats, chance: Floats) -> Floats:

@@ -106,11 +106,21 @@ class Findings:
         best = self.ranked[:COLOURED] if len(self.optimizers) > MANY_OPTIMIZERS else None
         return style.looks(self.optimizers, best)
 
+    @property
+    def crowd(self) -> bool:
+        """Whether there are too many optimizers to show all of them problem by problem."""
+        return len(self.optimizers) > CROWD
+
     @cached_property
     def drawn(self) -> style.Looks:
         """The looks of those whose curves are drawn problem by problem: of a crowd, the best."""
-        crowd = len(self.optimizers) > CROWD
-        return {label: look for label, look in self.looks.items() if not (crowd and look.background)}
+        return {label: look for label, look in self.looks.items() if not (self.crowd and look.background)}
+
+    @property
+    def drawn_words(self) -> tuple[str, ...]:
+        """The sentence that says that not all are drawn, where that is so."""
+        drawn, every = len(self.drawn), len(self.optimizers)
+        return (f"Drawn are the {drawn} best of {every} optimizers by mean rank.",) if drawn < every else ()
 
     @cached_property
     def coverage(self) -> pd.DataFrame:
@@ -227,6 +237,14 @@ class Findings:
     def pairs(self) -> pd.DataFrame:
         """The tests of each pair of optimizers on each problem."""
         return analysis.pairwise_tests(self.frame)
+
+    @property
+    def written_pairs(self) -> pd.DataFrame:
+        """The tests that a report writes as a file: of a crowd, those among the best, as all would fill a disk."""
+        if not self.crowd:
+            return self.pairs
+        best = self.ranked[:CROWD]
+        return self.pairs[self.pairs["first"].isin(best) & self.pairs["second"].isin(best)]
 
     @cached_property
     def matrix(self) -> pd.DataFrame:

@@ -59,7 +59,7 @@ def distribution_figure(
     own, all_of_them = frame[frame["problem"] == problem], len(labels(frame, "optimizer"))
     if best is not None and len(best) < all_of_them:
         frame = frame[frame["optimizer"].isin(best)]
-        frame = frame.assign(optimizer=pd.Categorical(frame["optimizer"], categories=list(best)))
+        frame = frame.assign(optimizer=pd.Categorical(frame["optimizer"].astype(object), categories=list(best)))
     optimizers = labels(frame, "optimizer")
     drawn = frame[frame["problem"] == problem]
     noted = not style.drawable(scores(drawn)).all() or set(optimizers) > set(drawn["optimizer"])

@@ -23,7 +23,7 @@ from bench.importing.best2009 import NAME
 from bench.plots import style
 from bench.plugins import registry
 from bench.report.drawing import Drawer, Drawing, draw
-from bench.report.findings import Findings
+from bench.report.findings import CROWD, Findings
 from bench.report.interactive import interactive
 from bench.report.latex import to_latex
 from bench.report.page import Item, View, inline, render
@@ -43,7 +43,7 @@ COMPARISONS = Path("results") / "comparisons"
 WHOLE = {
     "trials": "All trials, one row a trial.",
     "cells": "All cells: trials, failures and statistics of the objective value.",
-    "tests": "The tests of every pair of optimizers on every problem.",
+    "tests": f"The tests of every pair of optimizers, at most of the {CROWD} best, on every problem.",
     "running-times": "The expected running times (ERT) of every optimizer on every problem, with their spread.",
 }
 """The tables of a whole study, by name, with their descriptions; no other part has these names."""
@@ -223,7 +223,7 @@ class _Report:
         """Add the last part, the list of all files."""
         (self.folder / TABLES).mkdir(exist_ok=True)
         findings = self.findings
-        frames = (self.results.frame, findings.summary, findings.pairs, findings.running_times)
+        frames = (self.results.frame, findings.summary, findings.written_pairs, findings.running_times)
         for (name, about), frame in zip(WHOLE.items(), frames, strict=True):
             if name == "running-times" and not len(frame):
                 continue  # no trial left a trace

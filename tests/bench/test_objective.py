@@ -533,10 +533,3 @@ def test_numba_is_loaded_only_where_the_budget_is_worth_it():
         assert passes(1, 1) == passes(10**9, 1)
         """
     subprocess.run([sys.executable, "-c", code], check=True)
-
-
-def test_without_a_folder_for_numbas_cache_the_passes_are_compiled_nevertheless():
-    from numba import float64
-
-    exec("def twice(x):\n    return 2 * x", names := {})  # of no file, so numba finds no folder for it
-    assert module._compiled(names["twice"], float64(float64))(2.5) == 5.0

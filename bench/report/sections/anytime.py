@@ -47,12 +47,10 @@ def section(findings: Findings) -> Section:
     by_dimension: dict[int | None, list[str]] = {}
     for label in findings.problems:
         by_dimension.setdefault(dimensions.get(label) if findings.many else None, []).append(label)
-    drawn, every = len(findings.drawn), len(findings.optimizers)
-    paragraphs = (f"Drawn are the {drawn} best of {every} optimizers by mean rank.",) if drawn < every else ()
     own_parts = tuple(
         Section(
             "Each problem" if dimension is None or len(by_dimension) == 1 else f"Each problem in dimension {dimension}",
-            paragraphs,
+            findings.drawn_words,
             tuple(_by_problem(findings, labels, times, suffix=f"-d{dimension}" if len(by_dimension) > 1 else "")),
             folded=True,
         )

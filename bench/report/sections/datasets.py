@@ -86,7 +86,7 @@ def _by_rank(findings: Findings, problem: str) -> list[str]:
 
 def _abridged(findings: Findings, problem: str, table: Table) -> Table:
     """Return a table with a row an optimizer; of a crowd, the page shows the best ones of the problem."""
-    if len(findings.optimizers) <= CROWD:
+    if not findings.crowd:
         return table
     order = [label for label in _by_rank(findings, problem) if label in table.frame.index]
     order += [label for label in table.frame.index if label not in order]  # a row beside the optimizers
@@ -177,13 +177,17 @@ def _level(own: pd.DataFrame, unit: str) -> float:
 
 def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
     """Return the tests of every pair, of many optimizers those of the first one alone; the file has all."""
-    pairs, which, crowd = every, "every pair of optimizers", len(findings.optimizers) > CROWD
+    pairs, which, crowd = every, "every pair of optimizers", findings.crowd
     if len(findings.optimizers) > MANY_OPTIMIZERS:
         own = findings.standings[findings.standings["problem"] == problem].dropna(subset="rank")
         best = own.sort_values("rank", kind="stable")["optimizer"].iloc[0]
         pairs = every[(every["first"] == best) | (every["second"] == best)].sort_values("p_holm", kind="stable")
         which = f"{best}, the first in rank, and every other optimizer; "
-        which += f"{'tables/tests.csv' if crowd else 'the file'} has all {len(every):,} pairs"
+        which += (
+            f"tables/tests.csv has the pairs of the {CROWD} best, bench.analysis.pairwise_tests makes all"
+            if crowd
+            else f"the file has all {len(every):,} pairs"
+        )
     shown = pd.DataFrame(
         {
             "D": pairs["distance"],

@@ -24,15 +24,15 @@ def section(findings: Findings) -> Section | None:
     items: list[Part] = [_ranks(findings, members)]
     if findings.traces:
         reached = _reached(findings, members)
-        items.insert(0, group_figure(reached, findings.looks, restarts=findings.words.restarts))
+        items.insert(0, group_figure(reached, findings.drawn, restarts=findings.words.restarts))
         if members.groupby("function")["dimension"].nunique().max() > 1:
             words = findings.words
-            items.append(scaling_figure(_scaling(findings, members), findings.looks, target=words.at(words.level)))
+            items.append(scaling_figure(_scaling(findings, members), findings.drawn, target=words.at(words.level)))
     text = [_meaning(findings, members)]
     if findings.traces:
         most = max(findings.budgets[label] / d for label, d in findings.dimensions.items())
         text.insert(0, _most_targets(reached[reached["per_dimension"] <= most * (1 + 1e-9)]))
-    return Section(TITLE, tuple(text), tuple(items))
+    return Section(TITLE, (*text, *findings.drawn_words), tuple(items))
 
 
 def _members(findings: Findings) -> pd.DataFrame:

@@ -5,6 +5,7 @@ import pytest
 from bench import Results
 from bench.report import ranking
 from bench.report.findings import COLOURED, MANY_OPTIMIZERS, MANY_PROBLEMS, Findings
+from bench.report.page import grid
 from bench.report.sections import across, anytime, comparison, datasets, verdict
 
 
@@ -110,3 +111,38 @@ class TestManyOptimizers:
         assert len(tests.frame) == MANY_OPTIMIZERS + 1
         assert all(wide.ranked[0] in pair for pair in tests.frame.index)
         assert len(tests.data) == (MANY_OPTIMIZERS + 2) * (MANY_OPTIMIZERS + 1) / 2
+
+
+@pytest.fixture(scope="module")
+def crowd(make, tmp_path_factory):
+    labels = ("e", "d", "c", "b", "a")  # the last one is the worst
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in (("CROWD", 4), ("MANY_OPTIMIZERS", 3), ("COLOURED", 2)):
+            patch.setattr(f"bench.report.findings.{name}", value)
+        patch.setattr(datasets, "MANY_OPTIMIZERS", 3)
+        patch.setattr(datasets, "SHOWN", 3)
+        findings = Findings(Results(make(tmp_path_factory.mktemp("crowd") / "out", ("p",), labels)))
+        sections = [anytime.section(findings), datasets.section(findings).sections[0]]
+        return findings, {item.name: item for each in (sections[0].sections[0], sections[1]) for item in each.items}
+
+
+class TestACrowd:
+    def test_curves_of_a_problem_are_those_of_the_best(self, crowd):
+        _, items = crowd
+        assert set(items["convergence"].data["optimizer"]) == {"e", "d"}
+
+    def test_tables_of_a_problem_show_the_best_and_write_all(self, crowd):
+        _, items = crowd
+        cells = items["cells-p"]
+        assert [row[0].text for row in grid(cells).rows] == ["e", "d", "c"]
+        assert sorted(cells.data["optimizer"]) == ["a", "b", "c", "d", "e"]
+        assert len(grid(items["tests-p"]).rows) == 3
+
+    def test_pairs_are_written_among_the_best(self, crowd):
+        findings, _ = crowd
+        assert len(findings.pairs) == 10
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("bench.report.findings.CROWD", 4)
+            written = findings.written_pairs
+        assert set(written["first"]) | set(written["second"]) == {"e", "d", "c", "b"}
+        assert len(written) == 6
