@@ -33,6 +33,7 @@ DRAWS = 2_000  # of the power of the test
 EXACT = 2**23  # sums of halves up to this are exact in float32, whatever their order
 LARGEST_SHIFT = 8.0  # standard deviations: complete separation for every practical sample
 
+METHODS = ("exact", "permutation", "identical", "untestable")
 COLUMNS = (
     "problem", "first", "second", "n_first", "n_second", "distance", "p", "method", "p_holm", "significant", "p_by",
     "significant_by", "p_mw", "a12", "a12_low", "a12_high", "cliffs_delta", "separated", "lower", "testable", "tied",
@@ -56,26 +57,29 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA, seed: int = 0) -> 
     a12 is 0 or 1, so that the interval is one point; lower, the optimizer that a12 favours, "" where the interval holds
     0.5: the test also rejects where two optimizers differ in spread alone, and then none is the lower one.
 
-    Assumptions: trials are independent. Failed trials count as +inf, near-ties as ties. The resamples of a ``seed``
-    are the same for every pair of as many trials.
+    Assumptions: trials are independent. Failed trials count as +inf, near-ties as ties. The resamples of a ``seed`` are
+    the same for every pair of as many trials. Names and methods are categories: texts would take most of the memory.
     """
-    found, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
+    found, optimizers, problems = cells(frame, merge=True), labels(frame, "optimizer"), labels(frame, "problem")
     one, other = np.triu_indices(len(optimizers), 1)
-    names = np.array(optimizers, dtype=object)
-    problems = labels(frame, "problem")
     # Of each column one array from the beginning: many small ones would leave gaps in the memory.
     columns: dict[str, Any] = {}
     for place, problem in enumerate(problems):
         own = compare_all([found[problem, optimizer] for optimizer in optimizers], alpha, seed)
-        for name, values in (own | {"p_holm": holm(own["p"])}).items():
+        own |= {"p_holm": holm(own["p"]), "method": pd.Categorical(own["method"], METHODS).codes}
+        for name, values in own.items():
             every = columns.setdefault(name, np.empty((len(problems), len(one)), dtype=values.dtype))
             every[place] = values
     columns = {name: every.ravel() for name, every in columns.items()}
-    columns["problem"] = np.repeat(np.array(problems, dtype=object), len(one))
-    columns |= {name: np.tile(names[which], len(problems)) for name, which in (("first", one), ("second", other))}
+    first, second = (np.tile(which, len(problems)) for which in (one, other))
+    numbers: dict[str, tuple[Any, Sequence[str]]] = {
+        "problem": (np.repeat(np.arange(len(problems)), len(one)), problems), "first": (first, optimizers),
+        "second": (second, optimizers), "method": (columns.get("method", []), METHODS),
+    }  # fmt: skip
+    columns |= {name: pd.Categorical.from_codes(codes, pd.Index(known)) for name, (codes, known) in numbers.items()}
     pairs = pd.DataFrame(columns, columns=list(COLUMNS), copy=False)
     p_by = false_discovery_control(pairs["p"].to_numpy(dtype=float), method="by") if len(pairs) else np.empty(0)
-    favoured = pairs["first"].where(pairs["a12_low"] > 0.5, pairs["second"].where(pairs["a12_high"] < 0.5, ""))
+    favoured = np.where(pairs["a12_low"] > 0.5, first + 1, np.where(pairs["a12_high"] < 0.5, second + 1, 0))
     flags = dict.fromkeys(("significant", "significant_by", "separated", "testable", "tied"), bool)
     return pairs.assign(
         significant=pairs["p_holm"] <= alpha,
@@ -83,7 +87,7 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA, seed: int = 0) -> 
         significant_by=lambda table: table["p_by"] <= alpha,
         cliffs_delta=2 * pairs["a12"] - 1,
         separated=pairs["a12"].isin((0.0, 1.0)),
-        lower=favoured,
+        lower=pd.Categorical.from_codes(favoured, pd.Index(["", *optimizers])),
     ).astype(flags)
 
 
