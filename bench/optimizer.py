@@ -122,7 +122,8 @@ def _check(owner: str, field: dataclasses.Field[Any], hint: Any, value: Any) -> 
     """Raise BenchError unless ``value`` is of the hinted type and inside the field's range."""
     where = f"parameter {field.name!r} of {owner}"
     if not _fits(hint, value):
-        raise BenchError(f"{where} must be {_spell(hint)}, not {value!r}")
+        sweep = f"; to sweep it, write options = {{ {field.name} = […] }}" if isinstance(value, list) else ""
+        raise BenchError(f"{where} must be {_spell(hint)}, not {value!r}{sweep}")
     low, high = field.metadata.get("minimum"), field.metadata.get("maximum")
     if value is None or (low is None and high is None):
         return

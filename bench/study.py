@@ -29,6 +29,7 @@ from bench.problem import Problem
 from bench.rope import Rope
 from bench.scoring import scored
 from bench.seeds import trial_seed
+from bench.sweep import Sweep, expanded, sweeps
 from bench.targets import NO_METRIC, Targets
 from bench.trial import Trial
 
@@ -168,6 +169,11 @@ class Study:
         return found
 
     @property
+    def sweeps(self) -> list[Sweep]:
+        """The sweeps among the optimizers, which the labels show."""
+        return sweeps((entry.label, entry.options) for entry in self.optimizers)
+
+    @property
     def imported(self) -> list[str]:
         """The labels of the optimizers whose results were imported, and which cannot be run here."""
         return [entry.label for entry in self.optimizers if loading.is_imported(entry.name)]
@@ -280,7 +286,8 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
     """Return the entries of a ``[[problems]]`` or ``[[optimizers]]`` list.
 
     ``names`` gives one entry for each name, a pattern one for each name that matches, and ``suite`` one for each
-    problem that is selected from the suite.
+    problem that is selected from the suite. Lists in the table ``options`` of optimizers give one entry for each
+    combination of their values; everywhere else a list is a value.
     """
     if not isinstance(items, list) or not items or not all(isinstance(item, dict) for item in items):
         raise BenchError(f"study {where} needs at least one [[{key}]] table with a name")
@@ -293,16 +300,31 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
             options["names"] = selection.selected(*(options.pop(each, None) for each in selection.KEYS))
         names = options.pop("names") if "names" in options else [options.pop("name", None)]
         label = options.pop("label", None)
+        swept = _swept(options, where) if key == "optimizers" else {}
         texts = isinstance(names, list) and names and all(isinstance(name, str) and name.strip() for name in names)
         if not texts or not (label is None or (isinstance(label, str) and label.strip())):
             raise BenchError(f"study {where}: a [[{key}]] table needs a name (or a list of names), all of them texts")
         expand = loading.matching if key == "optimizers" else selection.matching
         names = [each for name in names for each in expand(name)]
-        entries += [Entry(name, label or _label(name), options) for name in names]
+        entries += [
+            Entry(name, own, each) for name in names for own, each in expanded(label or _label(name), options, swept)
+        ]
         if not all(entry.label.isprintable() for entry in entries):
             raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
     _refuse_duplicates(entries, key, where)
     return tuple(entries)
+
+
+def _swept(options: dict[str, Any], where: str) -> dict[str, Any]:
+    """Take the table ``options`` out of an optimizer's keys and return it; empty where there is none."""
+    found = options.pop("options", {})
+    if not isinstance(found, dict):
+        raise BenchError(f"study {where}: 'options' of an optimizer must be a table, not {found!r}")
+    if twice := sorted(found.keys() & options.keys()):
+        raise BenchError(f"study {where}: {twice[0]!r} is given twice, in 'options' and beside it; leave one out")
+    if reserved := sorted(found.keys() & {"name", "names", "label"}):
+        raise BenchError(f"study {where}: {reserved[0]!r} is no parameter; write it beside 'options'")
+    return found
 
 
 def _label(name: str) -> str:

@@ -13,8 +13,8 @@ import numpy as np
 from bench.objective import Objective
 from bench.optimizer import parameter
 from bench.problem import Floats
-from optimizers.cma_es import BoxMap
-from optimizers.cma_es_fast import CMAESFast, Rates, Strategy, rates
+from optimizers.cma_es import BoxedCMA, BoxMap
+from optimizers.cma_es_fast import Rates, Strategy, rates
 from optimizers.common.base import works
 
 TOLFUN = 1e-12
@@ -24,7 +24,7 @@ CHECKED = 10  # generations between two checks for stagnation, whose medians cos
 
 
 @dataclass(frozen=True)
-class BIPOPCMAES(CMAESFast):
+class BIPOPCMAES(BoxedCMA):
     """CMA-ES restarted until the budget is spent, in the regime that has spent less of it so far.
 
     Example:
@@ -51,6 +51,9 @@ class BIPOPCMAES(CMAESFast):
     code: ClassVar[str] = "written here after Hansen (2009), on this package's cma-es-fast"
     bibtex: ClassVar[str] = works("hansen2009bipop")
 
+    fewest: ClassVar[int] = 6
+
+    agents: int | None = parameter(None, minimum=fewest)
     sigma: float = parameter(0.2, minimum=1e-9, maximum=10.0)
     variant: Literal["paper", "pycma"] = "paper"
 

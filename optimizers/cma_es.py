@@ -71,10 +71,14 @@ class CMAES(BoxedCMA):
 
     Attributes:
         agents, handling, start, sigma: see :class:`BoxedCMA`.
+        active: whether the worse half of a generation takes variance away from its directions, by negative weights
+            (pycma's ``CMA_active``).
     """
 
     code: ClassVar[str] = "pycma (N. Hansen's cma), run by this package"
     bibtex: ClassVar[str] = works("hansen2001", "hansen2019")
+
+    active: bool = True
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent or a tolerance of pycma is met."""
@@ -85,6 +89,7 @@ class CMAES(BoxedCMA):
         options = {
             **SILENT, **UNLIMITED,
             "popsize": self.population(objective.dimension),
+            "CMA_active": self.active,
             "seed": np.nan,  # leaves numpy's global state alone
             "randn": lambda *shape: rng.standard_normal(shape),
         }  # fmt: skip

@@ -39,6 +39,7 @@ class CMAESFast(BoxedCMA):
     Attributes:
         agents: as in :class:`~optimizers.cma_es.BoxedCMA`, at least 6.
         handling, start, sigma: see :class:`~optimizers.cma_es.BoxedCMA`.
+        active: whether the worse half of a generation has negative weights, as in :class:`~optimizers.cma_es.CMAES`.
     """
 
     code: ClassVar[str] = "written here after the thesis's eqs. 6.1-6.6 and Hansen's tutorial"
@@ -47,12 +48,13 @@ class CMAESFast(BoxedCMA):
     fewest: ClassVar[int] = 6
 
     agents: int | None = parameter(None, minimum=fewest)
+    active: bool = True
 
     def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
         """Minimise until the budget is spent or a tolerance is met."""
         box = BoxMap(objective.lower, objective.upper)
         agents = self.population(objective.dimension)
-        strategy = Strategy(box, self.mean(objective), self.sigma, agents, rng)
+        strategy = Strategy(box, self.mean(objective), self.sigma, agents, rng, active=self.active)
         while not strategy.stops:
             strategy.tell(self.evaluate(objective, strategy.ask()))
         objective.stop(" ".join(sorted(strategy.stops)))
@@ -98,6 +100,7 @@ class Strategy:
         sigma: the initial standard deviation in units of the box's width.
         agents: the population size, at least 6.
         rng: the only source of random numbers.
+        active: whether the worse half of the points has negative weights.
     """
 
     tolfun: float = TOLFUN
@@ -105,9 +108,11 @@ class Strategy:
     tolfacupx: float = TOLFACUPX
     tolxstagnation: tuple[float, float, float] = TOLXSTAGNATION
 
-    def __init__(self, box: BoxMap, mean: Floats, sigma: float, agents: int, rng: np.random.Generator) -> None:
+    def __init__(
+        self, box: BoxMap, mean: Floats, sigma: float, agents: int, rng: np.random.Generator, active: bool = True
+    ) -> None:
         d = len(mean)
-        self.box, self.agents, self.rng = box, agents, rng
+        self.box, self.agents, self.rng, self.active = box, agents, rng, active
         self.weights, self.rates = self.parameters(d, agents)
         self.limit = (box.upper - box.lower) * (1 / 3)  # of the standard deviations (pycma: maxstd)
         self.first_scale = sigma * (box.upper - box.lower)
@@ -129,7 +134,8 @@ class Strategy:
 
     def parameters(self, d: int, agents: int) -> tuple[Floats, Rates]:
         """Return the (agents,) weights and the learning rates in ``d`` variables."""
-        return rates(d, agents)
+        weights, known = rates(d, agents)
+        return (weights if self.active else np.maximum(weights, 0.0)), known
 
     def ask(self) -> Floats:
         """Return (agents, d) points of the box to evaluate."""

@@ -126,7 +126,7 @@ def wilcoxon_tests(
     for first, second in combinations(medians.columns, 2):
         with np.errstate(invalid="ignore"):
             difference = np.nan_to_num(values[first] - values[second], posinf=inf, neginf=-inf)  # inf - inf: none
-        rows.append({"first": first, "second": second, "problems": len(medians), **_signed_ranks(difference, alpha)})
+        rows.append({"first": first, "second": second, "problems": len(medians), **signed_ranks(difference, alpha)})
     columns = ["first", "second", "problems", "statistic", "p", "p_holm", "significant", "lower", "scale", "note"]
     tests = pd.DataFrame(rows, columns=columns)
     tests["p_holm"] = holm(tests["p"].to_numpy(dtype=float))
@@ -272,8 +272,11 @@ def interquartile_mean(frame: pd.DataFrame, optima: Mapping[str, float] | None =
     return pd.DataFrame(rows, columns=["optimizer", "problems", "n", "iqm", "low", "high"])
 
 
-def _signed_ranks(difference: Floats, alpha: float) -> dict[str, Any]:
-    """Return statistic, p, note and, as ``lower``, the difference of the two sums of ranks."""
+def signed_ranks(difference: Floats, alpha: float = ALPHA) -> dict[str, Any]:
+    """Return Wilcoxon's signed-rank test of (n,) differences, as in :func:`wilcoxon_tests`.
+
+    Keys: statistic, p, note and, as ``lower``, the sum of ranks of the positive differences less that of the others.
+    """
     size = merge_near_ties(np.abs(difference))
     ranks = rankdata(size)
     balance = float(np.sign(difference) @ ranks)

@@ -13,6 +13,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis.equivalence import differences
+from bench.analysis.factors import Contributions, contributions
 from bench.budget import described, evaluations
 from bench.errors import BenchError
 from bench.execution.descriptions import Description, describe
@@ -309,6 +310,11 @@ class Findings:
         """The differences of each pair on each problem beside the rope; none without a rope."""
         return differences(self.frame, self.rope) if self.rope else pd.DataFrame()
 
+    @cached_property
+    def contributions(self) -> dict[str, Contributions]:
+        """What the parameters of each sweep contribute, by its name; a sweep that lacks a combination has no entry."""
+        return {each.name: contributions(self.frame, each) for each in self.study.sweeps if not each.missing}
+
     # over the evaluations
 
     @cached_property
@@ -528,6 +534,7 @@ class Findings:
                 budgets={label: described(each) for label, each in self.results.budgets.items()},
                 planned=min(self.results.planned.values()) > 0,
                 best2009=self.best_times.dropna()["problem"].nunique(),
+                sweeps=sum(not each.levels.empty for each in self.contributions.values()),
             )
         )
 

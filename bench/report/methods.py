@@ -76,6 +76,7 @@ class MethodsFacts:
         budgets: the budget of each optimizer in words, by label, where it may not be the study's.
         planned: whether the number of trials was planned, of every optimizer.
         best2009: problems on which the best of 2009 stands beside the optimizers.
+        sweeps: sweeps whose parameters' contributions are given.
     """
 
     study: Study
@@ -104,6 +105,7 @@ class MethodsFacts:
     budgets: Mapping[str, str] = field(default_factory=dict)
     planned: bool = True
     best2009: int = 0
+    sweeps: int = 0
 
 
 @dataclass(frozen=True)

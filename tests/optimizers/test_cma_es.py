@@ -58,6 +58,7 @@ def plain_pycma(problem, optimizer, budget, seed):
         "popsize": optimizer.population(len(width)), "bounds": [problem.lower, problem.upper], "seed": np.nan,
         "randn": lambda *shape: stream.standard_normal(shape), "verbose": -9, "verb_log": 0, "maxiter": np.inf,
         **({"CMA_stds": width / 4} if len(width) > 1 else {}),
+        **({} if optimizer.active else {"CMA_active": False}),
     }  # fmt: skip
     strategy = cma.CMAEvolutionStrategy(optimizer.mean(objective), 1 if len(width) > 1 else width[0] / 4, options)
     while not strategy.stop() and objective.remaining:
@@ -95,6 +96,7 @@ MIDPOINT = {"handling": "box", "start": "midpoint"}
         (ill_conditioned(6), {"agents": 40, **MIDPOINT}, 500),
         (ill_conditioned(14), {"agents": 40, **MIDPOINT}, 500),
         (ill_conditioned(14), {"agents": 40}, 500),
+        (ill_conditioned(6), {"agents": 40, "active": False}, 200),
         (ellipsoid(1), {}, 200),  # no coordinate-wise scales
         (Watched(lambda x: np.floor(x).sum(axis=1), [0, 0], [7, 9]), {}, 100),  # equal values
         (ellipsoid(7), {"agents": 300, "handling": "box"}, 100),

@@ -66,14 +66,14 @@ def exact_norm(monkeypatch):
 
 @pytest.mark.slow
 @as_pycma_4_5
-@pytest.mark.parametrize("agents", [None, 7, 60, 300])
+@pytest.mark.parametrize(("agents", "active"), [(None, True), (7, True), (60, True), (300, True), (60, False)])
 @pytest.mark.parametrize("name", FUNCTIONS)
 @pytest.mark.usefixtures("exact_norm")
-def test_the_same_draws_give_pycma_s_points(name, agents):
+def test_the_same_draws_give_pycma_s_points(name, agents, active):
     batches = []
     for optimizer in (CMAES, CMAESFast):
         problem = Recorded(FUNCTIONS[name], [-5, -5, -5, 0, -100], [5, 5, 5, 0.1, 1000])
-        run = optimizer(agents=agents)
+        run = optimizer(agents=agents, active=active)
         # Later, in the corner of the slope, values of 300 agents tie up to rounding, which processors do differently.
         solve(problem, run, budget=10 * run.population(5), seed=3)
         batches.append(problem.batches)

@@ -6,6 +6,7 @@ from bench.report.sections import (
     beside,
     best,
     comparison,
+    components,
     datasets,
     dominance,
     environment,
@@ -22,5 +23,5 @@ from bench.report.sections import (
 OPENING = (verdict, beside, suite, dominance, integrity, comparison)
 """The parts before the plug-ins' sections."""
 
-CLOSING = (across, equivalence, landscape, anytime, best, datasets, time, power, methods, environment)
+CLOSING = (components, across, equivalence, landscape, anytime, best, datasets, time, power, methods, environment)
 """The parts after them; the list of downloads ends the page."""

@@ -210,16 +210,27 @@ def make():
     """Return a function that writes a study whose optimizers differ by 1 a place.
 
     ``skip`` and ``fail`` hold cells (problem, optimizer) or trials (problem, optimizer, number); ``changes`` holds
-    what is otherwise in the rows of an optimizer's finished trials, by optimizer.
+    what is otherwise in the rows of an optimizer's finished trials, by optimizer; ``options`` its options, likewise.
     """
 
     def write_study(
-        folder, problems=("p", "q"), optimizers=("a", "b", "c"), trials=8, *, skip=(), fail=(), changes=None
+        folder,
+        problems=("p", "q"),
+        optimizers=("a", "b", "c"),
+        trials=8,
+        *,
+        skip=(),
+        fail=(),
+        changes=None,
+        options=None,
     ):
         def place_of(trial):
             return trial.number, problems.index(trial.problem), optimizers.index(trial.optimizer)
 
-        entries = (tuple(Entry("any", label) for label in labels) for labels in (problems, optimizers))
+        own = options or {}
+        entries = (
+            tuple(Entry("any", label, own.get(label, {})) for label in labels) for labels in (problems, optimizers)
+        )
         study = Study("made", *entries, trials=trials, budget=100)
         rng = np.random.default_rng(0)
         place = Folder(folder)

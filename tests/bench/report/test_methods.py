@@ -72,7 +72,8 @@ class TestMethods:
             assert work.kind != "article" or "pages = " in work.fields
         fields_own = replace(full(), target_set=target_words("precisions"), aocc=2, best2009=2)
         many = replace(full(), study=study([f"o{place}" for place in range(33)]))
-        known = [cited(methods(facts)) for facts in (full(), fields_own, many)]
+        swept = replace(full(), sweeps=1)
+        known = [cited(methods(facts)) for facts in (full(), fields_own, many, swept)]
         assert library().keys() <= set.union(*known)
 
     def test_every_citation_has_its_work_and_every_work_is_cited(self):

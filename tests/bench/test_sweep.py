@@ -1,0 +1,92 @@
+"""Sweeps: what lists in a table ``options`` become, and how labels show it again."""
+
+import tomllib
+
+import pytest
+
+from bench import BenchError, Study
+from bench.study import Entry
+from bench.sweep import expanded, sweeps
+
+MINIMAL = {"name": "s", "problems": [{"name": "sphere-2"}]}
+
+
+def study(*optimizers):
+    return Study.from_dict(MINIMAL | {"optimizers": list(optimizers)})
+
+
+def labels(*optimizers):
+    return [entry.label for entry in study(*optimizers).optimizers]
+
+
+def test_every_combination_is_an_optimizer_whose_label_names_its_values():
+    found = study({"name": "gwo", "handling": "box", "options": {"agents": [30, 100], "variant": ["code", "cascade"]}})
+    assert [entry.label for entry in found.optimizers] == [
+        "gwo[agents=30,variant=code]",
+        "gwo[agents=30,variant=cascade]",
+        "gwo[agents=100,variant=code]",
+        "gwo[agents=100,variant=cascade]",
+    ]
+    assert found.optimizers[1].options == {"handling": "box", "agents": 30, "variant": "cascade"}
+    assert found.optimizer("gwo[agents=100,variant=code]").agents == 100
+    (sweep,) = found.sweeps
+    assert sweep.factors == {"agents": ("30", "100"), "variant": ("code", "cascade")}
+    assert not sweep.missing
+
+
+def test_names_labels_and_single_values():
+    assert labels({"name": "cma-es", "label": "mine", "options": {"active": [True, False], "sigma": 0.3}}) == [
+        "mine[active=true]",
+        "mine[active=false]",
+    ]
+    assert labels({"names": ["gwo", "alo"], "options": {"agents": [10, 20]}})[2] == "alo[agents=10]"
+    assert labels({"name": "gwo", "options": {"agents": 10}}) == ["gwo"]
+    assert study({"name": "gwo", "options": {"agents": [10]}}).sweeps == []
+
+
+def test_a_frozen_study_is_the_same_study_with_the_same_sweeps(tmp_path):
+    given = study({"name": "cma-es", "options": {"active": [True, False], "sigma": [0.1, 0.3], "handling": "box"}})
+    frozen = Study.from_dict(tomllib.loads(given.to_toml()))
+    assert frozen == given
+    assert frozen.identity() == given.identity()
+    assert frozen.sweeps == given.sweeps
+    assert "options" not in given.to_toml()
+
+
+def test_a_list_beside_the_table_stays_a_value_as_it_always_was():
+    given = study({"name": "gwo", "agents": [30, 100]})
+    assert given.optimizers == (Entry("gwo", "gwo", {"agents": [30, 100]}),)
+    with pytest.raises(BenchError, match=r"a whole number, not \[30, 100\]; to sweep it, write options = { agents"):
+        given.optimizer("gwo")
+    assert expanded("a", {"x": [1, 2]}, {"y": [[1], [2]]}) == [
+        ("a[y=[1]]", {"x": [1, 2], "y": [1]}),
+        ("a[y=[2]]", {"x": [1, 2], "y": [2]}),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ({"options": {"agents": []}}, "the list of values of 'agents' of 'gwo' is empty"),
+        ({"options": {"agents": [5, 5]}}, "the list of values of 'agents' of 'gwo' holds a value twice"),
+        ({"options": {"a": list(range(40)), "b": list(range(40))}}, "has 1,600 combinations, more than 1,000"),
+        ({"options": [1]}, "'options' of an optimizer must be a table, not [1]"),
+        ({"agents": 5, "options": {"agents": [5, 6]}}, "'agents' is given twice, in 'options' and beside it"),
+        ({"options": {"label": ["a"]}}, "'label' is no parameter; write it beside 'options'"),
+    ],
+)
+def test_what_cannot_be_swept_costs_one_sentence(entry, said):
+    with pytest.raises(BenchError) as caught:
+        study({"name": "gwo", **entry})
+    assert said in str(caught.value)
+
+
+def test_only_labels_that_name_the_last_options_belong_to_a_sweep():
+    assert sweeps([("a[x=1]", {"x": 1}), ("a[x=2]", {"x": 3}), ("[x=4]", {"x": 4}), ("b", {})]) == []
+    (found,) = sweeps([("a[x=1]", {"k": 0, "x": 1}), ("a[x=2]", {"k": 0, "x": 2}), ("b[x=1]", {"x": 1})])
+    assert found.labels == {("1",): "a[x=1]", ("2",): "a[x=2]"}
+
+
+def test_a_sweep_that_lacks_a_combination_names_it():
+    own = [("a[x=1,y=1]", {"x": 1, "y": 1}), ("a[x=2,y=2]", {"x": 2, "y": 2}), ("a[x=1,y=2]", {"x": 1, "y": 2})]
+    assert sweeps(own)[0].missing == ["a[x=2,y=1]"]
