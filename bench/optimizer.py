@@ -24,9 +24,28 @@ The population size; what becomes of a point outside the box or the constraints;
 """
 
 
-def parameter(default: Any, *, minimum: float | None = None, maximum: float | None = None) -> Any:
-    """Return a dataclass field with a default and, optionally, the closed range its value must lie in."""
-    return dataclasses.field(default=default, metadata={"minimum": minimum, "maximum": maximum})
+def parameter(
+    default: Any,
+    *,
+    minimum: float | None = None,
+    maximum: float | None = None,
+    tune: tuple[float, float] | list[Any] | None = None,
+    log: bool = False,
+) -> Any:
+    """Return a dataclass field with a default, the range that its value must lie in, and what ``bench tune`` tries.
+
+    Args:
+        default: the value where none is given.
+        minimum: the least value that is accepted; None for no limit.
+        maximum: the greatest one, likewise.
+        tune: what is worth trying, which limits nothing else: the ends of a closed range, or a list of values; an empty
+            list leaves the parameter at its default. None: the choices of its type (``bool``, ``Literal``), or else
+            minimum to maximum where it has both.
+        log: whether that range is searched on a logarithmic scale.
+    """
+    return dataclasses.field(
+        default=default, metadata={"minimum": minimum, "maximum": maximum, "tune": tune, "log": log}
+    )
 
 
 class Optimizer(ABC):

@@ -20,11 +20,12 @@ from bench import budget as budgets
 from bench import constraints as handlings
 from bench import rope as ropes
 from bench import targets as target_kinds
+from bench import tuned
 from bench.budget import Budget
 from bench.errors import BenchError, nearest
 from bench.numbers import require_whole
 from bench.optimizer import Optimizer
-from bench.plugins import from_file, loading, registry, selection
+from bench.plugins import loading, registry, selection
 from bench.problem import Problem
 from bench.rope import Rope
 from bench.scoring import scored
@@ -32,6 +33,7 @@ from bench.seeds import trial_seed
 from bench.sweep import Sweep, expanded, sweeps
 from bench.targets import NO_METRIC, Targets
 from bench.trial import Trial
+from bench.tuned import Tuning
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,8 @@ class Study:
             They decide no trial's result.
         rope: the difference of medians below which two optimizers count as equal (:func:`bench.rope.checked`); None:
             nothing is said of practical equality. It decides no trial's result.
+        tuning: how the optimizers were tuned, and on which other problems (:mod:`bench.tuned`); None: by no tuning of
+            this harness. It decides no trial's result.
     """
 
     name: str
@@ -90,6 +94,7 @@ class Study:
     constraints: str = handlings.DEFAULT
     targets: Targets | None = None
     rope: Rope | None = None
+    tuning: Tuning | None = None
 
     @classmethod
     def load(cls, source: str | os.PathLike[str]) -> Study:
@@ -127,6 +132,7 @@ class Study:
         study = cls(**data | lists)
         if not study.title.isprintable():
             raise BenchError(f"study {where}: the title holds a control character or a line break")
+        study._require_apart(f"study {where}")
         return study
 
     def override(self, **changes: Any) -> Study:
@@ -145,7 +151,13 @@ class Study:
             added = _entries([{"name": name} for name in names], key, repr(self.name)) if names else ()
             both[key] = (*getattr(self, key), *added)
             _refuse_duplicates(both[key], key, repr(self.name))
-        return dataclasses.replace(self, **both)
+        study = dataclasses.replace(self, **both)
+        study._require_apart(f"study {self.name!r}")
+        return study
+
+    def _require_apart(self, where: str) -> None:
+        if self.tuning is not None:
+            self.tuning.require_apart((entry.name for entry in self.problems), where)
 
     def problem(self, label: str) -> Problem:
         """Load the problem of that label, scored under the study's handling of its constraints where it has any."""
@@ -235,16 +247,17 @@ class Study:
         lists = {key: [entry.as_dict() for entry in getattr(self, key)] for key in ("problems", "optimizers")}
         targets = {} if self.targets is None else {"targets": self.targets}
         rope = {} if self.rope is None else {"rope": self.rope}
-        return tomli_w.dumps(head | self._handling() | targets | rope | lists)
+        tuning = {} if self.tuning is None else {"tuning": self.tuning.as_dict()}
+        return tomli_w.dumps(head | self._handling() | targets | rope | lists | tuning)
 
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
-        Targets, rope and the default handling of constraints are no part of it: older studies do not name them.
+        Targets, rope, tuning and the default handling of constraints are no part of it: older studies do not name them.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None}
         content = {
-            key: value for key, value in content.items() if key not in ("constraints", "targets", "rope")
+            key: value for key, value in content.items() if key not in ("constraints", "targets", "rope", "tuning")
         } | self._handling()
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
@@ -254,13 +267,13 @@ class Study:
 
 
 def _checked(given: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Return budget, targets and rope as a study holds them, where given; raises BenchError for what cannot be."""
+    """Return budget, targets, rope and tuning as a study holds them; raises BenchError for what cannot be."""
     for key, least in (("seed", None), ("trials", 1)):
         if key in given:
             require_whole(f"{where}{key!r}", given[key], least)
     if "constraints" in given:
         handlings.checked(given["constraints"], f"{where}'constraints'")
-    held = {"budget": budgets.checked, "targets": target_kinds.checked, "rope": ropes.checked}
+    held = {"budget": budgets.checked, "targets": target_kinds.checked, "rope": ropes.checked, "tuning": tuned.checked}
     return {key: check(given[key], f"{where}'{key}'") for key, check in held.items() if key in given}
 
 
@@ -307,7 +320,9 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         expand = loading.matching if key == "optimizers" else selection.matching
         names = [each for name in names for each in expand(name)]
         entries += [
-            Entry(name, own, each) for name in names for own, each in expanded(label or _label(name), options, swept)
+            Entry(name, own, each)
+            for name in names
+            for own, each in expanded(label or loading.default_label(name), options, swept)
         ]
         if not all(entry.label.isprintable() for entry in entries):
             raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
@@ -325,12 +340,6 @@ def _swept(options: dict[str, Any], where: str) -> dict[str, Any]:
     if reserved := sorted(found.keys() & {"name", "names", "label"}):
         raise BenchError(f"study {where}: {reserved[0]!r} is no parameter; write it beside 'options'")
     return found
-
-
-def _label(name: str) -> str:
-    """Return the default label of a plug-in name: the class's name for an optimizer in a file, else the name."""
-    parts = from_file.split(name)
-    return parts[1] if parts and parts[1] else name
 
 
 def _refuse_duplicates(entries: Iterable[Entry], key: str, where: str) -> None:

@@ -92,8 +92,9 @@ class DifferentialEvolution(ScipyOptimizer):
         "best1bin", "best1exp", "best2bin", "best2exp", "rand1bin", "rand1exp", "rand2bin", "rand2exp",
         "randtobest1bin", "randtobest1exp", "currenttobest1bin", "currenttobest1exp",
     ] = "best1bin"  # fmt: skip
-    mutation: float = parameter(0.5, minimum=0, maximum=1.999)
-    mutation_to: float | None = parameter(1.0, minimum=0, maximum=1.999)
+    # Tuning: weights below 0.2 or above 1.2 are not in use, and the tolerances only end the search.
+    mutation: float = parameter(0.5, minimum=0, maximum=1.999, tune=(0.2, 1.0))
+    mutation_to: float | None = parameter(1.0, minimum=0, maximum=1.999, tune=(0.4, 1.2))
     recombination: float = parameter(0.7, minimum=0, maximum=1)
     updating: Literal["immediate", "deferred"] = "immediate"
     polish: bool = True
@@ -137,10 +138,12 @@ class DualAnnealing(ScipyOptimizer):
     ceiling: ClassVar[float] = CEILING
     unmapped: ClassVar[tuple[str, ...]] = (CEILED,)
 
-    initial_temp: float = parameter(5230.0, minimum=0.01, maximum=5e4)
-    restart_temp_ratio: float = parameter(2e-5, minimum=1e-15, maximum=0.999)
+    # The ranges that scipy accepts; a temperature and its ratio count by their factors. Below an acceptance of -100
+    # hardly any worse point is accepted.
+    initial_temp: float = parameter(5230.0, minimum=0.01, maximum=5e4, tune=(1.0, 5e4), log=True)
+    restart_temp_ratio: float = parameter(2e-5, minimum=1e-15, maximum=0.999, tune=(1e-8, 0.5), log=True)
     visit: float = parameter(2.62, minimum=1.001, maximum=2.999)
-    accept: float = parameter(-5.0, minimum=-1e4, maximum=-5)
+    accept: float = parameter(-5.0, minimum=-1e4, maximum=-5, tune=(-100.0, -5.0))
     no_local_search: bool = False
 
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
@@ -198,10 +201,11 @@ class Direct(ScipyOptimizer):
     bibtex: ClassVar[str] = works("jones1993", "gablonsky2001", "virtanen2020")
     unmapped: ClassVar[tuple[str, ...]] = (DETERMINISTIC,)
 
-    eps: float = parameter(1e-4, minimum=0)
+    # From nearly local to nearly a grid; the tolerances only end the search.
+    eps: float = parameter(1e-4, minimum=0, tune=(1e-7, 1e-2), log=True)
     locally_biased: bool = True
-    vol_tol: float = parameter(1e-16, minimum=0, maximum=1)
-    len_tol: float = parameter(1e-6, minimum=0, maximum=1)
+    vol_tol: float = parameter(1e-16, minimum=0, maximum=1, tune=[])
+    len_tol: float = parameter(1e-6, minimum=0, maximum=1, tune=[])
 
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:  # noqa: ARG002 - draws nothing
         """Return the arguments of scipy's function; see :meth:`ScipyOptimizer.arguments`."""
@@ -236,11 +240,13 @@ class BasinHopping(ScipyOptimizer):
         "its local search is L-BFGS-B within the box, not scipy's unbounded BFGS, and starts from hops clipped to it",
     )
 
-    T: float = parameter(1.0, minimum=0)
-    stepsize: float = parameter(0.05, minimum=1e-12, maximum=1)
-    interval: int = parameter(50, minimum=1)
-    target_accept_rate: float = parameter(0.5, minimum=0.001, maximum=0.999)
-    stepwise_factor: float = parameter(0.9, minimum=0.001, maximum=0.999)
+    # A temperature is in units of the objective, which differ by powers of ten. Hops go from a hundredth of the box's
+    # width to half of it.
+    T: float = parameter(1.0, minimum=0, tune=(1e-3, 1e3), log=True)
+    stepsize: float = parameter(0.05, minimum=1e-12, maximum=1, tune=(0.01, 0.5), log=True)
+    interval: int = parameter(50, minimum=1, tune=(5, 200), log=True)
+    target_accept_rate: float = parameter(0.5, minimum=0.001, maximum=0.999, tune=(0.1, 0.9))
+    stepwise_factor: float = parameter(0.9, minimum=0.001, maximum=0.999, tune=(0.5, 0.99))
     niter_success: int | None = parameter(None, minimum=1)
 
     def arguments(self, objective: Objective, rng: np.random.Generator) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from bench.cli import (
     similar,
     solve,
     status,
+    tune,
     unpack,
     verify,
 )
@@ -43,6 +44,7 @@ for _name, _command in (
     ("export", export.export), ("import", import_.import_results), ("check", check.check), ("solve", solve.solve),
     ("verify", verify.verify), ("merge", merge.merge), ("rm", rm.remove), ("pack", pack.pack),
     ("unpack", unpack.unpack), ("gate", gate.gate), ("describe", describe.describe), ("similar", similar.similar),
+    ("tune", tune.tune),
 ):  # fmt: skip
     app.command(_name)(_command)
 app.add_typer(archive.archive, name="archive")

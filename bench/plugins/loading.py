@@ -20,6 +20,12 @@ def is_imported(name: str) -> bool:
     return name.startswith(f"{IMPORTED}:")
 
 
+def default_label(name: str) -> str:
+    """Return the default label of a plug-in name: the class's name for an optimizer in a file, else the name."""
+    parts = from_file.split(name)
+    return parts[1] if parts and parts[1] else name
+
+
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:
     """Return the optimizer of that name, such as ``load_optimizer("gwo", agents=300)``.
 

@@ -37,13 +37,18 @@ class Crew:
         self.close()
 
     def submit(
-        self, group: Hashable, function: Callable[..., Any], *arguments: Any, printed: int | None = None
+        self,
+        group: Hashable,
+        function: Callable[..., Any],
+        *arguments: Any,
+        printed: int | None = None,
+        seconds: float | None = None,
     ) -> Future[Any]:
-        """Have a function called when its turn comes; see :meth:`bench.sandbox.process.Process.call`.
+        """Have a function called when its turn comes, within limits; see :meth:`bench.sandbox.process.Process.call`.
 
         A process calls functions of one group only, and is replaced after any error.
         """
-        return self._threads.submit(self._call, group, function, arguments, printed)
+        return self._threads.submit(self._call, group, function, arguments, {"printed": printed, "seconds": seconds})
 
     def close(self) -> None:
         """End all processes; calls that have not begun are cancelled, the others end with an error."""
@@ -57,7 +62,7 @@ class Crew:
             _end(each)
 
     def _call(
-        self, group: Hashable, function: Callable[..., Any], arguments: tuple[Any, ...], printed: int | None
+        self, group: Hashable, function: Callable[..., Any], arguments: tuple[Any, ...], limits: dict[str, Any]
     ) -> Any:
         own = self._own
         try:
@@ -67,7 +72,7 @@ class Crew:
             if own.process is None or own.group != group:
                 _end(own.process)
                 own.process, own.group = self._start(own.template.fork), group
-            return own.process.call(function, *arguments, printed=printed)
+            return own.process.call(function, *arguments, **limits)
         except BaseException:
             _end(own.process)
             _end(own.template)

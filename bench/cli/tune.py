@@ -1,0 +1,111 @@
+"""bench tune: tune optimizers on training problems, and write the study that tests them on others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from bench.cli.console import Jobs, Parameters, duration, pairs, print_line
+from bench.errors import BenchError
+from bench.text import option
+
+
+def tune(
+    optimizers: Annotated[list[str], typer.Argument(metavar="OPTIMIZER…", help="The optimizers, or patterns.")],
+    train: Annotated[list[str], typer.Option(help="A problem to tune on, or a pattern; repeatable.")],
+    test: Annotated[
+        list[str] | None, typer.Option(help="A problem to test on afterwards, or a pattern; repeatable.")
+    ] = None,
+    leave_out: Annotated[
+        str | None,
+        typer.Option(metavar="GROUP", help="Test on this group of functions among those of --train, tune on the rest."),
+    ] = None,
+    trials: Annotated[int, typer.Option(help="Configurations of each optimizer to try, the defaults first.")] = 50,
+    runs: Annotated[int, typer.Option(help="Runs of a configuration on each training problem.")] = 3,
+    budget: Annotated[str, typer.Option(help="Evaluations of a run: a number, or such as '1e3 * d'.")] = "1e3 * d",
+    objective: Annotated[
+        str, typer.Option(help="What to minimise: aocc (one less the area over the convergence curve) or regret.")
+    ] = "aocc",
+    seed: Annotated[int, typer.Option(help="Seed of the tuning, and of the study that it writes.")] = 0,
+    jobs: Jobs = -1,
+    set_: Parameters = None,
+    timeout: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="Wall-clock limit of a run; one that exceeds it failed.")
+    ] = None,
+    output: Annotated[
+        Path, typer.Option(help="The study to write (TOML); a journal beside it continues a tuning.")
+    ] = Path("tuned.toml"),
+) -> None:
+    """Tune optimizers at the same budget each, and write a study of their default and tuned parameters.
+
+    Training and test problems must differ. The same command continues a tuning that was interrupted, and ends with the
+    same study. Parameters of --set are fixed for all optimizers.
+    """
+    from bench.atomic import replacing
+    from bench.budget import checked, evaluations
+    from bench.cli.progress import steps
+    from bench.errors import require
+    from bench.numbers import require_positive, require_whole
+    from bench.plugins import loading
+    from bench.tuning import study as studies
+    from bench.tuning.tune import OBJECTIVES, Setting, method, spaces
+    from bench.tuning.tune import tune as tune_all
+
+    for what, number, least in (("--trials", trials, 1), ("--runs", runs, 1), ("--seed", seed, 0)):
+        require_whole(what, number, least)
+    if jobs != -1:
+        require_whole("--jobs", jobs, 1, also=", or -1 for every core")
+    if timeout is not None:
+        require_positive("--timeout", timeout, unit="seconds")
+    if objective not in OBJECTIVES:
+        raise BenchError(f"--objective must be {' or '.join(OBJECTIVES)}, not {objective!r}")
+    _refuse_foreign(output)
+    optuna = require("optuna", "optuna", "tuning needs")
+    names = list(dict.fromkeys(each for given in optimizers for each in loading.matching(given)))
+    training, testing = studies.split(train, test or (), leave_out, seed)
+    problems = studies.load(training)
+    setting = Setting(objective, trials, runs, checked(budget, "--budget"), seed, tuple(training), pairs(set_), timeout)
+    least = min(evaluations(setting.budget, each.dimension) for each in problems.values())
+    axes = spaces(names, setting.fixed, least)
+    studies.untuned(output.stem, testing, names, setting)
+    console = Console()
+    words = OBJECTIVES[objective]
+    for name, own in axes.items():
+        print_line(f"{name}: {'; '.join(map(str, own))}", console=console)
+    cost = f"{trials} configurations of each optimizer, {runs} runs on each of {len(training)} training problems"
+    print_line(cost, console=console)
+    with steps(console, "tune") as on_progress:
+        found = tune_all(axes, problems, setting, output.with_suffix(".journal"), jobs, on_progress)
+    about = {"left_out": leave_out or "", "method": method(optuna)}
+    written = studies.tuned(output.stem, testing, found, setting, **about)
+    with replacing(output) as temporary:
+        temporary.write_text(written.to_toml(), encoding="utf-8")
+    for each in found:
+        record = each.record
+        stopped = record.whole.count(False)
+        chosen = ", ".join(f"{key}={_shown(value)}" for key, value in each.options.items()) or "the defaults"
+        print_line(
+            f"{record.name}: {len(record.scores)} tried, {stopped} of them stopped early; {record.evaluations:,} "
+            f"evaluations in {duration(record.seconds)} of runs; {words} {record.scores[0]:.4g} by default, "
+            f"{record.best:.4g} with {chosen}",
+            console=console,
+        )
+    print_line(f"study: {output}; test it with: bench run {output}", console=console)
+
+
+def _shown(value: object) -> str:
+    """Return a parameter's value with four significant digits."""
+    return f"{value:.4g}" if isinstance(value, float) else option(value)
+
+
+def _refuse_foreign(output: Path) -> None:
+    """Raise BenchError where the output is a file that no tuning wrote."""
+    from bench.study import Study
+
+    if output.suffix != ".toml":
+        raise BenchError(f"the output {output} must end with .toml")
+    if output.exists() and Study.load(output).tuning is None:
+        raise BenchError(f"{output} is there already, and is no study that 'bench tune' wrote; give another --output")

@@ -1,0 +1,132 @@
+"""The record of a tuning, as the table ``[tuning]`` of a study: what was tuned, on what, and at what cost."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from bench.budget import Budget
+from bench.budget import checked as checked_budget
+from bench.errors import BenchError, nearest
+
+AUTOMATIC = "null"
+"""The text of a value that the optimizer chooses by itself, as :func:`bench.text.option` writes None."""
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """The tuning of one optimizer.
+
+    Attributes:
+        name: the optimizer's plug-in name.
+        default: the label of its defaults in the study.
+        tuned: the label of the best configuration; that of the defaults where none was better.
+        parameters: what was tried: ``low``, ``high`` and ``log``, or ``choices``, by parameter.
+        values: the value of each configuration in the order of trying, by parameter; the first are the defaults.
+        scores: the score of each configuration over the training problems it ran on; lower is better.
+        problems: on how many training problems each configuration ran; fewer than all where it was stopped.
+        failed: runs that failed, of all configurations.
+        evaluations: evaluations spent, of all configurations.
+        seconds: wall seconds of their runs, added up.
+        importance: the share of each parameter in the variance of the scores (PED-ANOVA), where it is known.
+    """
+
+    name: str
+    default: str
+    tuned: str
+    parameters: dict[str, Any]
+    values: dict[str, Any]
+    scores: list[float]
+    problems: list[int]
+    failed: int
+    evaluations: int
+    seconds: float
+    importance: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def whole(self) -> list[bool]:
+        """Whether each configuration ran on all training problems, as the defaults always do."""
+        return [number == self.problems[0] for number in self.problems]
+
+    @property
+    def best(self) -> float:
+        """The lowest score of a configuration that ran on all training problems."""
+        return min(score for score, whole in zip(self.scores, self.whole, strict=True) if whole)
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """The tuning of the optimizers of a study.
+
+    Attributes:
+        objective: what was minimised over the training problems: "aocc" (one less the area) or "regret".
+        trials: the configurations that each optimizer could try.
+        runs: the runs of a configuration on a training problem.
+        budget: the evaluations of a run.
+        seed: the seed of the tuning.
+        train: the names of the training problems.
+        left_out: the group of functions whose problems are the test problems; "" without one.
+        method: the sampler and the pruner, with the version of their library.
+        optimizers: the tuning of each optimizer.
+    """
+
+    objective: str
+    trials: int
+    runs: int
+    budget: Budget
+    seed: int
+    train: list[str]
+    left_out: str
+    method: str
+    optimizers: tuple[Tuned, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as a table of a study file."""
+        return dataclasses.asdict(self) | {"optimizers": [dataclasses.asdict(each) for each in self.optimizers]}
+
+    def require_apart(self, problems: Iterable[str], where: str) -> None:
+        """Raise BenchError where a problem of these names was trained on."""
+        both = sorted(set(self.train) & set(problems))
+        if both:
+            more = f" and {len(both) - 1} more" if len(both) > 1 else ""
+            raise BenchError(
+                f"{where}: the optimizers were tuned on {both[0]!r}{more}, so it cannot be a test problem; leave it out"
+            )
+
+
+def checked(given: Any, what: str) -> Tuning:
+    """Return the record that a table holds; raises BenchError, naming the key, for what ``bench tune`` never writes."""
+    if isinstance(given, Tuning):
+        return given
+    own = _typed(Tuning, given, what)
+    entries = own.pop("optimizers")
+    tuned = tuple(Tuned(**_typed(Tuned, each, f"{what}, optimizers")) for each in entries)
+    for each in tuned:
+        lengths = {len(each.scores), len(each.problems), *map(len, each.values.values())}
+        if len(lengths) > 1 or not each.scores:
+            raise BenchError(
+                f"{what}: the lists of {each.name!r} have different lengths; restore what 'bench tune' wrote"
+            )
+    return Tuning(**own | {"budget": checked_budget(own["budget"], f"{what}, 'budget'")}, optimizers=tuned)
+
+
+_KINDS: dict[str, type | tuple[type, ...]] = {
+    "str": str, "int": int, "float": (int, float), "Budget": (int, str, dict), "list[str]": list, "list[int]": list,
+    "list[float]": list, "dict[str, Any]": dict, "tuple[Tuned, ...]": (list, tuple),
+}  # fmt: skip
+
+
+def _typed(kind: type, given: Any, what: str) -> dict[str, Any]:
+    """Return a table whose keys are the fields of a record, each of the kind of its field."""
+    if not isinstance(given, dict):
+        raise BenchError(f"{what} must be the table that 'bench tune' wrote, not {given!r}")
+    fields = {each.name: str(each.type) for each in dataclasses.fields(kind)}
+    for key in given:
+        if key not in fields:
+            raise BenchError(f"{what}: unknown key {key!r}{nearest(key, fields)}")
+    for key, kind_of in fields.items():
+        if not isinstance(given.get(key), _KINDS[kind_of]):
+            raise BenchError(f"{what}: {key!r} is missing or of another kind; restore what 'bench tune' wrote")
+    return dict(given)

@@ -1,0 +1,311 @@
+"""Tune optimizers by optuna: the same number of configurations each, the defaults first, on training problems alone.
+
+Every configuration runs on the training problems in one order, with the same seeds, and is stopped as soon as it is
+worse than the best one so far by Wilcoxon's signed-rank test over the problems that it has run on. A new sampler is
+seeded for each configuration from its number, so a tuning that was killed goes on to the same end as one that was not.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench.budget import Budget, evaluations
+from bench.errors import BenchError, require
+from bench.plugins import loading
+from bench.problem import Problem
+from bench.sandbox.crew import Crew
+from bench.sandbox.messages import describe_error
+from bench.sandbox.process import (
+    DiedError,
+    LostError,
+    MemoryExceededError,
+    PrintedTooMuchError,
+    RemoteError,
+    TimeExceededError,
+)
+from bench.seeds import trial_seed
+from bench.text import option, printable
+from bench.tuned import Tuned
+from bench.tuning.run import make_run, ready
+from bench.tuning.space import Axis, space
+
+OBJECTIVES = {"aocc": "1 - AOCC", "regret": "log10 of the median regret"}
+"""What is minimised, the mean over the training problems, by its name on the command line."""
+
+LEAST, MOST = 1e-8, 1e100  # regrets: COCO's smallest precision, and that of a failed run
+PRINTED = 10_000_000  # bytes that a run may print
+
+Progress = Callable[[str, int, int], None]
+"""Called with the current step, the steps done and all steps."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What is the same for all optimizers of a tuning.
+
+    Attributes:
+        objective: what is minimised: "aocc", one less the mean area over the convergence curve (van Stein et al. 2024),
+            or "regret", the logarithm of the median regret; of both, the mean over the training problems.
+        trials: configurations of each optimizer.
+        runs: runs of a configuration on each training problem.
+        budget: evaluations of a run.
+        seed: the seed of everything.
+        train: the names of the training problems, in the order of the runs.
+        fixed: options of all optimizers that are not tuned.
+        timeout: wall seconds that a run may take; None for no limit.
+    """
+
+    objective: str
+    trials: int
+    runs: int
+    budget: Budget
+    seed: int
+    train: tuple[str, ...]
+    fixed: dict[str, Any]
+    timeout: float | None = None
+
+
+@dataclass(frozen=True)
+class Best:
+    """The best configuration of an optimizer: its options, none where no configuration was better than the defaults."""
+
+    record: Tuned
+    options: dict[str, Any]
+
+
+def spaces(names: Sequence[str], fixed: Mapping[str, Any], least: int) -> dict[str, list[Axis]]:
+    """Return what is tried of each optimizer; ``least`` is the smallest budget of a run.
+
+    Raises:
+        BenchError: for an unknown optimizer or parameter, a budget below a generation, and what :func:`space` refuses.
+    """
+    found = {}
+    for name in names:
+        optimizer = loading.load_optimizer(name, **fixed)
+        optimizer.check_budget(least, name)
+        found[name] = space(name, optimizer, fixed.keys(), least)
+    return found
+
+
+def tune(
+    axes: Mapping[str, list[Axis]],
+    problems: Mapping[str, Problem],
+    setting: Setting,
+    journal: Path,
+    n_jobs: int = -1,
+    on_progress: Progress = lambda *_: None,
+) -> list[Best]:
+    """Tune the optimizers, one after the other; what the journal holds already is not run again.
+
+    Args:
+        axes: the space of each optimizer, of :func:`spaces`.
+        problems: the training problems by name.
+        setting: what is the same for all optimizers.
+        journal: optuna's own storage; the same command with the same journal continues.
+        n_jobs: runs made at a time, -1 for one a core; it decides nothing else.
+        on_progress: called before each configuration.
+
+    Raises:
+        BenchError: where optuna is missing, or the journal is that of another tuning or cannot be written.
+    """
+    optuna = require("optuna", "optuna", "tuning needs")
+    budgets = {name: evaluations(setting.budget, problem.dimension) for name, problem in problems.items()}
+    found = []
+    with _quiet(optuna), Crew(n_jobs, ready) as crew:
+        storage = _storage(optuna, journal)
+        for place, (name, own) in enumerate(axes.items()):
+            search = _Search(optuna, storage, name, own, setting, budgets, crew)
+            for number in range(search.done, setting.trials):
+                on_progress(
+                    f"{name}: configuration {number + 1}", place * setting.trials + number, len(axes) * setting.trials
+                )
+                search.step(number)
+            found.append(search.best())
+    return found
+
+
+class _Search:
+    """The tuning of one optimizer: an optuna study, whose finished trials are the configurations so far."""
+
+    def __init__(
+        self, optuna: Any, storage: Any, name: str, axes: list[Axis], setting: Setting, budgets: Mapping[str, int],
+        crew: Crew,
+    ) -> None:  # fmt: skip
+        self.optuna, self.name, self.axes, self.setting, self.budgets, self.crew = (
+            optuna,
+            name,
+            axes,
+            setting,
+            budgets,
+            crew,
+        )
+        pruner = optuna.pruners.WilcoxonPruner()
+        self.study = optuna.create_study(storage=storage, study_name=name, load_if_exists=True, pruner=pruner)
+        same = {
+            "objective": setting.objective, "runs": setting.runs, "budget": setting.budget, "seed": setting.seed,
+            "train": list(setting.train), "fixed": {key: option(each) for key, each in setting.fixed.items()},
+            "space": [str(axis) for axis in axes],
+        }  # fmt: skip
+        noted = self.study.user_attrs.get("setting", same)
+        if noted != same:
+            changed = next(key for key in same if noted.get(key) != same[key])
+            raise BenchError(
+                f"the tuning of {name!r} was begun with another {changed}; give the same again, or another --output"
+            )
+        self.study.set_user_attr("setting", same)
+        for trial in self.study.get_trials(deepcopy=False):  # of a killed tuning
+            if not trial.state.is_finished():
+                self.study._storage.set_trial_state_values(trial._trial_id, optuna.trial.TrialState.FAIL)
+
+    @property
+    def finished(self) -> list[Any]:
+        """The configurations that ran on all problems or were stopped, in their order."""
+        states = (self.optuna.trial.TrialState.COMPLETE, self.optuna.trial.TrialState.PRUNED)
+        return list(self.study.get_trials(deepcopy=False, states=states))
+
+    @property
+    def done(self) -> int:
+        """The number of those configurations."""
+        return len(self.finished)
+
+    def step(self, number: int) -> None:
+        """Run one more configuration, the defaults first."""
+        seed = trial_seed(self.setting.seed, "tuning", self.name, number) % 2**32
+        self.study.sampler = self.optuna.samplers.TPESampler(seed=seed)
+        axes = self.axes
+        if not number:
+            axes = [axis for axis in axes if axis.default is not None]
+            self.study.enqueue_trial({axis.name: axis.default for axis in axes})
+        trial = self.study.ask()
+        options = {axis.name: axis.suggest(trial) for axis in axes}
+        runs = self._begin(options)
+        try:
+            self._judge(trial, runs)
+        finally:
+            for each in [each for own in runs.values() for each in own]:
+                each.cancel()
+
+    def _begin(self, options: dict[str, Any]) -> dict[str, list[Future[Any]]]:
+        """Have a configuration run on all training problems, as far as it is not stopped before."""
+        setting = self.setting
+        configuration = {**setting.fixed, **options}
+        limits: dict[str, Any] = {"printed": PRINTED, "seconds": setting.timeout}
+        begun: dict[str, list[Future[Any]]] = {}
+        for problem, budget in self.budgets.items():
+            for run in range(setting.runs):
+                own = trial_seed(setting.seed, problem, self.name, run)
+                call = self.name, make_run, self.name, configuration, problem, budget, own
+                begun.setdefault(problem, []).append(self.crew.submit(*call, **limits))
+        return begun
+
+    def _judge(self, trial: Any, runs: Mapping[str, list[Future[Any]]]) -> None:
+        """Wait for the runs, problem by problem, and stop or score the configuration."""
+        spent, seconds, failed, scores = 0, 0.0, 0, []
+        stopped = False
+        for step, futures in enumerate(runs.values()):
+            own = [_outcome(each) for each in futures]
+            spent += sum(each["evaluations"] for each in own)
+            seconds += sum(each["seconds"] for each in own)
+            errors = [each["error"] for each in own if each["error"]]
+            failed += len(errors)
+            if errors:
+                trial.set_user_attr("error", errors[0])
+            scores.append(score(own, self.setting.objective))
+            trial.report(scores[-1], step)
+            if step + 1 < len(runs) and trial.should_prune():
+                stopped = True
+                break
+        for key, value in (("evaluations", spent), ("seconds", seconds), ("failed", failed)):
+            trial.set_user_attr(key, value)
+        if stopped:
+            self.study.tell(trial, state=self.optuna.trial.TrialState.PRUNED)
+        else:
+            self.study.tell(trial, float(np.mean(scores)))
+
+    def best(self) -> Best:
+        """Return the best of the first configurations, as many as the setting allows."""
+        tried = self.finished[: self.setting.trials]
+        whole = [each for each in tried if each.state == self.optuna.trial.TrialState.COMPLETE]
+        best = min(whole, key=lambda each: each.value)  # the first of equal ones; the defaults are never stopped
+        label = loading.default_label(self.name)
+        options = {} if best is tried[0] else {axis.name: best.params[axis.name] for axis in self.axes}
+        record = Tuned(
+            name=self.name,
+            default=label,
+            tuned=f"{label}-tuned" if options else label,
+            parameters={axis.name: axis.as_dict() for axis in self.axes},
+            values={axis.name: [each.params.get(axis.name, option(None)) for each in tried] for axis in self.axes},
+            scores=[float(np.mean(list(each.intermediate_values.values()))) for each in tried],
+            problems=[len(each.intermediate_values) for each in tried],
+            failed=sum(each.user_attrs["failed"] for each in tried),
+            evaluations=sum(each.user_attrs["evaluations"] for each in tried),
+            seconds=round(sum(each.user_attrs["seconds"] for each in tried), 3),
+            importance=self._importance(len(whole)),
+        )
+        return Best(record, options)
+
+    def _importance(self, whole: int) -> dict[str, float]:
+        """Return the share of each parameter in the variance of the scores; none of fewer than ten configurations."""
+        if whole < 10 or len(self.axes) < 2:
+            return {}
+        evaluator = self.optuna.importance.PedAnovaImportanceEvaluator()
+        found = self.optuna.importance.get_param_importances(self.study, evaluator=evaluator)
+        return {name: round(float(each), 4) for name, each in found.items()}
+
+
+def score(runs: Sequence[Mapping[str, Any]], objective: str) -> float:
+    """Return the score of a configuration's runs on one problem; lower is better, and a failed run is the worst."""
+    if objective == "aocc":
+        return 1 - float(np.mean([each["aocc"] for each in runs]))
+    return float(np.log10(np.clip(np.median([each["precision"] for each in runs]), LEAST, MOST)))
+
+
+def method(optuna: Any) -> str:
+    """Return the sampler and the pruner of a tuning in words."""
+    return f"optuna {optuna.__version__}, TPESampler and WilcoxonPruner"
+
+
+def _outcome(future: Future[Any]) -> dict[str, Any]:
+    """Return what a run found, or the worst there is, with the reason."""
+    worst = {"precision": MOST, "aocc": 0.0, "evaluations": 0, "seconds": 0.0}
+    limits = (TimeExceededError, MemoryExceededError, PrintedTooMuchError)
+    try:
+        answer = future.result()
+        found = {key: type(usual)(answer[key]) for key, usual in worst.items()}
+        return found | {"error": "" if np.isfinite(list(found.values())).all() else "its result is not finite"}
+    except (RemoteError, DiedError, LostError, *limits) as error:
+        return worst | {"error": printable(describe_error(error), 500)}
+    except (TypeError, ValueError, KeyError):
+        return worst | {"error": "its process gave an answer that is no result of a run"}
+
+
+def _storage(optuna: Any, journal: Path) -> Any:
+    backend = optuna.storages.journal
+    try:
+        lock = backend.JournalFileOpenLock(str(journal))
+        return optuna.storages.JournalStorage(backend.JournalFileBackend(str(journal), lock_obj=lock))
+    except OSError as error:
+        raise BenchError(f"the journal {journal} cannot be written: {error.strerror}") from error
+    except (ValueError, KeyError) as error:
+        raise BenchError(f"the journal {journal} is damaged; remove it to begin again") from error
+
+
+@contextmanager
+def _quiet(optuna: Any) -> Iterator[None]:
+    """Let optuna print and warn of nothing; its level of messages is as before afterwards."""
+    level = optuna.logging.get_verbosity()
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        optuna.logging.set_verbosity(level)
