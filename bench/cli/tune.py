@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
@@ -11,6 +11,9 @@ from rich.console import Console
 from bench.cli.console import Jobs, Parameters, duration, pairs, print_line
 from bench.errors import BenchError
 from bench.text import option
+
+if TYPE_CHECKING:
+    from bench.tuning.tune import Setting
 
 
 def tune(
@@ -62,12 +65,14 @@ def tune(
         require_positive("--timeout", timeout, unit="seconds")
     if objective not in OBJECTIVES:
         raise BenchError(f"--objective must be {' or '.join(OBJECTIVES)}, not {objective!r}")
-    _refuse_foreign(output)
+    if output.suffix != ".toml":
+        raise BenchError(f"the output {output} must end with .toml")
     optuna = require("optuna", "optuna", "tuning needs")
     names = list(dict.fromkeys(each for given in optimizers for each in loading.matching(given)))
     training, testing = studies.split(train, test or (), leave_out, seed)
     problems = studies.load(training)
     setting = Setting(objective, trials, runs, checked(budget, "--budget"), seed, tuple(training), pairs(set_), timeout)
+    _refuse_others(output, setting)
     least = min(evaluations(setting.budget, each.dimension) for each in problems.values())
     axes = spaces(names, setting.fixed, least)
     studies.untuned(output.stem, testing, names, setting)
@@ -101,11 +106,14 @@ def _shown(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else option(value)
 
 
-def _refuse_foreign(output: Path) -> None:
-    """Raise BenchError where the output is a file that no tuning wrote."""
+def _refuse_others(output: Path, setting: Setting) -> None:
+    """Raise BenchError where the output is a file that another tuning, or none, wrote."""
     from bench.study import Study
 
-    if output.suffix != ".toml":
-        raise BenchError(f"the output {output} must end with .toml")
-    if output.exists() and Study.load(output).tuning is None:
-        raise BenchError(f"{output} is there already, and is no study that 'bench tune' wrote; give another --output")
+    if not output.exists():
+        return
+    noted = Study.load(output).tuning
+    own = (setting.objective, setting.runs, setting.budget, setting.seed, list(setting.train))
+    if noted is None or (noted.objective, noted.runs, noted.budget, noted.seed, noted.train) != own:
+        what = "is no study that 'bench tune' wrote" if noted is None else "is the study of another tuning"
+        raise BenchError(f"{output} is there already, and {what}; give another --output")

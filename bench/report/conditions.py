@@ -45,7 +45,9 @@ def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.Data
 def sentences(study: Study, descriptions: Mapping[str, Description]) -> tuple[str, ...]:
     """Return what differs besides the algorithm, and which options are not the optimizers' own defaults."""
     table = conditions(study, descriptions)
-    return tuple(filter(None, (_differences(table), _changes(table))))
+    tuned = "how some of them were tuned, on other problems, is stated below"
+    source = tuned if study.tuning else "whether they were tuned on these problems is not recorded"
+    return tuple(filter(None, (_differences(table), _changes(table, source))))
 
 
 def _differences(table: pd.DataFrame) -> str:
@@ -83,7 +85,7 @@ def _grouped(groups: Mapping[str, list[str]]) -> str:
     return listing([*parts, f"{value} for {rest}"])
 
 
-def _changes(table: pd.DataFrame) -> str:
+def _changes(table: pd.DataFrame, source: str) -> str:
     known = table["changed"].dropna()
     unknown = table.index.difference(known.index, sort=False)
     by_option: dict[str, list[str]] = {}
@@ -103,7 +105,7 @@ def _changes(table: pd.DataFrame) -> str:
     elif len(known):
         text = "All known options are the optimizers’ own defaults" if len(unknown) else "All options are the defaults"
     if parts:
-        text += " (whether they were tuned on these problems is not recorded)"
+        text += f" ({source})"
     text += "." if text else ""
     if len(unknown):
         names = listing([*map(str, unknown)], at_most=MOST_LABELS)

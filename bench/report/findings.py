@@ -534,6 +534,7 @@ class Findings:
                 budgets={label: described(each) for label, each in self.results.budgets.items()},
                 planned=min(self.results.planned.values()) > 0,
                 best2009=self.best_times.dropna()["problem"].nunique(),
+                tuning=self.study.tuning,
                 sweeps=sum(not each.levels.empty for each in self.contributions.values()),
             )
         )

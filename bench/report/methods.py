@@ -29,6 +29,7 @@ from bench.report.target_words import TargetWords, target_words
 from bench.report.wording import count, listing, options
 from bench.rope import Rope
 from bench.study import Study
+from bench.tuned import Tuning
 
 BIBLIOGRAPHY = "references.bib"  # the file of the cited works, beside the methods
 
@@ -77,6 +78,7 @@ class MethodsFacts:
         planned: whether the number of trials was planned, of every optimizer.
         best2009: problems on which the best of 2009 stands beside the optimizers.
         sweeps: sweeps whose parameters' contributions are given.
+        tuning: how the optimizers were tuned, where this harness did.
     """
 
     study: Study
@@ -106,6 +108,7 @@ class MethodsFacts:
     planned: bool = True
     best2009: int = 0
     sweeps: int = 0
+    tuning: Tuning | None = None
 
 
 @dataclass(frozen=True)

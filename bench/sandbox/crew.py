@@ -73,10 +73,12 @@ class Crew:
                 _end(own.process)
                 own.process, own.group = self._start(own.template.fork), group
             return own.process.call(function, *arguments, **limits)
-        except BaseException:
+        except BaseException as error:
             _end(own.process)
-            _end(own.template)
-            own.process = own.template = None
+            own.process = None
+            if isinstance(error, LostError):  # no other error says anything of the template
+                _end(own.template)
+                own.template = None
             raise
 
     def _start(self, start: Callable[[], Process]) -> Process:

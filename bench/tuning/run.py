@@ -6,18 +6,15 @@ import os
 from functools import cache
 from typing import Any
 
-import numpy as np
-import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from bench.analysis.target_sets import aocc
 from bench.constraints import DEFAULT
-from bench.execution.trial_process import STILL_ASKING
 from bench.plugins import loading
 from bench.problem import Problem
 from bench.scoring import scored
 from bench.trial import search
 
+STILL_ASKING = 87  # the exit code of a process whose optimizer goes on after the end of its budget
 _REFUSALS = 10_000  # calls after the end of the budget until the process is ended
 
 
@@ -26,19 +23,11 @@ def ready() -> None:
 
 
 def make_run(optimizer: str, options: dict[str, Any], problem: str, budget: int, seed: int) -> dict[str, Any]:
-    """Run a configuration once; return its precision, its area over the convergence curve, evaluations and seconds."""
-    loaded = _problem(problem)
+    """Run a configuration once; return its best value, evaluations, seconds, and the trace as two lists."""
     with threadpool_limits(limits=1):  # results must not depend on the number of BLAS threads
-        found = search(loaded, loading.load_optimizer(optimizer, **options), budget, seed, _end_if_stuck)
-    optimum = float(loaded.optimum)  # type: ignore[arg-type]  # problems without one are refused before
-    row = pd.DataFrame({"problem": [problem], "optimizer": [optimizer], "trial": [0], "status": ["ok"]})
-    area = aocc(row, {(problem, optimizer, 0): found.trace}, {problem: optimum}, budget)["aocc"].iloc[0]
-    return {
-        "precision": float(np.maximum(found.fun - optimum, 0.0)),
-        "aocc": float(area),
-        "evaluations": found.nfev,
-        "seconds": found.time,
-    }
+        found = search(_problem(problem), loading.load_optimizer(optimizer, **options), budget, seed, _end_if_stuck)
+    trace = {"at": found.trace.evaluations.tolist(), "values": found.trace.values.tolist()}
+    return {"fun": found.fun, "evaluations": found.nfev, "seconds": found.time, **trace}
 
 
 @cache

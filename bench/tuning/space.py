@@ -118,11 +118,11 @@ def _axis(where: str, field: dataclasses.Field[Any], kinds: list[Any], budget: i
 
 def _choices(where: str, field: dataclasses.Field[Any], values: list[Any]) -> Axis | None:
     """Return an axis of choices; None where there is no choice, as for texts, and for an empty list."""
+    if not all(isinstance(each, (bool, int, float, str)) for each in values):
+        raise BenchError(f"the values to tune of {where} must be numbers, texts, or true and false, not {values!r}")
     values = list(dict.fromkeys(values))
     if not values:
         return None
-    if not all(isinstance(each, (bool, int, float, str)) for each in values):
-        raise BenchError(f"the values to tune of {where} must be numbers, texts, or true and false, not {values!r}")
     if isinstance(field.default, (bool, int, float, str)) and field.default not in values:
         values.append(field.default)
     if len(values) < 2:

@@ -11,14 +11,18 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
+from bench.analysis.finished_trials import NO_TRACE
+from bench.analysis.target_sets import aocc
 from bench.budget import Budget, evaluations
 from bench.errors import BenchError, require
+from bench.objective import Trace
 from bench.plugins import loading
 from bench.problem import Problem
 from bench.sandbox.crew import Crew
@@ -74,6 +78,17 @@ class Setting:
 
 
 @dataclass(frozen=True)
+class Run:
+    """One run of a configuration: its best value and its trace, or the ``error`` that it ended with."""
+
+    fun: float = np.inf
+    evaluations: int = 0
+    seconds: float = 0.0
+    trace: Trace = NO_TRACE
+    error: str = ""
+
+
+@dataclass(frozen=True)
 class Best:
     """The best configuration of an optimizer: its options, none where no configuration was better than the defaults."""
 
@@ -117,12 +132,11 @@ def tune(
         BenchError: where optuna is missing, or the journal is that of another tuning or cannot be written.
     """
     optuna = require("optuna", "optuna", "tuning needs")
-    budgets = {name: evaluations(setting.budget, problem.dimension) for name, problem in problems.items()}
     found = []
     with _quiet(optuna), Crew(n_jobs, ready) as crew:
         storage = _storage(optuna, journal)
         for place, (name, own) in enumerate(axes.items()):
-            search = _Search(optuna, storage, name, own, setting, budgets, crew)
+            search = _Search(optuna, storage, name, own, setting, problems, crew)
             for number in range(search.done, setting.trials):
                 on_progress(
                     f"{name}: configuration {number + 1}", place * setting.trials + number, len(axes) * setting.trials
@@ -133,32 +147,31 @@ def tune(
 
 
 class _Search:
-    """The tuning of one optimizer: an optuna study, whose finished trials are the configurations so far."""
+    """The tuning of one optimizer: an optuna study, whose finished trials are the configurations so far.
+
+    Only optuna's own attribute of a study, its storage, can end the trials that a killed tuning left unfinished.
+    """
 
     def __init__(
-        self, optuna: Any, storage: Any, name: str, axes: list[Axis], setting: Setting, budgets: Mapping[str, int],
-        crew: Crew,
+        self, optuna: Any, storage: Any, name: str, axes: list[Axis], setting: Setting,
+        problems: Mapping[str, Problem], crew: Crew,
     ) -> None:  # fmt: skip
-        self.optuna, self.name, self.axes, self.setting, self.budgets, self.crew = (
-            optuna,
-            name,
-            axes,
-            setting,
-            budgets,
-            crew,
-        )
+        self.optuna, self.name, self.axes, self.setting, self.crew = optuna, name, axes, setting, crew
+        self.budgets = {label: evaluations(setting.budget, each.dimension) for label, each in problems.items()}
+        self.optima = {label: float(each.optimum) for label, each in problems.items() if each.optimum is not None}
         pruner = optuna.pruners.WilcoxonPruner()
         self.study = optuna.create_study(storage=storage, study_name=name, load_if_exists=True, pruner=pruner)
         same = {
-            "objective": setting.objective, "runs": setting.runs, "budget": setting.budget, "seed": setting.seed,
-            "train": list(setting.train), "fixed": {key: option(each) for key, each in setting.fixed.items()},
+            "objective": setting.objective, "number of runs": setting.runs, "budget": setting.budget,
+            "seed": setting.seed, "training set": list(setting.train),
+            "fixed parameter": {key: option(each) for key, each in setting.fixed.items()},
             "space": [str(axis) for axis in axes],
         }  # fmt: skip
         noted = self.study.user_attrs.get("setting", same)
         if noted != same:
             changed = next(key for key in same if noted.get(key) != same[key])
             raise BenchError(
-                f"the tuning of {name!r} was begun with another {changed}; give the same again, or another --output"
+                f"the tuning of {name!r} was begun with another {changed}; repeat that one, or give another --output"
             )
         self.study.set_user_attr("setting", same)
         for trial in self.study.get_trials(deepcopy=False):  # of a killed tuning
@@ -208,17 +221,18 @@ class _Search:
 
     def _judge(self, trial: Any, runs: Mapping[str, list[Future[Any]]]) -> None:
         """Wait for the runs, problem by problem, and stop or score the configuration."""
-        spent, seconds, failed, scores = 0, 0.0, 0, []
+        spent, seconds, failed = 0, 0.0, 0
+        scores: list[float] = []
         stopped = False
-        for step, futures in enumerate(runs.values()):
+        for step, (problem, futures) in enumerate(runs.items()):
             own = [_outcome(each) for each in futures]
-            spent += sum(each["evaluations"] for each in own)
-            seconds += sum(each["seconds"] for each in own)
-            errors = [each["error"] for each in own if each["error"]]
+            spent += sum(run.evaluations for run in own)
+            seconds += sum(run.seconds for run in own)
+            errors = [run.error for run in own if run.error]
             failed += len(errors)
             if errors:
                 trial.set_user_attr("error", errors[0])
-            scores.append(score(own, self.setting.objective))
+            scores.append(score(own, self.setting.objective, self.optima[problem], self.budgets[problem]))
             trial.report(scores[-1], step)
             if step + 1 < len(runs) and trial.should_prune():
                 stopped = True
@@ -261,11 +275,15 @@ class _Search:
         return {name: round(float(each), 4) for name, each in found.items()}
 
 
-def score(runs: Sequence[Mapping[str, Any]], objective: str) -> float:
+def score(runs: Sequence[Run], objective: str, optimum: float, budget: int) -> float:
     """Return the score of a configuration's runs on one problem; lower is better, and a failed run is the worst."""
-    if objective == "aocc":
-        return 1 - float(np.mean([each["aocc"] for each in runs]))
-    return float(np.log10(np.clip(np.median([each["precision"] for each in runs]), LEAST, MOST)))
+    if objective == "regret":
+        regrets = [MOST if run.error else run.fun - optimum for run in runs]
+        return float(np.log10(np.clip(np.median(regrets), LEAST, MOST)))
+    status = ["failed" if run.error else "ok" for run in runs]
+    frame = pd.DataFrame({"problem": "p", "optimizer": "o", "trial": range(len(runs)), "status": status})
+    traces = {("p", "o", number): run.trace for number, run in enumerate(runs)}
+    return 1 - float(aocc(frame, traces, {"p": optimum}, budget)["aocc"].iloc[0])
 
 
 def method(optuna: Any) -> str:
@@ -273,18 +291,18 @@ def method(optuna: Any) -> str:
     return f"optuna {optuna.__version__}, TPESampler and WilcoxonPruner"
 
 
-def _outcome(future: Future[Any]) -> dict[str, Any]:
-    """Return what a run found, or the worst there is, with the reason."""
-    worst = {"precision": MOST, "aocc": 0.0, "evaluations": 0, "seconds": 0.0}
+def _outcome(future: Future[Any]) -> Run:
+    """Return what a run found, or why it failed."""
     limits = (TimeExceededError, MemoryExceededError, PrintedTooMuchError)
     try:
         answer = future.result()
-        found = {key: type(usual)(answer[key]) for key, usual in worst.items()}
-        return found | {"error": "" if np.isfinite(list(found.values())).all() else "its result is not finite"}
+        trace = Trace(np.array(answer["at"], dtype=np.int64), np.array(answer["values"], dtype=np.float64))
+        run = Run(float(answer["fun"]), int(answer["evaluations"]), float(answer["seconds"]), trace)
+        return run if np.isfinite(run.fun) else replace(run, error="it found no finite value")
     except (RemoteError, DiedError, LostError, *limits) as error:
-        return worst | {"error": printable(describe_error(error), 500)}
+        return Run(error=printable(describe_error(error), 500))
     except (TypeError, ValueError, KeyError):
-        return worst | {"error": "its process gave an answer that is no result of a run"}
+        return Run(error="its process gave an answer that is no result of a run")
 
 
 def _storage(optuna: Any, journal: Path) -> Any:

@@ -17,11 +17,25 @@ from bench.report.sections import (
     power,
     suite,
     time,
+    tuning,
     verdict,
 )
 
 OPENING = (verdict, beside, suite, dominance, integrity, comparison)
 """The parts before the plug-ins' sections."""
 
-CLOSING = (components, across, equivalence, landscape, anytime, best, datasets, time, power, methods, environment)
+CLOSING = (
+    tuning,
+    components,
+    across,
+    equivalence,
+    landscape,
+    anytime,
+    best,
+    datasets,
+    time,
+    power,
+    methods,
+    environment,
+)
 """The parts after them; the list of downloads ends the page."""

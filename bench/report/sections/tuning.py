@@ -1,0 +1,223 @@
+"""What tuning gained: what was tuned, on what, at what cost, and how it does on the problems of the study."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pandas as pd
+
+from bench.analysis.pairwise import ALPHA
+from bench.budget import described
+from bench.plots import style
+from bench.plots.tuning import sensitivity
+from bench.report.findings import Findings
+from bench.report.parts import Figure, Part, Section, Table
+from bench.report.wording import MISSING, cell_text, count, listing, p_text, seconds
+from bench.text import option
+from bench.tuned import AUTOMATIC, Tuned, Tuning
+
+TITLE = "What tuning gained"
+PANELS = 12  # of the figure
+OBJECTIVES = {
+    "aocc": "one less the area over the convergence curve",
+    "regret": "the logarithm of the median regret",
+}
+INSTANCE = re.compile(r"-i[0-9]+$")
+
+
+def section(findings: Findings) -> Section | None:
+    """Return what tuning gained; None where the optimizers were not tuned by this harness."""
+    tuning = findings.study.tuning
+    known = [each for each in tuning.optimizers if each.default in findings.optimizers] if tuning else []
+    if tuning is None or not known:
+        return None
+    gains = {each.name: _gain(findings, each) for each in known if each.tuned in findings.optimizers}
+    text = [_what(tuning, known), _cost(known), *(_gained(findings, each, gains.get(each.name)) for each in known)]
+    items: list[Part] = [_results(known, gains), _parameters(known)]
+    if panels := _panels(known):
+        items.append(_figure(panels))
+    return Section(TITLE, tuple(text), tuple(items), tuple(_warnings(findings, tuning, known)))
+
+
+def _what(tuning: Tuning, known: list[Tuned]) -> str:
+    apart = f", all but the group {tuning.left_out!r}" if tuning.left_out else ""
+    score = OBJECTIVES.get(tuning.objective, tuning.objective)
+    return (
+        f"{listing([each.name for each in known])} {'was' if len(known) == 1 else 'were'} tuned by {tuning.method}: "
+        f"{count(tuning.trials, 'configuration')}{' each' if len(known) > 1 else ''}, the defaults first, with "
+        f"{count(tuning.runs, 'run')} of {described(tuning.budget)} on each of "
+        f"{count(len(tuning.train), 'training problem')}{apart}. The score is {score}, the mean over the training "
+        "problems; lower is better."
+    )
+
+
+def _cost(known: list[Tuned]) -> str:
+    spent, time = sum(each.evaluations for each in known), sum(each.seconds for each in known)
+    stopped = sum(each.whole.count(False) for each in known)
+    tried = sum(len(each.scores) for each in known)
+    failed = sum(each.failed for each in known)
+    lost = f" {count(failed, 'run')} failed and scored worst." if failed else ""
+    return (
+        f"The tuning cost {count(spent, 'evaluation')} and {seconds(time)} of runs; {stopped:,} of "
+        f"{count(tried, 'configuration')} were stopped early.{lost}"
+    )
+
+
+def _gain(findings: Findings, own: Tuned) -> dict[str, Any]:
+    """Return how the tuned parameters compare with the defaults, over the problems on which both have trials."""
+    pairs = findings.pairs
+    mine = pairs[pairs["first"].isin([own.default, own.tuned]) & pairs["second"].isin([own.default, own.tuned])]
+    chance = mine["a12"].where(mine["first"].astype(object) == own.tuned, 1 - mine["a12"])
+    clear = mine[mine["p_holm"] <= ALPHA]
+    tests = findings.wilcoxon
+    across = tests[tests["first"].isin([own.default, own.tuned]) & tests["second"].isin([own.default, own.tuned])]
+    return {
+        "problems": len(mine), "chance": float(chance.mean()) if len(mine) else float("nan"),
+        "lower": int((clear["lower"] == own.tuned).sum()), "higher": int((clear["lower"] == own.default).sum()),
+        "testable": bool(mine["testable"].any()), "across": next(iter(across.to_dict("records")), None),
+    }  # fmt: skip
+
+
+def _gained(findings: Findings, own: Tuned, gain: dict[str, Any] | None) -> str:
+    """Return what the tuning of one optimizer gained, as far as trials and problems allow a statement."""
+    if own.tuned == own.default:
+        return f"{own.name}: no configuration scored better than the defaults, so nothing was gained."
+    if gain is None or not gain["problems"]:
+        return f"{own.name}: no problem has trials of both the defaults and the tuned parameters."
+    problems = count(gain["problems"], "problem")
+    mean = "" if gain["problems"] == 1 else f", in the mean over {problems}"
+    sentence = (
+        f"{own.name}: the chance that a trial with the tuned parameters ends lower than one with the defaults is "
+        f"{gain['chance']:.2f}{mean} (0.5: no gain). "
+    )
+    if not gain["testable"]:
+        return sentence + f"{findings.trials[1]:,} trials are too few to show a difference on a problem."
+    sentence += (
+        f"The tuned parameters are separably lower on {gain['lower']:,} and separably higher on {gain['higher']:,} of "
+        f"{problems}."
+    )
+    across = gain["across"]
+    if gain["problems"] == 1 or across is None:
+        return f"{sentence} One problem says nothing of others."
+    if across["note"] in ("untestable", "identical"):
+        return f"{sentence} Across problems no difference can be shown."
+    shown = across["p_holm"] <= ALPHA
+    better = "the tuned parameters are lower" if across["lower"] == own.tuned else "the defaults are lower"
+    verdict = f"{better} on most" if shown else "no difference is shown"
+    return f"{sentence} Across problems, {verdict} (Wilcoxon’s test, {p_text(across['p_holm'])}, adjusted)."
+
+
+def _warnings(findings: Findings, tuning: Tuning, known: list[Tuned]) -> list[str]:
+    found = []
+    named = {label for each in known for label in (each.default, each.tuned)}
+    others = [label for label in findings.optimizers if label not in named]
+    if others:
+        plural = len(others) > 1
+        found.append(
+            f"{listing(others)} {'were' if plural else 'was'} not tuned. A tuned optimizer that ends lower than "
+            f"{'these' if plural else 'this one'} may owe it to the tuning; compare defaults with defaults."
+        )
+    study = findings.results.study
+    if study.budget != tuning.budget:
+        found.append(
+            f"The trials here had {described(study.budget)}, the tuning {described(tuning.budget)}; the best "
+            "parameters depend on the budget."
+        )
+    names = {entry.name for entry in study.problems}
+    if both := names & set(tuning.train):  # of another folder in the same report
+        found.append(f"{count(len(both), 'problem')} of this report, such as {min(both)}, were trained on.")
+    tested = {INSTANCE.sub("", name) for name in names - set(tuning.train)}
+    if shared := tested & {INSTANCE.sub("", name) for name in tuning.train}:
+        found.append(
+            f"Training and test problems are different instances of {count(len(shared), 'common function')}: a gain "
+            "there holds for other instances, and not for other functions."
+        )
+    return found
+
+
+def _results(known: list[Tuned], gains: dict[str, dict[str, Any]]) -> Table:
+    rows = []
+    for each in known:
+        gain = gains.get(each.name, {})
+        rows.append(
+            {
+                "optimizer": each.name, "tried": len(each.scores), "stopped early": each.whole.count(False),
+                "failed runs": each.failed, "evaluations": each.evaluations, "seconds": each.seconds,
+                "score of the defaults": each.scores[0], "best score": each.best,
+                "chance to end lower": gain.get("chance", float("nan")),
+                "lower on": gain.get("lower", MISSING), "higher on": gain.get("higher", MISSING),
+            }
+        )  # fmt: skip
+    return Table(
+        "tuning",
+        "What the tuning cost, what it gained on the training problems, and what on the problems of this report.",
+        pd.DataFrame(rows),
+        decimals={"chance to end lower": 2, "seconds": 1},
+        note="Scores are of training problems, where the best of many is too good by chance; the last three "
+        f"columns are of the problems of this report. Chance: {MISSING} where the defaults were best.",
+    )
+
+
+def _parameters(known: list[Tuned]) -> Table:
+    rows = []
+    for each in known:
+        best = each.scores.index(each.best) if each.tuned != each.default else 0
+        for name, tried in each.parameters.items():
+            choices = tried.get("choices")
+            span = " | ".join(map(_value, choices)) if choices else f"{tried['low']:g} to {tried['high']:g}"
+            rows.append(
+                {
+                    "optimizer": each.name, "parameter": name, "tried": span + (" (log)" if tried.get("log") else ""),
+                    "default": _value(each.values[name][0]), "tuned": _value(each.values[name][best]),
+                    "importance": each.importance.get(name, float("nan")),
+                }
+            )  # fmt: skip
+    return Table(
+        "tuned-parameters",
+        "The parameters that were tuned: what was tried, the default, and the value of the best configuration.",
+        pd.DataFrame(rows),
+        decimals={"importance": 2},
+        note="Importance: the share of a parameter in what separates the better configurations from the others "
+        f"(PED-ANOVA), from ten whole configurations on; {MISSING}: not known.",
+    )
+
+
+def _value(value: Any) -> str:
+    return "automatic" if value == AUTOMATIC else cell_text(value) if isinstance(value, float) else option(value)
+
+
+def _panels(known: list[Tuned]) -> list[tuple[Tuned, str, pd.DataFrame]]:
+    """Return optimizer, parameter and the whole configurations of each panel, the important parameters first."""
+    panels = []
+    for each in known:
+        table = pd.DataFrame({"score": each.scores, "kind": ""})
+        table.loc[each.scores.index(each.best), "kind"] = "best"
+        table.loc[0, "kind"] = "default"
+        for name in sorted(each.parameters, key=lambda name: -each.importance.get(name, 0.0)):
+            own = table.assign(value=pd.Series(each.values[name], dtype=object))[each.whole]
+            if len(own) > 2:
+                panels.append((each, name, own))
+    return panels
+
+
+def _figure(panels: list[tuple[Tuned, str, pd.DataFrame]]) -> Figure:
+    shown = panels[:PANELS]
+    width = style.TEXT if len(shown) > 2 else 0.7 + 2.4 * len(shown)
+    figure, axes = style.grid(
+        len(shown), width=width, height=1.4, left=0.6, across=0.45, down=0.55, top=0.25, bottom=0.35
+    )
+    for number, (ax, (own, name, table)) in enumerate(zip(axes, shown, strict=True)):
+        tried = own.parameters[name]
+        sensitivity(table, tried.get("choices", ()), bool(tried.get("log")), ax=ax)
+        ax.set_title(style.plain(f"{own.name}: {name}"))
+        if number % 3 == 0:
+            ax.set_ylabel("score")
+    more = f" The first {PANELS} of {len(panels)} parameters." if len(panels) > PANELS else ""
+    caption = (
+        "The score of each configuration that ran on all training problems, over the values of each parameter; lower "
+        f"is better. Square: the defaults, where they have a value; diamond: the best.{more}"
+    )
+    parts = [table.assign(optimizer=own.name, parameter=name) for own, name, table in panels]
+    data = pd.concat(parts, ignore_index=True)[["optimizer", "parameter", "value", "score", "kind"]]
+    return Figure("tuning-sensitivity", caption, figure, data)

@@ -1,0 +1,66 @@
+"""The record of a tuning in a study: it survives its TOML, changes no identity, and keeps training problems away."""
+
+import copy
+
+import pytest
+
+from bench import BenchError, Study
+
+RECORD = {
+    "objective": "aocc", "trials": 3, "runs": 2, "budget": "10 * d", "seed": 4, "train": ["sphere-3"], "left_out": "",
+    "method": "optuna 1", "optimizers": [
+        {
+            "name": "scatter", "default": "scatter", "tuned": "scatter-tuned", "failed": 0, "evaluations": 50,
+            "seconds": 0.5, "parameters": {"agents": {"low": 5, "high": 50, "log": True}},
+            "values": {"agents": [10, 7, 5]}, "scores": [0.5, 0.4, 0.6], "problems": [1, 1, 1], "importance": {},
+        },
+    ],
+}  # fmt: skip
+STUDY = {"name": "s", "problems": [{"name": "sphere-2"}], "optimizers": [{"name": "scatter"}]}
+
+
+def study(record=None, **changes):
+    return Study.from_dict(STUDY | {"tuning": RECORD if record is None else record} | changes)
+
+
+def test_a_record_survives_the_toml_and_is_no_part_of_the_identity(tmp_path):
+    given = study()
+    (tmp_path / "s.toml").write_text(given.to_toml())
+    assert Study.load(tmp_path / "s.toml") == given
+    assert given.identity() == Study.from_dict(STUDY).identity()
+    assert given.tuning.optimizers[0].best == 0.4
+    assert "tuning" not in Study.from_dict(STUDY).to_toml()
+
+
+def test_stopped_configurations_are_not_the_best():
+    record = copy.deepcopy(RECORD)
+    record["optimizers"][0] |= {"problems": [3, 1, 3]}
+    (own,) = study(record).tuning.optimizers
+    assert own.whole == [True, False, True]
+    assert own.best == 0.5
+
+
+def test_a_problem_that_was_trained_on_is_refused_from_the_file_and_from_the_command():
+    with pytest.raises(BenchError, match="study given: the optimizers were tuned on 'sphere-3', so it cannot be a"):
+        study(problems=[{"names": ["sphere-2", "sphere-3"]}])
+    with pytest.raises(BenchError, match="study 's': the optimizers were tuned on 'sphere-3'"):
+        study().beside(problems=["sphere-3"])
+    assert len(study().beside(optimizers=["early"]).optimizers) == 2
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"trains": []}, "unknown key 'trains'; did you mean 'train'?"),
+        ({"seed": "x"}, "'seed' is missing or of another kind"),
+        ({"optimizers": [3]}, "optimizers must be the table that 'bench tune' wrote, not 3"),
+        (
+            {"optimizers": [RECORD["optimizers"][0] | {"scores": [1.0]}]},
+            "the lists of 'scatter' have different lengths",
+        ),
+    ],
+)
+def test_a_record_that_no_tuning_wrote_costs_one_sentence(change, said):
+    with pytest.raises(BenchError) as caught:
+        study(RECORD | change)
+    assert said in str(caught.value)
