@@ -53,6 +53,7 @@ def tune(
     from bench.errors import require
     from bench.numbers import require_positive, require_whole
     from bench.plugins import loading
+    from bench.report.wording import count
     from bench.tuning import study as studies
     from bench.tuning.tune import OBJECTIVES, Setting, method, spaces
     from bench.tuning.tune import tune as tune_all
@@ -80,8 +81,8 @@ def tune(
     words = OBJECTIVES[objective]
     for name, own in axes.items():
         print_line(f"{name}: {'; '.join(map(str, own))}", console=console)
-    cost = f"{trials} configurations of each optimizer, {runs} runs on each of {len(training)} training problems"
-    print_line(cost, console=console)
+    size = f"{count(trials, 'configuration')} of each optimizer, {count(runs, 'run')} on each of "
+    print_line(f"{size}{count(len(training), 'training problem')}", console=console)
     with steps(console, "tune") as on_progress:
         found = tune_all(axes, problems, setting, output.with_suffix(".journal"), jobs, on_progress)
     about = {"left_out": leave_out or "", "method": method(optuna)}

@@ -66,7 +66,7 @@ def _cost(known: list[Tuned]) -> str:
 
 def _gain(findings: Findings, own: Tuned) -> dict[str, Any]:
     """Return how the tuned parameters compare with the defaults, over the problems on which both have trials."""
-    pairs = findings.pairs
+    pairs = findings.pairs.dropna(subset="a12")  # it is missing where a cell has no trial
     mine = pairs[pairs["first"].isin([own.default, own.tuned]) & pairs["second"].isin([own.default, own.tuned])]
     chance = mine["a12"].where(mine["first"].astype(object) == own.tuned, 1 - mine["a12"])
     clear = mine[mine["p_holm"] <= ALPHA]

@@ -26,6 +26,7 @@ from bench.report.methods import (
 )
 from bench.report.target_words import target_words
 from bench.study import Entry, Study
+from bench.tuned import Tuned, Tuning
 
 ENVIRONMENT = {
     "python": "3.11.7", "packages": {"backlash-bench": "0.1.0", "numpy": "2.4.6", "scipy": "1.17.1", "pandas": "3.1"},
@@ -52,6 +53,11 @@ def full(**changes):
     return replace(facts, **changes)
 
 
+TUNING = Tuning("aocc", 20, 3, "100 * d", 0, ["r", "s"], "", "optuna 5, TPESampler and WilcoxonPruner", (
+    Tuned("gwo", "gwo", "gwo-tuned", {}, {}, [0.5], [2], 0, 9_000, 1.0),
+))  # fmt: skip
+
+
 def said(facts):
     return "\n".join(methods(facts).text)
 
@@ -72,7 +78,7 @@ class TestMethods:
             assert work.kind != "article" or "pages = " in work.fields
         fields_own = replace(full(), target_set=target_words("precisions"), aocc=2, best2009=2)
         many = replace(full(), study=study([f"o{place}" for place in range(33)]))
-        swept = replace(full(), sweeps=1)
+        swept = replace(full(), sweeps=1, tuning=TUNING)
         known = [cited(methods(facts)) for facts in (full(), fields_own, many, swept)]
         assert library().keys() <= set.union(*known)
 
@@ -101,6 +107,17 @@ class TestMethods:
         assert sentence in text
         assert (", with simulated restarts" in text) == (chosen != "relative")
         assert "The area over the convergence curve (van Stein et al., 2024) is given on 2 problems with a" in text
+
+    def test_sweeps_and_tuning_are_told_where_there_are_any(self):
+        text = said(full(sweeps=2, tuning=TUNING))
+        assert "Of 2 sweeps over parameters we report main effects and interactions by functional ANOVA" in text
+        assert "We tuned gwo at the same budget each, as guidelines ask (Bartz-Beielstein et al., 2020; LaTorre" in text
+        assert (
+            "20 configurations, the defaults first, 3 runs of 100 d evaluations on each of 2 training problems" in text
+        )
+        assert "for the area over the convergence curve (van Stein et al., 2024); this took 9,000 evaluations." in text
+        assert "for the mean logarithm of the median regret" in said(full(tuning=replace(TUNING, objective="regret")))
+        assert "tuned" not in said(full())
 
     def test_the_run_is_told(self):
         text = said(full())

@@ -1,0 +1,56 @@
+"""The command tune, from the training to the report of the study that it writes."""
+
+import tomllib
+
+import pytest
+
+TRAIN = ("--train", "sphere-3", "--test", "sphere-2")
+
+
+def test_it_writes_a_study_that_runs_and_reports_what_tuning_gained(bench_here, tmp_path):
+    command = ("tune", "scatter", *TRAIN, "--trials", "4", "--runs", "1", "--budget", "60", "--jobs", "1")
+    first = bench_here(*command, cwd=tmp_path)
+    assert first.returncode == 0, first.stderr
+    assert "scatter: agents 5 to 60 (log)" in first.stdout
+    assert "4 configurations of each optimizer, 1 run on each of 1 training problem" in first.stdout
+    assert "study: tuned.toml; test it with: bench run tuned.toml" in first.stdout
+    written = (tmp_path / "tuned.toml").read_text()
+    assert bench_here(*command, cwd=tmp_path).returncode == 0
+    assert (tmp_path / "tuned.toml").read_text() == written
+    done = bench_here("run", "tuned.toml", "--trials", "6", "--jobs", "1", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    frozen = tomllib.loads((tmp_path / "results/runs/tuned/study.toml").read_text())
+    assert frozen["tuning"] == tomllib.loads(written)["tuning"]
+    page = (tmp_path / "results/runs/tuned/report.html").read_text()
+    assert "What tuning gained" in page
+    assert "Akiba et al., 2019" in page
+    refused = bench_here("run", "tuned.toml", "--problem", "sphere-3", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert "were tuned on 'sphere-3', so it cannot be a test problem" in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (("scatter", "--train", "sphere-2", "--test", "sphere-[23]"), "'sphere-2' is a training and a test problem"),
+        (("scatter", *TRAIN, "--trials", "0"), "--trials must be a whole number of at least 1, not 0"),
+        (("scatter", *TRAIN, "--runs", "0"), "--runs must be a whole number of at least 1, not 0"),
+        (("scatter", *TRAIN, "--jobs", "0"), "--jobs must be a whole number of at least 1, or -1 for every core"),
+        (("scatter", *TRAIN, "--timeout", "0"), "--timeout must be a positive number of seconds"),
+        (("scatter", *TRAIN, "--objective", "mean"), "--objective must be aocc or regret, not 'mean'"),
+        (("scatter", *TRAIN, "--budget", "5"), "a budget of 5 evaluations is below one generation of 'scatter'"),
+        (("scatter", *TRAIN, "--output", "mine.txt"), "must end with .toml"),
+        (("scatter", *TRAIN, "--output", "own.toml"), "is no study that 'bench tune' wrote; give another --output"),
+        (("hill-climber", *TRAIN), "'hill-climber' has no parameter to tune"),
+        (("scater", *TRAIN), "unknown optimizer 'scater'; did you mean 'scatter'?"),
+        (("scatter", *TRAIN, "--set", "wings=2"), "has no parameter 'wings'"),
+    ],
+)
+def test_bad_input_costs_one_sentence(bench_here, tmp_path, arguments, reason):
+    own = 'name = "own"\nproblems = [{name = "sphere-2"}]\noptimizers = [{name = "scatter"}]\n'
+    (tmp_path / "own.toml").write_text(own)
+    done = bench_here("tune", *arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert reason in done.stderr
+    assert (tmp_path / "own.toml").read_text() == own
+    assert not (tmp_path / "tuned.toml").exists()
