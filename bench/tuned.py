@@ -10,6 +10,7 @@ from typing import Any
 from bench.budget import Budget
 from bench.budget import checked as checked_budget
 from bench.errors import BenchError, nearest
+from bench.numbers import is_finite
 
 AUTOMATIC = "null"
 """The text of a value that the optimizer chooses by itself, as :func:`bench.text.option` writes None."""
@@ -103,13 +104,29 @@ def checked(given: Any, what: str) -> Tuning:
     own = _typed(Tuning, given, what)
     entries = own.pop("optimizers")
     tuned = tuple(Tuned(**_typed(Tuned, each, f"{what}, optimizers")) for each in entries)
+    if not all(isinstance(name, str) for name in own["train"]):
+        raise BenchError(f"{what}: 'train' must hold names of problems; restore what 'bench tune' wrote")
     for each in tuned:
+        if not _is_readable(each):
+            raise BenchError(f"{what}: the entry of {each.name!r} is damaged; restore what 'bench tune' wrote")
         lengths = {len(each.scores), len(each.problems), *map(len, each.values.values())}
         if len(lengths) > 1 or not each.scores:
             raise BenchError(
                 f"{what}: the lists of {each.name!r} have different lengths; restore what 'bench tune' wrote"
             )
     return Tuning(**own | {"budget": checked_budget(own["budget"], f"{what}, 'budget'")}, optimizers=tuned)
+
+
+def _is_readable(tuned: Tuned) -> bool:
+    """Return whether a report can show the numbers and the parameters of a record."""
+    numbers = [*tuned.scores, *tuned.problems, *tuned.importance.values(), tuned.seconds]
+    axes = all(
+        isinstance(each, dict)
+        and (isinstance(each.get("choices"), list) or all(is_finite(each.get(end)) for end in ("low", "high")))
+        for each in tuned.parameters.values()
+    )
+    lists = all(isinstance(each, list) for each in tuned.values.values())
+    return all(map(is_finite, numbers)) and axes and lists and tuned.values.keys() == tuned.parameters.keys()
 
 
 _KINDS: dict[str, type | tuple[type, ...]] = {

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import signal
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 
-from bench.cli.console import Jobs, Parameters, duration, pairs, print_line
+from bench.cli.console import Jobs, Parameters, duration, pairs, print_error, print_line
 from bench.errors import BenchError
 from bench.text import option
 
@@ -83,8 +85,13 @@ def tune(
         print_line(f"{name}: {'; '.join(map(str, own))}", console=console)
     size = f"{count(trials, 'configuration')} of each optimizer, {count(runs, 'run')} on each of "
     print_line(f"{size}{count(len(training), 'training problem')}", console=console)
-    with steps(console, "tune") as on_progress:
-        found = tune_all(axes, problems, setting, output.with_suffix(".journal"), jobs, on_progress)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a tuning like Ctrl-C, and its processes
+    try:
+        with steps(console, "tune") as on_progress:
+            found = tune_all(axes, problems, setting, output.with_suffix(".journal"), jobs, on_progress)
+    except KeyboardInterrupt:
+        print_error("interrupted; every finished configuration is kept: run the same command again to continue")
+        sys.exit(130)
     about = {"left_out": leave_out or "", "method": method(optuna)}
     written = studies.tuned(output.stem, testing, found, setting, **about)
     with replacing(output) as temporary:

@@ -53,6 +53,12 @@ def test_a_problem_that_was_trained_on_is_refused_from_the_file_and_from_the_com
     [
         ({"trains": []}, "unknown key 'trains'; did you mean 'train'?"),
         ({"seed": "x"}, "'seed' is missing or of another kind"),
+        ({"train": [3]}, "'train' must hold names of problems"),
+        (
+            {"optimizers": [RECORD["optimizers"][0] | {"parameters": {"agents": 3}}]},
+            "the entry of 'scatter' is damaged",
+        ),
+        ({"optimizers": [RECORD["optimizers"][0] | {"scores": [0.5, 1.0, float("nan")]}]}, "is damaged"),
         ({"optimizers": [3]}, "optimizers must be the table that 'bench tune' wrote, not 3"),
         (
             {"optimizers": [RECORD["optimizers"][0] | {"scores": [1.0]}]},

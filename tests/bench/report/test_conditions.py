@@ -1,6 +1,7 @@
 """What differs between optimizers besides their algorithms: read from plug-ins and study, for any of them."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -9,6 +10,7 @@ from bench.execution.descriptions import Description, describe
 from bench.report.conditions import conditions_table, sentences
 from bench.report.findings import Findings
 from bench.report.sections import methods, verdict
+from bench.tuned import Tuning
 
 
 def study(*optimizers):
@@ -30,6 +32,14 @@ def test_the_thesis_s_study_differs_in_handling_and_start():
     assert "start is midpoint for cma-es and random for the 4 others" in differing
     assert "agents" not in differing
     assert "agents = 300 for all; handling = box for cma-es; start = midpoint for cma-es" in changed
+
+
+def test_a_study_that_was_tuned_points_to_its_tuning():
+    own = study({"name": "gwo", "label": "gwo-tuned", "agents": 9})
+    record = Tuning("aocc", 1, 1, 100, 0, ["sphere"], "", "optuna", ())
+    for tuning, words in ((record, "on other problems, is stated below"), (None, "on these problems is not recorded")):
+        (changed,) = [each for each in sentences(replace(own, tuning=tuning), describe(own)) if "agents = 9" in each]
+        assert words in changed
 
 
 def test_the_equal_study_differs_in_its_populations_alone():

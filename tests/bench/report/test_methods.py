@@ -54,7 +54,7 @@ def full(**changes):
 
 
 TUNING = Tuning("aocc", 20, 3, "100 * d", 0, ["r", "s"], "", "optuna 5, TPESampler and WilcoxonPruner", (
-    Tuned("gwo", "gwo", "gwo-tuned", {}, {}, [0.5], [2], 0, 9_000, 1.0),
+    Tuned("gwo", "gwo", "gwo-tuned", {}, {}, [0.5], [2], 0, 9_000, 1.0, {"agents": 1.0}),
 ))  # fmt: skip
 
 
@@ -117,6 +117,7 @@ class TestMethods:
         )
         assert "for the area over the convergence curve (van Stein et al., 2024); this took 9,000 evaluations." in text
         assert "for the mean logarithm of the median regret" in said(full(tuning=replace(TUNING, objective="regret")))
+        assert "that of PED-ANOVA (Watanabe et al., 2023)." in text
         assert "tuned" not in said(full())
 
     def test_the_run_is_told(self):

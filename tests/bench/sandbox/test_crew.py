@@ -12,7 +12,7 @@ import psutil
 import pytest
 
 from bench.sandbox.crew import Crew
-from bench.sandbox.process import DiedError, PrintedTooMuchError, RemoteError
+from bench.sandbox.process import DiedError, PrintedTooMuchError, RemoteError, TimeExceededError
 
 LONG = 60.0  # seconds; ends a test that hangs, and decides nothing else
 
@@ -90,3 +90,11 @@ def test_an_interrupt_ends_it_at_once_without_a_word_from_its_processes():
     assert printed[1].count("Traceback") == 1  # the parent's own
     assert printed[1].endswith("KeyboardInterrupt\n")
     assert not any(running(each.pid) for each in others)
+
+
+def test_a_call_that_takes_too_long_is_ended_and_costs_no_other():
+    with Crew(1, os.getpid) as crew:
+        slow, next_one = crew.submit(0, time.sleep, 600, seconds=0.2), crew.submit(0, os.getpid)
+        with pytest.raises(TimeExceededError):
+            slow.result(LONG)
+        assert next_one.result(LONG) != os.getpid()
