@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from filelock import FileLock, Timeout
 
 from bench.analysis.finished_trials import NO_TRACE
 from bench.analysis.target_sets import aocc
@@ -133,7 +134,7 @@ def tune(
     """
     optuna = require("optuna", "optuna", "tuning needs")
     found = []
-    with _quiet(optuna), Crew(n_jobs, ready) as crew:
+    with _alone(journal), _quiet(optuna), Crew(n_jobs, ready) as crew:
         storage = _storage(optuna, journal)
         for place, (name, own) in enumerate(axes.items()):
             search = _Search(optuna, storage, name, own, setting, problems, crew)
@@ -314,6 +315,24 @@ def _storage(optuna: Any, journal: Path) -> Any:
         raise BenchError(f"the journal {journal} cannot be written: {error.strerror}") from error
     except (ValueError, KeyError) as error:
         raise BenchError(f"the journal {journal} is damaged; remove it to begin again") from error
+
+
+@contextmanager
+def _alone(journal: Path) -> Iterator[None]:
+    """Keep other processes from continuing the same journal; the lock of a killed tuning ends with it."""
+    hold = FileLock(journal.with_name(f".{journal.name}.lock"), timeout=0)
+    try:
+        hold.acquire()
+    except Timeout as error:
+        raise BenchError(
+            f"another tuning is writing to {journal}; wait for its end or give another --output"
+        ) from error
+    except OSError as error:
+        raise BenchError(f"the journal {journal} cannot be written: {error.strerror}") from error
+    try:
+        yield
+    finally:
+        hold.release()
 
 
 @contextmanager

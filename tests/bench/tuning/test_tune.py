@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from filelock import FileLock
 
 from bench import BenchError, solve
 from bench.plugins import loading
@@ -84,6 +85,27 @@ def test_another_tuning_is_not_continued(tmp_path):
     (tmp_path / "t.journal").write_text("{]\n{]\n")
     with pytest.raises(BenchError, match="is damaged; remove it to begin again"):
         tuned(tmp_path)
+
+
+def test_two_tunings_do_not_share_a_journal(tmp_path):
+    with FileLock(tmp_path / ".t.journal.lock"), pytest.raises(BenchError, match="another tuning is writing to"):
+        tuned(tmp_path)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(BenchError, match="cannot be written"):
+        tuned(tmp_path / "file")
+
+
+def test_a_tuning_killed_before_its_first_run_begins_again(whole, tmp_path):
+    import optuna
+
+    file = str(tmp_path / "t.journal")
+    backend = optuna.storages.journal
+    storage = optuna.storages.JournalStorage(
+        backend.JournalFileBackend(file, lock_obj=backend.JournalFileOpenLock(file))
+    )
+    optuna.create_study(storage=storage, study_name="scatter").enqueue_trial({"agents": 10})
+    (again,) = tuned(tmp_path)
+    assert timeless(again) == timeless(whole)
 
 
 def test_failed_runs_score_worst_and_lose_nothing_else(tmp_path):

@@ -35,7 +35,7 @@ def test_shares_best_values_and_tests_are_stated(make, tmp_path):
     effects, shares, levels, each = found.items
     assert levels.frame["best on problems"].tolist() == [7, 0, 7, 0]
     assert levels.frame["p (Holm)"].tolist() == ["0.031"] * 4  # 2 / 2^7, twice
-    assert shares.data["share"].sum() == pytest.approx(1)
+    assert shares.data["share"].sum() == pytest.approx(1, abs=0.01)  # estimates below 0 are shown as 0
     assert each.frame.shape == (7, 4)
     assert set(effects.data["factor"]) == {"n", "h"}
 
