@@ -93,11 +93,10 @@ def _values(found: Contributions, tests: pd.DataFrame, problems: int) -> list[st
     for row in tests.to_dict("records"):
         name, best = row["factor"], row["best"]
         clear = row["p_holm"] <= ALPHA and not row["note"]
-        value = (
-            f"{best} has the highest mean chance ({row['chance']:.2f}; the lowest is {row['lowest']:.2f})"
-            if best
-            else "no value has the highest mean chance alone"
-        )
+        top, low = f"{row['chance']:.2f}", f"{row['lowest']:.2f}"
+        value = f"{best} has the highest mean chance ({top}; the lowest is {low})"
+        if not best or (top == low and not clear):
+            value = f"no value stands out, as the mean chance of each is {top}"
         if problems == 1:
             outcome = "this describes one problem only"
         elif clear:
@@ -206,7 +205,7 @@ def _levels(sweep: Sweep, found: Contributions, tests: pd.DataFrame) -> Table:
 def _effects(sweep: Sweep, found: Contributions) -> Table:
     shown = found.effects.pivot(index="problem", columns="component", values="share")
     components, problems = (list(dict.fromkeys(found.effects[name])) for name in ("component", "problem"))
-    shown = shown.reindex(index=problems, columns=components).clip(lower=0)
+    shown = shown.reindex(index=problems, columns=components).clip(0, 1)
     return Table(
         f"components-{sweep.name}",
         f"Shares of the variance among trials of {sweep.name}, problem by problem.",
