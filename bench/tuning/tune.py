@@ -148,10 +148,7 @@ def tune(
 
 
 class _Search:
-    """The tuning of one optimizer: an optuna study, whose finished trials are the configurations so far.
-
-    Only optuna's own attribute of a study, its storage, can end the trials that a killed tuning left unfinished.
-    """
+    """The tuning of one optimizer: an optuna study, whose finished trials are the configurations so far."""
 
     def __init__(
         self, optuna: Any, storage: Any, name: str, axes: list[Axis], setting: Setting,
@@ -175,9 +172,13 @@ class _Search:
                 f"the tuning of {name!r} was begun with another {changed}; repeat that one, or give another --output"
             )
         self.study.set_user_attr("setting", same)
-        for trial in self.study.get_trials(deepcopy=False):  # of a killed tuning
-            if not trial.state.is_finished():
-                self.study._storage.set_trial_state_values(trial._trial_id, optuna.trial.TrialState.FAIL)
+        states = optuna.trial.TrialState
+        for trial in self.study.get_trials(
+            deepcopy=False, states=(states.WAITING, states.RUNNING)
+        ):  # of a killed tuning
+            if trial.state == states.WAITING:
+                self.study.ask()  # it is running now, and can be ended
+            self.study.tell(trial.number, state=states.FAIL)
 
     @property
     def finished(self) -> list[Any]:
