@@ -18,11 +18,13 @@ import tomli_w
 
 from bench import budget as budgets
 from bench import constraints as handlings
+from bench import looks as declared
 from bench import rope as ropes
 from bench import targets as target_kinds
 from bench import tuned
 from bench.budget import Budget
 from bench.errors import BenchError, nearest
+from bench.looks import Looks
 from bench.numbers import require_whole
 from bench.optimizer import Optimizer
 from bench.plugins import loading, registry, selection
@@ -82,6 +84,8 @@ class Study:
             nothing is said of practical equality. It decides no trial's result.
         tuning: how the optimizers were tuned, and on which other problems (:mod:`bench.tuned`); None: by no tuning of
             this harness. It decides no trial's result.
+        looks: the numbers of trials at which a run compares the optimizers and stops cells that are decided
+            (:mod:`bench.analysis.looks`), the last of them ``trials``; empty: every cell gets all trials.
     """
 
     name: str
@@ -95,6 +99,7 @@ class Study:
     targets: Targets | None = None
     rope: Rope | None = None
     tuning: Tuning | None = None
+    looks: Looks = ()
 
     @classmethod
     def load(cls, source: str | os.PathLike[str]) -> Study:
@@ -121,6 +126,8 @@ class Study:
             if not isinstance(data.get(key, ""), str):
                 raise BenchError(f"study {where}: {key!r} must be a text, not {data[key]!r}")
         data = data | _checked(data, f"study {where}: ")
+        if "looks" in data:
+            data = {"trials": data["looks"][-1]} | data
         if not data.get("name"):
             raise BenchError(f'study {where} has no name; add a line such as name = "my-study"')
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}", data["name"]):
@@ -133,12 +140,29 @@ class Study:
         if not study.title.isprintable():
             raise BenchError(f"study {where}: the title holds a control character or a line break")
         study._require_apart(f"study {where}")
+        study.check_looks(f"study {where}: ")
         return study
 
     def override(self, **changes: Any) -> Study:
         """Return a copy with the given fields replaced; None leaves a field as it is."""
         given = {key: value for key, value in changes.items() if value is not None}
-        return dataclasses.replace(self, **given | _checked(given, ""))
+        study = dataclasses.replace(self, **given | _checked(given, ""))
+        study.check_looks()
+        return study
+
+    def check_looks(self, where: str = "") -> None:
+        """Raise BenchError where declared looks do not suit the trials, the optimizers or the problems."""
+        if not self.looks:
+            return
+        declared.refuse_other_trials(self.looks, self.trials, where)
+        if len(self.optimizers) < 2:
+            raise BenchError(f"{where}'looks' needs two optimizers or more: with one, no look can decide anything")
+        functions = Counter(re.sub(r"-i[0-9]+$", "", entry.label) for entry in self.problems)
+        if pooled := next((function for function, number in functions.items() if number > 1), ""):
+            raise BenchError(
+                f"{where}'looks' compares problem by problem, but reports pool the instances of {pooled!r}; take one "
+                "instance of each function, or leave out the looks"
+            )
 
     def evaluations(self, dimension: int) -> int:
         """Return the evaluations of a trial in this dimension; raises BenchError where the budget has none."""
@@ -248,17 +272,20 @@ class Study:
         targets = {} if self.targets is None else {"targets": self.targets}
         rope = {} if self.rope is None else {"rope": self.rope}
         tuning = {} if self.tuning is None else {"tuning": self.tuning.as_dict()}
-        return tomli_w.dumps(head | self._handling() | targets | rope | lists | tuning)
+        looks = {"looks": {"trials": list(self.looks)}} if self.looks else {}
+        return tomli_w.dumps(head | self._handling() | targets | rope | looks | lists | tuning)
 
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
         Targets, rope, tuning and the default handling of constraints are no part of it: older studies do not name them.
+        Looks are, where there are any: they decide which trials are made, and must be declared before the first one.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None}
-        content = {
-            key: value for key, value in content.items() if key not in ("constraints", "targets", "rope", "tuning")
-        } | self._handling()
+        left_out = ("constraints", "targets", "rope", "tuning", "looks")
+        content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
+        if self.looks:
+            content["looks"] = self.looks
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
     def _handling(self) -> dict[str, str]:
@@ -267,13 +294,16 @@ class Study:
 
 
 def _checked(given: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Return budget, targets, rope and tuning as a study holds them; raises BenchError for what cannot be."""
+    """Return budget, targets, rope, tuning and looks as a study holds them; raises BenchError for what cannot be."""
     for key, least in (("seed", None), ("trials", 1)):
         if key in given:
             require_whole(f"{where}{key!r}", given[key], least)
     if "constraints" in given:
         handlings.checked(given["constraints"], f"{where}'constraints'")
-    held = {"budget": budgets.checked, "targets": target_kinds.checked, "rope": ropes.checked, "tuning": tuned.checked}
+    held = {
+        "budget": budgets.checked, "targets": target_kinds.checked, "rope": ropes.checked, "tuning": tuned.checked,
+        "looks": declared.checked,
+    }  # fmt: skip
     return {key: check(given[key], f"{where}'{key}'") for key, check in held.items() if key in given}
 
 

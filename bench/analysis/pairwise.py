@@ -66,7 +66,7 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA, seed: int = 0) -> 
     columns: dict[str, Any] = {}
     for place, problem in enumerate(problems):
         own = compare_all([found[problem, optimizer] for optimizer in optimizers], alpha, seed)
-        own |= {"p_holm": holm(own["p"]), "method": pd.Categorical(own["method"], METHODS).codes}
+        own["method"] = pd.Categorical(own["method"], METHODS).codes
         for name, values in own.items():
             every = columns.setdefault(name, np.empty((len(problems), len(one)), dtype=values.dtype))
             every[place] = values
@@ -78,17 +78,20 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA, seed: int = 0) -> 
     }  # fmt: skip
     columns |= {name: pd.Categorical.from_codes(codes, pd.Index(known)) for name, (codes, known) in numbers.items()}
     pairs = pd.DataFrame(columns, columns=list(COLUMNS), copy=False)
-    p_by = false_discovery_control(pairs["p"].to_numpy(dtype=float), method="by") if len(pairs) else np.empty(0)
     favoured = np.where(pairs["a12_low"] > 0.5, first + 1, np.where(pairs["a12_high"] < 0.5, second + 1, 0))
-    flags = dict.fromkeys(("significant", "significant_by", "separated", "testable", "tied"), bool)
-    return pairs.assign(
-        significant=pairs["p_holm"] <= alpha,
-        p_by=p_by,
-        significant_by=lambda table: table["p_by"] <= alpha,
+    return adjusted(pairs, alpha).assign(
         cliffs_delta=2 * pairs["a12"] - 1,
         separated=pairs["a12"].isin((0.0, 1.0)),
         lower=pd.Categorical.from_codes(favoured, pd.Index(["", *optimizers])),
-    ).astype(flags)
+    ).astype(dict.fromkeys(("separated", "testable", "tied"), bool))  # fmt: skip
+
+
+def adjusted(pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
+    """Return the rows of :func:`pairwise_tests` with their level: what follows from p and from all other rows."""
+    p = pairs["p"].astype(float)
+    p_holm = p.groupby(pairs["problem"], sort=False, observed=True).transform(lambda own: holm(own.to_numpy()))
+    p_by = false_discovery_control(p.to_numpy(), method="by") if len(pairs) else np.empty(0)
+    return pairs.assign(p_holm=p_holm, significant=p_holm <= alpha, p_by=p_by, significant_by=p_by <= alpha)
 
 
 def holm(p: Floats) -> Floats:
@@ -207,31 +210,50 @@ def alike(samples: Sequence[Floats]) -> Iterator[tuple[NDArray[np.intp], Floats,
 
 def _compare(these: Floats, others: Floats, alpha: float) -> dict[str, Any]:
     """Compare pairs of samples, (g, n) and (g, m); an array a column."""
+    columns = ks_tests(these, others, alpha)
+    if not min(these.shape[1], others.shape[1]):
+        return columns
+    p_mw, tested = np.ones(len(these)), columns["testable"] & (columns["method"] != "identical")
+    ties = _ties(these, others).any(axis=1)
+    for places in (np.flatnonzero(tested & some) for some in (ties, ~ties)):
+        if len(places):
+            p_mw[places] = mannwhitneyu(these[places], others[places], alternative="two-sided", axis=1).pvalue
+    return columns | {"a12": wins(these, others).mean(axis=(1, 2)), "p_mw": p_mw}
+
+
+def ks_tests(these: Floats, others: Floats, alpha: float = ALPHA) -> dict[str, Any]:
+    """Test g pairs of samples, (g, n) and (g, m); distance, p, method, testable and tied of :func:`pairwise_tests`."""
     n, m = these.shape[1], others.shape[1]
-    pooled = np.sort(np.concatenate((these, others), axis=1), axis=1)
-    equal = np.pad(pooled[:, 1:] == pooled[:, :-1], ((0, 0), (1, 1)))
+    equal = _ties(these, others)
     tied = (equal[:, 1:] | equal[:, :-1]).mean(axis=1) > TIED if n + m else np.zeros(len(these), dtype=bool)
+    distance, p = np.full(len(these), np.nan), np.ones(len(these))
+    method, testable = np.full(len(these), "untestable", dtype=object), np.zeros(len(these), dtype=bool)
+    columns = {"distance": distance, "p": p, "method": method, "testable": testable, "tied": tied}
     if not min(n, m):
-        return {"tied": tied}
-    distance = ks_distance(these, others)
-    columns = {"distance": distance, "tied": tied, "a12": wins(these, others).mean(axis=(1, 2))}
+        return columns
+    distance[:] = ks_distance(these, others)
     # The smallest exact p that n and m values allow: complete separation, 2 of C(n + m, n) arrangements.
     if 2 / comb(n + m, n) > alpha:
         return columns
-    identical = pooled[:, 0] == pooled[:, -1]
-    p, p_mw, steps = np.ones(len(these)), np.ones(len(these)), np.rint(n * m * distance).astype(np.int64)
+    testable[:] = True
+    identical, steps = equal[:, 1:-1].all(axis=1), np.rint(n * m * distance).astype(np.int64)
+    method[:] = np.where(identical, "identical", np.where(tied, "permutation", "exact"))
     exact, permuted = np.flatnonzero(~identical & ~tied), np.flatnonzero(~identical & tied)
     for place in exact[np.unique(steps[exact], return_index=True)[1]]:  # without ties p depends on D alone
-        p[exact[steps[exact] == steps[place]]] = _exact_p(these[place], others[place])
+        known = n == m and steps[place] > 0
+        own = _p_of(int(steps[place]) // n, n) if known else _exact_p(these[place], others[place])
+        p[exact[steps[exact] == steps[place]]] = own
     if len(permuted):  # and with them on where they lie: many pairs share the places
         keys = np.column_stack((steps, equal))[permuted]
         _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
         p[permuted] = permutation_p(these[permuted[first]], others[permuted[first]])[which.ravel()]
-    for places in (np.flatnonzero(~identical & some) for some in (equal.any(axis=1), ~equal.any(axis=1))):
-        if len(places):
-            p_mw[places] = mannwhitneyu(these[places], others[places], alternative="two-sided", axis=1).pvalue
-    method = np.where(identical, "identical", np.where(tied, "permutation", "exact")).astype(object)
-    return columns | {"p": p, "p_mw": p_mw, "method": method, "testable": np.ones(len(these), dtype=bool)}
+    return columns
+
+
+def _ties(these: Floats, others: Floats) -> NDArray[np.bool_]:
+    """Return (g, n + m + 1), whether neighbours among the sorted values of a pair are equal; no end has a neighbour."""
+    pooled = np.sort(np.concatenate((these, others), axis=1), axis=1)
+    return np.pad(pooled[:, 1:] == pooled[:, :-1], ((0, 0), (1, 1)))
 
 
 def bootstrap_intervals(these: Floats, others: Floats, seed: int = 0) -> tuple[Floats, Floats]:
@@ -291,12 +313,23 @@ def permutation_p(these: Floats, others: Floats) -> Floats:
         these: (g, n) samples.
         others: (g, m), the other sample of each pair.
     """
-    n, m = these.shape[1], others.shape[1]
     pooled = np.sort(np.concatenate((these, others), axis=1), axis=1)
     changes = np.pad(pooled[:, 1:] != pooled[:, :-1], ((0, 0), (0, 1)), constant_values=True)
-    reached = np.rint(n * m * ks_distance(these, others))
-    taken = np.arange(n + 1)  # values of ``this`` among those passed
-    inside, outside = np.zeros((len(these), n + 1)), np.zeros(len(these))
+    n, m = these.shape[1], others.shape[1]
+    return _share_as_far(changes, np.rint(n * m * ks_distance(these, others)), n)
+
+
+def _share_as_far(changes: NDArray[np.bool_], reached: Floats, n: int) -> Floats:
+    """Return the share of the arrangements of n values and others whose distance is as large, (g,).
+
+    Args:
+        changes: (g, n + m), whether the value changes after each of the sorted values.
+        reached: (g,) distances times n m.
+        n: the values of the first sample.
+    """
+    m = changes.shape[1] - n
+    taken = np.arange(n + 1)  # values of the first sample among those passed
+    inside, outside = np.zeros((len(changes), n + 1)), np.zeros(len(changes))
     inside[:, 0] = 1.0
     for passed in range(n + m):
         share = np.clip((n - taken) / (n + m - passed), 0.0, 1.0)
@@ -328,7 +361,7 @@ def _times_drawn(n: int, rng: np.random.Generator) -> Counts:
     return np.ascontiguousarray(counts.T, dtype=np.float32)
 
 
-@lru_cache
+@lru_cache(maxsize=4096)
 def critical_distance(n: int, alpha: float) -> int | None:
     """Return the smallest k for which D = k/n between two samples of n values has an exact p <= alpha.
 
@@ -336,6 +369,23 @@ def critical_distance(n: int, alpha: float) -> int | None:
     """
     smallest = 1 + bisect_left(range(1, n + 1), -alpha, key=lambda k: -_p_of(k, n))  # p decreases with k
     return smallest if smallest <= n else None
+
+
+def tied_critical_distance(changes: NDArray[np.bool_], level: float) -> int | None:
+    """Return the smallest k for which D = k/n between two samples of n tied values has a p <= level.
+
+    ``changes``, (2n,), says whether the value changes after each of the sorted values; p is that of
+    :func:`permutation_p`. None where even samples without ties have no such k.
+    """
+    n = len(changes) // 2
+    most = critical_distance(n, level)  # ties only make large distances rarer
+    if most is None:
+        return None
+
+    def enough(k: int) -> bool:
+        return bool(_share_as_far(changes[np.newaxis], np.array([float(k * n)]), n)[0] <= level)
+
+    return 1 + bisect_left(range(1, most), True, key=enough)
 
 
 @lru_cache
@@ -371,6 +421,7 @@ def power_table(n: int, pairs: int, alpha: float = ALPHA) -> pd.DataFrame:
     return table.astype({"distance": float, "shift": float})
 
 
+@lru_cache(maxsize=4096)
 def _p_of(k: int, n: int) -> float:
     """Return the exact p of D = k/n: that of n values against the same values moved up by k ranks."""
     values = np.arange(n, dtype=float)

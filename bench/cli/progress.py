@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from time import monotonic
 from types import TracebackType
@@ -61,6 +61,17 @@ class Display:
             total, present = (sum(each) for each in zip(*mine, strict=True)) if mine else (0, 0)
             self._bars[f"of {entry.label}"] = self._progress.add_task(entry.label, total=total, completed=present)
 
+    def look(self, look: int, plan: Plan) -> None:
+        """Print what a look decided, and take the trials that are not needed any more out of the bars."""
+        now = [cell for cell, most in plan.stopped.items() if most == look]
+        print_line(f"look at {look} trials: {_decided(now, plan, look)}", console=self._console)
+        counts = plan.counts()
+        self._left = self._made + sum(planned - done for planned, done in counts.values())
+        for entry in plan.study.optimizers:
+            total = sum(planned for (_, label), (planned, _) in counts.items() if label == entry.label)
+            self._progress.update(self._bars[f"of {entry.label}"], total=total)
+        self._progress.update(self._bars["all"], total=sum(planned for planned, _ in counts.values()))
+
     def trial(self, trial: Trial, row: dict[str, Any]) -> None:
         """Count one finished trial; print a failed one at once."""
         self._made += 1
@@ -85,12 +96,25 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
     """Print the size of a plan, how much of it is done, and its notes."""
     study = plan.study
     total, present = (sum(each) for each in zip(*counts.values(), strict=True))
-    size = f"{len(study.problems)} problems x {len(study.optimizers)} optimizers x {study.trials} trials"
+    size = f"{len(study.problems)} problems x {len(study.optimizers)} optimizers x "
+    size += f"{'at most ' if study.looks else ''}{study.trials} trials"
     part = f"; shard {plan.shard} of them: {total} runs" if plan.shard else f" = {total} runs"
     done = f", {present} of them already done" if present else ""
     print_line(f"study {study.name}: {size}{part} of {described(study.budget)}{done}", console=console)
+    if study.looks:
+        print_line(f"looks at {', '.join(map(str, study.looks))} trials: {_decided([], plan)}", console=console)
     for note in plan.notes:
         print_line(note, "yellow", console)
+
+
+def _decided(now: Sequence[tuple[str, str]], plan: Plan, look: int = 0) -> str:
+    """Return in words how many cells are decided by all looks so far, and those of them that the last ``look`` did."""
+    named = ", ".join(f"{optimizer} on {problem}" for problem, optimizer in now[:SHOWN])
+    more = f" and {len(now) - SHOWN} more" if len(now) > SHOWN else ""
+    stopped = "" if look == plan.study.trials else " and stopped"
+    cells, total = len(plan.study.problems) * len(plan.study.optimizers), len(plan.stopped)
+    found = f"decided{stopped} {named}{more}; " if now else ""
+    return f"{found}{total} of {cells} cells {'is' if total == 1 else 'are'} decided"
 
 
 @contextmanager

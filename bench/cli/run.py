@@ -113,6 +113,7 @@ def run(
             outcome = run_study(
                 chosen, output, n_jobs=jobs, backend=backend, scheduler=scheduler, timeout=timeout, memory=memory,
                 shard=shard, strict=strict, sandbox=sandbox, on_plan=display.plan, on_trial=display.trial,
+                on_look=display.look,
             )  # fmt: skip
     except KeyboardInterrupt:
         for number in (signal.SIGINT, signal.SIGTERM):
@@ -154,7 +155,9 @@ def _show_estimate(plan: Plan, jobs: int, console: Console) -> None:
         print_line(f"  {entry.label}: {sum(mine)} to run", console=console)
     seconds, workers = plan.seconds(), cpu_count() if jobs == -1 else jobs
     if seconds is None:
-        estimate = "no duration can be estimated without a stored trial; run some first, as with --trials 1"
+        advice = "" if plan.study.looks else "; run some first, as with --trials 1"
+        estimate = f"no duration can be estimated without a stored trial{advice}"
     else:
-        estimate = f"about {duration(seconds / workers)} with {workers} jobs, estimated from the stored trials"
+        most = "at most " if plan.study.looks else ""
+        estimate = f"{most}about {duration(seconds / workers)} with {workers} jobs, estimated from the stored trials"
     print_line(estimate, console=console)

@@ -64,20 +64,31 @@ def status(
 
 def summary(folder: Folder) -> Group:
     """Return a table of finished and failed trials by optimizer, and a line for a run that is under way."""
+    from bench.execution.looks import stopped_cells
+
     study = folder.study()
-    cells = folder.store.cells()
+    cells, stopped = folder.store.cells(), stopped_cells(study, folder.store)
+    most = {
+        (problem.label, entry.label): stopped.get((problem.label, entry.label), study.trials)
+        for problem in study.problems
+        for entry in study.optimizers
+    }
     table = Table("optimizer", "done", "failed", "of", "s a trial", box=None, pad_edge=False)
     for entry in study.optimizers:
         mine = [cell for cell in cells if cell.optimizer == entry.label]
         done, lost = sum(cell.done for cell in mine), sum(cell.failed for cell in mine)
         seconds = sum(cell.wall_s for cell in mine)  # 0 of imported trials, whose times are unknown
         mean = f"{seconds / done:.3g}" if done and seconds else ""
-        planned = len(study.problems) * study.trials
+        planned = sum(trials for (_, label), trials in most.items() if label == entry.label)
         table.add_row(Text(entry.label), str(done), Text(str(lost), style="red" if lost else ""), str(planned), mean)
     head = Text(f"study {study.name}: {study.title}"), Text(f"study hash {study.identity()}")
     lines: list[RenderableType] = [*head, table]
+    if study.looks:
+        looks = ", ".join(map(str, study.looks))
+        at = ", ".join(f"{list(stopped.values()).count(each)} at {each}" for each in sorted({*stopped.values()}))
+        lines.append(Text(f"looks at {looks} trials; cells decided: {at or 'none'}, of {len(most)}"))
     if running := folder.running():
-        left = len(study.problems) * len(study.optimizers) * study.trials - sum(cell.done for cell in cells)
+        left = sum(most.values()) - sum(cell.done for cell in cells)
         lines.append(Text(_progress(folder, running, left)))
     return Group(*lines)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import islice, product
+from dataclasses import dataclass, field
+from itertools import islice, product, takewhile
 
 from bench.errors import BenchError
 from bench.storage.store import CellCounts, Keys
@@ -42,23 +42,29 @@ class Plan:
     finished: Keys  # the trials that need not be made; a run adds those that it makes
     cells: Sequence[CellCounts] = ()  # of the trials that the folder holds
     notes: Sequence[str] = ()  # warnings to print before the run begins
+    stopped: dict[tuple[str, str], int] = field(default_factory=dict)  # trials of the cells that looks stopped so far
 
     def trials(self) -> Iterator[Trial]:
         """Yield every trial, finished or not, in the order in which they are to be made."""
-        plan = self.study.plan()
+        plan = (trial for trial in self.study.plan() if trial.number < self.most(*trial.key[:2]))
         return plan if self.shard is None else islice(plan, self.shard.number - 1, None, self.shard.of)
 
-    def missing(self) -> Iterator[Trial]:
-        """Yield the trials that are not finished at the moment they are reached."""
-        return (trial for trial in self.trials() if trial.key not in self.finished)
+    def missing(self, before: int | None = None) -> Iterator[Trial]:
+        """Yield the trials, those numbered below ``before``, that are not finished at the moment they are reached."""
+        trials = self.trials()
+        own = trials if before is None else takewhile(lambda trial: trial.number < before, trials)
+        return (trial for trial in own if trial.key not in self.finished)
+
+    def most(self, problem: str, optimizer: str) -> int:
+        """Return the number of trials that a cell is to have, as far as the looks so far decide."""
+        return self.stopped.get((problem, optimizer), self.study.trials)
 
     def counts(self) -> dict[tuple[str, str], tuple[int, int]]:
         """Return for each cell (problem, optimizer) the number of trials, and of those finished."""
         if self.shard is None:  # without a step for each trial
-            trials = self.study.trials
             cells = product(self.study.problems, self.study.optimizers)
             labels = ((problem.label, optimizer.label) for problem, optimizer in cells)
-            return {cell: (trials, self.finished.count(*cell, trials)) for cell in labels}
+            return {cell: (most := self.most(*cell), self.finished.count(*cell, most)) for cell in labels}
         counts: dict[tuple[str, str], tuple[int, int]] = {}
         for trial in self.trials():
             planned, done = counts.get(trial.key[:2], (0, 0))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,9 @@ from typing import Any
 from bench.errors import BenchError
 from bench.execution.backends import open_pool
 from bench.execution.interrupts import Interrupts, interrupts_deferred
+from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
-from bench.execution.pool import Answer
+from bench.execution.pool import Answer, OnBegin, Pool
 from bench.execution.supervisor import Checked, Task, check
 from bench.numbers import require_positive, require_whole
 from bench.storage import provenance, under_way
@@ -24,6 +26,7 @@ from bench.study import Study
 from bench.trial import Trial
 
 Listener = Callable[[Trial, dict[str, Any]], None]
+OnLook = Callable[[int, Plan], None]
 
 
 @dataclass(frozen=True)
@@ -49,12 +52,15 @@ def run(
     sandbox: str | None = None,
     on_plan: Callable[[Plan], None] | None = None,
     on_trial: Listener | None = None,
+    on_look: OnLook | None = None,
 ) -> Outcome:
     """Run every trial of a study that its folder does not hold yet.
 
     Rerunning the same call continues where the last one ended; failed trials are tried again. Results depend on the
     study alone: not on the number of jobs, on the order of trials or on the other optimizers. Every optimizer runs in
     processes of its own, so that one that hangs or crashes costs only its own trials.
+
+    A study with looks is run look by look: after each, the cells that the look decided get no more trials.
 
     Args:
         study: a study, the name of an installed one, or a TOML file's path.
@@ -69,6 +75,8 @@ def run(
         shard: "3/20" for the third of twenty parts; each part is run into a folder of its own.
         on_plan: called once with the plan, before the first trial.
         on_trial: called with every finished trial and its row.
+        on_look: called after every look for which trials were made, with its number of trials and the plan, whose
+            ``stopped`` are the cells decided by then.
 
     Raises:
         BenchError: for a study that cannot be run or a folder that cannot take it.
@@ -82,6 +90,7 @@ def run(
             checked = prepare(study, folder, sandbox)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
         held.enter_context(folder.lock())
+        before = folder.trials_asked()
         study = folder.claim(study)
         mended = mend(folder, study.trials)
         folder.note_fingerprints(checked.fingerprints)
@@ -97,10 +106,11 @@ def run(
             shard=shard,
             strict=strict,
             sandbox=sandbox,
+            extends=before if 0 < before < study.trials and _complete(study, folder, part, before) else None,
         )
         task = Task(study.to_toml(), timeout, _bytes(memory, pool.jobs, backend), strict=strict, sandbox=sandbox)
         noted = held.enter_context(under_way.noting(folder.path))
-        answers = pool.answers(task, checked.machine, plan.missing, noted.begin)
+        answers = _answers(plan, folder, partial(_made_by, pool, task, checked.machine, noted.begin), on_look)
         made = _make(plan, folder, answers, about, interrupts, on_trial)
         return Outcome(folder.path, made, sum(cell.failed for cell in folder.store.cells()))
 
@@ -144,6 +154,11 @@ def _resolved(
 ) -> tuple[Study, Folder, Shard | None]:
     part = None if shard is None else Shard.parse(shard)
     study = study if isinstance(study, Study) else Study.load(study)
+    if part and study.looks:
+        raise BenchError(
+            f"study {study.name!r} declares looks, at which all of its trials are compared, so no part of it can be "
+            "run alone; leave out --shard, or use many machines with --backend dask"
+        )
     return study, Folder(Path("results") / "runs" / study.name if output is None else output), part
 
 
@@ -158,7 +173,50 @@ def _plan(study: Study, folder: Folder, shard: Shard | None, damage: str) -> Pla
             f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "
             "differ in their last digits and their times; the report lists them separately"
         )
-    return Plan(study, shard, folder.store.keys(finished_only=True), folder.store.cells(), notes)
+    if blind := blind_looks(study):
+        notes.append(
+            f"so little of the level is spent by the look{'s' if len(blind) > 1 else ''} at "
+            f"{', '.join(map(str, blind))} of {study.trials} trials that nothing can be decided there"
+        )
+    finished, stopped = folder.store.keys(finished_only=True), stopped_cells(study, folder.store)
+    return Plan(study, shard, finished, folder.store.cells(), notes, stopped)
+
+
+def _complete(study: Study, folder: Folder, shard: Shard | None, trials: int) -> bool:
+    """Return whether the folder holds that many trials of each cell, failed ones included."""
+    plan = Plan(replace(study, trials=trials), shard, folder.store.keys())
+    return next(plan.missing(), None) is None
+
+
+def _made_by(
+    pool: Pool, task: Task, machine: str, on_begin: OnBegin, missing: Callable[[], Iterator[Trial]]
+) -> Iterator[Answer]:
+    return pool.answers(task, machine, missing, on_begin)
+
+
+def _answers(
+    plan: Plan,
+    folder: Folder,
+    make: Callable[[Callable[[], Iterator[Trial]]], Iterator[Answer]],
+    on_look: OnLook | None,
+) -> Iterator[Answer]:
+    """Yield the answers of the trials that are missing, look by look; decide after each look what is stopped.
+
+    Every answer is committed before the next one is asked for.
+    """
+    if not plan.study.looks:
+        yield from make(plan.missing)
+        return
+    for look in plan.study.looks:
+        missing = partial(plan.missing, look)
+        if next(missing(), None) is None:
+            continue
+        yield from make(missing)
+        stopped = stopped_cells(plan.study, folder.store)
+        plan.stopped.clear()
+        plan.stopped.update(stopped)
+        if on_look is not None:
+            on_look(look, plan)
 
 
 def _make(

@@ -16,6 +16,7 @@ from typing import Any
 
 from bench.atomic import replacing
 from bench.errors import BenchError
+from bench.execution.looks import stopped_cells
 from bench.packing.contents import CRATE, NOTES, PAGE, SUMS, PackedFile, report_files
 from bench.packing.crate import Credits, describe
 from bench.storage.folder import ENVIRONMENT, STUDY, Folder
@@ -137,7 +138,8 @@ def _date(file: Path) -> str:
 
 def _notes(folder: Folder, study: Study, trials: int, *, reported: bool, licence: str) -> Iterator[str]:
     """Yield a sentence for everything that a reader of the archive would miss."""
-    planned = len(study.problems) * len(study.optimizers) * study.trials
+    stopped = stopped_cells(study, folder.store).values()
+    planned = (len(study.problems) * len(study.optimizers) - len(stopped)) * study.trials + sum(stopped)
     if folder.running():
         yield "a run is writing to this folder; the archive holds the trials that it had finished"
     if trials < planned:

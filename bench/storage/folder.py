@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from time import sleep
@@ -73,12 +74,24 @@ class Folder:
         if not self._begun:
             return study
         present = self.study()
+        if present.looks != study.looks and present.identity() == replace(study, looks=present.looks).identity():
+            begun = f"with looks at {', '.join(map(str, present.looks))} trials" if present.looks else "without looks"
+            raise BenchError(
+                f"{self.path} was begun {begun}: looks are declared before the first trial, since what is declared "
+                "after it may follow the results; keep them as they are or give another --output"
+            )
         if present.identity() != study.identity():
             raise BenchError(
                 f"{self.path} holds another study ({present.name!r}, budget {present.budget}, seed {present.seed}, "
                 f"or other problems or options); give another --output"
             )
         return study.override(trials=max(study.trials, present.trials))
+
+    def trials_asked(self) -> int:
+        """Return the largest number of trials of each cell that a run here was asked for, 0 before the first trial."""
+        noted = self.environments()
+        known = [each["trials"] for each in noted if isinstance(each.get("trials"), int)]
+        return max(known, default=self.study().trials if noted else 0)
 
     def claim(self, study: Study) -> Study:
         """Freeze ``study`` in the folder, which must be locked, and return the frozen study.

@@ -69,8 +69,13 @@ def run(
     shard: str | None = None,
     strict: bool = False,
     sandbox: str | None = None,
+    extends: int | None = None,
 ) -> dict[str, Any]:
-    """Return the record of a run that starts now; its ``timeout`` is in seconds, its ``shard`` as in "3/20"."""
+    """Return the record of a run that starts now; its ``timeout`` is in seconds, its ``shard`` as in "3/20".
+
+    ``extends`` is the number of trials of each cell that earlier runs were asked for, where all of these were there and
+    this run is asked for more.
+    """
     return {
         "started": now(),
         "ended": None,
@@ -84,6 +89,8 @@ def run(
         "shard": shard,
         "strict": strict,
         "sandbox": sandbox,
+        "trials": study.trials,
+        "extends": extends,
     }
 
 

@@ -165,7 +165,7 @@ class TestRun:
         assert record["ended"] is None
         assert {key: value for key, value in record.items() if key not in ("started", "ended", "command")} == {
             "jobs": 4, "backend": "local", "study": small_study.identity(), "data": {"p": "f00"}, "code": {"a": "ba7"},
-            "timeout": 9.5, "shard": "1/2", "strict": False, "sandbox": None,
+            "timeout": 9.5, "shard": "1/2", "strict": False, "sandbox": None, "trials": 3, "extends": None,
         }  # fmt: skip
 
     def test_a_module_s_command_can_be_typed_again(self, small_study, monkeypatch):

@@ -1,0 +1,114 @@
+"""Compare optimizers at declared looks: which pairs are decided there, and which cells therefore need no more trials.
+
+On each problem all pairs are tested at every look that their trials have reached, by the test of
+:func:`bench.analysis.pairwise_tests`. The level is spent over the looks (:mod:`bench.analysis.sequential`): a pair has
+the smallest of its repeated p-values so far, and Holm's method adjusts these over all pairs of the problem. A pair is
+*decided* where the result is at most alpha; a pair that is decided stays so. A cell is *stopped* at the first look at
+which all of its pairs are decided. Everything follows from the trials before the look, whoever asks, and whenever.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import comb
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bench.analysis.cells import cells, labels
+from bench.analysis.pairwise import ALPHA, AT_ONCE, adjusted, holm, ks_tests
+from bench.analysis.sequential import repeated_p
+from bench.problem import Floats
+
+COLUMNS = ("problem", "first", "second", "look", "p")
+
+
+@dataclass(frozen=True)
+class Decisions:
+    """The outcome of the looks so far.
+
+    Attributes:
+        stopped: the number of trials at which each cell (problem, optimizer) was stopped; others are not in it.
+        pairs: a row a problem and pair: problem, first, second, p, the smallest repeated p-value, and look, the number
+            of trials at the look that it is of; 1 and 0 before the first look.
+        reached: by problem, the last look that all cells not stopped before have reached, 0 before the first.
+    """
+
+    stopped: Mapping[tuple[str, str], int]
+    pairs: pd.DataFrame
+    reached: Mapping[str, int]
+
+
+def decide(frame: pd.DataFrame, looks: Sequence[int], alpha: float = ALPHA) -> Decisions:
+    """Return what the looks at the trials decided.
+
+    Args:
+        frame: the tidy frame, or its columns problem, optimizer, trial, status and fun. A look counts for a cell
+            once all of its trials before it are there; failed ones count as +inf.
+        looks: the numbers of trials at which the optimizers are compared, increasing.
+        alpha: the level over all looks and all pairs of a problem.
+    """
+    if not looks:
+        return Decisions({}, pd.DataFrame(columns=list(COLUMNS)), {})
+    found = [cells(frame[frame["trial"] < look], merge=True) for look in looks]
+    optimizers = labels(frame, "optimizer")
+    one, other = np.triu_indices(len(optimizers), 1)
+    names = np.array(optimizers, dtype=object)
+    stopped: dict[tuple[str, str], int] = {}
+    reached, tables = {}, []
+    for problem in labels(frame, "problem"):
+        p, look_of, ends = np.ones(len(one)), np.zeros(len(one), dtype=np.int64), np.zeros(len(names), dtype=np.int64)
+        reached[problem] = 0
+        for place, look in enumerate(looks):
+            samples = [found[place].get((problem, name), np.empty(0)) for name in optimizers]
+            there = np.array([len(own) == look for own in samples], dtype=bool)
+            active = there & (ends == 0)
+            tested = np.flatnonzero(active[one] & active[other])
+            now = repeated_p(_p(samples, one[tested], other[tested], alpha), looks, place)
+            better = now < p[tested]
+            p[tested[better]], look_of[tested[better]] = now[better], look
+            ends[_decided(holm(p) <= alpha, one, other, len(names)) & active] = look
+            if (there | (ends > 0)).all():
+                reached[problem] = look
+        stopped |= {(problem, name): int(end) for name, end in zip(optimizers, ends, strict=True) if end}
+        key = {"problem": np.full(len(one), problem, dtype=object), "first": names[one], "second": names[other]}
+        tables.append(pd.DataFrame(key | {"look": look_of, "p": p}))
+    pairs = pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
+    return Decisions(stopped, pairs[list(COLUMNS)], reached)
+
+
+def blind_looks(looks: Sequence[int], alpha: float = ALPHA) -> list[int]:
+    """Return the looks that can decide nothing, as not even complete separation of two cells is significant there."""
+    least = [repeated_p(2 / comb(2 * look, look), looks, place) for place, look in enumerate(looks)]
+    return [look for look, p in zip(looks, least, strict=True) if p > alpha]
+
+
+def at_looks(pairs: pd.DataFrame, decisions: Decisions, alpha: float = ALPHA) -> pd.DataFrame:
+    """Return the rows of :func:`bench.analysis.pairwise_tests` with the p-values of the looks, adjusted likewise.
+
+    A column ``look`` has the number of trials at the look that p is of. A pair that has reached no look has p = 1.
+    """
+    keys = ["problem", "first", "second"]
+    own = pairs[keys].astype(object).merge(decisions.pairs, on=keys, how="left")
+    return adjusted(pairs.assign(p=own["p"].to_numpy(), look=own["look"].to_numpy()), alpha)
+
+
+def _p(samples: Sequence[Floats], one: NDArray[np.intp], other: NDArray[np.intp], alpha: float) -> Floats:
+    """Return the p-values of pairs of samples, all of one size."""
+    p = np.ones(len(one))
+    for start in range(0, len(one), AT_ONCE):
+        own = slice(start, start + AT_ONCE)
+        these, others = (np.array([samples[place] for place in places[own]]) for places in (one, other))
+        p[own] = ks_tests(these, others, alpha)["p"]
+    return p
+
+
+def _decided(
+    decided: NDArray[np.bool_], one: NDArray[np.intp], other: NDArray[np.intp], number: int
+) -> NDArray[np.bool_]:
+    """Return which of a number of optimizers have no pair that is open."""
+    still_open = np.zeros(number, dtype=bool)
+    still_open[one[~decided]] = still_open[other[~decided]] = True
+    return ~still_open

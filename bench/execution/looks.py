@@ -1,0 +1,34 @@
+"""Decide from the stored trials which cells of a study with declared looks need no more trials."""
+
+from __future__ import annotations
+
+from bench.storage.store import Store
+from bench.study import Study
+
+_COLUMNS = ("problem", "optimizer", "trial", "status", "fun")
+
+
+def blind_looks(study: Study) -> list[int]:
+    """Return the study's looks that can decide nothing."""
+    if not study.looks:
+        return []
+    from bench.analysis import looks
+
+    return looks.blind_looks(study.looks)
+
+
+def stopped_cells(study: Study, store: Store) -> dict[tuple[str, str], int]:
+    """Return the number of trials at which each cell (problem, optimizer) was stopped, for those that were.
+
+    It follows from the stored trials alone (:func:`bench.analysis.looks.decide`), so an interrupted run continues with
+    the same decisions.
+    """
+    if not study.looks or not store.exists:
+        return {}
+    import pandas as pd  # a run without looks needs neither
+
+    from bench.analysis.cells import in_study_order
+    from bench.analysis.looks import decide
+
+    rows = [tuple(row[name] for name in _COLUMNS) for row in store.rows()]
+    return dict(decide(in_study_order(pd.DataFrame(rows, columns=list(_COLUMNS)), study), study.looks).stopped)

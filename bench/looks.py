@@ -1,0 +1,55 @@
+"""The declared looks of a study: the numbers of trials at which a run compares the optimizers and may stop cells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+from bench.errors import BenchError, nearest
+from bench.numbers import is_whole
+
+Looks = tuple[int, ...]
+
+EXAMPLE = "as in [looks] trials = [10, 20, 30]"
+LEAST = 4  # trials of a cell, of which the first test could be significant: 2 of 70 arrangements of two samples
+
+
+def checked(given: Any, what: str) -> Looks:
+    """Return looks as a study holds them: two or more increasing numbers of trials.
+
+    Args:
+        given: a table with a list ``trials``, as in a study's file, or the list alone.
+        what: the subject of a sentence about them, such as ``"'looks'"``.
+
+    Raises:
+        BenchError: for anything else.
+    """
+    if isinstance(given, Mapping):
+        for key in given:
+            if key != "trials":
+                raise BenchError(
+                    f"{what} has an unknown key {key!r}{nearest(str(key), ['trials'])}; it has trials alone"
+                )
+        given = given.get("trials")
+    if not isinstance(given, list | tuple) or not all(map(is_whole, given)):
+        raise BenchError(f"{what} must be a list of numbers of trials, {EXAMPLE}, not {given!r}")
+    looks = tuple(map(int, given))
+    if len(looks) < 2:
+        raise BenchError(f"{what} must be two or more, {EXAMPLE}; a single look at the end needs no declaration")
+    if not all(one < other for one, other in pairwise(looks)):
+        raise BenchError(f"{what} must increase, {EXAMPLE}, not {list(looks)}")
+    if looks[0] < LEAST:
+        raise BenchError(
+            f"{what} must begin with {LEAST} trials or more, not {looks[0]}: no test of fewer can be significant"
+        )
+    return looks
+
+
+def refuse_other_trials(looks: Looks, trials: int, where: str = "") -> None:
+    """Raise BenchError where a number of trials is not that of the last look."""
+    if looks and trials != looks[-1]:
+        raise BenchError(
+            f"{where}'trials' is {trials}, but the last of the declared looks is at {looks[-1]} trials; leave out the "
+            "number, or declare other looks before the first trial is made"
+        )
