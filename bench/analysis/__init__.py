@@ -75,6 +75,7 @@ from bench.analysis.dominance import u_scores
 from bench.analysis.feasibility import feasibility
 from bench.analysis.instances import PRECISIONS, SOLVED, Pooled, pool_instances, precision_targets
 from bench.analysis.integrity import integrity
+from bench.analysis.looks import Decisions, at_looks, blind_looks, decide
 from bench.analysis.pairwise import (
     ALPHA,
     CUTOFFS,
@@ -96,6 +97,7 @@ from bench.analysis.running_time import (
     running_times,
     simulated_restarts,
 )
+from bench.analysis.stability import rank_stability
 from bench.analysis.stages import SHARES, stage_ranks, unused_budget
 from bench.analysis.standings import disagreements, mean_ranks, standings
 from bench.analysis.target_sets import (
@@ -106,6 +108,7 @@ from bench.analysis.target_sets import (
     target_table,
     tolerance_times,
 )
+from bench.analysis.trials_needed import POWER, trials_needed
 
 __all__ = [
     "ALPHA",
@@ -114,17 +117,21 @@ __all__ = [
     "CUTOFFS",
     "HIDDEN_THREADS",
     "NEAR",
+    "POWER",
     "PRECISIONS",
     "SHARES",
     "SOLVED",
     "TIED",
     "Budgets",
+    "Decisions",
     "Pooled",
     "Traces",
     "a12",
     "aocc",
+    "at_looks",
     "average_ranks",
     "best_so_far",
+    "blind_looks",
     "budgets",
     "cells",
     "cliques",
@@ -136,6 +143,7 @@ __all__ = [
     "critical_difference",
     "critical_distance",
     "data_profiles",
+    "decide",
     "detectable_shift",
     "disagreements",
     "ecdf",
@@ -163,6 +171,7 @@ __all__ = [
     "power_table",
     "precision_targets",
     "probability_of_improvement",
+    "rank_stability",
     "ranking",
     "ranking_certainty",
     "reference_times",
@@ -185,6 +194,7 @@ __all__ = [
     "targets",
     "timing",
     "tolerance_times",
+    "trials_needed",
     "u_scores",
     "unused_budget",
     "variables",

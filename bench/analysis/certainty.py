@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 
@@ -41,7 +43,8 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     rng = np.random.default_rng(seed)
     first, total = np.zeros((2, len(optimizers), 1 + resamples))  # the first column is that of the values themselves
     for problem in problems:
-        own = _resampled_ranks([found[problem, each] for each in optimizers], resamples, rng)
+        values = [found[problem, each] for each in optimizers]
+        own = ranks_of_draws(values, [_times_drawn(len(each), resamples, rng) for each in values])
         first += own == own.min(axis=0)
         total += own
     mean = total / len(problems)
@@ -65,16 +68,22 @@ def _whole(counts: Floats) -> tuple[int, int]:
     return int(low), int(high)
 
 
-def _resampled_ranks(values: list[Floats], resamples: int, rng: np.random.Generator) -> Floats:
-    """Return the (k, 1 + B) ranks of k optimizers for their values as they are, and in each resample of them."""
-    sizes = np.array([len(each) for each in values])
-    owner, pooled = np.repeat(np.arange(len(values)), sizes), np.concatenate(values)
-    counts = np.concatenate([_times_drawn(size, resamples, rng) for size in sizes])
-    beaten, chance = np.zeros((2, len(values), 1 + resamples))
+def ranks_of_draws(values: Sequence[Floats], drawn: Sequence[Floats]) -> Floats:
+    """Return the (k, B) ranks of k optimizers in B draws from their values, as :func:`bench.analysis.standings` ranks.
+
+    Args:
+        values: the values of each optimizer.
+        drawn: how often each of these counts in each draw, (n, B) an optimizer.
+    """
+    owner = np.repeat(np.arange(len(values)), [len(each) for each in values])
+    pooled, counts = np.concatenate(values), np.concatenate(drawn)
+    sizes = np.array([each.sum(axis=0, dtype=float) for each in drawn]).T
+    beaten, chance = np.zeros((2, *sizes.T.shape))
     at_once = max(AT_ONCE // len(values) ** 2, 1)
-    for start in range(0, 1 + resamples, at_once):
+    for start in range(0, len(sizes), at_once):
         chosen = slice(start, start + at_once)
-        lower = won(pooled, owner, counts[:, chosen].T) / np.multiply.outer(sizes, sizes)
+        lower = won(pooled, owner, counts[:, chosen].T)
+        lower = lower / (sizes[chosen, :, np.newaxis] * sizes[chosen, np.newaxis, :])
         lower[:, np.arange(len(values)), np.arange(len(values))] = 0.5
         beaten[:, chosen], chance[:, chosen] = (each.T for each in against_rivals(lower, axis=1))
     return ranks(beaten, chance)

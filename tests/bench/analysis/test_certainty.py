@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench.analysis.cells import near_best, summarise
-from bench.analysis.certainty import RESAMPLES, _resampled_ranks, ranking_certainty
+from bench.analysis.certainty import RESAMPLES, ranking_certainty, ranks_of_draws
 from bench.analysis.pairwise import pairwise_tests
 from bench.analysis.standings import standings
 
@@ -12,27 +12,15 @@ pytestmark = pytest.mark.filterwarnings("error")
 LOW, FAR = [1.0, 2.0, 3.0, 4.0, 5.0], [11.0, 12.0, 13.0, 14.0, 15.0]
 
 
-class Given:
-    """A generator that draws what it is given, so that a resample can be recomputed by hand."""
-
-    def __init__(self, counts):
-        self.counts = iter(counts)
-
-    def multinomial(self, n, _, size):
-        counts = next(self.counts)
-        assert counts.sum() == n * size
-        return counts
-
-
 def test_the_ranks_of_a_resample_are_those_of_the_values_drawn(frame_of):
     rng = np.random.default_rng(0)
     values = [rng.normal(shift, 1, 7 + i).round(1) for i, shift in enumerate((0.0, 0.3, 0.2))]
     values[2][:2] = np.inf
     counts = [rng.multinomial(len(each), np.full(len(each), 1 / len(each)), size=5) for each in values]
-    found = _resampled_ranks(values, 5, Given(counts))
     counts = [
         np.concatenate((np.ones((1, len(each)), dtype=int), own)) for each, own in zip(values, counts, strict=True)
     ]
+    found = ranks_of_draws(values, [own.T.astype(np.float32) for own in counts])
     assert found.shape == (3, 6)
     for resample in range(6):
         drawn = {

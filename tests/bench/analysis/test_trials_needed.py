@@ -1,0 +1,156 @@
+"""The number of trials that would separate a pair: against the formula, against repeated studies, and odd samples."""
+
+import numpy as np
+import pytest
+from scipy.stats import ks_2samp, mannwhitneyu, norm
+
+from bench.analysis.pairwise import (
+    a12,
+    critical_distance,
+    delong_intervals,
+    pairwise_tests,
+    permutation_p,
+    tied_critical_distance,
+)
+from bench.analysis.trials_needed import LARGEST, MOST_PAIRS, noether, trials_needed
+
+
+def needed_of(frame_of, cells, **options):
+    frame = frame_of(cells)
+    return trials_needed(frame, pairwise_tests(frame), set(), **options)
+
+
+def test_noether_s_formula_by_hand_and_by_its_own_test():
+    # z(0.975) + z(0.8) = 1.960 + 0.842: 7.849 / (6 x 0.2^2) = 32.7
+    assert noether(0.7, 0.05, 0.8) == pytest.approx(32.70, abs=0.01)
+    assert noether(0.3, 0.05, 0.8) == pytest.approx(noether(0.7, 0.05, 0.8))
+    assert noether(0.5, 0.05, 0.8) == np.inf
+    rng = np.random.default_rng(1)
+    shift = norm.ppf(0.7) * np.sqrt(2)  # A12 of 0.7
+    x, y = rng.normal(0, 1, (1_000, 33)), rng.normal(shift, 1, (1_000, 33))
+    assert np.mean(mannwhitneyu(x, y, axis=1).pvalue <= 0.05) == pytest.approx(0.8, abs=0.04)
+
+
+def separated(draw, n, level, studies=150):
+    """The share of studies of n trials in which the test and the interval separate two optimizers."""
+    found = 0
+    for seed in range(studies):
+        x, y = draw(np.random.default_rng(seed), n)
+        low, high = delong_intervals(x[np.newaxis], y[np.newaxis])
+        found += ks_2samp(x, y, method="exact").pvalue <= level and not low[0] <= 0.5 <= high[0]
+    return found / studies
+
+
+def shifted(rng, n):
+    return rng.normal(0, 1, n), rng.normal(0.75, 1, n)
+
+
+def two_basins(rng, n):
+    # one ends in the good basin in 70 % of trials, the other in 40 %
+    return (rng.normal(0, 0.1, n) + 5 * (rng.random(n) > share) for share in (0.7, 0.4))
+
+
+@pytest.mark.parametrize("draw", [shifted, two_basins])
+def test_as_many_trials_as_are_needed_separate_four_studies_of_five(frame_of, draw):
+    # samples so large that they are the truth, with a level at which even they do not separate the pair
+    x, y = draw(np.random.default_rng(7), 400)
+    frame = frame_of({("p", "a"): x[:20], ("p", "b"): y[:20]})
+    pairs = pairwise_tests(frame).assign(significant=False, n_first=4, n_second=4)
+    large = frame_of({("p", "a"): x, ("p", "b"): y})
+    row = trials_needed(large, pairs.assign(a12=a12(x, y)), set()).iloc[0]
+    assert row["method"] == "simulation"
+    made = separated(draw, int(row["needed"]), 0.05)
+    assert made == pytest.approx(0.8, abs=0.12)  # standard error 0.033, and that of x and y
+    assert separated(draw, int(0.6 * row["needed"]), 0.05) < made - 0.1
+
+
+def test_simulation_and_formula_agree_where_the_formula_holds(frame_of):
+    # the Kolmogorov-Smirnov test needs more than that of Mann and Whitney where only the location differs
+    x, y = (norm.ppf((np.arange(60) + 0.5) / 60) + shift for shift in (0.0, 0.35))
+    row = needed_of(frame_of, {("p", "a"): x, ("p", "b"): y}).iloc[0]
+    formula = noether(row["a12"], 0.05, 0.8)
+    assert 60 < formula < 150
+    assert formula < row["needed"] < 1.9 * formula
+
+
+def test_the_range_is_that_of_the_interval_of_a12(frame_of):
+    rng = np.random.default_rng(2)
+    row = needed_of(frame_of, {("p", "a"): rng.normal(0, 1, 30), ("p", "b"): rng.normal(0.15, 1, 30)}).iloc[0]
+    assert row["a12_low"] < 0.5 < row["a12_high"]
+    assert row["low"] < row["needed"] < LARGEST
+    assert row["high"] == np.inf
+    assert row["low"] == pytest.approx(row["needed"] * ((row["a12"] - 0.5) / (row["a12_high"] - 0.5)) ** 2, rel=0.05)
+
+
+def test_a_pair_without_tendency_is_practically_not_separable(frame_of):
+    x = np.arange(20.0)
+    row = needed_of(frame_of, {("p", "a"): x, ("p", "b"): x + 0.5}).iloc[0]
+    assert row["needed"] == np.inf
+    spread = needed_of(frame_of, {("p", "a"): 30 * (x - 9.5), ("p", "b"): x - 9.6}).iloc[
+        0
+    ]  # significant, but no direction
+    assert spread["needed"] == np.inf
+    same = needed_of(
+        frame_of, {("p", "a"): [1.0] * 9, ("p", "b"): [1.0] * 9, ("q", "a"): [None] * 9, ("q", "b"): [None] * 9}
+    )
+    assert same["needed"].tolist() == [np.inf, np.inf]
+
+
+def test_few_trials(frame_of):
+    apart = needed_of(frame_of, {("p", "a"): [1.0, 2, 3], ("p", "b"): [7.0, 8, 9]}).iloc[0]
+    assert apart["needed"] == 4  # 2 of C(8, 4) = 70 arrangements
+    assert np.isnan(apart["low"])
+    single = needed_of(frame_of, {("p", "a"): [1.0], ("p", "b"): [2.0]}).iloc[0]
+    assert np.isnan(single["needed"])
+    nothing = needed_of(frame_of, {("p", "a"): [], ("p", "b"): [2.0, 3.0]})
+    assert len(nothing) == 0 or np.isnan(nothing.iloc[0]["needed"])
+
+
+def test_separated_pairs_are_left_out_and_lower_the_level_of_the_others_as_holm_does(frame_of):
+    rng = np.random.default_rng(3)
+    cells = {("p", name): rng.normal(shift, 1, 25) for name, shift in (("a", 0), ("b", 0.0), ("c", 9))}
+    found = needed_of(frame_of, cells)
+    assert found[["first", "second"]].to_numpy().tolist() == [["a", "b"]]
+    assert found["level"].tolist() == [0.05]
+    early = needed_of(frame_of, {key: values[:3] for key, values in cells.items()})
+    assert early["level"].round(6).tolist() == [0.016667] * 3
+    looked = needed_of(frame_of, cells, looks=(10, 25))
+    assert 0.04 < looked["level"].iloc[0] < 0.05
+
+
+def test_of_very_many_pairs_those_with_the_leader_by_the_formula(frame_of):
+    rng = np.random.default_rng(3)
+    number = 16
+    assert number * (number - 1) / 2 > MOST_PAIRS
+    frame = frame_of({("p", f"o{i}"): rng.normal(0, 1, 8) for i in range(number)})
+    found = trials_needed(frame, pairwise_tests(frame), {("p", "o3")})
+    assert len(found) == number - 1
+    assert set(found["method"]) == {"formula"}
+    known = found[np.isfinite(found["needed"])]
+    expected = np.maximum(noether(known["a12"], known["level"], 0.8), 9)
+    assert known["needed"].tolist() == np.ceil(expected).tolist()
+
+
+@pytest.mark.parametrize("sizes", [(3, 3, 10), (1,) * 16, (8, 1, 1, 1, 1, 4)])
+def test_the_critical_distance_given_ties_is_that_of_the_permutation_test(sizes):
+    pooled = np.repeat(np.arange(len(sizes)), sizes).astype(float)
+    n, rng = len(pooled) // 2, np.random.default_rng(0)
+    changes = np.append(pooled[1:] != pooled[:-1], True)
+    for level in (0.05, 0.2):
+        needed = tied_critical_distance(changes, level)
+        assert needed is not None
+        assert needed <= (critical_distance(n, level) or 99)
+        for _ in range(60):
+            order = rng.permutation(pooled)
+            x, y = order[:n], order[n:]
+            steps = round(n * ks_2samp(x, y, method="asymp").statistic)
+            p = permutation_p(x[np.newaxis], y[np.newaxis])[0]
+            assert (p <= level) == (steps >= needed)
+
+
+def test_ties_are_drawn_as_ties(frame_of):
+    # half of the trials of both end at the optimum exactly; the others differ
+    x = [0.0] * 15 + np.linspace(1, 2, 15).tolist()
+    y = [0.0] * 9 + np.linspace(1.2, 2.2, 21).tolist()
+    row = needed_of(frame_of, {("p", "a"): x, ("p", "b"): y}).iloc[0]
+    assert 31 <= row["needed"] < 300
