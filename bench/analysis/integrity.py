@@ -13,6 +13,7 @@ import pandas as pd
 
 from bench.analysis.cells import Budgets, Traces, coverage
 from bench.analysis.finished_trials import CHECKS, Boxes, Evidence, Finding, cell_names, judge, listed, percent, where
+from bench.looks import LEAST
 from bench.storage.reading import StoreCheck
 
 Diagnoses = Mapping[str, Sequence[Mapping[str, Any]]]
@@ -65,6 +66,7 @@ def integrity(
     diagnoses: Diagnoses | None = None,
     verifications: Sequence[Mapping[str, Any]] = (),
     stores: Sequence[StoreCheck] = (),
+    extensions: Sequence[tuple[int, int]] = (),
 ) -> pd.DataFrame:
     """Return one row a check, always the same checks in the same order: check, verdict, finding and cells.
 
@@ -82,9 +84,12 @@ def integrity(
         verifications: the record of ``bench verify`` in each folder
             (:meth:`bench.storage.folder.Folder.verification`), empty where there is none.
         stores: the outcome of reading each folder's store (:attr:`bench.Results.stores`).
+        extensions: the trials of each cell that were complete, and those then asked for, of each run that asked for
+            more trials without declared looks.
     """
     findings = {
         "completeness": _completeness(frame, planned_trials),
+        "optional stopping": _optional_stopping(frame, extensions),
         "failures": _failures(frame),
         "storage": _storage(stores),
         "repeatability": _repeatability(verifications),
@@ -126,6 +131,22 @@ def _completeness(frame: pd.DataFrame, planned: int | Mapping[tuple[str, str], i
         f"{where(short)}."
     )
     return Finding("warning", text, cell_names(short))
+
+
+def undeclared(extensions: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return the extensions before which a test could be significant, so that results could be a reason for them."""
+    return [(held, asked) for held, asked in extensions if held >= LEAST]
+
+
+def _optional_stopping(frame: pd.DataFrame, extensions: Sequence[tuple[int, int]]) -> Finding:
+    if frame.empty:
+        return Finding("not checked", "There is no trial.")
+    if found := undeclared(extensions):
+        steps = listed(
+            [f"{held:,} trials of each cell were complete when {asked:,} were asked for" for held, asked in found]
+        )
+        return Finding("warning", f"Trials were added to complete ones, and no looks were declared: {steps}.")
+    return Finding("pass", "No run on record added trials to complete ones without declared looks.")
 
 
 def _failures(frame: pd.DataFrame) -> Finding:

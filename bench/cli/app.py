@@ -17,6 +17,7 @@ from bench.cli import (
     import_,
     merge,
     pack,
+    plan,
     report,
     rm,
     run,
@@ -40,7 +41,8 @@ app = typer.Typer(
     rich_markup_mode="markdown",
 )
 for _name, _command in (
-    ("list", list_.list_plugins), ("run", run.run), ("status", status.status), ("report", report.report),
+    ("list", list_.list_plugins), ("run", run.run), ("plan", plan.plan), ("status", status.status),
+    ("report", report.report),
     ("export", export.export), ("import", import_.import_results), ("check", check.check), ("solve", solve.solve),
     ("verify", verify.verify), ("merge", merge.merge), ("rm", rm.remove), ("pack", pack.pack),
     ("unpack", unpack.unpack), ("gate", gate.gate), ("describe", describe.describe), ("similar", similar.similar),

@@ -16,6 +16,7 @@ from bench.plots import style
 MOST_NAMES = 60  # names in a critical-difference diagram; more would not fit on a page
 RANK_NAME = 20  # characters of a name there
 LINE, BAR = 0.15, 0.09  # inches between its names, and between its bars
+AXES = {"evaluations": "evaluations", "trials": "trials", "share": "share of the budget"}  # of ranks, with their names
 EFFECTS = [bound for cutoff in CUTOFFS.values() for bound in (1 - cutoff, cutoff)]  # on both sides of 0.5
 
 
@@ -98,12 +99,13 @@ def _ruler(ax: Axes, start: float, length: float) -> None:
 def rank_course(ranks: pd.DataFrame, *, looks: style.Looks | None = None, ax: Axes | None = None) -> Axes:
     """Draw the mean rank of each optimizer over the evaluations, the best at the top, with its name at the right.
 
-    ``ranks`` has optimizer, evaluations (or share, of the budget) and rank, a row a stage. Optimizers whose look is in
-    the background (:func:`bench.plots.style.looks`) have no name.
+    ``ranks`` has optimizer, evaluations (or share, of the budget, or trials) and rank, a row a stage, and low and high
+    where a band is to be drawn. Optimizers whose look is in the background (:func:`bench.plots.style.looks`) have
+    neither name nor band.
     """
     looks = style.looks_of(ranks, looks)
     ax = style.own_axes(ax)
-    along = "evaluations" if "evaluations" in ranks else "share"
+    along = next(name for name in AXES if name in ranks)
     shown = style.names(looks, RANK_NAME)
     last: dict[str, float] = {}
     for optimizer, look in style.behind_first(looks):
@@ -116,13 +118,17 @@ def rank_course(ranks: pd.DataFrame, *, looks: style.Looks | None = None, ax: Ax
         )  # fmt: skip
         if not look.background:
             last[optimizer] = float(y[-1])
-    least, most = float(ranks["rank"].min()), float(ranks["rank"].max())
+        if not look.background and "low" in ranks:
+            low, high = ranks.loc[ranks["optimizer"] == optimizer, ["low", "high"]].to_numpy(dtype=float).T
+            ax.fill_between(x, low, high, color=look.color, alpha=0.15, linewidth=0)
+    drawn = ranks[[name for name in ("rank", "low", "high") if name in ranks]]
+    least, most = float(drawn.to_numpy(dtype=float).min()), float(drawn.to_numpy(dtype=float).max())
     room = max(most - least, 1.0)
     ax.set_ylim(most + 0.05 * room, max(least - 0.05 * room, 0.5))
     ax.yaxis.set_major_locator(MaxNLocator(6, integer=True))
     style.log_scale(ax, "x")
     stages = sorted(ranks[along].unique())
-    ax.set_xticks(stages, [f"{each:,.0f}" if along == "evaluations" else f"{each:.0%}" for each in stages])
+    ax.set_xticks(stages, [f"{each:.0%}" if along == "share" else f"{each:,.0f}" for each in stages])
     ax.set_xlim(stages[0], stages[-1])
     if along == "evaluations":
         ax.tick_params(axis="x", rotation=30)
@@ -135,7 +141,7 @@ def rank_course(ranks: pd.DataFrame, *, looks: style.Looks | None = None, ax: Ax
             arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 0},
         )  # fmt: skip
     ax.set_ylabel("mean rank")
-    ax.set_xlabel("evaluations" if along == "evaluations" else "share of the budget")
+    ax.set_xlabel(AXES[along])
     return ax
 
 

@@ -14,6 +14,7 @@ import pandas as pd
 from bench import analysis
 from bench.analysis.equivalence import differences
 from bench.analysis.factors import Contributions, contributions
+from bench.analysis.integrity import undeclared
 from bench.budget import described, evaluations
 from bench.errors import BenchError
 from bench.execution.descriptions import Description, describe
@@ -62,6 +63,18 @@ class Findings:
     def planned(self) -> dict[str, int]:
         """The trials that a cell should hold at most, by problem."""
         return {label: self.results.study.trials * len(own) for label, own in self.pooled.members.items()}
+
+    @cached_property
+    def decisions(self) -> analysis.Decisions:
+        """The outcome of the study's declared looks at its trials; nothing is decided without looks."""
+        return analysis.decide(self.frame, self.results.study.looks)
+
+    @property
+    def extensions(self) -> list[tuple[int, int]]:
+        """The trials of each cell that were complete, and those then asked for, of every run that asked for more."""
+        keys = [(each.get("extends"), each.get("trials")) for each in self.results.environments]
+        found = [(held, asked) for held, asked in keys if isinstance(held, int) and isinstance(asked, int)]
+        return [] if self.results.study.looks else list(dict.fromkeys(found))
 
     @cached_property
     def study(self) -> Study:
@@ -127,8 +140,10 @@ class Findings:
     def coverage(self) -> pd.DataFrame:
         """Stored, failed and missing trials of each cell."""
         members, planned = self.pooled.members, self.results.planned
-        cells = product(members, self.optimizers)
-        return analysis.coverage(self.frame, {(p, o): planned[o] * len(members[p]) for p, o in cells})
+        cells, stopped = product(members, self.optimizers), self.decisions.stopped
+        return analysis.coverage(
+            self.frame, {(p, o): stopped.get((p, o), planned[o] * len(members[p])) for p, o in cells}
+        )
 
     @cached_property
     def known(self) -> dict[str, ProblemFacts]:
@@ -236,8 +251,9 @@ class Findings:
 
     @cached_property
     def pairs(self) -> pd.DataFrame:
-        """The tests of each pair of optimizers on each problem."""
-        return analysis.pairwise_tests(self.frame)
+        """The tests of each pair of optimizers on each problem, those of the looks where the study declares any."""
+        pairs = analysis.pairwise_tests(self.frame)
+        return analysis.at_looks(pairs, self.decisions) if self.results.study.looks else pairs
 
     @property
     def written_pairs(self) -> pd.DataFrame:
@@ -279,6 +295,22 @@ class Findings:
     def certainty(self) -> pd.DataFrame:
         """How far other trials on the same problems could move the ranking."""
         return analysis.ranking_certainty(self.frame)
+
+    @cached_property
+    def stability(self) -> pd.DataFrame:
+        """The mean rank of each optimizer over the number of trials that count."""
+        return analysis.rank_stability(self.frame)
+
+    @cached_property
+    def needed(self) -> pd.DataFrame:
+        """The trials that would separate the pairs that are not separated, with a power of 80 %."""
+        return self.needed_for(analysis.POWER)
+
+    def needed_for(self, power: float) -> pd.DataFrame:
+        """Return the trials that would separate the pairs that are not separated, with a power."""
+        first = self.standings[self.standings["rank"] == self.standings.groupby("problem")["rank"].transform("min")]
+        leaders = set(zip(first["problem"].astype(object), first["optimizer"].astype(object), strict=True))
+        return analysis.trials_needed(self.frame, self.pairs, leaders, power=power, looks=self.results.study.looks)
 
     @cached_property
     def improvement(self) -> pd.DataFrame:
@@ -487,13 +519,16 @@ class Findings:
             analysis.in_study_order(results.frame, study),
             study_budget=study.budget if isinstance(study.budget, int) and self.allowed == self.budgets else budgets,
             planned_trials={
-                (entry.label, label): trials for entry in study.problems for label, trials in results.planned.items()
+                (entry.label, label): self.decisions.stopped.get((entry.label, label), trials)
+                for entry in study.problems
+                for label, trials in results.planned.items()
             },
             traces=results.traces,
             boxes={label: each.continuous for label, each in facts.items() if each.box},
             diagnoses=self.results.checks,
             verifications=self.results.verifications,
             stores=self.results.stores,
+            extensions=self.extensions,
         )
 
     @cached_property
@@ -536,6 +571,10 @@ class Findings:
                 best2009=self.best_times.dropna()["problem"].nunique(),
                 tuning=self.study.tuning,
                 sweeps=sum(not each.levels.empty for each in self.contributions.values()),
+                stopped=len(self.decisions.stopped),
+                extensions=undeclared(self.extensions),
+                needed="" if self.needed.empty else str(self.needed["method"].iloc[0]),
+                stability=len(self.stability) > 0,
             )
         )
 

@@ -79,6 +79,10 @@ class MethodsFacts:
         best2009: problems on which the best of 2009 stands beside the optimizers.
         sweeps: sweeps whose parameters' contributions are given.
         tuning: how the optimizers were tuned, where this harness did.
+        stopped: cells that a declared look stopped.
+        extensions: the trials of each cell that were complete, and those then asked for without declared looks.
+        needed: how the trials that would separate more pairs were estimated, "simulation" or "formula"; "" where none.
+        stability: whether ranks are given over the number of trials.
     """
 
     study: Study
@@ -109,6 +113,10 @@ class MethodsFacts:
     best2009: int = 0
     sweeps: int = 0
     tuning: Tuning | None = None
+    stopped: int = 0
+    extensions: Sequence[tuple[int, int]] = ()
+    needed: str = ""
+    stability: bool = False
 
 
 @dataclass(frozen=True)

@@ -258,6 +258,21 @@ def course_figure(stages: pd.DataFrame, looks: style.Looks) -> Figure:
     return Figure("ranks-over-budget", caption, figure, stages, shown)
 
 
+def stability_figure(stability: pd.DataFrame, looks: style.Looks) -> Figure:
+    """Return the mean rank of each optimizer over the number of trials that count, with the range over subsets."""
+    named = [label for label, look in looks.items() if not look.background]
+    right = style.text_width(style.names(named, RANK_NAME).values()) + 0.25
+    figure, (ax,) = style.grid(1, width=_width(right), height=1.9, left=0.45, right=right, bottom=0.4, top=0.08)
+    rank_course(stability, looks=looks, ax=ax)
+    caption = (
+        "Stability of the ranks: the mean rank over problems with only the first trials of each cell, 1 for the best; "
+        "bands are the range over random subsets of as many trials. All bands end in a point, where subsets hold all "
+        "trials; a curve that still moves there needs more of them."
+    )
+    shown = stability.pivot(index="trials", columns="optimizer", values="rank")[list(looks)].rename_axis(columns=None)
+    return Figure("stability", caption, figure, stability, shown)
+
+
 def rank_figure(average_ranks: pd.Series[float], cliques: Collection[Sequence[str]]) -> Figure:
     """Return the critical-difference diagram of average ranks over problems; a bar joins those of a clique."""
     side = style.text_width(style.names(average_ranks.index, RANK_NAME).values()) + 0.5

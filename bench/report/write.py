@@ -165,7 +165,8 @@ class _Report:
         self.add_downloads()
         lead = (
             f"Study {study.name}: {count(len(study.optimizers), 'optimizer')} on "
-            f"{count(len(study.problems), 'problem')}, {count(study.trials, 'trial')} each, "
+            f"{count(len(study.problems), 'problem')}, "
+            f"{'at most ' if study.looks else ''}{count(study.trials, 'trial')} each, "
             f"{described(study.budget)} a trial."
         )
         further = interactive(self.findings)

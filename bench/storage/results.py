@@ -67,6 +67,8 @@ class Results:
         budgets: what a run of each optimizer may spend, by the label shown; of imported runs, the most that any spent.
         planned: the trials that each cell of an optimizer should hold, by the label shown; 0 of imported runs, which
             follow no plan that is known.
+        looked: the names of the folders whose looks stopped cells, where several folders are compared: each cell then
+            holds as many trials as the first look at least.
         differences: sentences on how the folders differ where imported results are among them; else none.
         checks: the verdicts of ``bench check`` by optimizer label; empty where it has not run.
         verifications: the note of ``bench verify`` in each folder, empty where it has not run.
@@ -82,8 +84,13 @@ class Results:
         self.names = [source.name for source in self._sources]
         self.study = united([source.study for source in self._sources], self.names)
         self.budgets = {entry.label: each.study.budget for each in self._sources for entry in each.study.optimizers}
+        self.looked = [source.name for source in self._sources if source.study.looks and others]
         self.planned = {
-            entry.label: 0 if is_imported(entry.name) else each.study.trials
+            entry.label: 0
+            if is_imported(entry.name)
+            else each.study.looks[0]
+            if each.name in self.looked
+            else each.study.trials
             for each in self._sources
             for entry in each.study.optimizers
         }

@@ -17,6 +17,7 @@ from bench.report.sections import (
     power,
     suite,
     time,
+    trials,
     tuning,
     verdict,
 )
@@ -25,17 +26,7 @@ OPENING = (verdict, beside, suite, dominance, integrity, comparison)
 """The parts before the plug-ins' sections."""
 
 CLOSING = (
-    tuning,
-    components,
-    across,
-    equivalence,
-    landscape,
-    anytime,
-    best,
-    datasets,
-    time,
-    power,
-    methods,
+    tuning, components, across, equivalence, landscape, anytime, best, datasets, time, trials, power, methods,
     environment,
-)
+)  # fmt: skip
 """The parts after them; the list of downloads ends the page."""

@@ -17,6 +17,7 @@ from bench.report.plots import course_figure
 from bench.report.ranking import rank_map, ranking_table
 from bench.report.sections import integrity
 from bench.report.sections.power import detectable_differences
+from bench.report.sections.trials import NOT_ADJUSTED, extension_text
 from bench.report.target_words import TargetWords
 from bench.report.winner import Spell, Standing, paragraph
 from bench.report.wording import count, listing, p_text, unfinished_trials
@@ -165,6 +166,14 @@ def _limits(findings: Findings) -> tuple[str, ...]:
         f"The counts describe {counted} at this budget and with these options; others may give another ranking.",
         across(findings),
     ]
+    texts += extension_text(findings)
+    if findings.decisions.stopped:
+        texts.append(NOT_ADJUSTED)
+    if looked := findings.results.looked:
+        texts.append(
+            f"The runs in {listing(looked)} were stopped by declared looks; the tests of this comparison do not "
+            "account for these, so their p-values are too small."
+        )
     if findings.allowed != findings.budgets:
         unequal = (
             "The optimizers had different budgets, and the ranks of final values favour the larger ones: compare the "
@@ -223,8 +232,10 @@ def dependent(findings: Findings) -> str:
 
 
 def _grounds(findings: Findings) -> str:
-    pairs = comb(len(findings.optimizers), 2)
-    adjusted = f" (adjusted by Holm’s method over the {pairs} pairs of a problem)" if pairs > 1 else ""
+    pairs, looks = comb(len(findings.optimizers), 2), findings.results.study.looks
+    over = [f"for looks at {listing([str(each) for each in looks])} trials"] if looks else []
+    over += [f"by Holm’s method over the {pairs} pairs of a problem"] if pairs > 1 else []
+    adjusted = f" (adjusted {' and '.join(over)})" if over else ""
     return (
         "On a problem, optimizers rank by the number of rivals that they beat: more than half of the pairs of a trial "
         "of one and a trial of the other end lower with it (A12 > 0.5). One is separably lower than another if the "

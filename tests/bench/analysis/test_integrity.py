@@ -17,7 +17,7 @@ BUDGET, TRIALS = 1_000, 6
 PROBLEMS, OPTIMIZERS = ("p", "q"), ("a", "b", "c")
 BOXES = {"p": {"u": (-1.0, 1.0), "v": (0.0, 10.0)}, "q": {"v": (0.0, 5.0), "u": (-2.0, 0.0)}}
 CHECKS = [
-    "completeness", "failures", "storage", "repeatability",
+    "completeness", "optional stopping", "failures", "storage", "repeatability",
     "centre bias", "structural bias", "boundary clamping", "starts and seeds",
     "finite values", "budget", "records", "undeclared stops", "declared stops", "outside the box", "repeated points",
     "ceiling", "same algorithm", "seeds", "random streams", "contention", "hidden threads",
@@ -140,6 +140,16 @@ def two_trials_missing(s):
 @trap("completeness", "warning", "6 of 36 planned trials", "1 of 6 cells", "c on q", cells="c on q")
 def an_empty_cell(s):
     s.frame = s.frame[~((s.frame["problem"] == "q") & (s.frame["optimizer"] == "c"))]
+
+
+def test_trials_added_to_complete_ones_are_optional_stopping_once_a_test_could_be_significant(sound):
+    found = sound.check(extensions=[(3, 6), (10, 20), (20, 25)]).loc["optional stopping"]
+    assert found["verdict"] == "warning"
+    assert (
+        "no looks were declared: 10 trials of each cell were complete when 20 were asked for, 20 trials"
+        in found["finding"]
+    )
+    assert sound.check(extensions=[(1, 30), (3, 30)]).loc["optional stopping", "verdict"] == "pass"
 
 
 def test_each_optimizer_has_its_own_plan(sound):
@@ -325,7 +335,9 @@ def test_a_trap_is_found_by_its_own_check_only(sound, name):
 
 
 def test_every_check_has_a_trap():
-    assert {check for _, check, *_ in TRAPS.values()} == set(CHECKS)
+    assert {check for _, check, *_ in TRAPS.values()} == set(CHECKS) - {
+        "optional stopping"
+    }  # which the records of runs show
 
 
 class TestWhatIsNoTrap:
@@ -387,8 +399,8 @@ class TestWithoutTrials:
         numbers = dict.fromkeys(["fun", "nfev", "wall_s", "cpu_s", "objective_s", "stop", "x_u", "x_v", "outside_box"])
         sound.frame = sound.frame.assign(status="failed", **numbers)
         verdicts = sound.check(traces={}, diagnoses={}, verifications=[], stores=[])["verdict"]
-        assert (verdicts["completeness"], verdicts["failures"]) == ("pass", "error")
-        assert set(verdicts.drop(["completeness", "failures"])) == {"not checked"}
+        assert verdicts[["completeness", "optional stopping", "failures"]].tolist() == ["pass", "pass", "error"]
+        assert set(verdicts.drop(["completeness", "optional stopping", "failures"])) == {"not checked"}
 
     def test_no_final_point_and_no_processor_time(self, sound):
         sound.frame = sound.frame.drop(columns=["x_u", "x_v"]).assign(cpu_s=0.0)

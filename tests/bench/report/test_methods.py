@@ -76,11 +76,32 @@ class TestMethods:
             place |= {"incollection": "booktitle", "book": "publisher"}
             assert f"  {place[work.kind]} = " in work.bibtex
             assert work.kind != "article" or "pages = " in work.fields
-        fields_own = replace(full(), target_set=target_words("precisions"), aocc=2, best2009=2)
-        many = replace(full(), study=study([f"o{place}" for place in range(33)]))
+        looked = replace(full().study, looks=(10, 20, 30))
+        fields_own = replace(full(), study=looked, target_set=target_words("precisions"), aocc=2, best2009=2)
+        many = replace(full(), study=study([f"o{place}" for place in range(33)]), needed="formula", stability=True)
         swept = replace(full(), sweeps=1, tuning=TUNING)
         known = [cited(methods(facts)) for facts in (full(), fields_own, many, swept)]
         assert library().keys() <= set.union(*known)
+
+    def test_the_looks_are_told(self):
+        several = replace(full().study, looks=(10, 20, 30))
+        text = said(full(study=several, stopped=1))
+        assert "28 to 30 independent trials (at most 30, by declared looks)" in text
+        assert "declared looks at 10, 20 and 30 trials, at each of which all pairs of a problem are tested" in text
+        assert "1 cell was decided against every rival" in text
+        assert "the function of Lan and DeMets (Lan and DeMets, 1983)" in text
+        assert "group sequential procedure (Ye et al., 2013)" in text
+        assert "no cell was decided" in said(full(study=several))
+        assert "looks" not in said(full())
+
+    def test_undeclared_extensions_and_estimates_are_told(self):
+        text = said(full(extensions=[(10, 30)], needed="simulation", stability=True))
+        assert "10 trials of each cell were complete when 30 were asked for, and no looks had been declared" in text
+        assert "this is optional stopping" in text
+        assert "by simulating the test on resamples of the trials" in text
+        assert "by Noether’s formula (Noether, 1987)" in said(full(needed="formula"))
+        assert "random subsets of them (Politis and Romano, 1994)" in text
+        assert "optional stopping" not in said(full())
 
     def test_every_citation_has_its_work_and_every_work_is_cited(self):
         found = methods(full())

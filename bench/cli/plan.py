@@ -1,0 +1,50 @@
+"""bench plan: estimate from a study's trials how many more would separate which optimizers."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from bench.cli.console import Output, print_line
+from bench.errors import BenchError
+from bench.numbers import is_finite
+
+SHOWN = 60  # pairs that are printed; the report's table has all
+
+
+def plan(
+    output: Output,
+    power: Annotated[float, typer.Option(help="The chance to separate a pair, which is to be reached.")] = 0.8,
+) -> None:
+    """Estimate from a study's trials how many more would separate which optimizers, with a power of 80%.
+
+    A pair is separated where a report calls one optimizer separably lower. The estimates are as uncertain as the
+    trials; for a new study, declare looks: [looks] trials = [10, 20, 30].
+    """
+    if not is_finite(power) or not 0.05 <= power <= 0.99:
+        raise BenchError(f"the power is a chance from 0.05 to 0.99, such as 0.8, not {power:g}")
+
+    from bench.report.findings import Findings
+    from bench.report.sections import trials
+    from bench.storage.results import Results
+
+    findings, console = Findings(Results(output)), Console()
+    if len(findings.optimizers) < 2:
+        raise BenchError(f"{output} holds one optimizer only, so there is no pair to separate")
+    if findings.frame.empty or not len(findings.medians):
+        raise BenchError(f"{output} holds no problem with trials of every optimizer yet; run the study first")
+    needed = findings.needed_for(power)
+    if len(needed):
+        shown = trials.rows(needed)
+        for row in shown.head(SHOWN).to_dict("records"):
+            limits, about = (f" [{row[name]}]" if row["range"] else "" for name in ("interval", "range"))
+            pair = f"{row['problem']}: {row['first']} and {row['second']}"
+            more = f", {row['more']} more" if row["more"] else ""
+            chance = f"A12 {row['A12']:.2f}{limits} of {row['trials']} trials"
+            print_line(f"{pair}, {chance}: {row['needed']}{about} trials{more}", console=console)
+        if len(shown) > SHOWN:
+            print_line(f"… and {len(shown) - SHOWN:,} more pairs", console=console)
+    for text in (*trials.extension_text(findings), *trials.summary(needed, len(findings.pairs), power)):
+        print_line(text, console=console)
