@@ -15,10 +15,9 @@ from bench.analysis.cells import cells, complete_problems, labels
 from bench.analysis.certainty import ranks_of_draws
 
 FIRST = 3  # trials
-STEPS = 12  # numbers of trials at most
-SUBSETS = {30: 39, 100: 19}
-"""Random subsets of each size up to a number of optimizers; of 39 the extremes are a 95 % interval."""
-FEWEST = 9  # of more optimizers
+STEPS = {30: (12, 39), 100: (8, 19)}
+"""Numbers of trials, and random subsets of each, up to a number of optimizers; the extremes of 39 are 95 % limits."""
+FEWEST = (4, 9)  # of more optimizers, as the cost grows with their square
 
 COLUMNS = ("optimizer", "trials", "rank", "low", "high")
 
@@ -36,8 +35,8 @@ def rank_stability(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     most = max((len(found[each, one]) for each in problems for one in optimizers), default=0)
     if most <= FIRST or len(optimizers) < 2:
         return pd.DataFrame(columns=list(COLUMNS))
-    sizes = np.unique(np.geomspace(FIRST, most, STEPS).round().astype(int))
-    subsets = next((number for limit, number in SUBSETS.items() if len(optimizers) <= limit), FEWEST)
+    steps, subsets = next((number for limit, number in STEPS.items() if len(optimizers) <= limit), FEWEST)
+    sizes = np.unique(np.geomspace(FIRST, most, steps).round().astype(int))
     rng = np.random.default_rng(seed)
     total = np.zeros((len(optimizers), len(sizes) * (1 + subsets)))
     for problem in problems:

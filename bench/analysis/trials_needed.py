@@ -16,7 +16,7 @@ Statistician 55). The range is that of the interval of A12: by the formula n is 
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +36,7 @@ MOST_PAIRS = 100  # open pairs up to which all are simulated
 EXACT_TIES = 60  # trials up to which the critical distance given ties is exact
 GRID = sorted({round(4 * 1.1**step) for step in range(58)} | {LARGEST})  # numbers of trials that are tried
 
+PAIR = ("first", "second")
 COLUMNS = (
     "problem", "first", "second", "n_first", "n_second", "a12", "a12_low", "a12_high", "level", "needed", "low", "high",
     "method",
@@ -43,7 +44,7 @@ COLUMNS = (
 
 
 def trials_needed(
-    frame: pd.DataFrame, pairs: pd.DataFrame, leaders: Collection[tuple[str, str]], *, power: float = POWER,
+    frame: pd.DataFrame, pairs: pd.DataFrame, standing: pd.DataFrame, *, power: float = POWER,
     alpha: float = ALPHA, looks: Sequence[int] = (), seed: int = 0,
 ) -> pd.DataFrame:  # fmt: skip
     """Return one row a pair that is not separated: the trials of each of its optimizers that would separate it.
@@ -56,7 +57,8 @@ def trials_needed(
     Args:
         frame: the tidy frame.
         pairs: of :func:`bench.analysis.pairwise_tests`, all pairs of each problem.
-        leaders: (problem, optimizer) of those that lead their problem; of more than 100 open pairs only theirs count.
+        standing: of :func:`bench.analysis.standings`; of more than 100 open pairs only those with the best optimizer of
+            a problem count.
         power: the chance to separate a pair, which is to be reached.
         alpha: the level of the tests of a problem.
         looks: the study's declared looks: the level of a pair is then that of the last one.
@@ -70,10 +72,10 @@ def trials_needed(
     table = pairs.assign(level=number.map(steps))[(left | (pairs["lower"] == "")).to_numpy(dtype=bool)]
     simulated = len(table) <= MOST_PAIRS
     if not simulated:
-        problem = table["problem"].astype(object)
-        ours = [(each, one) in leaders or (each, other) in leaders
-                for each, one, other in zip(problem, table["first"], table["second"], strict=True)]  # fmt: skip
-        table = table[np.array(ours, dtype=bool)]
+        best = standing[standing["rank"] == standing.groupby("problem", observed=True)["rank"].transform("min")]
+        leaders = pd.MultiIndex.from_frame(best[["problem", "optimizer"]].astype(object))
+        ours = [pd.MultiIndex.from_frame(table[["problem", name]].astype(object)).isin(leaders) for name in PAIR]
+        table = table[ours[0] | ours[1]]
     table = table.assign(method="simulation" if simulated else "formula")
     chance, low, high = (table[name].to_numpy(dtype=float) for name in ("a12", "a12_low", "a12_high"))
     level, smaller = table["level"].to_numpy(dtype=float), table[["n_first", "n_second"]].min(axis=1).to_numpy()

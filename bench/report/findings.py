@@ -308,9 +308,9 @@ class Findings:
 
     def needed_for(self, power: float) -> pd.DataFrame:
         """Return the trials that would separate the pairs that are not separated, with a power."""
-        first = self.standings[self.standings["rank"] == self.standings.groupby("problem")["rank"].transform("min")]
-        leaders = set(zip(first["problem"].astype(object), first["optimizer"].astype(object), strict=True))
-        return analysis.trials_needed(self.frame, self.pairs, leaders, power=power, looks=self.results.study.looks)
+        return analysis.trials_needed(
+            self.frame, self.pairs, self.standings, power=power, looks=self.results.study.looks
+        )
 
     @cached_property
     def improvement(self) -> pd.DataFrame:

@@ -1,6 +1,7 @@
 """The number of trials that would separate a pair: against the formula, against repeated studies, and odd samples."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.stats import ks_2samp, mannwhitneyu, norm
 
@@ -14,10 +15,12 @@ from bench.analysis.pairwise import (
 )
 from bench.analysis.trials_needed import LARGEST, MOST_PAIRS, noether, trials_needed
 
+NOBODY = pd.DataFrame({"problem": [], "optimizer": [], "rank": []})  # few pairs need no leader
+
 
 def needed_of(frame_of, cells, **options):
     frame = frame_of(cells)
-    return trials_needed(frame, pairwise_tests(frame), set(), **options)
+    return trials_needed(frame, pairwise_tests(frame), NOBODY, **options)
 
 
 def test_noether_s_formula_by_hand_and_by_its_own_test():
@@ -57,7 +60,7 @@ def test_as_many_trials_as_are_needed_separate_four_studies_of_five(frame_of, dr
     frame = frame_of({("p", "a"): x[:20], ("p", "b"): y[:20]})
     pairs = pairwise_tests(frame).assign(significant=False, n_first=4, n_second=4)
     large = frame_of({("p", "a"): x, ("p", "b"): y})
-    row = trials_needed(large, pairs.assign(a12=a12(x, y)), set()).iloc[0]
+    row = trials_needed(large, pairs.assign(a12=a12(x, y)), NOBODY).iloc[0]
     assert row["method"] == "simulation"
     made = separated(draw, int(row["needed"]), 0.05)
     assert made == pytest.approx(0.8, abs=0.12)  # standard error 0.033, and that of x and y
@@ -123,7 +126,8 @@ def test_of_very_many_pairs_those_with_the_leader_by_the_formula(frame_of):
     number = 16
     assert number * (number - 1) / 2 > MOST_PAIRS
     frame = frame_of({("p", f"o{i}"): rng.normal(0, 1, 8) for i in range(number)})
-    found = trials_needed(frame, pairwise_tests(frame), {("p", "o3")})
+    standing = pd.DataFrame({"problem": "p", "optimizer": ["o0", "o3", "o5"], "rank": [2.5, 1.0, 2.5]})
+    found = trials_needed(frame, pairwise_tests(frame), standing)
     assert len(found) == number - 1
     assert set(found["method"]) == {"formula"}
     known = found[np.isfinite(found["needed"])]
