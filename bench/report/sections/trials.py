@@ -26,10 +26,10 @@ CAUTION = (
 )
 
 
-def section(findings: Findings) -> Section | None:
-    """Return the section; None where there is nothing to compare."""
+def section(findings: Findings) -> Section:
+    """Return the section, or one that states that there is nothing to compare."""
     if findings.frame.empty or len(findings.optimizers) < 2 or not len(findings.medians):
-        return None
+        return Section(TITLE, ("There is nothing to compare, so no number of trials can be judged.",), on_demand=True)
     text = [*looks_text(findings), *extension_text(findings), *summary(findings.needed, len(findings.pairs))]
     items: list[Part] = []
     if findings.results.study.looks:

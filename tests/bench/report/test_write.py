@@ -13,7 +13,7 @@ from bench.report.interactive import Interactive
 
 PARTS = [
     "Verdict", "Integrity checks", "Comparison", "Across problems", "Convergence and targets", "Problem by problem",
-    "Time", "Power", "Methods", "Environment, seeds and data", "Downloads",
+    "Time", "Enough trials", "Power", "Methods", "Environment, seeds and data", "Downloads",
 ]  # fmt: skip
 
 
@@ -60,13 +60,13 @@ def test_a_clear_winner_is_named_with_its_grounds(usual):
     assert "No single winner" not in usual.text
 
 
-def test_the_eleven_parts_stand_in_their_order(usual):
+def test_the_twelve_parts_stand_in_their_order(usual):
     assert usual.texts("h2") == numbered(PARTS)
 
 
 def test_the_page_stands_alone(usual):
     usual.check_that_it_stands_alone(("tables/", "figures/", "methods.", "references."))
-    assert usual.tags.count("svg") == usual.tags.count("figure") == 9
+    assert usual.tags.count("svg") == usual.tags.count("figure") == 10
     assert usual.tags.count("caption") == usual.tags.count("table")
     assert set(usual.values("scope")) == {"col", "row"}
 

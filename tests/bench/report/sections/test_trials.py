@@ -88,7 +88,11 @@ def test_trials_that_were_added_to_complete_ones(folder):
 
 def test_nothing_to_compare(make, tmp_path):
     for cells in ({"optimizers": ("a",)}, {"skip": [("p", "b"), ("q", "b")], "optimizers": ("a", "b")}):
-        assert trials.section(Findings(Results(make(tmp_path / str(len(cells)), **cells)))) is None
+        found = trials.section(Findings(Results(make(tmp_path / str(len(cells)), **cells))))
+        assert (found.text, found.items) == (
+            ("There is nothing to compare, so no number of trials can be judged.",),
+            (),
+        )
 
 
 def test_all_pairs_are_separated(make, tmp_path):
