@@ -61,9 +61,9 @@ def _in_turn(frame: pd.DataFrame) -> pd.DataFrame:
     return frame.iloc[np.argsort(turn.to_numpy(), kind="stable")]
 
 
-def _subsets(n: int, sizes: NDArray[np.int_], subsets: int, rng: np.random.Generator) -> NDArray[np.float32]:
+def _subsets(n: int, sizes: NDArray[np.int_], subsets: int, rng: np.random.Generator) -> NDArray[np.float64]:
     """Return which of n values count, (n, sizes x (1 + subsets)): the first ones, and random subsets of each size."""
     place = np.arange(n)
     orders = np.stack([place, *(rng.permutation(n) for _ in range(subsets))], axis=1)
     counted = orders[:, np.newaxis, :] < sizes[np.newaxis, :, np.newaxis]
-    return np.asarray(counted.reshape(n, -1), dtype=np.float32)
+    return np.asarray(counted.reshape(n, -1), dtype=np.float64)
