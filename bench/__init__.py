@@ -10,6 +10,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    __version__: str
+
     from bench.check import check_optimizer
     from bench.errors import BenchError
     from bench.execution.runner import run
@@ -70,6 +72,8 @@ def __getattr__(name: str) -> Any:
         value = getattr(import_module(f"bench.{_HOMES[name]}"), name)
         globals()[name] = value
         return value
+    if name == "__version__":
+        return import_module("bench.plugins.registry").own().version
     if name in _PACKAGES:
         return import_module(f"bench.{name}")
     raise AttributeError(f"module 'bench' has no attribute {name!r}")

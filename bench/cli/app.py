@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import gc
 import sys
+from typing import Annotated
 
 import typer
 
@@ -12,6 +13,7 @@ from bench.cli import (
     archive,
     check,
     describe,
+    doctor,
     export,
     gate,
     import_,
@@ -33,10 +35,16 @@ from bench.cli.console import print_error
 from bench.errors import BenchError
 from bench.plugins import registry
 
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        print(registry.DISTRIBUTION, registry.own().version)
+        raise typer.Exit
+
+
 app = typer.Typer(
     help="Compare metaheuristics: run studies, test the results statistically and write reports.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
@@ -47,9 +55,23 @@ for _name, _command in (
     ("verify", verify.verify), ("merge", merge.merge), ("rm", rm.remove), ("pack", pack.pack),
     ("unpack", unpack.unpack), ("gate", gate.gate), ("describe", describe.describe), ("similar", similar.similar),
     ("tune", tune.tune),
+    ("doctor", doctor.doctor),
 ):  # fmt: skip
     app.command(_name)(_command)
 app.add_typer(archive.archive, name="archive")
+
+
+WITHOUT_PLUGINS = (["doctor"], ["--version"])
+"""Beginnings of command lines that work where plug-ins cannot be found, and help to find out why."""
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=_print_version, help="Print the version and end.")
+    ] = False,
+) -> None:
+    pass
 
 
 def main() -> None:
@@ -57,9 +79,8 @@ def main() -> None:
     gc.set_threshold(100_000, 20, 100)  # imports create a million objects and hardly any garbage
     atexit.register(gc.disable)  # the collection at the end of a process would look through them once more
     try:
-        for name in registry.entries("commands"):  # refuses foreign modules of the distribution's generic names
-            _add_command(name)
-        sys.exit(app(standalone_mode=False))
+        _add_commands()
+        sys.exit(app(prog_name="bench", standalone_mode=False))
     except BenchError as error:
         print_error(str(error))
         sys.exit(2)
@@ -71,6 +92,18 @@ def main() -> None:
             raise
         print_error(error.format_message().rstrip())
         sys.exit(2)
+
+
+def _add_commands() -> None:
+    """Add the sub-commands of plug-ins; raises BenchError for foreign modules of the distribution's generic names."""
+    try:
+        names = list(registry.entries("commands"))
+    except BenchError:
+        if sys.argv[1:2] in WITHOUT_PLUGINS:
+            return
+        raise
+    for name in names:
+        _add_command(name)
 
 
 def _add_command(name: str) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
+from bench.cli import completion
 from bench.cli.console import Jobs, Parameters, pairs, print_error, print_line
 from bench.errors import BenchError
 from bench.plugins import registry
@@ -21,7 +22,8 @@ def check(
     name: Annotated[
         str,
         typer.Argument(
-            help="An optimizer (gwo, mealpy:OriginalGWO, path/to/file.py:Class), or a folder that 'bench run' wrote."
+            help="An optimizer (gwo, mealpy:OriginalGWO, path/to/file.py:Class), or a folder that 'bench run' wrote.",
+            autocompletion=completion.checkable,
         ),
     ],
     option: Parameters = None,

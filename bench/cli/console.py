@@ -9,9 +9,10 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
+from bench.cli import completion
 from bench.errors import BenchError
 
-Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.")]
+Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.", autocompletion=completion.folders)]
 Jobs = Annotated[int, typer.Option(help="Worker processes; -1 takes every core.")]
 Against = Annotated[
     list[str] | None,

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from bench.cli import completion
 from bench.cli.console import pairs, print_line
 from bench.errors import BenchError
 
@@ -18,7 +19,12 @@ BESIDE = 4  # problems of one table
 
 def describe(
     problems: Annotated[
-        list[str], typer.Argument(metavar="PROBLEM…", help="Problems, or patterns such as 'bbob-f*-d5-i1'.")
+        list[str],
+        typer.Argument(
+            metavar="PROBLEM…",
+            help="Problems, or patterns such as 'bbob-f*-d5-i1'.",
+            autocompletion=completion.problems,
+        ),
     ],
     points: Annotated[
         int | None, typer.Option(help="Points of the sample; default: 250 a dimension, at most 4,000.")

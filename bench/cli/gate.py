@@ -12,6 +12,7 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
+from bench.cli import completion
 from bench.cli.console import print_line
 
 STYLES = {"pass": "green", "worse": "red", "undecided": "yellow"}
@@ -19,14 +20,21 @@ CODES = {"pass": 0, "worse": 1, "undecided": 3}
 
 
 def gate(
-    old: Annotated[Path, typer.Argument(help="The folder of the old version's trials.")],
-    new: Annotated[Path, typer.Argument(help="The folder of the new version's trials.")],
+    old: Annotated[
+        Path, typer.Argument(help="The folder of the old version's trials.", autocompletion=completion.folders)
+    ],
+    new: Annotated[
+        Path, typer.Argument(help="The folder of the new version's trials.", autocompletion=completion.folders)
+    ],
     margin: Annotated[
         float,
         typer.Option("--not-worse-than", help="How much more than 50% of the pairs of trials the old version may win."),
     ] = 0.05,
     optimizer: Annotated[
-        str | None, typer.Option(help="The optimizer to compare, where a folder holds several.")
+        str | None,
+        typer.Option(
+            help="The optimizer to compare, where a folder holds several.", autocompletion=completion.optimizers
+        ),
     ] = None,
     target: Annotated[
         float | None,

@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from bench.cli import completion
 from bench.errors import BenchError, nearest
 from bench.plugins import registry
 
@@ -21,7 +22,11 @@ KINDS = ("optimizers", "problems", "studies", "commands")
 
 def list_plugins(
     kind: Annotated[
-        str, typer.Argument(help="optimizers, problems, studies, commands, all, or a family's name, such as mealpy.")
+        str,
+        typer.Argument(
+            help="optimizers, problems, studies, commands, all, or a family's name, such as mealpy.",
+            autocompletion=completion.kinds,
+        ),
     ] = "all",
     as_json: Annotated[
         bool,

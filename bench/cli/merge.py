@@ -7,11 +7,17 @@ from typing import Annotated
 
 import typer
 
+from bench.cli import completion
 from bench.cli.console import print_line
 
 
 def merge(
-    folders: Annotated[list[Path], typer.Argument(metavar="OUTPUT…", help="Folders of one study, such as its shards.")],
+    folders: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="OUTPUT…", help="Folders of one study, such as its shards.", autocompletion=completion.folders
+        ),
+    ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder to write: a new one, or one to add to.")],
 ) -> None:
     """Combine the trials of one study that different machines made.

@@ -8,12 +8,18 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from bench.cli import completion
 from bench.cli.console import Against, Jobs, Rope, Targets, print_line
 
 
 def report(
     folders: Annotated[
-        list[Path], typer.Argument(metavar="OUTPUT…", help="The folder that 'bench run' wrote, or several to compare.")
+        list[Path],
+        typer.Argument(
+            metavar="OUTPUT…",
+            help="The folder that 'bench run' wrote, or several to compare.",
+            autocompletion=completion.folders,
+        ),
     ],
     output: Annotated[
         Path | None,

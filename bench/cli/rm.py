@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from bench.cli import completion
 from bench.cli.console import Output, print_line
 from bench.errors import BenchError, nearest
 
@@ -13,9 +14,13 @@ from bench.errors import BenchError, nearest
 def remove(
     output: Output,
     optimizer: Annotated[
-        list[str] | None, typer.Option(help="Remove the trials of this optimizer; repeatable.")
+        list[str] | None,
+        typer.Option(help="Remove the trials of this optimizer; repeatable.", autocompletion=completion.optimizers),
     ] = None,
-    problem: Annotated[list[str] | None, typer.Option(help="Remove the trials on this problem; repeatable.")] = None,
+    problem: Annotated[
+        list[str] | None,
+        typer.Option(help="Remove the trials on this problem; repeatable.", autocompletion=completion.problems),
+    ] = None,
     failed: Annotated[bool, typer.Option("--failed", help="Remove only trials that failed or timed out.")] = False,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Print how many trials would be removed, and remove none.")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
+from bench.cli import completion
 from bench.cli.check import check_folder
 from bench.cli.console import (
     Against,
@@ -32,7 +33,13 @@ if TYPE_CHECKING:
 
 
 def run(
-    study: Annotated[str, typer.Argument(help="An installed study's name (see 'bench list studies') or a TOML file.")],
+    study: Annotated[
+        str,
+        typer.Argument(
+            help="An installed study's name (see 'bench list studies') or a TOML file.",
+            autocompletion=completion.studies,
+        ),
+    ],
     output: Annotated[Path | None, typer.Option(help="Folder to write; default: results/runs/STUDY.")] = None,
     jobs: Jobs = -1,
     backend: Annotated[str, typer.Option(help="Where trials are made: local (this machine) or dask.")] = "local",
@@ -54,11 +61,17 @@ def run(
     rope: Rope = None,
     optimizer: Annotated[
         list[str] | None,
-        typer.Option(help="Add an optimizer to the study's: a name, or path/to/file.py:ClassName; repeatable."),
+        typer.Option(
+            help="Add an optimizer to the study's: a name, or path/to/file.py:ClassName; repeatable.",
+            autocompletion=completion.optimizers,
+        ),
     ] = None,
     problem: Annotated[
         list[str] | None,
-        typer.Option(help="Add a problem to the study's: a name, or a pattern such as 'bbob-f*-d5-*'; repeatable."),
+        typer.Option(
+            help="Add a problem to the study's: a name, or a pattern such as 'bbob-f*-d5-*'; repeatable.",
+            autocompletion=completion.problems,
+        ),
     ] = None,
     timeout: Annotated[
         float | None,

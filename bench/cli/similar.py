@@ -10,15 +10,24 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from bench.cli import completion
 from bench.cli.console import Parameters, pairs, print_line
 from bench.errors import BenchError
 
 
 def similar(
-    optimizers: Annotated[list[str], typer.Argument(metavar="OPTIMIZER…", help="Two or more optimizers, or patterns.")],
+    optimizers: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="OPTIMIZER…", help="Two or more optimizers, or patterns.", autocompletion=completion.optimizers
+        ),
+    ],
     problem: Annotated[
         list[str] | None,
-        typer.Option(help="A problem, or a pattern; repeatable. Default: five classic functions in 5 dimensions."),
+        typer.Option(
+            help="A problem, or a pattern; repeatable. Default: five classic functions in 5 dimensions.",
+            autocompletion=completion.problems,
+        ),
     ] = None,
     trials: Annotated[
         int, typer.Option(help="Trials on each problem; half of them are compared with the others.")

@@ -10,13 +10,21 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from bench.cli import completion
 from bench.cli.console import Constraints, Parameters, pairs, print_error
 from bench.errors import BenchError
 
 
 def solve(
-    problem: Annotated[str, typer.Argument(help="A problem's name, such as signature-12 or recording:joint2.csv.")],
-    optimizer: Annotated[str, typer.Argument(help="An optimizer's name, such as gwo.")],
+    problem: Annotated[
+        str,
+        typer.Argument(
+            help="A problem's name, such as signature-12 or recording:joint2.csv.", autocompletion=completion.problems
+        ),
+    ],
+    optimizer: Annotated[
+        str, typer.Argument(help="An optimizer's name, such as gwo.", autocompletion=completion.optimizers)
+    ],
     budget: Annotated[int, typer.Option(help="Evaluations to spend.")] = 60_000,
     seed: Annotated[
         int, typer.Option(help="Seed of the run; with the seed in a study's row it repeats that trial.")

@@ -5,8 +5,17 @@ Groups: ``bench.optimizers``, ``bench.problems``, ``bench.commands``, ``bench.st
 
 from __future__ import annotations
 
+import re
+from base64 import urlsafe_b64encode
 from functools import cache
-from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
+from importlib.metadata import (
+    Distribution,
+    EntryPoint,
+    PackageNotFoundError,
+    distribution,
+    distributions,
+    entry_points,
+)
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -73,23 +82,63 @@ def is_family(plugin: Any) -> bool:
     return isinstance(plugin, Family) and not isinstance(plugin, type)
 
 
-def _refuse_foreign_modules() -> None:
-    """Refuse to run where another package's module shadows a top-level module of this distribution.
-
-    Raises:
-        BenchError: when the distribution is not installed, or ``optimizers`` or ``problems`` is another package's.
-    """
-    home = Path(__file__).resolve().parents[2]
+def own() -> Distribution:
+    """Return the installed distribution of the harness; raises BenchError where it is not installed."""
     try:
-        own = {entry.module.partition(".")[0] for entry in distribution(DISTRIBUTION).entry_points} - {"bench"}
+        return distribution(DISTRIBUTION)
     except PackageNotFoundError as error:
         raise BenchError(
             f"{DISTRIBUTION} is not installed here, so no plug-in can be found; run 'pip install -e .' in its folder"
         ) from error
-    for module in sorted(own):
-        origin = getattr(find_spec(module), "origin", None)
-        if origin is None or Path(origin).resolve().parents[1] != home:
-            raise BenchError(
-                f"the module {module!r} found at {origin or 'no place'} is not the one of {DISTRIBUTION} "
-                f"in {home}; run from another folder or rename that module"
-            )
+
+
+def own_modules() -> list[str]:
+    """Return the names of this distribution's top-level modules beside ``bench``."""
+    return sorted({entry.module.partition(".")[0] for entry in own().entry_points} - {"bench"})
+
+
+def conflict(module: str) -> str:
+    """Return in one sentence why a top-level module of this distribution is not its own, "" where it is.
+
+    Its name is a common one. Another package may have a module of that name earlier on the path, or, installed into
+    the same folder, have replaced its files or removed them.
+    """
+    home = Path(__file__).resolve().parents[2]
+    origin = getattr(find_spec(module), "origin", None)
+    again = f"run 'pip install --force-reinstall --no-deps {DISTRIBUTION}', and keep the two packages in environments"
+    if origin is None and (home / module).is_dir():
+        return (
+            f"the file {home / module / '__init__.py'} of {DISTRIBUTION} is missing: another package with a module "
+            f"{module!r} may have been uninstalled; {again} of their own"
+        )
+    if origin is None or Path(origin).resolve().parents[1] != home:
+        return (
+            f"the module {module!r} found at {origin or 'no place'} is not the one of {DISTRIBUTION} in {home}; run "
+            "from another folder, rename that module, or keep the two packages in environments of their own"
+        )
+    noted = re.search(rf"^{module}/__init__\.py,sha256=([^,]+),", own().read_text("RECORD") or "", re.MULTILINE)
+    if noted and noted[1] != _record_hash(Path(origin)):  # an editable installation notes none
+        others = " and ".join(claimants(module)) or "another package"
+        return f"the file {origin} of {DISTRIBUTION} was replaced, by {others}; {again} of their own"
+    return ""
+
+
+def claimants(module: str) -> list[str]:
+    """Return the names of the other installed distributions that have a file ``module/__init__.py``, too."""
+    file = f"{module}/__init__.py"
+    found = (each for each in distributions() if f"\n{file}," in "\n" + (each.read_text("RECORD") or ""))
+    return sorted({each.name for each in found} - {DISTRIBUTION})
+
+
+def _record_hash(file: Path) -> str:
+    """Return a file's SHA-256 as an installation's RECORD notes it."""
+    import hashlib  # slow to import, and most commands need none
+
+    return urlsafe_b64encode(hashlib.sha256(file.read_bytes()).digest()).decode().rstrip("=")
+
+
+def _refuse_foreign_modules() -> None:
+    """Refuse to run where a top-level module of this distribution is not its own; raises BenchError."""
+    for module in own_modules():
+        if sentence := conflict(module):
+            raise BenchError(sentence)

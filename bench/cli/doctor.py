@@ -1,0 +1,262 @@
+"""bench doctor: print what this installation is, what is broken in it and how to mend it, for a bug report."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from bench.cli import completion
+from bench.cli.console import print_line
+from bench.errors import BenchError
+from bench.plugins import registry
+
+GROUPS = ("optimizers", "problems", "commands", "studies", "report_sections")
+STYLES = {"ok": "green", "note": "yellow", "broken": "red"}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What was found of one thing: ``state`` is "ok", "note" (something is missing that may be) or "broken"."""
+
+    topic: str
+    name: str
+    found: str
+    state: str = "ok"
+    mend: str = ""
+
+
+def doctor(
+    folder: Annotated[
+        Path | None,
+        typer.Argument(help="A folder that 'bench run' wrote, to check its store.", autocompletion=completion.folders),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
+) -> None:
+    """Check this installation, and print what a bug report needs: versions, extras, machine, caches and plug-ins.
+
+    The exit code is 1 where something is broken; how to mend it stands beside it.
+    """
+    findings = list(examine(folder))
+    broken = [each for each in findings if each.state == "broken"]
+    if as_json:
+        print(json.dumps({"sound": not broken, "findings": [asdict(each) for each in findings]}, indent=1))
+    else:
+        _show(findings, Console())
+    sys.exit(1 if broken else 0)
+
+
+def examine(folder: Path | None = None) -> Iterator[Finding]:
+    """Yield what is found of the program, its requirements, the machine, and the store of a study's folder."""
+    for part in (_program, _names, _requirements, _machine, _plugins, _caches, _sandbox):
+        try:
+            yield from part()
+        except ImportError as error:  # what is broken must not hide what else is
+            mend = f"pip install --force-reinstall {registry.DISTRIBUTION}"
+            yield Finding("packages", error.name or "unknown", f"cannot be imported: {error}", "broken", mend)
+    if folder is not None:
+        yield from _store(folder)
+
+
+def _show(findings: list[Finding], console: Console) -> None:
+    table = Table("", "what", "found", "state", box=None, pad_edge=False)
+    topic = ""
+    for each in findings:
+        table.add_row(
+            Text(each.topic if each.topic != topic else "", style="bold"), Text(each.name), Text(each.found),
+            Text(each.state, style=STYLES[each.state]),
+        )  # fmt: skip
+        topic = each.topic
+    console.print(table)
+    for each in findings:
+        if each.mend:
+            print_line(f"{each.state}: {each.topic}, {each.name}: {each.mend}", STYLES[each.state], console)
+    broken = sum(each.state == "broken" for each in findings)
+    print_line(f"{broken} broken" if broken else "nothing is broken", "red" if broken else "green", console)
+
+
+# The installation
+
+
+def _program() -> Iterator[Finding]:
+    try:
+        own = registry.own()
+    except BenchError as error:
+        yield Finding("program", registry.DISTRIBUTION, "not installed", "broken", str(error))
+        return
+    yield Finding("program", registry.DISTRIBUTION, f"{own.version} in {Path(__file__).resolve().parents[2]}")
+    running = ".".join(map(str, sys.version_info[:3]))
+    needed = str(own.metadata["Requires-Python"])
+    yield _bounded("program", "Python", f"{running} ({sys.executable})", running, needed, f"install Python {needed}")
+
+
+def _names() -> Iterator[Finding]:
+    """Yield whether the top-level modules, which have common names, are those of this distribution."""
+    with suppress(BenchError):
+        for module in registry.own_modules():
+            if sentence := registry.conflict(module):
+                yield Finding("names", module, "another package's", "broken", sentence)
+            elif others := " and ".join(registry.claimants(module)):
+                found = f"this package's; {others} has a module of that name, too, whose file is not installed any more"
+                mend = f"install {others} in an environment of its own, as one of the two breaks the other"
+                yield Finding("names", module, found, "note", mend)
+            else:
+                yield Finding("names", module, "this package's")
+
+
+def _requirements() -> Iterator[Finding]:
+    """Yield the versions of the packages that are needed, and by extra of those that are optional."""
+    from packaging.requirements import Requirement
+
+    with suppress(BenchError):
+        needed = [Requirement(text) for text in registry.own().requires or ()]
+        for each in needed:
+            if each.marker is None or each.marker.evaluate({"extra": ""}):
+                yield _required(each, registry.DISTRIBUTION)
+        for extra in sorted(registry.own().metadata.get_all("Provides-Extra") or ()):
+            own = [each for each in needed if each.marker and not each.marker.evaluate({"extra": ""})]
+            yield from _extra(extra, [each for each in own if each.marker and each.marker.evaluate({"extra": extra})])
+
+
+def _required(requirement: Any, asked: str) -> Finding:
+    install = f"pip install '{asked}'"
+    try:
+        found = version(requirement.name)
+    except PackageNotFoundError:
+        return Finding("packages", requirement.name, "not installed", "broken", install)
+    return _bounded("packages", requirement.name, found, found, str(requirement.specifier), install)
+
+
+def _extra(extra: str, requirements: list[Any]) -> Iterator[Finding]:
+    """Yield one finding on an extra: a package that is missing is no fault, one of a wrong version is."""
+    asked = f"{registry.DISTRIBUTION}[{extra}]"
+    found = [_required(each, asked) for each in requirements]
+    missing = [each.name for each in found if each.found == "not installed"]
+    wrong = [each for each in found if each.state == "broken" and each.name not in missing]
+    text = ", ".join(f"{each.name} {each.found}" for each in found)
+    if wrong:
+        yield Finding("extras", extra, text, "broken", wrong[0].mend)
+    elif missing:
+        yield Finding("extras", extra, f"without {', '.join(missing)}", "note", f"pip install '{asked}'")
+    else:
+        yield Finding("extras", extra, text)
+
+
+def _bounded(topic: str, name: str, shown: str, found: str, bounds: str, mend: str) -> Finding:
+    """Return a finding on a version that must be within bounds such as ``">=2.0,<3"``."""
+    from packaging.specifiers import SpecifierSet
+
+    if SpecifierSet(bounds).contains(found, prereleases=True):
+        return Finding(topic, name, shown)
+    return Finding(topic, name, f"{shown}; needed is {bounds}", "broken", mend)
+
+
+def _plugins() -> Iterator[Finding]:
+    """Yield the number of plug-ins of each group, and every one that does not load."""
+    for group in GROUPS:
+        try:
+            names = sorted(registry.entries(group))
+        except BenchError as error:
+            yield Finding("plug-ins", group, "not found", "broken", str(error))
+            return  # all groups share the cause
+        failed = 0
+        for name in names:
+            try:
+                registry.load(group, name)
+            except BenchError as error:
+                failed += 1
+                who = registry.package(group, name) or "its package"
+                yield Finding("plug-ins", name, str(error), "broken", f"update or uninstall {who}")
+        yield Finding("plug-ins", group, f"{len(names) - failed} of {len(names)} load")
+
+
+# The machine
+
+
+def _machine() -> Iterator[Finding]:
+    """Yield the machine's cores, memory and BLAS, whose threads compete with the worker processes of a run."""
+    import scipy.linalg  # noqa: F401 - loads the BLAS
+
+    from bench.storage import provenance
+
+    try:
+        record = provenance.machine()
+    except BenchError:  # on plug-ins, which have findings of their own
+        return
+    for name, key in (("system", "system"), ("processor", "processor"), ("cores", "cores")):
+        yield Finding("machine", name, str(record[key]))
+    yield Finding("machine", "memory", f"{record['memory_gb']} GB")
+    for each in record["blas"]:
+        yield Finding("machine", "BLAS", f"{each['library']} {each['version']}, {each['threads']} threads")
+    if record["git"]:
+        changed = ", with uncommitted changes" if record["git"]["dirty"] else ""
+        yield Finding("machine", "commit", f"{record['git']['commit'][:10]}{changed}")
+
+
+def _caches() -> Iterator[Finding]:
+    """Yield whether the folders can be written that hold what need not be computed twice."""
+    from platformdirs import user_cache_path
+
+    kept = Path(os.environ.get("BENCH_CACHE") or user_cache_path("backlash-bench"))
+    compiled = os.environ.get("NUMBA_CACHE_DIR")
+    beside = Path(__file__).resolve().parents[2] / "optimizers" / "__pycache__"  # where numba writes, if it can
+    for name, variable, folders in (
+        ("recordings and scripts", "BENCH_CACHE", [kept]),
+        (
+            "compiled code",
+            "NUMBA_CACHE_DIR",
+            [Path(compiled)] if compiled else [beside, user_cache_path("numba", False)],
+        ),
+        ("temporary files", "TMPDIR", [Path(tempfile.gettempdir())]),
+    ):
+        usable = next((folder for folder in folders if _can_write(folder)), None)
+        if usable:
+            yield Finding("caches", name, str(usable))
+        else:
+            mend = f"set {variable} to a folder that can be written"
+            yield Finding("caches", name, f"{folders[0]} cannot be written", "broken", mend)
+
+
+def _can_write(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def _sandbox() -> Iterator[Finding]:
+    program = shutil.which("bwrap")
+    if program:
+        yield Finding("sandbox", "bubblewrap", program)
+    else:
+        yield Finding("sandbox", "bubblewrap", "not installed", "note", "--sandbox needs it (Linux only)")
+
+
+def _store(folder: Path) -> Iterator[Finding]:
+    """Yield the health of a study's store: every row is compared with its digest."""
+    from bench.storage.folder import Folder
+
+    try:
+        opened = Folder(folder)
+        study, found = opened.study(), opened.check_store()
+    except BenchError as error:
+        yield Finding("store", str(folder), "cannot be read", "broken", str(error))
+        return
+    mend = "" if found.sound else "run 'bench run' with the same study and --output, which makes those trials again"
+    text = f"study {study.name}: {found.sentence}"
+    yield Finding("store", str(folder), text, "ok" if found.sound else "broken", mend)
