@@ -22,7 +22,7 @@ RUNS = Path("results/runs")
 
 def optimizers(incomplete: str) -> list[str]:
     """Return the installed optimizers; of a family only its name, as its library may take seconds to import."""
-    return _starting(_entries("optimizers"), incomplete)
+    return starting(_entries("optimizers"), incomplete)
 
 
 def checkable(incomplete: str) -> list[str]:
@@ -32,13 +32,13 @@ def checkable(incomplete: str) -> list[str]:
 
 def problems(incomplete: str) -> list[str]:
     """Return the names of problems, in parts where there are many."""
-    return by_parts(_starting(_problems(incomplete), incomplete), incomplete)
+    return by_parts(starting(_problems(incomplete), incomplete), incomplete)
 
 
 def studies(incomplete: str) -> list[str]:
     """Return the installed studies and the TOML files of the current folder."""
     with suppress(OSError):
-        return _starting([*_entries("studies"), *(path.name for path in Path().glob("*.toml"))], incomplete)
+        return starting([*_entries("studies"), *(path.name for path in Path().glob("*.toml"))], incomplete)
     return []
 
 
@@ -48,14 +48,7 @@ def folders(incomplete: str) -> list[str]:
     for place in (RUNS, Path()):
         with suppress(OSError):
             found += [path.parent.as_posix() for path in place.glob("*/study.toml")]
-    return _starting(found, incomplete)
-
-
-def kinds(incomplete: str) -> list[str]:
-    """Return what ``bench list`` takes."""
-    from bench.cli.list import KINDS
-
-    return _starting(["all", *KINDS, *_entries("optimizers")], incomplete)
+    return starting(found, incomplete)
 
 
 def by_parts(names: Iterable[str], typed: str) -> list[str]:
@@ -91,5 +84,6 @@ def _entries(group: str) -> list[str]:
     return []
 
 
-def _starting(names: Iterable[str], typed: str) -> list[str]:
+def starting(names: Iterable[str], typed: str) -> list[str]:
+    """Return the names that begin with the typed text, sorted."""
     return sorted({name for name in names if name.startswith(typed)})

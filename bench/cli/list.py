@@ -20,12 +20,17 @@ from bench.plugins import registry
 KINDS = ("optimizers", "problems", "studies", "commands")
 
 
+def _kinds(incomplete: str) -> list[str]:
+    """Complete a kind or the name of an optimizer, which may be a family."""
+    return completion.starting(["all", *KINDS, *registry.entries("optimizers")], incomplete)
+
+
 def list_plugins(
     kind: Annotated[
         str,
         typer.Argument(
             help="optimizers, problems, studies, commands, all, or a family's name, such as mealpy.",
-            autocompletion=completion.kinds,
+            autocompletion=_kinds,
         ),
     ] = "all",
     as_json: Annotated[
