@@ -63,6 +63,7 @@ def test_the_wheel_holds_the_marks_of_typed_packages(wheels):
     held = zipfile.ZipFile(wheels["backlash_bench"]).namelist()
     for package in ("bench", "optimizers", "problems"):
         assert f"{package}/py.typed" in held
+    assert "bench/examples/optimizer/.github/workflows/tests.yml" in held
     assert {name.partition("/")[0].partition("-")[0] for name in held} == {
         "bench", "optimizers", "problems", "backlash_bench"
     }  # fmt: skip
@@ -115,6 +116,27 @@ def test_bench_run_takes_the_problems(programs, tmp_path):
 @pytest.mark.parametrize("package", [OPTIMIZER, PROBLEM], ids=["optimizer", "problem"])
 def test_the_author_s_own_tests_pass(package, programs, tmp_path):
     succeed(programs / "python", "-m", "pytest", "-q", "-p", "no:cacheprovider", package / "tests", cwd=tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("kind", "name", "checks"),
+    [("optimizer", "my-swarm", ["check", "my-swarm", "--no-bias"]), ("problem", "my-field", ["list", "problems"])],
+)
+def test_a_new_package_builds_installs_and_passes_its_tests(kind, name, checks, programs, tmp_path):
+    """What 'bench new' of the installed wheel writes; the folder of the fresh environment holds the templates."""
+    uv = [sys.executable, "-m", "uv"]
+    succeed(programs / "bench", "new", kind, name, cwd=tmp_path)
+    succeed(*uv, "build", "--out-dir", "dist", name, cwd=tmp_path)
+    wheels, sources = (list((tmp_path / "dist").glob(f"*.{end}")) for end in ("whl", "tar.gz"))
+    assert (len(wheels), len(sources)) == (1, 1)
+    succeed(*uv, "pip", "install", "--python", programs.parent, "--no-deps", *wheels)
+    assert name in succeed(programs / "bench", *checks, cwd=tmp_path)
+    succeed(
+        programs / "python", "-m", "pytest", "-q", "-p", "no:cacheprovider", tmp_path / name / "tests", cwd=tmp_path
+    )
+    again = call(programs / "bench", "new", kind, name, "--output", "other", cwd=tmp_path)
+    assert again.stderr == f"bench: {name} 0.1.0 has the {kind} {name!r} already; choose another name\n"
 
 
 def test_the_readme_shows_the_whole_optimizer():

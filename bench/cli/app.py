@@ -18,6 +18,7 @@ from bench.cli import (
     gate,
     import_,
     merge,
+    new,
     pack,
     plan,
     report,
@@ -54,8 +55,7 @@ for _name, _command in (
     ("export", export.export), ("import", import_.import_results), ("check", check.check), ("solve", solve.solve),
     ("verify", verify.verify), ("merge", merge.merge), ("rm", rm.remove), ("pack", pack.pack),
     ("unpack", unpack.unpack), ("gate", gate.gate), ("describe", describe.describe), ("similar", similar.similar),
-    ("tune", tune.tune),
-    ("doctor", doctor.doctor),
+    ("tune", tune.tune), ("doctor", doctor.doctor), ("new", new.new),
 ):  # fmt: skip
     app.command(_name)(_command)
 app.add_typer(archive.archive, name="archive")

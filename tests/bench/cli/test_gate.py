@@ -117,4 +117,4 @@ def test_the_example_is_a_workflow_that_calls_the_gate(bench_here):
     workflow = yaml.safe_load((ROOT / "examples" / "gate" / "workflow.yml").read_text(encoding="utf-8"))
     commands = "\n".join(step.get("run", "") for step in workflow["jobs"]["gate"]["steps"])
     assert "bench gate old new --not-worse-than 0.05 --markdown gate.md" in commands
-    Study.load(ROOT / "examples" / "gate" / "study.toml")
+    Study.load(ROOT / "examples" / "gate" / "gate.toml")
