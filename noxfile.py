@@ -1,4 +1,5 @@
-"""The project's sessions: ``nox -s tests``, ``tests-3.12`` and so on, ``lint``, ``types`` and ``benchmark``.
+"""The project's sessions: ``nox -s tests``, ``tests-3.12`` and so on, ``lint``, ``types``, ``benchmark`` and
+``release``.
 
 ``tests`` runs on the interpreter that runs nox; ``tests-3.12`` on that version, and is skipped where it is missing.
 """
@@ -58,3 +59,10 @@ def benchmark(session: nox.Session) -> None:
     # Without bytecode files, which uv does not write, each of the run's processes would take seconds to start.
     command = "bench", "run", "thesis", "--check", "--verify", "1", *session.posargs
     session.run(*command, env={"PYTHONDONTWRITEBYTECODE": ""})
+
+
+@nox.session(venv_backend="uv|venv")
+def release(session: nox.Session) -> None:
+    """Build sdist and wheel, and try them in fresh environments; --rehearse goes on without a date in the changelog."""
+    session.install(*group("release"))
+    session.run("python", "tools/release.py", *session.posargs)

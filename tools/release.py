@@ -1,0 +1,249 @@
+"""Build a release and try it: ``python tools/release.py [--rehearse]``, which ``nox -s release`` calls.
+
+The steps, in order; the first that fails ends the release with one sentence and exit code 1:
+
+1. ``version`` of pyproject.toml has a dated entry in CHANGELOG.md, and the checkout has no uncommitted changes.
+2. sdist and wheel are built from the commit, twice in different folders, and have the same bytes; the wheel is built
+   from the sdist.
+3. ``twine check`` accepts both.
+4. In fresh environments of every supported Python, with the lowest and the newest packages that satisfy
+   pyproject.toml, ``bench run quick`` makes all its trials and writes a report that can be read.
+5. Every package that is installed with it, extras included, has a licence that Apache-2.0 may be combined with.
+6. A software bill of materials (CycloneDX) lists the packages of a plain installation.
+
+``dist/`` then holds what is published, ``build/release/`` the licences and the bill of materials. A rehearsal goes on
+where the changelog has no date yet or the checkout has changes; what is built is the commit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+DIST, NOTES = ROOT / "dist", ROOT / "build" / "release"
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+UV = (sys.executable, "-m", "uv")
+
+# Licences by the words that name them, the strictest first. Apache-2.0 may become part of a work under the third
+# version of the GPL, not of one under the second alone (www.apache.org/licenses/GPL-compatibility.html).
+REFUSED = r"AGPL|Affero|GPL-2\.0-only|GPLv2|proprietary|commercial"
+EXTRAS_ONLY = r"(?<!L)GPL-3\.0|(?<!L)GPLv3|(?<!L)GPL-2\.0-or-later"
+FREE = (
+    r"MIT|BSD|Apache|ISC|PSF|Python Software Foundation|Zlib|CC0|Unlicense|HPND"
+    r"|MPL|Mozilla Public License|LGPL|Lesser General Public|Permission is hereby granted, free of charge"
+)
+
+
+def main() -> None:
+    """Make the release, or rehearse it."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rehearse", action="store_true", help="go on without a date in the changelog or a commit")
+    rehearse = parser.parse_args().rehearse
+    for problem in (*changelog_problems((ROOT / "CHANGELOG.md").read_text(encoding="utf-8")), *changes()):
+        if not rehearse:
+            stop(problem)
+        print(f"rehearsal: {problem}")
+    with tempfile.TemporaryDirectory(prefix="release-") as folder:
+        place = Path(folder)
+        artefacts = build(place)
+        call(sys.executable, "-m", "twine", "check", "--strict", *artefacts)
+        tried = [try_out(place, *each) for each in environments(artefacts)]
+        licences(place, artefacts[-1])
+        call(sys.executable, "-m", "cyclonedx_py", "environment", "--output-reproducible", "--pyproject", ROOT / "pyproject.toml",
+             "-o", NOTES / "sbom.cdx.json", python(place / "plain"))  # fmt: skip
+    print("\n".join([f"{PROJECT['name']} {PROJECT['version']}", *tried, *(str(each) for each in artefacts)]))
+
+
+def stop(sentence: str) -> None:
+    """End the release with one sentence."""
+    sys.exit(f"release: {sentence}")
+
+
+def call(*command: object, cwd: Path = ROOT, **environment: str) -> str:
+    """Run a program and return what it printed; end the release where it fails."""
+    words = [str(word) for word in command]
+    print("+", *words, flush=True)
+    done = subprocess.run(words, cwd=cwd, env=os.environ | environment, capture_output=True, text=True, check=False)
+    if done.returncode:
+        stop(f"{' '.join(words)} ended with {done.returncode}:\n{done.stdout[-4000:]}{done.stderr[-4000:]}")
+    return done.stdout
+
+
+# 1. What is released
+
+
+def changelog_problems(text: str, version: str = PROJECT["version"]) -> Iterator[str]:
+    """Yield what is wrong with a changelog as that of a version: an entry with a date is needed, and nothing above."""
+    if not re.search(rf"^## {re.escape(version)} - \d{{4}}-\d\d-\d\d$", text, re.MULTILINE):
+        yield f"CHANGELOG.md has no line '## {version} - YYYY-MM-DD'; give the entry its version and date"
+    unreleased = re.search(r"^## Unreleased\n(.*?)(?=^## |\Z)", text, re.MULTILINE | re.DOTALL)
+    if unreleased and unreleased[1].strip():
+        yield "CHANGELOG.md has changes under 'Unreleased'; move them to the version's entry"
+
+
+def changes() -> Iterator[str]:
+    """Yield a sentence where the checkout differs from its commit."""
+    if call("git", "status", "--porcelain"):
+        yield "the checkout has uncommitted changes; commit them, as the commit alone is built"
+
+
+# 2. Building
+
+
+def build(place: Path) -> list[Path]:
+    """Build sdist and wheel of the commit twice, compare their bytes, and return their paths in ``dist``."""
+    epoch = call("git", "show", "--no-patch", "--format=%ct", "HEAD").strip()
+    digests = []
+    for number, mask in ((1, 0o022), (2, 0o077)):  # another folder and other permissions must not change a byte
+        source, out = place / f"source{number}" * number, place / f"out{number}"
+        source.mkdir(parents=True)
+        before = os.umask(mask)
+        call("git", "archive", "--output", place / "source.tar", "HEAD")
+        call("tar", "-x", "-f", place / "source.tar", cwd=source)
+        call(*UV, "build", "--out-dir", out, source, SOURCE_DATE_EPOCH=epoch)
+        os.umask(before)
+        digests.append({file.name: digest(file) for file in out.iterdir() if file.suffix in (".gz", ".whl")})
+    if digests[0] != digests[1]:
+        stop(f"two builds of one commit differ: {digests[0]} and {digests[1]}")
+    shutil.rmtree(DIST, ignore_errors=True)
+    shutil.rmtree(NOTES, ignore_errors=True)
+    DIST.mkdir()
+    NOTES.mkdir(parents=True)
+    return [Path(shutil.copy(place / "out1" / name, DIST)) for name in sorted(digests[0], reverse=True)]
+
+
+def digest(file: Path) -> str:
+    """Return a file's SHA-256."""
+    return hashlib.sha256(file.read_bytes()).hexdigest()
+
+
+# 4. Trying it out
+
+
+def environments(artefacts: list[Path]) -> Iterator[tuple[str, Path, str]]:
+    """Yield Python version, artefact and resolution of every trial installation."""
+    sdist, wheel = artefacts
+    for version in versions():
+        yield version, wheel, "lowest-direct"
+        yield version, wheel, "highest"
+        yield version, sdist, "highest"
+
+
+def versions() -> list[str]:
+    """Return the supported versions of Python, from the classifiers."""
+    found = (re.fullmatch(r"Programming Language :: Python :: (3\.\d+)", each) for each in PROJECT["classifiers"])
+    return [match[1] for match in found if match]
+
+
+def try_out(place: Path, version: str, artefact: Path, resolution: str) -> str:
+    """Install an artefact into a fresh environment and run the quick study; return a line for the summary."""
+    kind = "sdist" if artefact.suffix == ".gz" else "wheel"
+    name = f"Python {version}, {kind}, {resolution}"
+    made = [*UV, "venv", "--python", version, place / name.replace(" ", "-")]
+    if subprocess.run([*map(str, made)], capture_output=True, check=False).returncode:
+        return f"skipped: {name}: there is no Python {version} here, and uv could not get one"
+    home = Path(made[-1])
+    # Where a library has no wheel for this Python, an older version of it is no version that anybody would install.
+    own = [] if kind == "sdist" else ["--only-binary", ":all:"]
+    call(*UV, "pip", "install", "--python", home, "--resolution", resolution, *own, artefact)
+    call(python(home).with_name("bench"), "doctor", cwd=home)
+    call(python(home).with_name("bench"), "run", "quick", "--output", "out", "--jobs", "2", cwd=home)
+    trials = int(call(python(home), "-c", READ, cwd=home))
+    return f"passed: {name}: {trials} trials, {', '.join(installed(home, 'numpy', 'numba', 'pandas', 'typer'))}"
+
+
+READ = """
+import bench, pathlib
+frame, page = bench.load_results("out"), pathlib.Path("out/report.html").read_text(encoding="utf-8")
+assert (frame["status"] == "ok").all()
+assert all(part in page for part in ('id="part.verdict"', *set(frame["optimizer"])))
+print(len(frame))
+"""
+
+
+def python(home: Path) -> Path:
+    """Return the interpreter of an environment."""
+    return home / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+
+
+def installed(home: Path, *names: str) -> list[str]:
+    """Return the versions of some packages of an environment."""
+    listed = call(*UV, "pip", "freeze", "--python", home).splitlines()
+    return [each.replace("==", " ") for each in listed if each.partition("==")[0] in names]
+
+
+# 5. Licences
+
+
+def licences(place: Path, wheel: Path) -> None:
+    """Write the licences of all packages that come with a plain installation and with the extras; refuse some."""
+    rows = {}
+    for name, extras in (("plain", ""), ("extras", f"[{','.join(PROJECT['optional-dependencies'])}]")):
+        call(*UV, "venv", place / name)
+        call(*UV, "pip", "install", "--python", place / name, f"{wheel}{extras}")
+        found = json.loads(
+            call(
+                sys.executable,
+                "-m",
+                "piplicenses",
+                "--python",
+                python(place / name),
+                "--from",
+                "all",
+                "--format",
+                "json",
+            )
+        )
+        rows[name] = {each["Name"]: (each["Version"], licence(each)) for each in found}
+    lines = ["| package | version | licence | comes with |", "|-|-|-|-|"]
+    for name, (version, text) in sorted(rows["extras"].items(), key=lambda row: row[0].lower()):
+        extra = name not in rows["plain"]
+        if problem := licence_problem(name, text, extra):
+            stop(problem)
+        lines.append(f"| {name} | {version} | {text} | {'extras' if extra else 'every installation'} |")
+    (NOTES / "licences.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def licence(found: dict[str, str]) -> str:
+    """Return the licence that a package states: an SPDX expression, else its classifier, else the first words."""
+    texts = (found[f"License-{kind}"] for kind in ("Expression", "Classifier", "Metadata"))
+    text = next((each for each in texts if each.strip() and each != "UNKNOWN"), "UNKNOWN")
+    return " ".join(text.split()) if len(text) <= 100 else next(iter(re.findall(FREE, text)), "UNKNOWN")
+
+
+def licence_problem(name: str, text: str, extra: bool) -> str:
+    """Return why a package of that licence cannot come with this one, "" where it can."""
+    choices = [judged(each, extra) for each in re.split(r"\bOR\b", text)]
+    if "" in choices:
+        return ""
+    return (
+        f"{name} has the licence {text!r}, {choices[0]}; leave the package out, or add its licence to tools/release.py"
+    )
+
+
+def judged(text: str, extra: bool) -> str:
+    """Return what is wrong with a licence all of whose parts apply, "" where nothing is."""
+    for part in re.split(r"\bAND\b|;", text):
+        if re.search(REFUSED, part):
+            return "which Apache-2.0 cannot be combined with"
+        if re.search(EXTRAS_ONLY, part):
+            if not extra:
+                return "under which the whole would be; it may come with an extra only"
+        elif not re.search(FREE, part):
+            return "which is unknown"
+    return ""
+
+
+if __name__ == "__main__":
+    main()
