@@ -47,7 +47,7 @@ FREE = (
 
 def main() -> None:
     """Make the release, or rehearse it."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="Build a release and try it.")
     parser.add_argument("--rehearse", action="store_true", help="go on without a date in the changelog or a commit")
     rehearse = parser.parse_args().rehearse
     for problem in (*changelog_problems((ROOT / "CHANGELOG.md").read_text(encoding="utf-8")), *changes()):
@@ -60,8 +60,7 @@ def main() -> None:
         call(sys.executable, "-m", "twine", "check", "--strict", *artefacts)
         tried = [try_out(place, *each) for each in environments(artefacts)]
         licences(place, artefacts[-1])
-        call(sys.executable, "-m", "cyclonedx_py", "environment", "--output-reproducible", "--pyproject", ROOT / "pyproject.toml",
-             "-o", NOTES / "sbom.cdx.json", python(place / "plain"))  # fmt: skip
+        packages(place)
     print("\n".join([f"{PROJECT['name']} {PROJECT['version']}", *tried, *(str(each) for each in artefacts)]))
 
 
@@ -105,8 +104,8 @@ def build(place: Path) -> list[Path]:
     """Build sdist and wheel of the commit twice, compare their bytes, and return their paths in ``dist``."""
     epoch = call("git", "show", "--no-patch", "--format=%ct", "HEAD").strip()
     digests = []
-    for number, mask in ((1, 0o022), (2, 0o077)):  # another folder and other permissions must not change a byte
-        source, out = place / f"source{number}" * number, place / f"out{number}"
+    for name, mask in (("first", 0o022), ("second/below", 0o077)):  # neither may change a byte
+        source, out = place / name, place / f"{name}-out"
         source.mkdir(parents=True)
         before = os.umask(mask)
         call("git", "archive", "--output", place / "source.tar", "HEAD")
@@ -120,7 +119,7 @@ def build(place: Path) -> list[Path]:
     shutil.rmtree(NOTES, ignore_errors=True)
     DIST.mkdir()
     NOTES.mkdir(parents=True)
-    return [Path(shutil.copy(place / "out1" / name, DIST)) for name in sorted(digests[0], reverse=True)]
+    return [Path(shutil.copy(place / "first-out" / name, DIST)) for name in sorted(digests[0], reverse=True)]
 
 
 def digest(file: Path) -> str:
@@ -150,10 +149,10 @@ def try_out(place: Path, version: str, artefact: Path, resolution: str) -> str:
     """Install an artefact into a fresh environment and run the quick study; return a line for the summary."""
     kind = "sdist" if artefact.suffix == ".gz" else "wheel"
     name = f"Python {version}, {kind}, {resolution}"
-    made = [*UV, "venv", "--python", version, place / name.replace(" ", "-")]
-    if subprocess.run([*map(str, made)], capture_output=True, check=False).returncode:
+    home = place / name.replace(" ", "-")
+    made = subprocess.run([*UV, "venv", "--python", version, str(home)], capture_output=True, check=False)
+    if made.returncode:
         return f"skipped: {name}: there is no Python {version} here, and uv could not get one"
-    home = Path(made[-1])
     # Where a library has no wheel for this Python, an older version of it is no version that anybody would install.
     own = [] if kind == "sdist" else ["--only-binary", ":all:"]
     call(*UV, "pip", "install", "--python", home, "--resolution", resolution, *own, artefact)
@@ -183,7 +182,7 @@ def installed(home: Path, *names: str) -> list[str]:
     return [each.replace("==", " ") for each in listed if each.partition("==")[0] in names]
 
 
-# 5. Licences
+# 5. and 6. What comes with it
 
 
 def licences(place: Path, wheel: Path) -> None:
@@ -213,6 +212,12 @@ def licences(place: Path, wheel: Path) -> None:
             stop(problem)
         lines.append(f"| {name} | {version} | {text} | {'extras' if extra else 'every installation'} |")
     (NOTES / "licences.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def packages(place: Path) -> None:
+    """Write the bill of materials of a plain installation."""
+    options = ("--output-reproducible", "--pyproject", ROOT / "pyproject.toml", "-o", NOTES / "sbom.cdx.json")
+    call(sys.executable, "-m", "cyclonedx_py", "environment", *options, python(place / "plain"))
 
 
 def licence(found: dict[str, str]) -> str:
