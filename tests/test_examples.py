@@ -139,6 +139,82 @@ def test_a_new_package_builds_installs_and_passes_its_tests(kind, name, checks, 
     assert again.stderr == f"bench: {name} 0.1.0 has the {kind} {name!r} already; choose another name\n"
 
 
+# Beside another package with a module of the same name
+
+
+@pytest.fixture
+def alone(wheels, tmp_path):
+    """Return a function that installs wheels, or this project's, into an environment that has nothing else."""
+    place = tmp_path / "venv"
+    uv = [sys.executable, "-m", "uv"]
+    succeed(*uv, "venv", "--python", sys.executable, place)
+    succeed(*uv, "pip", "install", "--python", place, "typer", "packaging")
+
+    def install(*packages, command="install", options=("--no-deps", "--force-reinstall")):
+        succeed(*uv, "pip", command, "--python", place, *options, *packages)
+
+    install.programs = place / ("Scripts" if os.name == "nt" else "bin")
+    install.own = wheels["backlash_bench"]
+    return install
+
+
+def other_package(folder, module):
+    """Write the wheel of another package that has a module of that name, and return its path."""
+    wheel, about = folder / f"other_{module}-1.0-py3-none-any.whl", f"other_{module}-1.0.dist-info"
+    files = {
+        f"{module}/__init__.py": "OTHER = True\n",
+        f"{about}/METADATA": f"Metadata-Version: 2.1\nName: other-{module}\nVersion: 1.0\n",
+        f"{about}/WHEEL": "Wheel-Version: 1.0\nGenerator: test\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+    }
+    files[f"{about}/RECORD"] = "".join(f"{name},,\n" for name in [*files, f"{about}/RECORD"])
+    with zipfile.ZipFile(wheel, "w") as archive:
+        for name, text in files.items():
+            archive.writestr(name, text)
+    return wheel
+
+
+def on_name(install, module):
+    """Return what doctor found about a module's name, and its exit code."""
+    done = call(install.programs / "bench", "doctor", "--json")
+    found = json.loads(done.stdout)["findings"]
+    return next(each for each in found if each["topic"] == "names" and each["name"] == module), done.returncode
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("module", ["optimizers"])
+def test_a_package_that_replaced_a_module_is_named_until_this_one_is_installed_again(alone, module, tmp_path):
+    alone(alone.own)
+    assert call(alone.programs / "bench", "--help").returncode == 0
+    alone(other_package(tmp_path, module))
+    for arguments in (["--help"], ["list"], ["run", "quick"]):
+        done = call(alone.programs / "bench", *arguments)
+        assert done.returncode == 2
+        assert done.stderr.count("\n") == 1
+        assert f"was replaced, by other-{module}; run 'pip install --force-reinstall" in done.stderr
+    assert call(alone.programs / "bench", "--version").returncode == 0
+    found, code = on_name(alone, module)
+    assert (found["state"], code) == ("broken", 1)
+    alone(alone.own)
+    assert call(alone.programs / "bench", "--help").returncode == 0
+    assert on_name(alone, module)[0]["state"] == "note"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("module", ["problems"])
+def test_a_package_whose_module_this_one_replaced_is_named_also_when_it_is_uninstalled(alone, module, tmp_path):
+    alone(other_package(tmp_path, module))
+    alone(alone.own)
+    assert call(alone.programs / "bench", "--help").returncode == 0
+    found, _ = on_name(alone, module)
+    assert (found["state"], f"other-{module}" in found["mend"]) == ("note", True)
+    alone(f"other-{module}", command="uninstall", options=())
+    done = call(alone.programs / "bench", "list")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "is missing: another package" in done.stderr
+    found, code = on_name(alone, module)
+    assert (found["state"], code) == ("broken", 1)
+
+
 def test_the_readme_shows_the_whole_optimizer():
     code = (OPTIMIZER / "src" / "hill_climber.py").read_text(encoding="utf-8").partition("from dataclasses")[2]
     assert "from dataclasses" + code in (ROOT / "README.md").read_text(encoding="utf-8")
