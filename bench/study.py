@@ -34,6 +34,7 @@ from bench.scoring import scored
 from bench.seeds import trial_seed
 from bench.sweep import Sweep, expanded, sweeps
 from bench.targets import NO_METRIC, Targets
+from bench.text import html_table, listed
 from bench.trial import Trial
 from bench.tuned import Tuning
 
@@ -274,6 +275,18 @@ class Study:
         tuning = {} if self.tuning is None else {"tuning": self.tuning.as_dict()}
         looks = {"looks": {"trials": list(self.looks)}} if self.looks else {}
         return tomli_w.dumps(head | self._handling() | targets | rope | looks | lists | tuning)
+
+    def _repr_html_(self) -> str:
+        """Return the study as a table, for a notebook."""
+        rows = [
+            *([("title", self.title)] if self.title else []),
+            (f"problems ({len(self.problems):,})", listed([entry.label for entry in self.problems], 10)),
+            (f"optimizers ({len(self.optimizers):,})", listed([entry.label for entry in self.optimizers], 10)),
+            ("trials of each on each", f"{self.trials:,}"),
+            ("budget of a trial", budgets.described(self.budget)),
+            ("seed", self.seed),
+        ]
+        return html_table(f"Study {self.name}", rows)
 
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.

@@ -1,11 +1,12 @@
-"""Turn names, which may contain anything, into file names, unique names and printable text."""
+"""Turn names, which may contain anything, into file names, unique names, printable text and tables of HTML."""
 
 from __future__ import annotations
 
 import hashlib
+import html
 import json
 import re
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Sequence
 from typing import Any
 
 
@@ -52,3 +53,28 @@ def printable(text: str, limit: int) -> str:
 def option(value: Any) -> str:
     """Return the value of a plug-in's option as text: a text as it is, others as JSON where they have such a form."""
     return value if isinstance(value, str) else json.dumps(value, default=str)
+
+
+def html_table(caption: str, rows: Iterable[Sequence[Any]], heads: Sequence[str] = ()) -> str:
+    """Return a small table for a notebook; all texts are escaped, and colours are left to the notebook's theme.
+
+    The first cell of a row is its head.
+    """
+
+    def cell(tag: str, text: Any, scope: str = "") -> str:
+        return f'<{tag}{scope} style="text-align: left">{html.escape(str(text))}</{tag}>'
+
+    columns = "".join(cell("th", each, ' scope="col"') for each in heads)
+    head = f"<thead><tr>{columns}</tr></thead>" if heads else ""
+    lines = []
+    for first, *others in rows:
+        cells = [cell("th", first, ' scope="row"'), *(cell("td", each) for each in others)]
+        lines.append(f"<tr>{''.join(cells)}</tr>")
+    title = f'<caption style="text-align: left; caption-side: top">{html.escape(caption)}</caption>'
+    return f"<table>{title}{head}<tbody>{''.join(lines)}</tbody></table>"
+
+
+def listed(names: Sequence[str], most: int = 5) -> str:
+    """Return the names with commas, shortened to the first ones and the number of the others."""
+    more = f" and {len(names) - most:,} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more

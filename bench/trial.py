@@ -13,6 +13,7 @@ from bench.objective import BudgetExhausted, Objective, Trace
 from bench.optimizer import Optimizer
 from bench.problem import Floats, Problem
 from bench.seeds import streams
+from bench.text import html_table, listed
 
 FRAME_COLUMNS = (
     "study", "problem", "optimizer", "trial", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s",
@@ -76,6 +77,18 @@ class Result:
     def overhead_time(self) -> float:
         """Wall seconds that the optimizer itself took."""
         return self.time - self.objective_time
+
+    def _repr_html_(self) -> str:
+        """Return the result as a table, for a notebook."""
+        rows = [
+            ("best value", f"{self.fun:.10g}"),
+            ("best point", listed([f"{each:.6g}" for each in self.x], 10)),
+            *((name, f"{value:.6g}") for name, value in self.metrics.items()),
+            ("evaluations", f"{self.nfev:,} (stopped by: {self.stop})"),
+            ("time", f"{self.objective_time:.3f} s in the objective, {self.overhead_time:.3f} s in the optimizer"),
+            ("seed", self.seed),
+        ]
+        return html_table("Result of one run", rows)
 
 
 def search(

@@ -22,13 +22,13 @@ from bench.analysis.cells import (
     variables,
 )
 from bench.objective import Trace
+from bench.text import listed
 
 UNUSED = 0.01  # share of the budget that may be left without a reason
 UNIQUE = 0.5  # share of different final values below which a cell has hit a ceiling
 CLAMPED = 0.01  # share of final coordinates that may lie on a bound
 SHARED = 0.1  # of an optimizer's trials, above which equal starts are no chance
 ON_BOUND = 1e-12  # of the box's width: a clipped point that is scaled back is rounded
-NAMED = 5  # names in a sentence; the column ``cells`` holds all
 
 CLAMPING = "boundary clamping"  # of final points here, and of an optimizer in the runs of ``bench check``
 
@@ -98,12 +98,6 @@ def where(rows: pd.DataFrame) -> str:
     return listed(
         [f"{o} on {each[0] if len(each) == 1 else f'{len(each):,} problems'}" for o, each in problems.items()]
     )
-
-
-def listed(names: Sequence[str]) -> str:
-    """Return the names with commas, shortened to the first five and the number of the others."""
-    more = len(names) - NAMED
-    return ", ".join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")
 
 
 def percent(share: float) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from bench.text import printable
+from bench.text import html_table, printable
 
 KINDS = ("conformance", "bias")
 LONGEST = 4_000  # characters of a text
@@ -102,6 +102,18 @@ class Checkup:
 
     def __iter__(self) -> Iterator[Verdict]:
         return iter(self.verdicts)
+
+    def _repr_html_(self) -> str:
+        """Return the verdicts as a table, for a notebook."""
+        rows = [
+            (
+                verdict.check,
+                verdict.outcome,
+                f"{verdict.finding}; to mend it: {verdict.mend}" if verdict.mend else verdict.finding,
+            )
+            for verdict in self.verdicts
+        ]
+        return html_table(self.summary, rows, ("check", "outcome", "finding"))
 
     def __str__(self) -> str:
         width = max((len(verdict.check) for verdict in self.verdicts), default=0)

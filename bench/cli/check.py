@@ -10,7 +10,8 @@ import typer
 from rich.console import Console
 
 from bench.cli import completion
-from bench.cli.console import Jobs, Parameters, pairs, print_error, print_line
+from bench.cli.console import Jobs, Parameters, pairs, print_error
+from bench.console import print_line
 from bench.errors import BenchError
 from bench.plugins import registry
 

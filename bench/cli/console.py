@@ -1,4 +1,4 @@
-"""What commands share: arguments, options, and the printing of lines and durations."""
+"""What commands share: arguments, options, and the printing of errors."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 
 from bench.cli import completion
+from bench.console import print_line
 from bench.errors import BenchError
 
 Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.", autocompletion=completion.folders)]
@@ -48,11 +49,6 @@ Parameters = Annotated[
 ]
 
 
-def print_line(text: str, style: str | None = None, console: Console | None = None) -> None:
-    """Print a text unchanged: without wrapping its lines or reading brackets as markup."""
-    (console or Console()).print(text, style=style, markup=False, emoji=False, highlight=False, soft_wrap=True)
-
-
 def print_error(message: str) -> None:
     """Print one red line on standard error."""
     print_line(f"bench: {message}", "red", Console(stderr=True))
@@ -70,16 +66,3 @@ def pairs(items: list[str] | None) -> dict[str, Any]:
         except tomllib.TOMLDecodeError:
             options[key.strip()] = value
     return options
-
-
-def duration(seconds: float) -> str:
-    """Return a duration as text, to two units: "8 s", "12 min", "3 h 5 min", "2 d 4 h"."""
-    whole = round(seconds)
-    if whole < 120:
-        return f"{whole} s"
-    minutes, hours = round(whole / 60), round(whole / 3600)
-    if minutes < 120:
-        return f"{minutes} min"
-    if hours < 48:
-        return f"{minutes // 60} h {minutes % 60} min"
-    return f"{hours // 24} d {hours % 24} h"

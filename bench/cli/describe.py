@@ -11,7 +11,8 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
-from bench.cli.console import pairs, print_line
+from bench.cli.console import pairs
+from bench.console import print_line
 from bench.errors import BenchError
 
 BESIDE = 4  # problems of one table

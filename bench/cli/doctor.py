@@ -20,7 +20,7 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
-from bench.cli.console import print_line
+from bench.console import print_line
 from bench.errors import BenchError
 from bench.plugins import registry
 

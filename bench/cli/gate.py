@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
-from bench.cli.console import print_line
+from bench.console import print_line
 
 STYLES = {"pass": "green", "worse": "red", "undecided": "yellow"}
 CODES = {"pass": 0, "worse": 1, "undecided": 3}

@@ -18,7 +18,7 @@ import typer
 
 from bench.atomic import replacing
 from bench.cli import completion
-from bench.cli.console import print_line
+from bench.console import print_line
 from bench.errors import BenchError, nearest
 from bench.plugins import registry
 

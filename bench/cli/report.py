@@ -9,7 +9,8 @@ import typer
 from rich.console import Console
 
 from bench.cli import completion
-from bench.cli.console import Against, Jobs, Rope, Targets, print_line
+from bench.cli.console import Against, Jobs, Rope, Targets
+from bench.console import print_line
 
 
 def report(
@@ -61,7 +62,7 @@ def report_on(
     reference: str | None = None,
 ) -> None:
     """Write the report and print its path."""
-    from bench.cli.progress import steps
+    from bench.execution.progress import steps
     from bench.report import write_report
     from bench.storage.folder import Folder
 

@@ -12,20 +12,10 @@ from rich.console import Console
 
 from bench.cli import completion
 from bench.cli.check import check_folder
-from bench.cli.console import (
-    Against,
-    Constraints,
-    Jobs,
-    Rope,
-    Sandbox,
-    Strict,
-    Targets,
-    duration,
-    print_error,
-    print_line,
-)
+from bench.cli.console import Against, Constraints, Jobs, Rope, Sandbox, Strict, Targets, print_error
 from bench.cli.report import published, report_on
 from bench.cli.verify import verify_folder
+from bench.console import duration, print_line
 from bench.errors import BenchError
 
 if TYPE_CHECKING:
@@ -102,8 +92,8 @@ def run(
     The same command continues where the last one ended: every finished trial is kept. An optimizer that raises, hangs
     or crashes loses only its own trials: they count as failed, and the next run tries them again.
     """
-    from bench.cli.progress import Display
     from bench.execution.pool import WorkerDiedError
+    from bench.execution.progress import Display
     from bench.execution.runner import plan as plan_study
     from bench.execution.runner import run as run_study
     from bench.importing.best2009 import best2009
@@ -159,7 +149,7 @@ def _show_estimate(plan: Plan, jobs: int, console: Console) -> None:
     """Print a plan, each optimizer's part of it, and the duration estimated from the stored trials."""
     from joblib import cpu_count
 
-    from bench.cli.progress import show_plan
+    from bench.execution.progress import show_plan
 
     counts = plan.counts()
     show_plan(plan, counts, console)

@@ -11,7 +11,8 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
-from bench.cli.console import Parameters, pairs, print_line
+from bench.cli.console import Parameters, pairs
+from bench.console import print_line
 from bench.errors import BenchError
 
 
@@ -46,7 +47,7 @@ def similar(
     from bench.analysis.similarity import similarity
     from bench.atomic import replacing
     from bench.check.behaviour import behaviours, common_problems, recorder
-    from bench.cli.progress import steps
+    from bench.execution.progress import steps
     from bench.numbers import require_whole
     from bench.plots import style
     from bench.plots.similarity import similarity_map

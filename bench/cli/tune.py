@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from bench.cli.console import Jobs, Parameters, duration, pairs, print_error, print_line
+from bench.cli.console import Jobs, Parameters, pairs, print_error
+from bench.console import duration, print_line
 from bench.errors import BenchError
 from bench.text import option
 
@@ -51,8 +52,8 @@ def tune(
     """
     from bench.atomic import replacing
     from bench.budget import checked, evaluations
-    from bench.cli.progress import steps
     from bench.errors import require
+    from bench.execution.progress import steps
     from bench.numbers import require_positive, require_whole
     from bench.plugins import loading
     from bench.report.wording import count

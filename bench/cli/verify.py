@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench.cli.console import Output, Sandbox, Strict, print_error, print_line
+from bench.cli.console import Output, Sandbox, Strict, print_error
+from bench.console import print_line
 
 
 def verify(
@@ -37,7 +38,7 @@ def verify_folder(
     path: Path, console: Console, *, trials: int, jobs: int | None = None, strict: bool, sandbox: str | None
 ) -> bool:
     """Make trials of each cell of a folder again and print the outcome; return whether all is as it was stored."""
-    from bench.cli.progress import steps
+    from bench.execution.progress import steps
     from bench.execution.verify import verify as make_again
 
     with steps(console, "verify") as on_progress:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
@@ -53,6 +53,7 @@ def run(
     on_plan: Callable[[Plan], None] | None = None,
     on_trial: Listener | None = None,
     on_look: OnLook | None = None,
+    progress: bool | None = None,
 ) -> Outcome:
     """Run every trial of a study that its folder does not hold yet.
 
@@ -77,12 +78,15 @@ def run(
         on_trial: called with every finished trial and its row.
         on_look: called after every look for which trials were made, with its number of trials and the plan, whose
             ``stopped`` are the cells decided by then.
+        progress: whether to print the plan, the trials done and the failures; by default in a notebook only.
 
     Raises:
         BenchError: for a study that cannot be run or a folder that cannot take it.
         WorkerDiedError: when workers are killed several times in a row, or a cluster is lost.
         KeyboardInterrupt: on Ctrl-C, once what has finished is committed.
     """
+    from bench.execution.progress import displayed  # not at the top: it imports rich
+
     _check_limits(n_jobs, timeout, memory)
     study, folder, part = _resolved(study, output, shard)
     with interrupts_deferred() as interrupts, ExitStack() as held:
@@ -95,6 +99,9 @@ def run(
         mended = mend(folder, study.trials)
         folder.note_fingerprints(checked.fingerprints)
         plan = _plan(study, folder, part, mended)
+        display = held.enter_context(displayed(progress))
+        if display is not None:
+            display.plan(plan)
         if on_plan is not None:
             on_plan(plan)
         about = provenance.run(
@@ -110,8 +117,10 @@ def run(
         )
         task = Task(study.to_toml(), timeout, _bytes(memory, pool.jobs, backend), strict=strict, sandbox=sandbox)
         noted = held.enter_context(under_way.noting(folder.path))
-        answers = _answers(plan, folder, partial(_made_by, pool, task, checked.machine, noted.begin), on_look)
-        made = _make(plan, folder, answers, about, interrupts, on_trial)
+        listeners = ([] if display is None else [display.trial]) + ([] if on_trial is None else [on_trial])
+        lookers = ([] if display is None else [display.look]) + ([] if on_look is None else [on_look])
+        answers = _answers(plan, folder, partial(_made_by, pool, task, checked.machine, noted.begin), lookers)
+        made = _make(plan, folder, answers, about, interrupts, listeners)
         return Outcome(folder.path, made, sum(cell.failed for cell in folder.store.cells()))
 
 
@@ -198,7 +207,7 @@ def _answers(
     plan: Plan,
     folder: Folder,
     make: Callable[[Callable[[], Iterator[Trial]]], Iterator[Answer]],
-    on_look: OnLook | None,
+    lookers: Sequence[OnLook],
 ) -> Iterator[Answer]:
     """Yield the answers of the trials that are missing, look by look; decide after each look what is stopped.
 
@@ -215,7 +224,7 @@ def _answers(
         stopped = stopped_cells(plan.study, folder.store)
         plan.stopped.clear()
         plan.stopped.update(stopped)
-        if on_look is not None:
+        for on_look in lookers:
             on_look(look, plan)
 
 
@@ -225,7 +234,7 @@ def _make(
     answers: Iterator[Answer],
     about: dict[str, Any],
     interrupts: Interrupts,
-    on_trial: Listener | None,
+    listeners: Sequence[Listener],
 ) -> int:
     """Commit the missing trials as they are made; return their number."""
     numbers: dict[str, int] = {}  # of environments, by the machine's record
@@ -244,8 +253,8 @@ def _make(
                 writer.add(trial, row, numbers[machine])
                 plan.finished.add(*trial.key)
                 made += 1
-                if on_trial is not None:
-                    on_trial(trial, row)
+                for listener in listeners:
+                    listener(trial, row)
         finally:
             answers.close()  # type: ignore[attr-defined]
             ended = provenance.now()

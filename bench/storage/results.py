@@ -15,6 +15,7 @@ from typing import Any
 
 import pandas as pd
 
+from bench.budget import described
 from bench.errors import BenchError
 from bench.grid import dimension_in
 from bench.objective import integer_flags
@@ -28,7 +29,7 @@ from bench.storage.tidy import Slice, tidy
 from bench.storage.traces import Traces
 from bench.storage.union import differences, united
 from bench.study import Study
-from bench.text import unique
+from bench.text import html_table, unique
 from bench.trial import PRECISION
 
 AnyPath = str | PathLike[str]
@@ -109,6 +110,16 @@ class Results:
 
     def __repr__(self) -> str:
         return f"Results({', '.join(repr(str(path)) for path in self.paths)})"
+
+    def _repr_html_(self) -> str:
+        """Return the numbers of trials as a table, for a notebook; damaged trials are counted as they are stored."""
+        counts: dict[str, Counter[str]] = {entry.label: Counter() for entry in self.study.optimizers}
+        for source in self._sources:
+            for cell in source.folder.store.cells() if source.folder.store.exists else ():
+                counts[source.shown.get(cell.optimizer, cell.optimizer)].update(cell.status)
+        rows = [(label, f"{each['ok']:,}", f"{each.total() - each['ok']:,}") for label, each in counts.items()]
+        about = f"{len(self.study.problems):,} problems, {described(self.study.budget)}"
+        return html_table(f"Results of study {self.study.name}: {about}", rows, ("optimizer", "trials", "failed"))
 
     @property
     def paths(self) -> list[Path]:

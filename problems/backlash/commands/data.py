@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from bench.cli import archive
-from bench.cli.console import print_line
+from bench.console import print_line
 from bench.errors import BenchError
 
 VARIABLE = "$BENCH_PUBLISHED_DATA"

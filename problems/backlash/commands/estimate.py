@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from bench.cli.console import pairs, print_error, print_line
+from bench.cli.console import pairs, print_error
+from bench.console import print_line
 from bench.errors import BenchError
 
 if TYPE_CHECKING:

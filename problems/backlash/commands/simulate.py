@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from bench.atomic import replacing
-from bench.cli.console import print_line
+from bench.console import print_line
 from bench.errors import BenchError
 from problems.backlash.commands import Force
 

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from bench.cli.console import print_line
+from bench.console import print_line
 from problems.backlash.sensor.batch import Estimated, Failed, RepeatedRuns
 from problems.backlash.sensor.estimate import Estimate, Settings, is_undecided
 from problems.backlash.sensor.recording_files import Series

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from time import monotonic
 from types import TracebackType
 from typing import Any
@@ -20,7 +20,7 @@ from rich.progress import (
 )
 
 from bench.budget import described
-from bench.cli.console import duration, print_line
+from bench.console import duration, print_line
 from bench.execution.plan import Plan
 from bench.trial import Trial
 
@@ -90,6 +90,17 @@ class Display:
             soon = self._made < min(20, self._left / 10)  # most of the time so far went into loading and compiling
             left = f", about {duration(rest)} left" if self._made < self._left and not soon else ""
             print_line(f"{self._made} of {self._left} runs done{left}", console=self._console)
+
+
+def displayed(progress: bool | None) -> AbstractContextManager[Display | None]:
+    """Return a display of a run's progress, or of nothing; with None, a display in a notebook and nothing elsewhere."""
+    wanted = in_notebook() if progress is None else progress
+    return Display(Console()) if wanted else nullcontext()
+
+
+def in_notebook() -> bool:
+    """Return whether this process is the kernel of a notebook."""
+    return Console().is_jupyter
 
 
 def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], console: Console) -> None:

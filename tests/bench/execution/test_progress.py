@@ -1,0 +1,29 @@
+"""The progress of a run from Python: printed where it is asked for or in a notebook, and silent in a script."""
+
+import pytest
+
+from bench import run
+from bench.execution import progress
+
+
+@pytest.mark.parametrize(
+    ("asked", "notebook", "shown"), [(None, False, 0), (None, True, 1), (True, False, 1), (False, True, 0)]
+)
+def test_a_run_prints_its_progress_where_it_is_asked_for_and_in_a_notebook(
+    asked, notebook, shown, small_study, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr(progress, "in_notebook", lambda: notebook)
+    heard = []
+    study = small_study.override(trials=1)
+    run(
+        study,
+        tmp_path / "out",
+        n_jobs=1,
+        progress=asked,
+        on_plan=heard.append,
+        on_trial=lambda *each: heard.append(each),
+    )
+    printed = capsys.readouterr().out
+    assert printed.count("study small: 2 problems x 3 optimizers x 1 trials = 6 runs of 60 evaluations") == shown
+    assert printed.count("6 of 6 runs done") == shown
+    assert len(heard) == 7

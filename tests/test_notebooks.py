@@ -1,0 +1,50 @@
+"""The example notebooks are stored without outputs, run from top to bottom, and show what they promise."""
+
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+FOLDER = Path(__file__).resolve().parents[1] / "examples" / "notebooks"
+NAMES = ("first-comparison", "read-a-store")  # the second reads what the first one writes
+
+
+def read(name):
+    return nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
+
+
+def test_these_are_all_notebooks():
+    assert {path.stem for path in FOLDER.glob("*.ipynb")} == set(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_notebook_is_stored_without_outputs(name):
+    code = [cell for cell in read(name).cells if cell.cell_type == "code"]
+    assert code
+    assert all(cell.outputs == [] and cell.execution_count is None for cell in code)
+
+
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory):
+    """The outputs of every notebook as one text of HTML, and the number of its pictures."""
+    place, found = tmp_path_factory.mktemp("notebooks"), {}
+    for name in NAMES:
+        notebook = read(name)
+        NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(place)}}).execute()
+        outputs = [each.get("data", {}) for cell in notebook.cells for each in cell.get("outputs", ())]
+        pages = "".join(each.get("text/html", "") for each in outputs)
+        found[name] = pages, sum("image/png" in each for each in outputs)
+    assert (place / "comparison.pdf").stat().st_size > 0
+    return found
+
+
+@pytest.mark.slow
+def test_the_notebooks_show_tables_progress_and_figures(shown):
+    page, pictures = shown["first-comparison"]
+    for part in ("Result of one run", "Study first", "runs done", "Results of study first", "keeps the contract"):
+        assert part in page
+    assert pictures == 1
+    page, pictures = shown["read-a-store"]
+    assert "Results of study first" in page
+    assert pictures == 2
