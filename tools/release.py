@@ -155,7 +155,10 @@ def try_out(place: Path, version: str, artefact: Path, resolution: str) -> str:
         return f"skipped: {name}: there is no Python {version} here, and uv could not get one"
     # Where a library has no wheel for this Python, an older version of it is no version that anybody would install.
     own = [] if kind == "sdist" else ["--only-binary", ":all:"]
-    call(*UV, "pip", "install", "--python", home, "--resolution", resolution, *own, artefact)
+    # "lowest-direct" means the requirements that are named here, and not those of the artefact.
+    call(*UV, "pip", "install", "--python", home, "--resolution", resolution, *own, artefact, *PROJECT["dependencies"])
+    if resolution == "lowest-direct" and version == versions()[0]:
+        require_lowest(home)
     call(python(home).with_name("bench"), "doctor", cwd=home)
     call(python(home).with_name("bench"), "run", "quick", "--output", "out", "--jobs", "2", cwd=home)
     trials = int(call(python(home), "-c", READ, cwd=home))
@@ -176,10 +179,18 @@ def python(home: Path) -> Path:
     return home / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 
 
+def require_lowest(home: Path) -> None:
+    """End the release where a lower bound of pyproject.toml is not what is installed, so that it was not tried."""
+    found = dict(each.lower().split(" ") for each in installed(home))
+    for name, bound in re.findall(r"^([a-z0-9-]+)>=([0-9.]+)", "\n".join(PROJECT["dependencies"]), re.MULTILINE):
+        if not re.fullmatch(rf"{re.escape(bound)}(\.0)*", found[name]):
+            stop(f"the lowest {name} that can be installed is {found[name]}; raise its bound in pyproject.toml")
+
+
 def installed(home: Path, *names: str) -> list[str]:
-    """Return the versions of some packages of an environment."""
-    listed = call(*UV, "pip", "freeze", "--python", home).splitlines()
-    return [each.replace("==", " ") for each in listed if each.partition("==")[0] in names]
+    """Return the names and versions of some packages of an environment, by default of all from an index."""
+    listed = [each.partition("==") for each in call(*UV, "pip", "freeze", "--python", home).splitlines()]
+    return [f"{name} {version}" for name, mark, version in listed if mark and name in (names or (name,))]
 
 
 # 5. and 6. What comes with it

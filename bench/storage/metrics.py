@@ -16,13 +16,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench.numbers import exact_csv
+
 Array = NDArray[Any]
 Found = dict[str, tuple[Array | None, Array]]
 """By name: the rows that have a value, None for all of them, and their values."""
 
 FEW = 8  # texts in a run, on average, below which single runs gain nothing
 _NUMBER = b"0123456789.-+e "  # what numbers and the gaps around them consist of
-_EXACT: dict[str, Any] = {} if pd.__version__ >= "3.1" else {"float_precision": "round_trip"}  # later the default
 
 
 class Damaged(Exception):  # noqa: N818 - no failure of its own
@@ -96,7 +97,9 @@ def _alike(texts: Sequence[bytes | None]) -> Mapping[str, Array] | None:
 def _numbers(text: bytes, count: int) -> Array | None:
     """Return so many floating-point numbers between commas, correctly rounded; None where the text has others."""
     try:
-        column = pd.read_csv(io.BytesIO(text), header=None, lineterminator=",", dtype=float, low_memory=False, **_EXACT)
+        column = pd.read_csv(
+            io.BytesIO(text), header=None, lineterminator=",", dtype=float, low_memory=False, **exact_csv()
+        )
     except ValueError:
         return None
     numbers = column.to_numpy()

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from bench.errors import BenchError, require
+from bench.numbers import exact_csv
 from bench.problem import Floats
 
 if TYPE_CHECKING:
@@ -149,6 +150,7 @@ def _text(path: Path) -> Table:
         names=range(width),
         skip_blank_lines=False,
         skipinitialspace=True,
+        **exact_csv(),
     )
     cells.index = pd.RangeIndex(above + 1, above + 1 + len(cells))
     blank = [line for line in cells.index[cells.isna().all(axis=1)] if not "".join(lines[line - 1 : line]).strip()]

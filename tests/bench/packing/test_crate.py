@@ -116,12 +116,12 @@ def test_files_have_size_hash_and_format(graph, content):
 
 def test_a_run_is_described_with_its_software_and_times():
     record = {"started": "2026-01-01T00:00:00+00:00", "ended": "2026-01-03T00:00:00+00:00", "command": "bench run s"}
-    graph = made(environments=[record | {"packages": {"numpy": version("numpy"), "nowhere": "9"}}])
-    assert graph["#run-1"]["instrument"] == [{"@id": f"#numpy-{version('numpy')}"}, {"@id": "#nowhere-9"}]
+    graph = made(environments=[record | {"packages": {"cma": version("cma"), "nowhere": "9"}}])
+    assert graph["#run-1"]["instrument"] == [{"@id": f"#cma-{version('cma')}"}, {"@id": "#nowhere-9"}]
     assert datetime.fromisoformat(graph["#run-1"]["endTime"]).day == 3
     assert graph["./"]["dateCreated"] == record["started"]
     assert graph["./"]["datePublished"] == "2026-01-03"
-    assert "BSD-3-Clause" in json.dumps(graph[f"#numpy-{version('numpy')}"]["license"])
+    assert "BSD-3-Clause" in json.dumps(graph[f"#cma-{version('cma')}"]["license"])
     assert graph["#nowhere-9"].keys() == {"@id", "@type", "name", "version"}
 
 
