@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+import tarfile
 import zipfile
 from pathlib import Path
 
@@ -39,8 +40,10 @@ def succeed(*command, cwd=None):
 def wheels(tmp_path_factory):
     """The wheels of this project and of the example packages, by the names of their distributions."""
     folder = tmp_path_factory.mktemp("wheels")
-    for source in (ROOT, OPTIMIZER, PROBLEM):
-        succeed(sys.executable, "-m", "uv", "build", "--wheel", "--out-dir", folder, source)
+    uv = [sys.executable, "-m", "uv"]
+    succeed(*uv, "build", "--out-dir", folder, ROOT)  # the sdist, and the wheel from it
+    for source in (OPTIMIZER, PROBLEM):
+        succeed(*uv, "build", "--wheel", "--out-dir", folder, source)
     return {wheel.name.partition("-")[0]: wheel for wheel in sorted(folder.glob("*.whl"))}
 
 
@@ -66,6 +69,17 @@ def test_the_wheel_holds_the_marks_of_typed_packages(wheels):
     assert "bench/examples/optimizer/.github/workflows/tests.yml" in held
     assert {name.partition("/")[0].partition("-")[0] for name in held} == {
         "bench", "optimizers", "problems", "backlash_bench"
+    }  # fmt: skip
+
+
+@pytest.mark.slow
+def test_the_sdist_holds_what_a_build_needs_and_no_more(wheels):
+    (sdist,) = wheels["backlash_bench"].parent.glob("*.tar.gz")
+    with tarfile.open(sdist) as archive:
+        held = {name.split("/")[1] for name in archive.getnames() if "/" in name}
+    assert held == {
+        "bench", "optimizers", "problems", "examples", "pyproject.toml", "PKG-INFO", "README.md", "LICENSE",
+        "CHANGELOG.md", "CITATION.cff", ".gitignore",
     }  # fmt: skip
 
 
