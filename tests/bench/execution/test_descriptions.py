@@ -77,4 +77,10 @@ def test_parameters_and_fixed_conditions_are_read_as_texts(file, testing_plugins
     assert gone == Description()
     gwo, cma = described("gwo", "cma-es", agents=9)
     assert gwo.values == {"agents": "9", "handling": "repair", "variant": "code", "start": "random"}
-    assert cma.defaults == {"agents": "null", "handling": "repair", "start": "random", "sigma": "0.25"}
+    assert cma.defaults == {
+        "agents": "null",
+        "handling": "repair",
+        "start": "random",
+        "sigma": "0.25",
+        "active": "true",
+    }
