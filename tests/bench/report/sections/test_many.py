@@ -118,7 +118,7 @@ def crowd(make, tmp_path_factory):
     labels = ("e", "d", "c", "b", "a")  # the last one is the worst
     with pytest.MonkeyPatch.context() as patch:
         for name, value in (("CROWD", 4), ("MANY_OPTIMIZERS", 3), ("COLOURED", 2)):
-            patch.setattr(f"bench.report.findings.{name}", value)
+            patch.setattr(f"bench.report.findings.final.{name}", value)
         patch.setattr(datasets, "MANY_OPTIMIZERS", 3)
         patch.setattr(datasets, "SHOWN", 3)
         findings = Findings(Results(make(tmp_path_factory.mktemp("crowd") / "out", ("p",), labels)))
@@ -142,7 +142,7 @@ class TestACrowd:
         findings, _ = crowd
         assert len(findings.pairs) == 10
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("bench.report.findings.CROWD", 4)
+            patch.setattr("bench.report.findings.final.CROWD", 4)
             written = findings.written_pairs
         assert set(written["first"]) | set(written["second"]) == {"e", "d", "c", "b"}
         assert len(written) == 6

@@ -1,0 +1,177 @@
+"""The statistics over the evaluations: ranks, targets and the time to reach them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from bench import analysis
+from bench.errors import BenchError
+from bench.importing.best2009 import best2009, function_of
+from bench.report.findings.final import Final
+from bench.report.landscapes import Landscapes, landscapes
+from bench.report.target_words import TargetWords, default_targets, target_words
+from bench.targets import NO_METRIC
+
+
+@dataclass(frozen=True)
+class Anytime(Final):
+    """What the trials reached on the way."""
+
+    @cached_property
+    def stages(self) -> pd.DataFrame:
+        """The rank of each cell after some shares of the budget."""
+        return analysis.stage_ranks(self.frame, self.traces, self.budgets)
+
+    @cached_property
+    def unused(self) -> pd.DataFrame:
+        """The share of the budget that each optimizer left."""
+        return analysis.unused_budget(self.frame, self.allowed)
+
+    @cached_property
+    def words(self) -> TargetWords:
+        """The words for the targets: those asked for, the study's own, or the usual ones of its problems."""
+        usual = default_targets(self.known, self.pooled.functions)
+        return target_words(self.asked or self.results.study.targets or usual)
+
+    def check_targets(self) -> None:
+        """Raise BenchError where no problem has what the targets, or the best of 2009, are measured by."""
+        if self.words.kind == "tolerance" and not any(each.expected for each in self.known.values()):
+            raise BenchError(NO_METRIC)
+        if self.beside_best and self.words.kind != "precisions":
+            raise BenchError(
+                f"the running times of best2009 are those to precisions, and the targets are {self.words.kind}; add "
+                "--targets precisions or leave out best2009"
+            )
+        _ = self.best_times  # where there are none, a sentence says so
+
+    @cached_property
+    def targets(self) -> pd.DataFrame:
+        """The targets of each problem."""
+        return self._targets(self.words)
+
+    @cached_property
+    def hits(self) -> pd.DataFrame:
+        """The evaluations that each trial took to reach each target."""
+        return self._hits(self.words)
+
+    def _targets(self, words: TargetWords) -> pd.DataFrame:
+        table = analysis.target_table(words.chosen, self.frame, self.traces, self.optima)
+        if words.kind != "tolerance":
+            return table
+        return table[table["problem"].isin([label for label, each in self.known.items() if each.expected])]
+
+    def _hits(self, words: TargetWords) -> pd.DataFrame:
+        if words.kind == "tolerance":
+            expected = {label: each.expected for label, each in self.known.items()}
+            return analysis.tolerance_times(self.frame, self.traces, expected, self.allowed)
+        targets = self.targets if words == self.words else self._targets(words)
+        return analysis.hitting_times(self.frame, self.traces, targets, self.allowed)
+
+    @cached_property
+    def success(self) -> pd.DataFrame:
+        """The share of trials of each cell that reached a target, with its interval."""
+        return analysis.success_rates(self.hits, self.words.levels)
+
+    @cached_property
+    def running_times(self) -> pd.DataFrame:
+        """The ERT of each cell to the targets of the tables, with its spread, also by dimension and in seconds.
+
+        The targets have the name of their unit; times in seconds end with ``_s``.
+        """
+        hits = self.hits
+        codes, taus = pd.factorize(hits["tau"].to_numpy(dtype=float))
+        tabled = np.isclose(taus[:, np.newaxis], self.words.tabled, rtol=1e-9, atol=0)
+        kept = tabled.any(axis=1)[codes]
+        rounded = np.array(self.words.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
+        own = hits[kept].assign(tau=rounded[codes[kept]])
+        table = analysis.running_times(own)
+        times = analysis.running_times(analysis.in_seconds(own, self.frame))
+        names = ["ert", "low", "high", "p10", "p90"]
+        seconds = times[names].add_suffix("_s") if len(times) else pd.DataFrame(columns=[f"{each}_s" for each in names])
+        dimension = table["problem"].astype(object).map(self.dimensions).astype(float)
+        table = table.assign(ert_per_d=table["ert"].astype(float) / dimension)
+        if self.beside_best:
+            best = self.best_times.set_index(["problem", "precision"])["ert"]
+            keys = pd.MultiIndex.from_arrays([table["problem"].astype(object), table["tau"].astype(float)])
+            table = table.assign(best2009=best.reindex(keys).to_numpy())
+        return pd.concat([table, seconds], axis=1).drop(columns="target").rename(columns={"tau": self.words.unit})
+
+    @cached_property
+    def best_times(self) -> pd.DataFrame:
+        """The ERT of the best of 2009 to the targets of the tables: problem, precision and ert.
+
+        It is missing on functions without any, and where trials beat the optimum that precisions are measured from.
+        """
+        if not self.beside_best:
+            return pd.DataFrame(columns=["problem", "precision", "ert"])
+        names = {entry.label: entry.name for entry in self.results.study.problems}
+        functions = {label: function_of(names[self.pooled.members[label][0]]) for label in self.problems}
+        known = best2009(functions.values())
+        levels = sorted({*self.words.tabled, *self.words.levels}, reverse=True)
+        kept = {label: name for label, name in functions.items() if label in self.unbeaten}
+        return analysis.reference_times(known, kept, levels)
+
+    @cached_property
+    def restart_shares(self) -> pd.DataFrame:
+        """The shares of simulated restarts over all targets of each cell, over evaluations up to ten times the budget.
+
+        Over evaluations / d where budgets differ.
+        """
+        return self.restarts_per_dimension if self.scaled else self._restart_shares(self.budgets)
+
+    @cached_property
+    def restarts_per_dimension(self) -> pd.DataFrame:
+        """The same over evaluations / d, of the problems whose dimension is known."""
+        most = {label: self.budgets[label] / d for label, d in self.dimensions.items()}
+        return self._restart_shares(most, self.dimensions)
+
+    def _restart_shares(self, most: Mapping[str, float], dimensions: dict[str, int] | None = None) -> pd.DataFrame:
+        budget, hits = max(most.values(), default=1.0), self.hits
+        first = 1 / max(dimensions.values(), default=1) if dimensions else 1.0
+        grid = np.append(np.geomspace(first, budget, 50), np.geomspace(budget, 10 * budget, 11)[1:])
+        own = hits if dimensions is None else hits[hits["problem"].isin(dimensions)]
+        return analysis.restart_shares(own, grid, dimensions)
+
+    @cached_property
+    def target_sets(self) -> pd.DataFrame:
+        """The mean area under the runtime ECDF, and the rank, of each optimizer under three sets of targets."""
+        others = [kind for kind in ("precisions", "relative", "quantiles") if kind != self.words.chosen][:2]
+        areas = {self.words.short: analysis.target_areas(self.hits, self.budgets)}
+        for each in map(target_words, others):
+            targets = dict(list(self._targets(each).groupby("problem", observed=True)))
+            # Problem by problem: the hits of all trials on all targets may take a gigabyte.
+            tables = [
+                analysis.target_areas(
+                    analysis.hitting_times(own, self.traces, targets[label], self.allowed), self.budgets
+                )
+                for label, own in self.frame.groupby("problem", observed=True)
+                if label in targets
+            ]
+            areas[each.short] = pd.concat(tables, ignore_index=True) if tables else areas[self.words.short].head(0)
+        return analysis.compare_sets(areas, self.optimizers)
+
+    @cached_property
+    def aocc(self) -> pd.DataFrame:
+        """The area over the convergence curve of each cell on problems whose optimum is known and not beaten."""
+        return analysis.aocc(self.frame, self.traces, self.unbeaten, self.budgets)
+
+    @cached_property
+    def suite_functions(self) -> list[str]:
+        """The labels of the problems that are functions of a suite."""
+        return [label for label, each in self.known.items() if "suite" in each.features]
+
+    @cached_property
+    def u_scores(self) -> pd.DataFrame:
+        """The U-scores of each cell on functions of suites, by trial-based dominance."""
+        own = self.frame[self.frame["problem"].isin(self.suite_functions)]
+        return analysis.u_scores(own, self.traces, self.unbeaten)
+
+    @cached_property
+    def landscapes(self) -> Landscapes:
+        """The features of the problems' landscapes."""
+        return landscapes(self.results, {label: self.pooled.members[label][0] for label in self.problems})

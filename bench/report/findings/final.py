@@ -1,0 +1,170 @@
+"""The statistics at the end of the budget, on each problem and across problems."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import pandas as pd
+
+from bench import analysis
+from bench.analysis.equivalence import differences
+from bench.analysis.factors import Contributions, contributions
+from bench.plots import style
+from bench.report.findings.trials import Trials
+from bench.rope import Rope
+
+MANY_OPTIMIZERS = 10
+"""Of more optimizers than these only the best are drawn in colour, and pairs are shown as a matrix."""
+
+COLOURED = 8  # optimizers, as many as there are colours
+CROWD = 60
+"""Of more optimizers than these only the best are shown problem by problem; the files of the whole study have all."""
+
+
+@dataclass(frozen=True)
+class Final(Trials):
+    """What the trials reached in the end."""
+
+    # at the end of the budget, problem by problem
+
+    @cached_property
+    def summary(self) -> pd.DataFrame:
+        """The summary of each cell."""
+        return analysis.summarise(self.frame)
+
+    @cached_property
+    def pairs(self) -> pd.DataFrame:
+        """The tests of each pair of optimizers on each problem, those of the looks where the study declares any."""
+        pairs = analysis.pairwise_tests(self.frame)
+        return analysis.at_looks(pairs, self.decisions) if self.results.study.looks else pairs
+
+    @property
+    def written_pairs(self) -> pd.DataFrame:
+        """The tests that a report writes as a file: of a crowd, those among the best, as all would fill a disk."""
+        if not self.crowd:
+            return self.pairs
+        best = self.ranked[:CROWD]
+        return self.pairs[self.pairs["first"].isin(best) & self.pairs["second"].isin(best)]
+
+    @cached_property
+    def matrix(self) -> pd.DataFrame:
+        """The comparison matrix of medians with its letters, one row a cell."""
+        letters = analysis.compact_letters(self.summary, self.pairs, standing=self.standings)
+        return analysis.comparison_matrix(self.summary, self.pairs, standing=self.standings).merge(letters)
+
+    @cached_property
+    def standings(self) -> pd.DataFrame:
+        """The rank of each cell by the rivals that it beats, and those that it is separable from."""
+        return analysis.standings(self.summary, self.pairs)
+
+    @cached_property
+    def disagreements(self) -> pd.DataFrame:
+        """The problems on which median, mean and rank name different optimizers."""
+        return analysis.disagreements(self.summary, self.standings)
+
+    @cached_property
+    def ranking(self) -> pd.DataFrame:
+        """The number of problems on which each optimizer is ranked first."""
+        return analysis.ranking(self.summary, self.pairs, standing=self.standings)
+
+    @cached_property
+    def testable(self) -> bool:
+        """Whether any test of a pair can be significant with the trials there are."""
+        return bool(self.pairs["testable"].any())
+
+    # across problems
+
+    @cached_property
+    def certainty(self) -> pd.DataFrame:
+        """How far other trials on the same problems could move the ranking."""
+        return analysis.ranking_certainty(self.frame)
+
+    @cached_property
+    def stability(self) -> pd.DataFrame:
+        """The mean rank of each optimizer over the number of trials that count."""
+        return analysis.rank_stability(self.frame)
+
+    @cached_property
+    def needed(self) -> pd.DataFrame:
+        """The trials that would separate the pairs that are not separated, with a power of 80 %."""
+        return self.needed_for(analysis.POWER)
+
+    def needed_for(self, power: float) -> pd.DataFrame:
+        """Return the trials that would separate the pairs that are not separated, with a power."""
+        return analysis.trials_needed(
+            self.frame, self.pairs, self.standings, power=power, looks=self.results.study.looks
+        )
+
+    @cached_property
+    def improvement(self) -> pd.DataFrame:
+        """The probability that a trial of one optimizer ends below one of another, over all problems."""
+        return analysis.probability_of_improvement(self.frame)
+
+    @cached_property
+    def medians(self) -> pd.DataFrame:
+        """The medians of the problems on which every optimizer has a trial, problems by optimizers."""
+        return analysis.medians(self.summary)
+
+    @cached_property
+    def friedman(self) -> dict[str, Any]:
+        """Friedman's test and its Iman-Davenport form."""
+        return dict(analysis.friedman(self.medians).iloc[0])
+
+    @cached_property
+    def wilcoxon(self) -> pd.DataFrame:
+        """Wilcoxon's signed-rank test of each pair of optimizers across problems."""
+        return analysis.wilcoxon_tests(self.medians, self.optima)
+
+    @property
+    def rope(self) -> Rope | None:
+        """The differences of medians that count as equal, where any are given."""
+        return self.asked_rope or self.results.study.rope
+
+    @cached_property
+    def equivalence(self) -> pd.DataFrame:
+        """The differences of each pair on each problem beside the rope; none without a rope."""
+        return differences(self.frame, self.rope) if self.rope else pd.DataFrame()
+
+    @cached_property
+    def contributions(self) -> dict[str, Contributions]:
+        """What the parameters of each sweep contribute, by its name; a sweep that lacks a combination has no entry."""
+        return {each.name: contributions(self.frame, each) for each in self.study.sweeps if not each.missing}
+
+    # what is shown of many optimizers
+
+    @cached_property
+    def ranked(self) -> list[str]:
+        """The labels of the optimizers by mean rank, those without one last."""
+        ranks = self.ranking.set_index("optimizer")["mean_rank"]
+        return list(ranks.sort_values(kind="stable", na_position="last").index)
+
+    @cached_property
+    def looks(self) -> style.Looks:
+        """The look of each optimizer in every figure: of many, only the best have one of their own."""
+        best = self.ranked[:COLOURED] if len(self.optimizers) > MANY_OPTIMIZERS else None
+        return style.looks(self.optimizers, best)
+
+    @property
+    def crowd(self) -> bool:
+        """Whether there are too many optimizers to show all of them problem by problem."""
+        return len(self.optimizers) > CROWD
+
+    @cached_property
+    def drawn(self) -> style.Looks:
+        """The looks of those whose curves are drawn problem by problem: of a crowd, the best."""
+        return {label: look for label, look in self.looks.items() if not (self.crowd and look.background)}
+
+    @property
+    def drawn_words(self) -> tuple[str, ...]:
+        """The sentence that says that not all are drawn, where that is so."""
+        drawn, every = len(self.drawn), len(self.optimizers)
+        return (f"Drawn are the {drawn} best of {every} optimizers by mean rank.",) if drawn < every else ()
+
+    @cached_property
+    def unbeaten(self) -> dict[str, float]:
+        """The known optima that no trial beat by more than rounding; regret is counted from them."""
+        lowest = self.summary.groupby("problem")["best"].min()
+        found = analysis.reference_values({str(label): best for label, best in lowest.items()}, self.optima)
+        return {label: reference.value for label, reference in found.items() if reference.known}
