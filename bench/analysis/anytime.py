@@ -276,8 +276,8 @@ def _counts(hits: pd.DataFrame) -> pd.DataFrame:
 
 def _at(table: pd.DataFrame, tau: float) -> pd.DataFrame:
     """Return the rows at each problem's easiest target that is at least as hard as ``tau``."""
-    harder = table[table["tau"] <= tau * (1 + 1e-9)]  # the ladder's powers of ten are rounded
-    return harder[harder["tau"] == harder.groupby("problem", observed=True)["tau"].transform("max")]
+    hard = table["tau"].where(table["tau"] <= tau * (1 + 1e-9))  # the ladder's powers of ten are rounded
+    return table[table["tau"] == hard.groupby(table["problem"], observed=True).transform("max")]
 
 
 def _share_within(times: pd.Series[float], grid: Counts) -> Floats:

@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results, load_problem
-from bench.report.findings import anytime as findings_module
 from bench.report.findings import Findings
+from bench.report.findings import anytime as findings_module
 from bench.report.sections import best, datasets
 from tests.bench.export.made import BUDGET, make, record
 
