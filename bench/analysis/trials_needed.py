@@ -65,17 +65,15 @@ def trials_needed(
         seed: of the simulation.
     """
     left = ~pairs["significant"].astype(bool)
-    number = left.groupby(pairs["problem"].astype(object)).transform("sum").clip(lower=1)
+    number = left.groupby(pairs["problem"], observed=True).transform("sum").clip(lower=1)
     steps = {int(each): alpha / int(each) for each in number.unique()}
     if looks:
         steps = {each: levels(tuple(looks), step)[-1] for each, step in steps.items()}
-    table = pairs.assign(level=number.map(steps))[(left | (pairs["lower"] == "")).to_numpy(dtype=bool)]
-    simulated = len(table) <= MOST_PAIRS
-    if not simulated:
+    chosen = (left | (pairs["lower"] == "")).to_numpy(dtype=bool)
+    if not (simulated := chosen.sum() <= MOST_PAIRS):
         best = standing[standing["rank"] == standing.groupby("problem", observed=True)["rank"].transform("min")]
-        leaders = pd.MultiIndex.from_frame(best[["problem", "optimizer"]].astype(object))
-        ours = [pd.MultiIndex.from_frame(table[["problem", name]].astype(object)).isin(leaders) for name in PAIR]
-        table = table[ours[0] | ours[1]]
+        chosen = chosen & _holds_one(pairs, best)
+    table = pairs[chosen].assign(level=number[chosen].map(steps))
     table = table.assign(method="simulation" if simulated else "formula")
     chance, low, high = (table[name].to_numpy(dtype=float) for name in ("a12", "a12_low", "a12_high"))
     level, smaller = table["level"].to_numpy(dtype=float), table[["n_first", "n_second"]].min(axis=1).to_numpy()
@@ -102,6 +100,20 @@ def trials_needed(
         name: np.where(missing[name], np.nan, np.ceil(values)) for name, values in ({"needed": needed} | ends).items()
     }
     return table.assign(**columns)[list(COLUMNS)].reset_index(drop=True)
+
+
+def _holds_one(pairs: pd.DataFrame, best: pd.DataFrame) -> NDArray[np.bool_]:
+    """Return whether each pair holds an optimizer that is listed as ``best`` on its problem."""
+    problems, optimizers = (list(dict.fromkeys(best[name])) for name in ("problem", "optimizer"))
+    listed = np.zeros((len(problems) + 1, len(optimizers) + 1), dtype=bool)  # the last ones are of none, of code -1
+    listed[_codes(best["problem"], problems), _codes(best["optimizer"], optimizers)] = True
+    problem = _codes(pairs["problem"], problems)
+    first, second = (listed[problem, _codes(pairs[name], optimizers)] for name in PAIR)
+    return np.asarray(first | second)
+
+
+def _codes(labels: pd.Series[str], known: list[str]) -> NDArray[np.intp]:
+    return np.asarray(labels.astype("category").cat.set_categories(known).cat.codes, dtype=np.intp)
 
 
 def noether(a12: ArrayLike, level: ArrayLike, power: float) -> Floats:
