@@ -17,7 +17,7 @@ from markupsafe import Markup
 from bench.report.interactive.part import Interactive, digest
 from bench.report.parts import Figure, Part, Section, Table, TableCell
 
-UPRIGHT = 12  # columns of a shaded table above which their titles stand upright
+UPRIGHT, WIDE = 12, 80  # columns of a shaded table, and letters of their titles, above which these stand upright
 LONG_TEXT = 30  # characters beyond which a cell may break into lines
 ZOOM = 1.45  # scales a figure's 8 points to the size of the page's text
 
@@ -114,7 +114,8 @@ def grid(table: Table) -> Grid:
     words = [max(map(len, title.split()), default=0) for title, _ in header]
     ems = sum(1 + 0.6 * max(min(length, LONG_TEXT), word) for length, word in zip(lengths, words, strict=True))
     kinds = ["heat"] if table.shades is not None else []
-    kinds += ["upright"] if table.shades is not None and len(header) > UPRIGHT else []
+    wide = len(header) > UPRIGHT or sum(len(title) for title, _ in header) > WIDE
+    kinds += ["upright"] if table.shades is not None and wide else []
     kinds += [
         f"{'w' if length > LONG_TEXT else 't'}{place}"
         for place, ((_, numeric), length) in enumerate(zip(header, lengths, strict=True), 1)

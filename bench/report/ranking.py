@@ -9,7 +9,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis import ALPHA
-from bench.report.findings import MANY_OPTIMIZERS, Findings
+from bench.report.findings import Findings
 from bench.report.parts import Table
 from bench.report.wording import count
 
@@ -20,7 +20,7 @@ NEAR = "≈"  # beside the rank of an optimizer that no test separates from the 
 def rank_map(findings: Findings) -> Table:
     """Return the rank of each optimizer on each problem, darker for a better one; optimizers in order of mean rank.
 
-    Many optimizers are the rows, as there are more of them than fit beside each other.
+    Many optimizers, or those of long names, are the rows, as they do not fit beside each other.
     """
     order = findings.ranked
     ranks = analysis.table(findings.standings, "rank")[order]
@@ -32,7 +32,7 @@ def rank_map(findings: Findings) -> Table:
         f"Bold: ranked first. {NEAR}: no test separates it from the first. Ties share their mean rank; empty: no trial."
     )
     caption = "Rank of each optimizer on each problem, by the rivals that it beats."
-    if len(order) <= MANY_OPTIMIZERS:
+    if not findings.upright:
         return Table(
             "rank-map", caption, texts.rename_axis("problem"), bold=best, marks=marks, shades=shades,
             axes=("problem", "optimizer"), note=note, data=findings.standings,
@@ -75,7 +75,7 @@ def turned(table: Table, findings: Findings) -> Table:
 
     Columns that are no optimizers are left out.
     """
-    if len(findings.optimizers) <= MANY_OPTIMIZERS:
+    if not findings.upright:
         return table
     order = [label for label in findings.ranked if label in table.frame]
 

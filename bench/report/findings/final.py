@@ -18,6 +18,7 @@ from bench.rope import Rope
 MANY_OPTIMIZERS = 10
 """Of more optimizers than these only the best are drawn in colour, and pairs are shown as a matrix."""
 
+WIDE = 160  # letters of the names of optimizers above which they are the rows of tables
 COLOURED = 8  # optimizers, as many as there are colours
 CROWD = 60
 """Of more optimizers than these only the best are shown problem by problem; the files of the whole study have all."""
@@ -145,6 +146,12 @@ class Final(Trials):
         """The look of each optimizer in every figure: of many, only the best have one of their own."""
         best = self.ranked[:COLOURED] if len(self.optimizers) > MANY_OPTIMIZERS else None
         return style.looks(self.optimizers, best)
+
+    @property
+    def upright(self) -> bool:
+        """Whether optimizers are the rows of tables: so many, or so long names, do not fit beside each other."""
+        longest = max(map(len, self.optimizers), default=0)
+        return len(self.optimizers) > MANY_OPTIMIZERS or len(self.optimizers) * longest > WIDE
 
     @property
     def crowd(self) -> bool:
