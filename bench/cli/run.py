@@ -96,7 +96,6 @@ def run(
     from bench.execution.progress import Display
     from bench.execution.runner import plan as plan_study
     from bench.execution.runner import run as run_study
-    from bench.importing.best2009 import best2009
     from bench.study import Study
 
     if check and sandbox:
@@ -107,6 +106,8 @@ def run(
     chosen = Study.load(study).override(**settings, rope=rope).beside(optimizer or [], problem or [])
     beside, reference = published(against)  # before the run, which may take long
     if reference:
+        from bench.importing.best2009 import best2009  # which imports pandas and scipy.stats
+
         best2009(entry.name for entry in chosen.problems)
     if dry_run:
         _show_estimate(plan_study(chosen, output, shard=shard, sandbox=sandbox), jobs, console)

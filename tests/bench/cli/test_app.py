@@ -1,5 +1,8 @@
 """The command line as a stranger uses it: what it prints, and one sentence and an exit code for wrong input."""
 
+import subprocess
+import sys
+
 import pytest
 
 STUDY = """
@@ -37,6 +40,15 @@ def test_run_writes_a_report_and_status_knows_it(bench, bench_here, tiny, tmp_pa
     status = bench_here("status", tmp_path / "out")
     assert status.returncode == 0
     assert "scatter       4     0       4" in status.stdout
+
+
+def test_a_run_without_a_report_imports_nothing_that_only_a_report_needs(tiny, tmp_path):
+    code = "import sys\nfrom bench.cli.app import main\ntry:\n    main()\nfinally:\n"
+    code += "    print(*{'pandas', 'scipy.stats', 'matplotlib'} & {*sys.modules}, file=sys.stderr)"
+    command = [sys.executable, "-c", code, "run", tiny, "--output", tmp_path / "out", "--jobs", "1", "--no-report"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert "8 of 8 runs done" in done.stdout
+    assert done.stderr.split() == []
 
 
 def test_failed_trials_are_said_and_end_with_one(bench_here, tmp_path):
