@@ -1,5 +1,6 @@
 import gc
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,13 @@ settings.load_profile("suite")
 
 # Looking for garbage among the million objects of numba, pandas and matplotlib takes a sixth of the suite's time.
 gc.set_threshold(20_000, 50, 100)
+
+# The workers of xdist take the cores: a report of their tests is drawn, and a study run, by one process more at most.
+os.environ.setdefault("LOKY_MAX_CPU_COUNT", "1")
+
+# Hundreds of processes import pandas, numba and matplotlib: without bytecode files each would take seconds more.
+if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
+    sys.dont_write_bytecode = False
 
 SLOWEST = (
     "test_distributions.py", "test_examples.py", "test_reference_results.py", "test_hostile.py", "test_crash.py",
