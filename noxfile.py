@@ -1,4 +1,4 @@
-"""The project's sessions: ``nox -s tests``, ``tests-3.12`` and so on, ``lint``, ``types``, ``benchmark`` and
+"""The project's sessions: ``nox -s tests``, ``tests-3.12`` and so on, ``lint``, ``types``, ``docs``, ``benchmark`` and
 ``release``.
 
 ``tests`` runs on the interpreter that runs nox; ``tests-3.12`` on that version, and is skipped where it is missing.
@@ -66,3 +66,14 @@ def release(session: nox.Session) -> None:
     """Build sdist and wheel, and try them in fresh environments; --rehearse goes on without a date in the changelog."""
     session.install(*group("release"))
     session.run("python", "tools/release.py", *session.posargs)
+
+
+@nox.session(venv_backend="uv|venv")
+def docs(session: nox.Session) -> None:
+    """Build the site into docs/_build/html and check it; with "-- linkcheck" also the links to other sites."""
+    session.install("-e", ".[coco,dask,mealpy,minion,nevergrad,optuna,pymoo,suites]", *group("docs"))
+    strict = "-W", "-n", "--keep-going"
+    session.run("sphinx-build", *strict, "-b", "html", "docs", "docs/_build/html")
+    session.run("python", "-m", "pytest", "tests/docs/test_site.py", env={"BENCH_SITE": "docs/_build/html"})
+    if "linkcheck" in session.posargs:
+        session.run("sphinx-build", *strict, "-b", "linkcheck", "docs", "docs/_build/linkcheck")

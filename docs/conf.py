@@ -1,0 +1,62 @@
+"""The site's build: the pages of this folder, and those that the code writes about itself.
+
+Before Sphinx reads a page, :mod:`extensions` writes the reference pages of commands, optimizers and problems, draws the
+figures of ``figures/``, and runs the tutorials whose results the pages show.
+"""
+
+import sys
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))  # the extensions, blocks.py and the figures
+
+project = "backlash-bench"
+author = "The backlash-bench authors"
+project_copyright = f"{author}. Licence: Apache-2.0"
+version = release = version_of("backlash-bench")
+
+extensions = [
+    "myst_parser", "sphinx_design", "sphinx.ext.autodoc", "sphinx.ext.napoleon",
+    "extensions.commands", "extensions.plugins", "extensions.drawings", "extensions.results",
+]  # fmt: skip
+exclude_patterns = ["_build", "_generated"]
+suppress_warnings = ["myst.strikethrough"]
+
+myst_enable_extensions = ["colon_fence", "deflist"]
+myst_heading_anchors = 4
+
+nitpicky = True
+# Types of other packages: their documentation is on other sites, and this build reads none.
+nitpick_ignore_regex = [
+    ("py:.*", r"(numpy|pandas|matplotlib|scipy|collections|pathlib|typing|np|pd|abc|types|dataclasses|pytest)\b.*"),
+    ("py:.*", r"(array_like|optional|callable|[A-Z][A-Za-z]*|_.*)"),
+    ("py:.*", r"(bench|problems|optimizers)\..*"),
+    ("py:.*", r"[a-z_]+(\.[a-z_A-Z]+)*"),
+]
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
+python_use_unqualified_type_names = True
+python_maximum_signature_line_length = 100
+napoleon_use_rtype = False
+
+html_theme = "pydata_sphinx_theme"
+html_title = "backlash-bench"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_show_sourcelink = False
+html_copy_source = False
+html_theme_options = {
+    "show_toc_level": 2,
+    "show_prev_next": False,
+    "navbar_end": ["theme-switcher"],
+    "footer_start": ["copyright"],
+    "footer_end": [],
+    "secondary_sidebar_items": ["page-toc"],
+    "pygments_light_style": "a11y-high-contrast-light",
+    "pygments_dark_style": "a11y-high-contrast-dark",
+}
+html_sidebars = {"index": []}
+
+linkcheck_anchors = False
+linkcheck_timeout = 20

@@ -1,0 +1,34 @@
+"""Write generated pages, and no file that has not changed, so that Sphinx reads only what has."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+
+def write(folder: Path, pages: Mapping[str, str]) -> None:
+    """Make the Markdown files of a folder those of ``pages``, by name without suffix."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.glob("*.md"):
+        if old.stem not in pages:
+            old.unlink()
+    for name, text in pages.items():
+        path = folder / f"{name}.md"
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a Markdown table; cells are Markdown already, and have no line breaks."""
+    lines = [head, ["-"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def code(text: object) -> str:
+    """Return a text in code font."""
+    return f"``{text}``" if "`" in str(text) else f"`{text}`"
+
+
+def plain(text: str) -> str:
+    """Return a text in which Markdown reads no markup."""
+    return "".join(f"\\{letter}" if letter in "\\`*_[]<>#$" else letter for letter in " ".join(text.split()))
