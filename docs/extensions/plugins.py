@@ -34,7 +34,8 @@ def _write(reference: Path) -> None:
     )
     write(reference / "problems", {each["name"]: problem_page(each) for each in listed("problems")})
     studies = [(code(each["name"]), plain(each["about"])) for each in listed("studies")]
-    write(reference / "studies", {"list": table(("study", "what it compares"), studies) + "\n"})
+    about = "# Installed studies\n\n`bench run NAME` runs one; a file of your own is [a study](../study.md) like these.\n\n"
+    write(reference / "studies", {"list": about + table(("study", "what it compares"), studies) + "\n"})
 
 
 def listed(kind: str = "all") -> list[Record]:
