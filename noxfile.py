@@ -72,7 +72,7 @@ def release(session: nox.Session) -> None:
 def docs(session: nox.Session) -> None:
     """Build the site into docs/_build/html and check it; with "-- linkcheck" also the links to other sites."""
     session.install("-e", ".[coco,dask,mealpy,minion,nevergrad,optuna,pymoo,suites]", *group("docs"))
-    strict = "-W", "-n", "--keep-going"
+    strict = "-W", "-n", "-E", "--keep-going"
     session.run("sphinx-build", *strict, "-b", "html", "docs", "docs/_build/html")
     session.run("python", "-m", "pytest", "tests/docs/test_site.py", env={"BENCH_SITE": "docs/_build/html"})
     if "linkcheck" in session.posargs:
