@@ -84,7 +84,7 @@ class Optimizer(ABC):
 
     @property
     def minimum_budget(self) -> int:
-        """The evaluations that one generation takes: the population size, or 1 without one."""
+        """The evaluations that one generation takes, which are the population size, or 1 without one."""
         return int(getattr(self, "agents", None) or 1)
 
     def check_budget(self, budget: int, label: str) -> None:

@@ -2,37 +2,43 @@
 
 | block | what happens |
 |-|-|
-| ``console`` | the shell runs each line; it must end with 0, or with N where the line ends with ``# exits with N`` |
+| ``console`` | each line is a command; it must end with 0, or with N where the line ends with ``# exits with N`` |
 | ``python`` | all blocks of a page run in one namespace |
 | ``{code-block}`` or ``{literalinclude}`` with a ``:caption:`` | is written to the file of that name |
 | ``output`` | equals what the block before it printed; ``…`` stands for what varies |
+| ``toml`` | is well-formed |
+| ``r``, ``julia``, ``bash`` | cannot be run here, and need a reason |
 | others | are not run |
 
-A line ``% not run: REASON`` above a block, or ``<!-- not run: REASON -->`` in a page for GitHub, leaves it out.
+A line ``% not run: REASON`` above a block, or ``<!-- not run: REASON -->`` in a page for GitHub, leaves it out. There,
+``<!-- file: NAME -->`` stands for a caption.
 """
 
 from __future__ import annotations
 
 import contextlib
+import gc
 import io
 import os
 import re
+import shlex
+import signal
 import subprocess
 import sys
+import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from markdown_it import MarkdownIt
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = sorted(
-    [
-        *(page for part in ("tutorials", "how-to", "reference", "explanation") for page in (ROOT / "docs" / part).glob("*.md")),
-        ROOT / "docs" / "index.md", ROOT / "README.md", ROOT / "CONTRIBUTING.md",
-    ]
-)  # fmt: skip
-RUN = {"console", "python", "output", "{code-block}", "{literalinclude}"}
+PARTS = ("", "tutorials", "how-to", "reference", "reference/api", "explanation")
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+PAGES += sorted(page for part in PARTS for page in (ROOT / "docs" / part).glob("*.md"))
+RUN = {"console", "python", "output", "toml", "r", "julia", "bash", "{code-block}", "{literalinclude}"}
 REASON = re.compile(r"^(?:% not run:|<!-- not run:)\s*(.*?)\s*(?:-->)?$")
+FILE = re.compile(r"^<!-- file: (.*) -->$")
 EXIT = re.compile(r"\s+# exits with (\d+)$")
 
 
@@ -59,9 +65,9 @@ def blocks(page: Path) -> list[Block]:
         kind, _, argument = token.info.strip().partition(" ")
         if token.type != "fence" or token.map is None or kind not in RUN:
             continue
-        above = REASON.match(lines[token.map[0] - 1].strip()) if token.map[0] else None
-        reason = None if above is None else above[1]
-        content, file = token.content, None
+        above = lines[token.map[0] - 1].strip() if token.map[0] else ""
+        reason, named = REASON.match(above), FILE.match(above)
+        content, file = token.content, named and named[1]
         if kind.startswith("{"):
             options = dict(re.findall(r"^:([\w-]+): *(.*)\n", content, re.MULTILINE))
             file = options.get("caption")
@@ -70,7 +76,7 @@ def blocks(page: Path) -> list[Block]:
             content = re.sub(r"\A(:[\w-]+:.*\n)*\n*", "", content)
             if kind == "{literalinclude}":
                 content = (page.parent / argument.strip()).resolve().read_text(encoding="utf-8")
-        found.append(Block(kind, content, token.map[0] + 1, file, reason))
+        found.append(Block(kind, content, token.map[0] + 1, file, reason and reason[1]))
     return found
 
 
@@ -89,31 +95,72 @@ def run(page: Path, folder: Path) -> None:
             printed = "".join(_shell(line, folder, where) for line in block.text.splitlines() if line.strip())
         elif block.kind == "python":
             printed = _python(block.text, namespace, folder, where)
-        else:
+        elif block.kind == "toml":
+            tomllib.loads(block.text)
+        elif block.kind == "output":
             _compare(block.text, printed, where)
+        else:
+            raise BlockError(f"{where}: a block of {block.kind} cannot be run, and needs a reason")
 
 
 def _shell(line: str, folder: Path, where: str) -> str:
-    """Run a line of shell; return what it printed on standard output."""
-    programs = str(Path(sys.executable).parent)
-    environment = {
-        **os.environ, "PATH": programs + os.pathsep + os.environ["PATH"], "COLUMNS": "100", "MPLBACKEND": "agg",
-        "BENCH_ARCHIVE": str(folder / "archive"), "BENCH_PUBLISHED_DATA": str(folder / "published"),
-    }  # fmt: skip
+    """Run a line of shell, or in this process where it is nothing but a bench command; return what it printed."""
     expected = EXIT.search(line)
-    done = subprocess.run(
-        ["bash", "-c", line], cwd=folder, env=environment, capture_output=True, text=True, encoding="utf-8", check=False
-    )
-    if done.returncode != (int(expected[1]) if expected else 0):
-        raise BlockError(f"{where}: {line!r} ended with {done.returncode}\n{done.stdout}{done.stderr}")
-    return done.stdout
+    words = list(shlex.shlex(line, posix=True, punctuation_chars=True))
+    alone = words[:1] == ["bench"] and not any(set(word) <= set("();<>|&") for word in words) and "$" not in line
+    with _environment(folder):
+        code, out, error = _bench(shlex.split(line, comments=True)) if alone else _bash(line)
+    if code != (int(expected[1]) if expected else 0):
+        raise BlockError(f"{where}: {line!r} ended with {code}\n{out}{error}")
+    return out
+
+
+@contextlib.contextmanager
+def _environment(folder: Path) -> Iterator[None]:
+    """Work in a folder, find this environment's programs, and keep the user's own data out."""
+    before = dict(os.environ)
+    os.environ |= {
+        "PATH": str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"], "COLUMNS": "100",
+        "MPLBACKEND": "agg", "BENCH_ARCHIVE": str(folder / "archive"),
+        "BENCH_PUBLISHED_DATA": str(folder / "published"),
+    }  # fmt: skip
+    try:
+        with contextlib.chdir(folder):
+            yield
+    finally:
+        os.environ.clear()
+        os.environ |= before
+
+
+def _bash(line: str) -> tuple[int, str, str]:
+    done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, encoding="utf-8", check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+def _bench(words: list[str]) -> tuple[int, str, str]:
+    """Run the command line in this process, which spares its start and imports: most of a page's time."""
+    from bench.cli import app
+
+    out, error, code = io.StringIO(), io.StringIO(), 0
+    given, sys.argv, thresholds = sys.argv, words, gc.get_threshold()
+    before = signal.getsignal(signal.SIGTERM)
+    try:
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
+            app.main()
+    except SystemExit as ended:
+        code = ended.code if isinstance(ended.code, int) else int(bool(ended.code))
+    finally:
+        sys.argv = given
+        gc.set_threshold(*thresholds)
+        signal.signal(signal.SIGTERM, before)
+    return code, out.getvalue(), error.getvalue()
 
 
 def _python(code: str, namespace: dict[str, object], folder: Path, where: str) -> str:
     """Run Python in a namespace; return what it printed."""
     out = io.StringIO()
     try:
-        with contextlib.chdir(folder), contextlib.redirect_stdout(out):
+        with _environment(folder), contextlib.redirect_stdout(out):
             exec(compile(code, where, "exec"), namespace)
     except Exception as error:
         raise BlockError(f"{where}: {type(error).__name__}: {error}\n{out.getvalue()}") from error

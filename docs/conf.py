@@ -8,7 +8,10 @@ import sys
 from importlib.metadata import version as version_of
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent))  # the extensions, blocks.py and the figures
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))  # the extensions, blocks.py and the figures
+
+(HERE / "_generated" / "site").mkdir(parents=True, exist_ok=True)  # Sphinx looks for it before it runs the tutorials
 
 project = "backlash-bench"
 author = "The backlash-bench authors"
@@ -37,12 +40,16 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 python_use_unqualified_type_names = True
-python_maximum_signature_line_length = 100
+# Names of types stay names: an array's own type is a line long.
+autodoc_type_aliases = {
+    name: name for name in ("ArrayLike", "Budget", "Budgets", "Counts", "Floats", "Looks", "Source", "Traces")
+}
 napoleon_use_rtype = False
 
 html_theme = "pydata_sphinx_theme"
 html_title = "backlash-bench"
 html_static_path = ["_static"]
+html_extra_path = ["_generated/site"]  # the reports of the tutorials
 html_css_files = ["site.css"]
 html_show_sourcelink = False
 html_copy_source = False

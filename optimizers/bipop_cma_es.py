@@ -99,7 +99,8 @@ class Run(Strategy):
     vanishes beside them once the steps are short, so that an optimum on the bounds is reached exactly.
 
     A periodic map into the box, as ``cma-es-fast`` and pycma have it, shows the search copies of the function beyond
-    the bounds instead of a basin; rotated Rastrigin functions take it longer (optimizers/README.md has the numbers).
+    the bounds instead of a basin; rotated Rastrigin functions take it longer (docs/explanation/same-algorithms.md has
+    the numbers).
     """
 
     tolfun = TOLFUN

@@ -128,7 +128,7 @@ class Results:
 
     @property
     def frame(self) -> pd.DataFrame:
-        """The tidy frame: one row a sound trial; see :func:`load_results`."""
+        """The tidy frame, one row a sound trial; see :func:`load_results`."""
         return self._frame_and_origins[0]
 
     @property

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import typer
-from extensions.pages import code, plain, table, write
 from sphinx.application import Sphinx
 from typer.models import ArgumentInfo
+
+from extensions.pages import code, plain, table, write
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
@@ -72,7 +73,9 @@ def page(name: str, command: Callable[..., Any], level: int = 1) -> str:
 def _split(hint: Any) -> tuple[Any, Any]:
     """Return a parameter's type without None, and what typer knows of it."""
     kind, *extras = get_args(hint) if get_origin(hint) is Annotated else (hint,)
-    (given,) = [each for each in get_args(kind) if each is not type(None)][:1] if type(None) in get_args(kind) else [kind]
+    (given,) = (
+        [each for each in get_args(kind) if each is not type(None)][:1] if type(None) in get_args(kind) else [kind]
+    )
     return given, extras[0] if extras else typer.Option()
 
 

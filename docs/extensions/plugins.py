@@ -1,4 +1,4 @@
-"""Write the reference pages of optimizers and problems, from what ``bench list --json`` prints and their entry points."""
+"""Write the reference pages of optimizers and problems, from ``bench list --json`` and the entry points."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from extensions.pages import code, plain, table, write
 from sphinx.application import Sphinx
+
+from extensions.pages import code, plain, table, write
 
 Record = Mapping[str, Any]
 
@@ -34,7 +35,9 @@ def _write(reference: Path) -> None:
     )
     write(reference / "problems", {each["name"]: problem_page(each) for each in listed("problems")})
     studies = [(code(each["name"]), plain(each["about"])) for each in listed("studies")]
-    about = "# Installed studies\n\n`bench run NAME` runs one; a file of your own is [a study](../study.md) like these.\n\n"
+    about = (
+        "# Installed studies\n\n`bench run NAME` runs one; a file of your own is [a study](../study.md) like these.\n\n"
+    )
     write(reference / "studies", {"list": about + table(("study", "what it compares"), studies) + "\n"})
 
 
@@ -54,7 +57,7 @@ def optimizer_page(record: Record) -> str:
         f"# {record['name']}",
         plain(record["about"]),
         table(("", ""), [*(("paper", cited(paper)) for paper in record["paper"]), ("code", plain(record["code"]))]),
-        f"```toml\n[[optimizers]]\nname = \"{record['name']}\"\n```",
+        f'```toml\n[[optimizers]]\nname = "{record["name"]}"\n```',
         "## Parameters",
         table(("parameter", "default", "values"), [parameter(each) for each in record["parameters"]]),
         "## Details",
@@ -90,7 +93,7 @@ def family_page(name: str, members: Iterable[Record]) -> str:
                 *(("of all members", plain(remark)) for remark in sorted(shared)),
             ],
         ),
-        f"`bench list {name}` prints the same with the ranges of all parameters, `bench list {name} --json` for programs.",
+        f"`bench list {name}` prints the same with the ranges of all parameters, with `--json` for programs.",
         table(("name", "what it is", "parameters and defaults", "remarks"), rows),
     ]
     return "\n\n".join(parts) + "\n"
@@ -121,7 +124,7 @@ def problem_page(record: Record) -> str:
     parts = [f"# {name}", about, f"Names: {plain(record['about'])}."]
     grid = getattr(family, "grid", None)
     if grid is not None:
-        parts += [_grid(grid), f"```toml\n[[problems]]\nsuite = \"{name}\"\n```"]
+        parts += [_grid(grid), f'```toml\n[[problems]]\nsuite = "{name}"\n```']
     elif names:
         parts.append(", ".join(code(each) for each in names) + ".")
     return "\n\n".join(parts) + "\n"

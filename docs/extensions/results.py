@@ -1,6 +1,7 @@
 """Run the pages whose results the site shows, as the tests run them, before Sphinx reads them.
 
-A page that names ``/_generated/PART/PAGE/FILE`` shows or links a file that a page's own blocks wrote.
+A page that names ``/_generated/PART/PAGE/FILE`` shows a file that a page's own blocks wrote; their reports are the
+site's ``examples/PAGE.html``.
 """
 
 from __future__ import annotations
@@ -32,6 +33,10 @@ def run_pages(app: Sphinx) -> None:
         folder.mkdir(parents=True)
         blocks.run(page, folder)
         mark.write_text(digest)
+    for report in (source / "_generated").glob("*/*/results/runs/*/report.html"):  # a download would not open
+        copy = source / "_generated" / "site" / "examples" / f"{report.parents[3].name}.html"
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(report, copy)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

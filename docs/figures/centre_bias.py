@@ -17,8 +17,10 @@ def draw(ink: str) -> Figure:
             rows = row + (offset - 0.25) / 2 + np.linspace(-0.06, 0.06, 15)
             colour = "#0072B2" if offset == 0 else "#E69F00"
             where = "optimum moved" if offset else "optimum in the centre"
-            ax.plot(np.maximum(values, 1e-60), rows, marker, color=colour, markersize=4, label=where if row == 0 else None)
+            ax.plot(
+                np.maximum(values, 1e-60), rows, marker, color=colour, markersize=4, label=where if row == 0 else None
+            )
     ax.set_yticks([0, 1], ["gwo", "cma-es"])
     ax.set(xscale="log", xlabel="final value of 15 runs of 1,500 evaluations on a sphere", ylim=(1.5, -0.5))
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, 1.25), ncols=2)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, 1.25), ncols=2, labelcolor=ink)
     return figure

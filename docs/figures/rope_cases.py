@@ -14,7 +14,7 @@ def draw(ink: str) -> Figure:
     ax = figure.subplots()
     ax.axvspan(-1, 1, alpha=0.25)
     ax.axvline(0, color=ink, linewidth=0.7, linestyle=":")
-    for row, (name, low, high) in enumerate(CASES):
+    for row, (_, low, high) in enumerate(CASES):
         ax.plot([low, high], [row, row], "|-", color=ink, linewidth=2, markersize=9)
     ax.set_yticks(range(len(CASES)), [name for name, _, _ in CASES])
     ax.set(xlabel="difference of medians (shaded: the rope)", xlim=(-2, 3), ylim=(3.6, -0.6))

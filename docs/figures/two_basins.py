@@ -20,7 +20,7 @@ def draw(ink: str) -> Figure:
     rng = np.random.default_rng(1)
     figure = Figure()
     ax = figure.subplots()
-    for row, (values, name, marker) in enumerate(((a, "A", "o"), (b, "B", "s"))):
+    for row, (values, marker) in enumerate(((a, "o"), (b, "s"))):
         ax.plot(values, row + rng.uniform(-0.18, 0.18, len(values)), marker, markersize=4, alpha=0.8)
         ax.plot([np.median(values)] * 2, [row - 0.32, row + 0.32], color=ink, linewidth=2)
         ax.text(np.median(values), row - 0.38, f"median {np.median(values):.1f}", color=ink, ha="center", va="bottom")

@@ -148,7 +148,7 @@ def test_what_is_left_out_is_no_member():
     )
     assert not set(nevergrad.members()) & set.union(*left_out.values())
     if ng.__version__ == "1.0.12":
-        assert (len(nevergrad.members()), len(ng.optimizers.registry)) == (370, 542)  # as optimizers/README.md says
+        assert (len(nevergrad.members()), len(ng.optimizers.registry)) == (370, 542)  # as the reference says
 
 
 def test_one_dimension_leaves_no_setting_behind():

@@ -1,8 +1,8 @@
 """Optimizers that attack others, the harness or their own record win nothing and change no bit of an honest trial.
 
-Their table is in bench/README.md. Other rows of it: hangs, crashes and excess in test_hostile.py, files, network and
-other processes in test_sandbox.py, budgets and values beside the objective in test_strict.py, points that change during
-the call in tests/bench/test_objective.py, edited rows in tests/bench/cli/test_changed_store.py.
+Their table is in docs/explanation/isolation.md. Other rows of it: hangs, crashes and excess in test_hostile.py, files,
+network and other processes in test_sandbox.py, budgets and values beside the objective in test_strict.py, points that
+change during the call in tests/bench/test_objective.py, edited rows in tests/bench/cli/test_changed_store.py.
 """
 
 import json

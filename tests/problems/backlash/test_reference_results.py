@@ -1,4 +1,4 @@
-"""The committed run of the thesis's comparison: it says what the README says, and its trials can be repeated."""
+"""The committed run of the thesis's comparison: it says what the documentation says, and its trials can be repeated."""
 
 from pathlib import Path
 
