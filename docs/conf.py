@@ -4,9 +4,17 @@ Before Sphinx reads a page, :mod:`extensions` writes the reference pages of comm
 figures of ``figures/``, and runs the tutorials whose results the pages show.
 """
 
+import pydoc
+import re
 import sys
 from importlib.metadata import version as version_of
 from pathlib import Path
+
+from docutils import nodes
+from sphinx.addnodes import pending_xref
+from sphinx.application import Sphinx
+
+Signature = tuple[object, object]
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))  # the extensions, blocks.py and the figures
@@ -29,22 +37,12 @@ myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 4
 
 nitpicky = True
-# Types of other packages: their documentation is on other sites, and this build reads none.
-nitpick_ignore_regex = [
-    ("py:.*", r"(numpy|pandas|matplotlib|scipy|collections|pathlib|typing|np|pd|abc|types|dataclasses|pytest)\b.*"),
-    ("py:.*", r"(array_like|optional|callable|[A-Z][A-Za-z]*|_.*)"),
-    ("py:.*", r"(bench|problems|optimizers)\..*"),
-    ("py:.*", r"[a-z_]+(\.[a-z_A-Z]+)*"),
-]
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 python_use_unqualified_type_names = True
-# Names of types stay names: an array's own type is a line long.
-autodoc_type_aliases = {
-    name: name for name in ("ArrayLike", "Budget", "Budgets", "Counts", "Floats", "Looks", "Source", "Traces")
-}
 napoleon_use_rtype = False
+napoleon_attr_annotations = False
 
 html_theme = "pydata_sphinx_theme"
 html_title = "backlash-bench"
@@ -67,3 +65,32 @@ html_sidebars = {"index": []}
 
 linkcheck_anchors = False
 linkcheck_timeout = 20
+
+
+def setup(app: Sphinx) -> None:
+    """Shorten the types of arrays in signatures, and accept references to code that has no page."""
+    app.connect("autodoc-process-signature", shortened)
+    app.connect("missing-reference", without_page)
+
+
+def shortened(*given: object) -> Signature:
+    """Return the signature and the return annotation, the last two of what is given, with short names of arrays."""
+    name = r"~?(?:\w+\.)*"
+    long = rf"{name}ndarray\[{name}tuple\[{name}Any, \.\.\.\], {name}dtype\[{name}\w+\]\]"
+    like = rf"{name}_Buffer \| .*?{name}_NestedSequence\[{name}complex \| {name}bytes \| {name}str\]"
+    signature, annotation = (
+        each and re.sub(like, "ArrayLike", re.sub(long, "ndarray", str(each))) for each in given[-2:]
+    )
+    return signature, annotation
+
+
+def without_page(app: Sphinx, env: object, node: pending_xref, text: nodes.TextElement) -> nodes.TextElement | None:
+    """Return the text of a reference to a name that exists, here or in another package, but has no page on this site.
+
+    Other packages have sites of their own, and this build reads none. A name that does not exist stays a warning.
+    """
+    del app, env
+    target = node["reftarget"]
+    own = (each for name, each in list(sys.modules.items()) if name.startswith(("bench", "optimizers", "numpy")))
+    known = pydoc.locate(target) or any(hasattr(each, target) for each in own)
+    return text if node["refdomain"] == "py" and known else None

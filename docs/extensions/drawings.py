@@ -14,6 +14,10 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 INKS = {"light": "#222832", "dark": "#ced6dd"}  # the theme's text on its two backgrounds
+COLOURS = {  # of Okabe and Ito (2008), those that stand out on each
+    "light": ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00"),
+    "dark": ("#56B4E9", "#E69F00", "#009E73", "#CC79A7", "#F0E442"),
+}
 
 
 class Drawing(SphinxDirective):
@@ -53,19 +57,19 @@ def draw_all(app: Sphinx) -> None:
             path = folder / f"{source.stem}-{mode}.svg"
             if path.exists() and path.stat().st_mtime > source.stat().st_mtime:
                 continue
-            with mpl.rc_context(_settings(ink)):
+            with mpl.rc_context(_settings(mode)):
                 figure = importlib.import_module(f"figures.{source.stem}").draw(ink)
                 figure.savefig(path, transparent=True, metadata={"Date": None})
 
 
-def _settings(ink: str) -> dict[str, object]:
-    from bench.plots import style
+def _settings(mode: str) -> dict[str, object]:
+    from cycler import cycler
 
     every = ("text.color", "axes.edgecolor", "axes.labelcolor", "xtick.color", "ytick.color", "axes.titlecolor")
     return {
         "font.size": 9, "figure.figsize": (6.4, 2.6), "figure.constrained_layout.use": True, "axes.spines.top": False,
         "axes.spines.right": False, "svg.hashsalt": "bench", "legend.frameon": False, "lines.linewidth": 1.5,
-        "axes.prop_cycle": style.matplotlib.cycler(color=style.PALETTE[:6]), **dict.fromkeys(every, ink),
+        "axes.prop_cycle": cycler(color=COLOURS[mode]), **dict.fromkeys(every, INKS[mode]),
     }  # fmt: skip
 
 

@@ -15,7 +15,7 @@ def draw(ink: str) -> Figure:
             problem = bench.FunctionProblem(lambda x, c=offset: ((x - c) ** 2).sum(axis=1), [-2.5] * 5, [2.5] * 5)
             values = [bench.solve(problem, name, budget=1_500, seed=seed).fun for seed in range(15)]
             rows = row + (offset - 0.25) / 2 + np.linspace(-0.06, 0.06, 15)
-            colour = "#0072B2" if offset == 0 else "#E69F00"
+            colour = "C0" if offset == 0 else "C1"
             where = "optimum moved" if offset else "optimum in the centre"
             ax.plot(
                 np.maximum(values, 1e-60), rows, marker, color=colour, markersize=4, label=where if row == 0 else None

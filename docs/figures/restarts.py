@@ -13,14 +13,14 @@ def draw(ink: str) -> Figure:
     runs, restarts = figure.subplots(1, 2, width_ratios=(2, 3))
     for row, time in enumerate(TIMES):
         reached = time < 1_000
-        runs.barh(row, time, color="#0072B2" if reached else "#E69F00", hatch="" if reached else "///", height=0.7)
+        runs.barh(row, time, color="C0" if reached else "C1", hatch="" if reached else "///", height=0.7)
     runs.set(title="eight runs", xlabel="evaluations", yticks=[], ylim=(8, -1))
     for row in range(8):
         start = 0
         while True:
             time = int(rng.choice(TIMES))
             reached = time < 1_000
-            colour, hatch = ("#0072B2", "") if reached else ("#E69F00", "///")
+            colour, hatch = ("C0", "") if reached else ("C1", "///")
             restarts.barh(row, time, left=start, color=colour, hatch=hatch, height=0.7, edgecolor=ink, linewidth=0.4)
             start += time
             if reached:

@@ -122,7 +122,8 @@ def axe():
 )  # fmt: skip
 def test_axe_finds_nothing(browser, site, axe, name, width, dark):
     browser.open(site / f"{name}.html", width=width, dark=dark)
-    browser.run(axe)
+    browser.run("document.head.insertAdjacentHTML('beforeend', '<style>* { transition: none !important }</style>')")
+    browser.run(axe)  # colours that are still changing have no contrast
     found = json.loads(browser.run("axe.run().then((done) => JSON.stringify(done))"))
     assert len(found["passes"]) > 15
     assert [(each["id"], each["impact"], each["nodes"][0]["html"]) for each in found["violations"]] == []
@@ -140,4 +141,4 @@ def test_no_page_scrolls_sideways(browser, site, pages, width):
 
 def test_the_search_works_from_a_file(browser, site):
     browser.open(site / "search.html", state="?q=backlash")
-    assert browser.wait("document.querySelectorAll('#search-results ul.search li').length") > 5
+    assert browser.wait("document.querySelectorAll('#search-results ul.search li').length > 5")
