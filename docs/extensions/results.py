@@ -1,7 +1,7 @@
 """Run the pages whose results the site shows, as the tests run them, before Sphinx reads them.
 
 A page that names ``/_generated/PART/PAGE/FILE`` shows a file that a page's own blocks wrote; their reports are the
-site's ``examples/PAGE.html``.
+site's ``examples/PAGE/report.html``.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ def run_pages(app: Sphinx) -> None:
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         blocks.run(page, folder)
+        for report in folder.glob("results/runs/*/report.html"):  # with the files that it links
+            copy = source / "_generated" / "site" / "examples" / page.stem
+            shutil.rmtree(copy, ignore_errors=True)
+            shutil.copytree(report.parent, copy, ignore=shutil.ignore_patterns(".*"))
         mark.write_text(digest)
-    for report in (source / "_generated").glob("*/*/results/runs/*/report.html"):  # a download would not open
-        copy = source / "_generated" / "site" / "examples" / f"{report.parents[3].name}.html"
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(report, copy)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
