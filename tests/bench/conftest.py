@@ -11,9 +11,12 @@ from bench.plugins import registry
 INSTALLED = Path(__file__).parent / "installed"
 
 
-@pytest.fixture(scope="session", autouse=True)
+@pytest.fixture(scope="package", autouse=True)
 def testing_plugins():
-    """Put the tests' own plug-in package on the path of this process and of every worker and command it starts."""
+    """Put the tests' own plug-in package on the path of this process and of every worker and command it starts.
+
+    Other folders' tests, which the same process may run, do not see it.
+    """
     sys.path.append(str(INSTALLED))
     before = os.environ.get("PYTHONPATH")
     os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [before, str(INSTALLED)]))
@@ -26,7 +29,7 @@ def testing_plugins():
     registry.entries.cache_clear()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def bench(testing_plugins):
     """Return a function that runs the command line in a process of its own."""
 
