@@ -4,6 +4,8 @@
 ``tests`` runs on the interpreter that runs nox; ``tests-3.12`` on that version, and is skipped where it is missing.
 """
 
+import os
+
 import nox
 
 nox.options.default_venv_backend = "venv"
@@ -24,7 +26,9 @@ def group(name: str) -> list[str]:
 def tests(session: nox.Session) -> None:
     """Run the test suite on every core; arguments after -- go to pytest, such as -m "not slow"."""
     session.install("-e", ".", *group("test"))
-    together = ("-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder")  # in the order of tests/conftest.py
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    workers = str(cores + 1)  # a third of the time tests wait for processes that they start
+    together = ("-n", workers, "--dist", "loadfile", "--no-loadscope-reorder")  # in the order of tests/conftest.py
     session.run("python", "-m", "pytest", *together, *session.posargs)
 
 

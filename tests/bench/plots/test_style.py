@@ -84,6 +84,7 @@ def test_functions_draw_on_the_axes_given_or_on_new_ones():
         given = axes()
         assert function(given) is given
     with matplotlib.rc_context({"backend": "agg"}):
+        pyplot.close("all")
         for function in draw:
             assert isinstance(function(None), Axes)
         assert len(pyplot.get_fignums()) == len(draw)
