@@ -12,7 +12,7 @@ from bench.console import print_line
 from bench.errors import BenchError
 from bench.numbers import is_finite
 
-SHOWN = 60  # pairs that are printed; the report's table has all
+SHOWN = 20  # pairs that are printed; the report's table has all
 
 
 def plan(
