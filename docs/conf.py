@@ -33,6 +33,7 @@ extensions = [
     "extensions.commands", "extensions.plugins", "extensions.drawings", "extensions.results",
 ]  # fmt: skip
 exclude_patterns = ["_build", "_generated"]
+smartquotes_action = "qe"  # quotes and ellipses; two hyphens stay an option
 suppress_warnings = ["myst.strikethrough"]
 
 myst_enable_extensions = ["colon_fence", "deflist"]
