@@ -27,8 +27,8 @@ if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
     sys.dont_write_bytecode = False
 
 SLOWEST = (
-    "test_pages.py", "test_distributions.py", "test_examples.py", "test_reference_results.py", "test_hostile.py", "test_crash.py",
-    "test_cma_es_fast.py", "test_app.py", "test_dask.py", "test_problem.py", "test_checker.py",
+    "test_pages.py", "test_distributions.py", "test_examples.py", "test_reference_results.py", "test_hostile.py",
+    "test_crash.py", "test_cma_es_fast.py", "test_app.py", "test_dask.py", "test_problem.py", "test_checker.py",
 )  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from bench import objective
 from bench.cli import app
 from bench.plugins import registry
 
@@ -76,3 +77,12 @@ def small_study():
             "optimizers": [{"name": "hill-climber"}, {"name": "scatter", "agents": 7}, {"name": "early"}],
         }
     )
+
+
+COMPILED, INTERPRETED = objective.passes(10**9, 1), (objective._take, objective._scan)
+
+
+@pytest.fixture(params=[COMPILED, INTERPRETED], ids=["compiled", "interpreted"])
+def passes(request, monkeypatch):
+    """Have objectives count by both: a small budget is not worth loading numba."""
+    monkeypatch.setattr(objective, "passes", lambda budget, dimension: request.param)
