@@ -6,15 +6,13 @@ import subprocess
 import sys
 import time
 from concurrent.futures import CancelledError
-from contextlib import suppress
 
 import psutil
 import pytest
 
 from bench.sandbox.crew import Crew
 from bench.sandbox.process import DiedError, PrintedTooMuchError, RemoteError, TimeExceededError
-
-LONG = 60.0  # seconds; ends a test that hangs, and decides nothing else
+from tests.bench.sandbox.helpers import LONG, gone
 
 HANGS = """
 import time
@@ -24,12 +22,6 @@ with Crew(2, time.monotonic) as crew:
     print("begun", flush=True)
     begun[0].result()
 """
-
-
-def running(pid):
-    with suppress(psutil.NoSuchProcess):
-        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
-    return False
 
 
 @pytest.fixture
@@ -68,7 +60,7 @@ def test_closing_ends_what_runs_and_cancels_what_has_not_begun():
         running_, waiting = crew.submit(0, time.sleep, 600), crew.submit(0, time.sleep, 600)
         while not running_.running():
             time.sleep(0.01)
-    assert not running(pid)
+    assert gone(pid)
     with pytest.raises(RuntimeError):
         running_.result(0)
     with pytest.raises(CancelledError):
@@ -89,7 +81,7 @@ def test_an_interrupt_ends_it_at_once_without_a_word_from_its_processes():
     assert printed[0] == ""
     assert printed[1].count("Traceback") == 1  # the parent's own
     assert printed[1].endswith("KeyboardInterrupt\n")
-    assert not any(running(each.pid) for each in others)
+    assert gone(*(each.pid for each in others))
 
 
 def test_a_call_that_takes_too_long_is_ended_and_costs_no_other():
