@@ -83,7 +83,7 @@ def _option(parameter: inspect.Parameter, kind: Any, info: Any) -> tuple[str, st
     flag = kind is bool
     names = " / ".join(info.param_decls or ())
     if not names.startswith("-"):
-        long = parameter.name.replace("_", "-")
+        long = parameter.name.strip("_").replace("_", "-")
         names = f"--{long} / --no-{long}" if flag else f"--{long}"
     item = get_args(kind)[0] if get_origin(kind) is list else kind
     value = "" if flag else " " + (info.metavar or {str: "TEXT", int: "N", float: "X"}.get(item, "PATH"))
