@@ -93,11 +93,20 @@ def cell_names(rows: pd.DataFrame) -> list[str]:
 
 
 def where(rows: pd.DataFrame) -> str:
-    """Return the cells of the rows in short: "a on p, b on 18 problems"."""
-    problems = rows.astype(dict.fromkeys(CELL, object)).groupby("optimizer", sort=False)["problem"].unique()
-    return listed(
-        [f"{o} on {each[0] if len(each) == 1 else f'{len(each):,} problems'}" for o, each in problems.items()]
-    )
+    """Return the cells of the rows in short: "a on p, b on 18 problems, c on 25 instances of 5 problems"."""
+    by_optimizer = rows.astype(dict.fromkeys(CELL, object)).groupby("optimizer", sort=False)
+    return listed([f"{optimizer} on {_problems(own)}" for optimizer, own in by_optimizer])
+
+
+def _problems(rows: pd.DataFrame) -> str:
+    """Return the problem of the rows, or how many there are, in the units in which the study counts them."""
+    own = rows["problem"].unique()
+    pools = rows["pool"].astype(object).unique() if "pool" in rows else own
+    if len(own) == 1:
+        return str(own[0])
+    if len(pools) == len(own):
+        return f"{len(own):,} problems"
+    return f"{len(own):,} instances of {pools[0] if len(pools) == 1 else f'{len(pools):,} problems'}"
 
 
 def percent(share: float) -> str:
@@ -213,8 +222,9 @@ def _ceiling(evidence: Evidence) -> Finding:
         finals,
         cells.transform("nunique") / cells.transform("size") < UNIQUE,
         "warning",
-        f"belong to cells where fewer than {percent(UNIQUE)} of the final values differ by more than rounding",
-        "Such cells have hit a ceiling, and their trials cannot be distinguished.",
+        "hit a ceiling",
+        f"Fewer than {percent(UNIQUE)} of the final values of such a cell differ by more than rounding, so its trials "
+        "cannot be distinguished.",
         well=f"In every cell at least {percent(UNIQUE)} of the final values differ.",
     )
 

@@ -77,6 +77,8 @@ def integrity(
     reason in a sentence; ``cells`` names every "optimizer on problem" concerned, separated by semicolons.
 
     Args:
+        frame: the trials; an optional column ``pool`` names the problem of the study of which the row's problem is an
+            instance, or the row's problem itself.
         study_budget: evaluations that each trial was allowed, or those by problem or by (problem, optimizer).
         planned_trials: trials that each cell should hold, or those by problem and optimizer, 0 where no plan is known.
         boxes: the lower and upper bound of each variable, by problem and by variable.
@@ -119,6 +121,10 @@ def _together(here: Finding, elsewhere: Finding) -> Finding:
 
 def _completeness(frame: pd.DataFrame, planned: int | Mapping[tuple[str, str], int]) -> Finding:
     table = coverage(frame, planned)
+    if "pool" in frame:
+        table = table.assign(
+            pool=table["problem"].astype(object).map(dict(zip(frame["problem"], frame["pool"], strict=True)))
+        )
     stored, missing = table["stored"], table["missing"]
     if not stored.sum():
         return Finding("warning", "There is no trial.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import pandas as pd
 
@@ -42,15 +43,25 @@ def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.Data
     return pd.DataFrame(rows, [entry.label for entry in study.optimizers], [*CONDITIONS, "changed"], dtype=object)
 
 
-def sentences(study: Study, descriptions: Mapping[str, Description]) -> tuple[str, ...]:
+class Conditions(NamedTuple):
+    """Sentences on the conditions: those that limit what may be claimed, and those that do not."""
+
+    limits: tuple[str, ...]
+    others: tuple[str, ...]
+
+
+def sentences(study: Study, descriptions: Mapping[str, Description]) -> Conditions:
     """Return what differs besides the algorithm, and which options are not the optimizers' own defaults."""
     table = conditions(study, descriptions)
     tuned = "how some of them were tuned, on other problems, is stated below"
     source = tuned if study.tuning else "whether they were tuned on these problems is not recorded"
-    return tuple(filter(None, (_differences(table), _changes(table, source))))
+    differing, alike = _differences(table)
+    changed, usual = _changes(table, source)
+    return Conditions(tuple(filter(None, (differing, changed))), tuple(filter(None, (alike, usual))))
 
 
-def _differences(table: pd.DataFrame) -> str:
+def _differences(table: pd.DataFrame) -> tuple[str, str]:
+    """Return the sentence on what differs, and that on what is the same where nothing differs."""
     differing, alike = [], []
     for name in CONDITIONS:
         groups: dict[str, list[str]] = {}
@@ -61,12 +72,13 @@ def _differences(table: pd.DataFrame) -> str:
         elif groups and None not in table[name].tolist():
             alike.append(f"{name} ({next(iter(groups))})")
     if differing:
-        return (
+        text = (
             f"The optimizers differ in more than their algorithms: {'; '.join(differing)}. A difference in rank may "
             "come from this."
         )
+        return text, ""
     known = "known " if (table[[*CONDITIONS]] == UNKNOWN).any(axis=None) else ""
-    return f"The optimizers have the same {known}{listing(alike)}." if alike else ""
+    return "", f"The optimizers have the same {known}{listing(alike)}." if alike else ""
 
 
 def _said(value: object) -> str:
@@ -85,7 +97,8 @@ def _grouped(groups: Mapping[str, list[str]]) -> str:
     return listing([*parts, f"{value} for {rest}"])
 
 
-def _changes(table: pd.DataFrame, source: str) -> str:
+def _changes(table: pd.DataFrame, source: str) -> tuple[str, str]:
+    """Return the sentence on options that are changed or not known, and that on options that are the defaults."""
     known = table["changed"].dropna()
     unknown = table.index.difference(known.index, sort=False)
     by_option: dict[str, list[str]] = {}
@@ -96,14 +109,17 @@ def _changes(table: pd.DataFrame, source: str) -> str:
         f"{pair} for {'all' if len(labels) == len(table) else listing(labels, at_most=MOST_LABELS)}"
         for pair, labels in by_option.items()
     ]
-    text = ""
+    text = usual = ""
     if len(parts) > MOST_OPTIONS:
         owners = sum(bool(changed) for changed in known)
         text = f"{len(parts)} options of {owners} of {len(table)} optimizers differ from the optimizers’ defaults"
     elif parts:
         text = f"These options differ from the optimizers’ defaults: {'; '.join(parts)}"
     elif len(known):
-        text = "All known options are the optimizers’ own defaults" if len(unknown) else "All options are the defaults"
+        usual = (
+            f"All {'known ' if len(unknown) else ''}options are the optimizers’ defaults in the code that is installed "
+            "here; a default that changed since a trial was made does not show."
+        )
     if parts:
         text += f" ({source})"
     text += "." if text else ""
@@ -111,7 +127,7 @@ def _changes(table: pd.DataFrame, source: str) -> str:
         names = listing([*map(str, unknown)], at_most=MOST_LABELS)
         cannot = "it cannot" if len(unknown) == 1 else "they cannot"
         text += f"{' ' if text else ''}The options of {names} are not all known here, as {cannot} be loaded."
-    return text
+    return text, usual
 
 
 def conditions_table(study: Study, descriptions: Mapping[str, Description]) -> Table:

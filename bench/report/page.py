@@ -18,6 +18,7 @@ from bench.report.interactive.part import Interactive, digest
 from bench.report.parts import Figure, Part, Section, Table, TableCell
 
 UPRIGHT, WIDE = 12, 80  # columns of a shaded table, and letters of their titles, above which these stand upright
+LIKE_FRAME = ("frame", "texts", "bold", "italic", "marks", "lost", "shades")
 LONG_TEXT = 30  # characters beyond which a cell may break into lines
 ZOOM = 1.45  # scales a figure's 8 points to the size of the page's text
 
@@ -105,7 +106,7 @@ def grid(table: Table) -> Grid:
     """Return the cells of a table that the page shows: all, or those of the first rows of a long table."""
     shown = table
     if len(table.frame) > table.most_rows:
-        frames = {name: getattr(table, name) for name in ("frame", "bold", "italic", "marks", "lost", "shades")}
+        frames = {name: getattr(table, name) for name in LIKE_FRAME}
         shown = replace(
             table, **{name: frame.head(table.most_rows) for name, frame in frames.items() if frame is not None}
         )

@@ -46,6 +46,7 @@ class Table:
         italic: likewise for italics.
         marks: superscript letters after a value: texts like ``frame``.
         lost: which values count failed trials or include them, shown in red with a sign; likewise.
+        texts: what the cells show instead of the values in the usual digits: texts like ``frame``; likewise.
         decimals: decimals of every float, or by column; by default floats have four significant digits, aligned where
             the values of a column are of similar size.
         note: the explanation of the marks, below the table.
@@ -63,6 +64,7 @@ class Table:
     italic: pd.DataFrame | None = None
     marks: pd.DataFrame | None = None
     lost: pd.DataFrame | None = None
+    texts: pd.DataFrame | None = None
     decimals: int | Mapping[str, int] | None = None
     note: str = ""
     data: pd.DataFrame | None = None
@@ -85,15 +87,17 @@ class Table:
     def rows(self) -> list[list[TableCell]]:
         """The cells row by row, those of the index first."""
         keys = self.frame.index.to_frame().itertuples(index=False) if self.has_index else [()] * len(self.frame)
-        looks = (self.bold, self.italic, self.marks, self.lost, self.shades)
+        looks = (self.texts, self.bold, self.italic, self.marks, self.lost, self.shades)
         columns = [
             [
                 TableCell(
-                    cell_text(value, decimals), bool(bold), bool(italic), mark=mark or "", lost=bool(lost),
+                    text or cell_text(value, decimals), bool(bold), bool(italic), mark=mark or "", lost=bool(lost),
                     shade=None if shade is None or pd.isna(shade) else min(int(shade * SHADES), SHADES - 1),
                     problem=self._of("problem", label, name), optimizer=self._of("optimizer", label, name),
                 )
-                for label, value, bold, italic, mark, lost, shade in zip(self.frame.index, values, *styles, strict=True)
+                for label, value, text, bold, italic, mark, lost, shade in zip(
+                    self.frame.index, values, *styles, strict=True
+                )
             ]
             for name, values in self.frame.items()
             for styles in [[self._styles(which, name) for which in looks]]

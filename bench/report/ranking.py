@@ -82,7 +82,7 @@ def turned(table: Table, findings: Findings) -> Table:
     def turn(frame: pd.DataFrame) -> pd.DataFrame:
         return frame.reindex(columns=order).T.rename_axis("optimizer")
 
-    named = {name: getattr(table, name) for name in ("frame", "bold", "italic", "marks", "lost")}
+    named = {name: getattr(table, name) for name in ("frame", "texts", "bold", "italic", "marks", "lost")}
     swapped: dict[str, Any] = {name: turn(frame) for name, frame in named.items() if frame is not None}
     note = table.note.replace("the row", "the column").replace("a row", "a column")
     return replace(table, note=note, **swapped)

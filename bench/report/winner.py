@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
+from math import comb
 from typing import Any, NamedTuple
 
 import pandas as pd
 
+from bench.analysis import ALPHA
 from bench.report.wording import count, listing
 
 NAMED = 4  # optimizers that a sentence names
@@ -16,12 +19,11 @@ SURE = 0.995  # share of repetitions that a sentence calls practically all
 TIED = 1e-9  # mean ranks closer than this are the same
 
 
-class Spell(NamedTuple):
-    """A range of evaluations, from ``first`` to ``last`` in words, in which one optimizer has the lowest mean rank."""
+class Stage(NamedTuple):
+    """A budget in words, and the optimizers with the lowest mean rank there, several where they tie."""
 
-    optimizer: str
-    first: str
-    last: str
+    spent: str
+    lowest: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -38,8 +40,8 @@ class Standing:
         problem: the label of the only problem, "" where there are several.
         found: the share of each optimizer's trials that came near the best known value; empty where unknown.
         near: what that means, in words.
-        course: who has the lowest mean rank over the evaluations: :class:`Spell` by spell.
-        unit: of their ends, "evaluations" or "of the budget".
+        course: who has the lowest mean rank at smaller budgets, :class:`Stage` by stage, the full budget last.
+        unit: of the stages, "evaluations" or "of the budget".
         clock: the sentence on running times in seconds; "" where these do not change the order.
         trials: in words, such as "1 trial".
     """
@@ -52,7 +54,7 @@ class Standing:
     problem: str = ""
     found: pd.Series[float] = field(default_factory=lambda: pd.Series(dtype=float))
     near: str = ""
-    course: Sequence[Spell] = ()
+    course: Sequence[Stage] = ()
     unit: str = "evaluations"
     clock: str = ""
     trials: str = ""
@@ -99,7 +101,7 @@ def paragraph(known: Standing) -> str:
     if len(known.level) == len(known.ranking):
         return f"No optimizer leads at {known.budget}: all have the same mean rank {_over(known)}.{_split(known)}"
     leader = known.ordered[0]
-    sentences = [_who(known, leader)]
+    sentences = [_who(known, leader), _beyond(known)]
     if len(known.level) == 1:  # where several share the lead, numbers of one of them would single it out
         sentences += [_certainty(known, leader), _effect(known, leader)]
         if known.testable:
@@ -166,6 +168,26 @@ def _named(known: Standing, leader: str) -> str:
     )
 
 
+def _beyond(known: Standing) -> str:
+    """Return that nothing is claimed of other problems, where no test of a pair across problems can be significant."""
+    if known.problem:
+        return "This holds for this problem only."
+    if not too_few_problems(known.problems, comb(len(known.ranking), 2)):
+        return ""
+    return (
+        f"This holds for these {known.problems} problems only: they are too few for a test across problems to "
+        "distinguish any two optimizers."
+    )
+
+
+def too_few_problems(problems: int, pairs: int) -> bool:
+    """Return whether no Wilcoxon test across problems can be significant, with Holm's adjustment over the pairs.
+
+    The smallest two-sided p-value, that of differences of one sign alone, is 2 / 2^problems.
+    """
+    return 2 / 2**problems > ALPHA / max(pairs, 1)
+
+
 def _certainty(known: Standing, leader: str) -> str:
     """Return the interval of the number of first ranks, and in how many repetitions the leader would lead."""
     row = known.row(leader)
@@ -184,7 +206,10 @@ def _effect(known: Standing, leader: str) -> str:
     if math.isnan(chance):
         return ""
     shown = "" if math.isnan(low) else f" [{low:.2f}, {high:.2f}]"
-    place = "" if len(known.ranking) == 2 else ", the second in rank,"
+    ranks = known.ranking.set_index("optimizer")["mean_rank"]
+    beside = [each for each in known.ordered[2:] if ranks[each] <= ranks[second] + TIED]
+    place = f", which shares the second rank with {listing(beside, NAMED)}," if beside else ", the second in rank,"
+    place = "" if len(known.ranking) == 2 else place
     return f"A run of it beats a run of {second}{place} with probability {chance:.2f}{shown}."
 
 
@@ -201,16 +226,18 @@ def _found(known: Standing, leader: str) -> str:
 
 
 def _course(known: Standing, leader: str) -> str:
-    """Return the range of budgets below the full one in which another one leads, or that none does."""
-    if not known.course or known.course[-1].optimizer != leader:
+    """Return who leads at which smaller budgets, or that nobody else does; a shared lead of the leader counts."""
+    if not known.course or leader not in known.course[-1].lowest:
         return ""
-    if len(known.course) == 1:
-        return f"It leads from {known.course[0].first} {known.unit} on."
-    before = known.course[-2]
-    start = "Up to about" if len(known.course) == 2 else f"From about {before.first} to"
-    if len(known.course) > 2 and before.first == before.last:
-        start = "At about"
-    return f"{start} {before.last} {known.unit} {before.optimizer} leads."
+    spells = []
+    for lowest, own in groupby(known.course, lambda stage: (leader,) if leader in stage.lowest else stage.lowest):
+        spent = [stage.spent for stage in own]
+        if leader not in lowest:
+            when = f"at {spent[0]}" if len(spent) == 1 else f"from {spent[0]} to {spent[-1]}"
+            spells.append(f"{listing(lowest, NAMED)} {when}")
+    if not spells:
+        return f"It leads from {known.course[0].spent} {known.unit} on."
+    return f"At smaller budgets the lowest mean rank is that of {listing(spells)} {known.unit}."
 
 
 def percent(share: float) -> str:

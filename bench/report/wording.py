@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,25 @@ def usual_decimals(values: Any) -> int | None:
     if not len(sizes) or not 1e-3 < sizes.max() < 1e5 or sizes.max() > 1e3 * sizes.min():
         return None
     return max(3 - math.floor(math.log10(sizes.max())), 0)
+
+
+def row_texts(values: Iterable[Any]) -> list[str]:
+    """Return values that are compared with each other as texts of four significant digits, or up to six.
+
+    As many as make the most texts different: values with the same text differ by less than six digits show.
+    """
+    own = list(values)
+    texts = [[_significant(value, digits) for value in own] for digits in (4, 5, 6)]
+    return max(texts, key=lambda each: len(set(each)))
+
+
+def _significant(value: Any, digits: int) -> str:
+    """Return a number with so many significant digits at least; other values as :func:`cell_text` writes them."""
+    if not isinstance(value, (float, np.floating)) or not math.isfinite(value):
+        return cell_text(value)
+    if value == 0 or not 1e-4 <= abs(value) < 1e6:
+        return cell_text(value) if value == 0 else f"{value:.{digits - 1}e}"
+    return f"{value:,.{max(digits - 1 - math.floor(math.log10(abs(value))), 0)}f}"
 
 
 def count(number: int, noun: str, plural: str = "") -> str:

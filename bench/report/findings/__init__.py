@@ -35,8 +35,10 @@ class Findings(Anytime):
             cells = cast("Mapping[tuple[str, str], int]", self.allowed)
             budgets = {(each, optimizer): most for (label, optimizer), most in cells.items() for each in members[label]}
         facts = {each: results.facts(each) for own in members.values() for each in own}
+        pool = {each: label for label, own in self.pooled.members.items() for each in own}
+        frame = analysis.in_study_order(results.frame, study)
         return analysis.integrity(
-            analysis.in_study_order(results.frame, study),
+            frame.assign(pool=frame["problem"].astype(object).map(pool)),
             study_budget=study.budget if isinstance(study.budget, int) and self.allowed == self.budgets else budgets,
             planned_trials={
                 (entry.label, label): self.decisions.stopped.get((entry.label, label), trials)

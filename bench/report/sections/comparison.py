@@ -9,10 +9,13 @@ from bench.report.findings import Findings
 from bench.report.parts import Section, Table
 from bench.report.ranking import turned
 from bench.report.sections import feasibility
-from bench.report.wording import count, leaders, listing
+from bench.report.wording import count, leaders, listing, row_texts
 
 TITLE = "Comparison"
 OTHER = "lowest by"  # the column of those that are best by the median or the mean
+OTHER_NOTE = (
+    " Lowest by: the optimizer with the lowest median or mean of the row, where that is another one than the first."
+)
 VALUES = ("mean", "median", "median_low", "median_high", "q1", "q3", "best", "worst")
 
 
@@ -40,6 +43,7 @@ def section(findings: Findings) -> Section:
         "Median of the best objective value over the trials of each cell (lower is better), and who beats the most "
         "rivals.",
         values.assign(**{OTHER: other}) if len(odd) else values,
+        texts=_texts(values),
         bold=best,
         italic=alike,
         marks=table(matrix, "letters"),
@@ -48,7 +52,8 @@ def section(findings: Findings) -> Section:
         f"with it (A12 > 0.5). Italics: an exact Kolmogorov-Smirnov test at {ALPHA:g} (raw p) cannot distinguish the "
         "result from the first one. Letters, in the order of the ranks: optimizers of a row that share a letter are "
         f"not separable at {ALPHA:g} after Holm’s adjustment. –: no trial; ∞: the median trial failed; in "
-        "red with ✗: a cell with failed trials.",
+        "red with ✗: a cell with failed trials. Values of a row have four significant digits, or up to six to distinguish "
+        "them." + (OTHER_NOTE if len(odd) and not findings.upright else ""),
         data=matrix,
     )
     shown = turned(shown, findings)
@@ -63,6 +68,12 @@ def section(findings: Findings) -> Section:
         each = Section("Each problem", items=tuple(items), folded=True)
         return Section(TITLE, tuple(text), sections=(each, *feasible))
     return Section(TITLE, tuple(text), tuple(items), sections=feasible)
+
+
+def _texts(values: pd.DataFrame) -> pd.DataFrame:
+    """Return the values as texts that distinguish those of a row, which are compared with each other."""
+    rows = [row_texts(row) for row in values.to_numpy(dtype=float)]
+    return pd.DataFrame(rows, values.index, values.columns, dtype=object)
 
 
 def _lost(findings: Findings, shown: pd.DataFrame) -> pd.DataFrame:
@@ -84,6 +95,7 @@ def _regret(findings: Findings, regrets: pd.DataFrame) -> Table:
         "regret",
         "Median regret: the median of the best objective value minus the optimum of the problem.",
         medians,
+        texts=_texts(medians),
         lost=_lost(findings, medians),
         note=f"0: at the optimum within a relative {NEAR:g}; –: no trial; ∞: the median trial failed; in red with ✗: a "
         "cell with failed trials. Problems without a known optimum, or with a trial below it, are left out.",

@@ -16,11 +16,12 @@ TROUBLE = ("error", "warning")
 def section(findings: Findings) -> Section:
     """Return every check with its finding, and tables of incomplete cells and failures."""
     checks = findings.integrity
-    troubles = int(checks["verdict"].isin(TROUBLE).sum())
+    troubles = checks.loc[checks["verdict"].isin(TROUBLE), "check"].tolist()
+    named = f" ({listing(troubles, len(checks))})" if troubles else ""
     unchecked = int((checks["verdict"] == "not checked").sum())
     text = (
         f"{count(len(checks), 'check')}: {int((checks['verdict'] == 'pass').sum())} passed, "
-        f"{count(troubles, 'warning or error', 'warnings or errors')}"
+        f"{count(len(troubles), 'warning or error', 'warnings or errors')}{named}"
         + (f", {count(notes, 'note')}" if (notes := int((checks["verdict"] == "note").sum())) else "")
         + (f", {unchecked} not possible here" if unchecked else "")
         + "."

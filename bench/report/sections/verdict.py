@@ -19,15 +19,11 @@ from bench.report.sections import integrity
 from bench.report.sections.power import detectable_differences
 from bench.report.sections.trials import NOT_ADJUSTED, extension_text
 from bench.report.target_words import TargetWords
-from bench.report.winner import Spell, Standing, paragraph
+from bench.report.winner import TIED, Stage, Standing, paragraph, too_few_problems
 from bench.report.wording import count, listing, p_text, unfinished_trials
 
 TITLE = "Verdict"
 NEAR = 0.01  # of the best known value
-STAGES = tuple(
-    np.geomspace(0.005, 1.0, 40).tolist()
-)  # shares of the budget at which a change of the lead is looked for
-FEW = 30  # optimizers up to which that is affordable
 
 
 def section(findings: Findings) -> Section:
@@ -42,15 +38,11 @@ def section(findings: Findings) -> Section:
         nothing = "There is nothing to compare yet: no problem has trials of every optimizer."
     if nothing:
         return Section(TITLE, (nothing,), lost=lost, warnings=warnings)
+    conditions = sentences(findings.study, findings.descriptions)
     cards = (
         Card("What may be claimed", (paragraph(standing(findings)), _conditions(findings)), "claim"),
-        Card(
-            "What may not be claimed",
-            (*_limits(findings), *sentences(findings.study, findings.descriptions)),
-            "limit",
-            folded=True,
-        ),
-        Card("How this is decided", (_grounds(findings),), "limit", folded=True),
+        Card("What may not be claimed", (*_limits(findings), *conditions.limits), "limit", folded=True),
+        Card("How this is decided", (_grounds(findings), *conditions.others), "limit", folded=True),
     )
     items: list[Part] = [rank_map(findings)]
     if findings.traces and len(findings.stages):
@@ -89,26 +81,19 @@ def standing(findings: Findings) -> Standing:
     )  # fmt: skip
 
 
-def _course(findings: Findings) -> list[Spell]:
-    """Return the ranges of evaluations in which one optimizer has the lowest mean rank."""
+def _course(findings: Findings) -> list[Stage]:
+    """Return who has the lowest mean rank at the budgets of the figure beside the paragraph."""
     if not findings.traces:
         return []
     stages = findings.stages
-    if len(findings.optimizers) <= FEW:
-        stages = analysis.stage_ranks(findings.frame, findings.traces, findings.budgets, STAGES)
     means = stages.pivot_table(index="share", columns="optimizer", values="rank", sort=False, observed=True)
-    budget = max(findings.budgets.values())
-    spells: list[Spell] = []
+    spent = stages.groupby("share")["evaluations"].first()
+    course = []
     for share, own in means.iterrows():
-        lowest = own.index[np.isclose(own, own.min(), rtol=0, atol=1e-9)]
-        leader = spells[-1].optimizer if spells and spells[-1].optimizer in lowest else str(lowest[0])
-        part = float(str(share))
-        spent = f"{float(f'{100 * part:.2g}'):g}%" if findings.scaled else f"{float(f'{part * budget:.2g}'):,.0f}"
-        if spells and spells[-1].optimizer == leader:
-            spells[-1] = spells[-1]._replace(last=spent)
-        else:
-            spells.append(Spell(leader, spent, spent))
-    return spells
+        lowest = own.index[np.isclose(own, own.min(), rtol=0, atol=TIED)]
+        text = f"{float(str(share)):.0%}" if findings.scaled else f"{spent[share]:,}"
+        course.append(Stage(text, tuple(map(str, lowest))))
+    return course
 
 
 def _clock(findings: Findings) -> str:
@@ -207,7 +192,7 @@ def across(findings: Findings) -> str:
         return f"{start}: too few problems ({problems} in all) show a difference for Wilcoxon’s test to be significant."
     if not friedman["note"] and p > ALPHA:
         return f"The tests show no difference across problems (Friedman with Iman-Davenport’s correction, {p_text(p)})."
-    if pairs > 1 and 2 / 2**problems > ALPHA / pairs:
+    if pairs > 1 and too_few_problems(problems, pairs):
         return (
             f"{start}: {problems} problems are too few for Wilcoxon’s test with Holm’s adjustment over {pairs} pairs."
         )
@@ -242,5 +227,6 @@ def _grounds(findings: Findings) -> str:
         f"exact two-sample Kolmogorov-Smirnov test rejects equality at alpha = {ALPHA:g}{adjusted} and the 95% "
         f"interval of A12 excludes 0.5 ({count(len(findings.pairs), 'test')} in all). The order over all problems is "
         "that of the mean ranks. A winner is named only if it is separably lower than each rival on more than half of "
-        "the problems. The counts are over the problems on which every optimizer has a trial."
+        "the problems. The counts are over the problems on which every optimizer has a trial. Smaller budgets "
+        "are those of the figure of mean ranks: an optimizer leads there if no other has a lower mean rank."
     )
