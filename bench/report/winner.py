@@ -226,7 +226,7 @@ def _found(known: Standing, leader: str) -> str:
 
 
 def _course(known: Standing, leader: str) -> str:
-    """Return who leads at which smaller budgets, or that nobody else does; a shared lead of the leader counts."""
+    """Return who has a lower mean rank than the leader at which smaller budgets, or that nobody has."""
     if not known.course or leader not in known.course[-1].lowest:
         return ""
     spells = []
@@ -236,7 +236,7 @@ def _course(known: Standing, leader: str) -> str:
             when = f"at {spent[0]}" if len(spent) == 1 else f"from {spent[0]} to {spent[-1]}"
             spells.append(f"{listing(lowest, NAMED)} {when}")
     if not spells:
-        return f"It leads from {known.course[0].spent} {known.unit} on."
+        return f"From {known.course[0].spent} {known.unit} on, no other has a lower mean rank."
     return f"At smaller budgets the lowest mean rank is that of {listing(spells)} {known.unit}."
 
 

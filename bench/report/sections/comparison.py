@@ -52,8 +52,8 @@ def section(findings: Findings) -> Section:
         f"with it (A12 > 0.5). Italics: an exact Kolmogorov-Smirnov test at {ALPHA:g} (raw p) cannot distinguish the "
         "result from the first one. Letters, in the order of the ranks: optimizers of a row that share a letter are "
         f"not separable at {ALPHA:g} after Holm’s adjustment. –: no trial; ∞: the median trial failed; in "
-        "red with ✗: a cell with failed trials. Values of a row have four significant digits, or up to six to distinguish "
-        "them." + (OTHER_NOTE if len(odd) and not findings.upright else ""),
+        "red with ✗: a cell with failed trials. Values have four significant digits, or up to six to distinguish those "
+        "of a row." + (OTHER_NOTE if len(odd) and not findings.upright else ""),
         data=matrix,
     )
     shown = turned(shown, findings)

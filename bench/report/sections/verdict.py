@@ -228,5 +228,5 @@ def _grounds(findings: Findings) -> str:
         f"interval of A12 excludes 0.5 ({count(len(findings.pairs), 'test')} in all). The order over all problems is "
         "that of the mean ranks. A winner is named only if it is separably lower than each rival on more than half of "
         "the problems. The counts are over the problems on which every optimizer has a trial. Smaller budgets "
-        "are those of the figure of mean ranks: an optimizer leads there if no other has a lower mean rank."
+        "are the points of the figure of mean ranks; those at which the first one shares the lowest are not named."
     )

@@ -271,7 +271,7 @@ def one_final_point_from_two_seeds(s):
     s.copy(("p", "b", 1), ("p", "b", 4))
 
 
-@trap("ceiling", "warning", "6 of 36 trials", "fewer than 50%", "b on p", cells="b on p")
+@trap("ceiling", "warning", "6 of 36 trials hit a ceiling, in b on p. Fewer than 50%", cells="b on p")
 def most_trials_end_at_one_value_but_for_rounding(s):
     for trial in range(5):
         key = ("p", "b", trial)
@@ -338,6 +338,30 @@ def test_every_check_has_a_trap():
     assert {check for _, check, *_ in TRAPS.values()} == set(CHECKS) - {
         "optional stopping"
     }  # which the records of runs show
+
+
+def test_instances_are_counted_as_such_beside_the_problems_that_they_belong_to(sound):
+    for problem in PROBLEMS:
+        for trial in range(5):
+            key = (problem, "b", trial)
+            sound.put(sound.trial(*key), fun=1.5)
+    sound.frame.loc[(sound.frame["problem"] == "p") & (sound.frame["optimizer"] == "c"), "fun"] = 2.5
+
+    def ceiling(**pool):
+        frame = sound.frame.assign(pool=sound.frame["problem"].map(pool)) if pool else sound.frame
+        return integrity(frame, study_budget=BUDGET, planned_trials=TRIALS).set_index("check").at["ceiling", "finding"]
+
+    assert "in b on 2 problems, c on p." in ceiling()
+    assert "in b on 2 problems, c on p." in ceiling(p="p", q="q")
+    assert "in b on 2 instances of f, c on p." in ceiling(p="f", q="f")
+    missing = sound.frame.drop(sound.frame.index[sound.frame["optimizer"] == "a"])
+    found = integrity(in_study_order(missing, study_of()).assign(pool="f"), study_budget=BUDGET, planned_trials=TRIALS)
+    assert "a on 2 instances of f." in found["finding"].iloc[0]
+
+
+def study_of():
+    """Return the study of all cells."""
+    return Study("s", tuple(Entry("any", each) for each in PROBLEMS), tuple(Entry("any", each) for each in OPTIMIZERS))
 
 
 class TestWhatIsNoTrap:

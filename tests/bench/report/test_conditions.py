@@ -19,7 +19,7 @@ def study(*optimizers):
 
 def said(*optimizers):
     own = study(*optimizers)
-    return sentences(own, describe(own))
+    return [each for kind in sentences(own, describe(own)) for each in kind]
 
 
 THESIS = {"name": "cma-es", "agents": 300, "handling": "box", "start": "midpoint"}
@@ -27,7 +27,7 @@ THESIS = {"name": "cma-es", "agents": 300, "handling": "box", "start": "midpoint
 
 def test_the_thesis_s_study_differs_in_handling_and_start():
     own = Study.load("thesis")
-    differing, changed = sentences(own, describe(own))
+    differing, changed = sentences(own, describe(own)).limits
     assert "handling is box for cma-es and repair for the 4 others" in differing
     assert "start is midpoint for cma-es and random for the 4 others" in differing
     assert "agents" not in differing
@@ -38,13 +38,15 @@ def test_a_study_that_was_tuned_points_to_its_tuning():
     own = study({"name": "gwo", "label": "gwo-tuned", "agents": 9})
     record = Tuning("aocc", 1, 1, 100, 0, ["sphere"], "", "optuna", ())
     for tuning, words in ((record, "on other problems, is stated below"), (None, "on these problems is not recorded")):
-        (changed,) = [each for each in sentences(replace(own, tuning=tuning), describe(own)) if "agents = 9" in each]
+        (changed,) = [
+            each for each in sentences(replace(own, tuning=tuning), describe(own)).limits if "agents = 9" in each
+        ]
         assert words in changed
 
 
 def test_the_equal_study_differs_in_its_populations_alone():
     own = Study.load("thesis-equal")
-    differing, _ = sentences(own, describe(own))
+    differing, _ = sentences(own, describe(own)).limits
     assert "agents is 30 for" in differing
     assert not re.search("handling|start", differing)
     labels = [entry.label for entry in own.optimizers]
@@ -85,7 +87,7 @@ def test_a_plug_in_of_a_stranger_without_such_options_is_described(tmp_path):
 
 def test_many_ways_are_counted_and_the_table_has_each():
     own = study(*({"name": "gwo", "label": f"g{agents}", "agents": agents} for agents in range(3, 12)))
-    differing, changed = sentences(own, describe(own))
+    differing, changed = sentences(own, describe(own)).limits
     assert "agents is set in 9 ways" in differing
     assert "9 options of 9 of 9 optimizers" in changed
     table = conditions_table(own, describe(own)).frame
@@ -94,10 +96,28 @@ def test_many_ways_are_counted_and_the_table_has_each():
 
 def test_without_any_description_only_the_study_is_known():
     own = study(THESIS, {"name": "gwo"})
-    differing, unknown = sentences(own, {})
-    assert "same known agents (300), handling (box) and start (midpoint)" in differing
+    (unknown,), (alike,) = sentences(own, {})
+    assert "same known agents (300), handling (box) and start (midpoint)" in alike
     assert unknown.startswith("The options of cma-es and gwo are not all known")
     assert conditions_table(own, {"gwo": Description()}).frame.loc["gwo", "agents"] == "not known"
+
+
+def test_what_is_usual_or_the_same_limits_no_claim(make, tmp_path, monkeypatch):
+    assert not sentences(*both(study({"name": "gwo"}, {"name": "da"}))).limits
+    differing = sentences(*both(study({"name": "gwo"}, {"name": "cma-es"})))
+    assert "differ in more than their algorithms" in differing.limits[0]
+    assert differing.others[0].endswith("a default that changed since a trial was made does not show.")
+    findings = Findings(Results(make(tmp_path / "s", trials=2)))
+    monkeypatch.setitem(findings.__dict__, "descriptions", {"a": Description({}, {}), "b": Description({}, {})})
+    claim, limits, decided = verdict.section(findings).cards
+    assert "All known options are the optimizers’ defaults" in " ".join(decided.text)
+    assert "All known options" not in " ".join((*claim.text, *limits.text))
+    assert "The options of c are not all known" in " ".join(limits.text)
+
+
+def both(own):
+    """Return a study with the descriptions of its optimizers."""
+    return own, describe(own)
 
 
 def test_verdict_and_methods_have_them(make, tmp_path):

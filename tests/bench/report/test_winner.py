@@ -6,8 +6,9 @@ from itertools import permutations
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import wilcoxon
 
-from bench.report.winner import Spell, Standing, paragraph, percent
+from bench.report.winner import Stage, Standing, paragraph, percent, too_few_problems
 
 NAN = float("nan")
 
@@ -44,14 +45,14 @@ CLEAR = {("cma-es", "gwo"): 15, ("cma-es", "alo"): 18}
 def test_a_winner_as_a_paper_prints_it():
     known = standing(
         THREE, beaten=CLEAR, found=pd.Series({"cma-es": 0.43, "gwo": 0.2, "alo": 0.0}),
-        course=[Spell("gwo", "300", "12,000"), Spell("cma-es", "13,000", "60,000")],
+        course=[Stage("600", ("gwo",)), Stage("6,000", ("gwo",)), Stage("60,000", ("cma-es",))],
     )  # fmt: skip
     assert paragraph(known) == (
         "cma-es is best at 60,000 evaluations: separably lower than all 2 others on 14 of 18 problems, and "
         "significantly worse on none. It is ranked first on 15 [13, 17] of 18, and would lead in practically every "
         "repetition of these trials. A run of it beats a run of gwo, the second in rank, with probability 0.75 "
-        "[0.72, 0.78]. 43% of its runs come within 1% of the optimum (gwo 20%). Up to about 12,000 evaluations gwo "
-        "leads."
+        "[0.72, 0.78]. 43% of its runs come within 1% of the optimum (gwo 20%). At smaller budgets the lowest "
+        "mean rank is that of gwo from 600 to 6,000 evaluations."
     )
 
 
@@ -69,11 +70,11 @@ def test_two_optimizers_on_one_problem():
         {"a": 1.0, "b": 2.0}, beaten={("a", "b"): 1}, problems=1, separable=1, first=(1, 1, 1), problem="p"
     )
     assert paragraph(known) == (
-        "a is best on p at 60,000 evaluations: its results are separably lower than those of b. A run of it beats a "
-        "run of b with probability 0.75 [0.72, 0.78]."
+        "a is best on p at 60,000 evaluations: its results are separably lower than those of b. This holds for this "
+        "problem only. A run of it beats a run of b with probability 0.75 [0.72, 0.78]."
     )
     assert paragraph(replace(known, beaten={})).startswith(
-        "No single winner at 60,000 evaluations: a ranks first on p, but is not separably lower than b. A run"
+        "No single winner at 60,000 evaluations: a ranks first on p, but is not separably lower than b. This"
     )
 
 
@@ -118,25 +119,58 @@ def test_runs_near_the_optimum():
     assert "within 1% of" not in said(0.0, 0.0, 0.0)
 
 
+def stages(*lowest):
+    """Return the stages at which these, separated by spaces, have the lowest mean rank."""
+    return [
+        Stage(f"{share}%", tuple(each.split())) for share, each in zip((1, 3, 10, 30, 60, 100), lowest, strict=True)
+    ]
+
+
 @pytest.mark.parametrize(
-    ("course", "said"),
+    ("lowest", "said"),
     [
-        ([Spell("cma-es", "300", "60,000")], "It leads from 300 evaluations on."),
+        (["cma-es"] * 6, "From 1% of the budget on, no other has a lower mean rank."),
+        (["cma-es gwo", *["cma-es"] * 5], "From 1% of the budget on, no other has a lower mean rank."),
         (
-            [Spell("alo", "300", "500"), Spell("gwo", "600", "1,000"), Spell("cma-es", "2,000", "60,000")],
-            "From about 600 to 1,000 evaluations gwo leads.",
+            ["gwo", "gwo cma-es", "alo", "alo", "cma-es", "cma-es"],
+            "the lowest mean rank is that of gwo at 1% and alo from 10% to 30% of the budget.",
         ),
         (
-            [Spell("alo", "300", "500"), Spell("gwo", "600", "600"), Spell("cma-es", "2,000", "60,000")],
-            "At about 600 evaluations gwo leads.",
+            ["cma-es", "alo gwo", "alo", "cma-es", "alo", "cma-es"],
+            "that of alo and gwo at 3%, alo at 10% and alo at 60% of the budget.",
         ),
-        ([], ""),
+        (["cma-es"] * 5 + ["gwo"], ""),
     ],
 )
-def test_who_leads_at_smaller_budgets(course, said):
-    text = paragraph(standing(THREE, beaten=CLEAR, course=course))
+def test_who_is_ahead_at_smaller_budgets(lowest, said):
+    text = paragraph(standing(THREE, beaten=CLEAR, course=stages(*lowest), unit="of the budget"))
     assert text.endswith(said)
-    assert ("leads" in text) == bool(said)
+    assert ("lowe" in text.rpartition("probability")[2]) == bool(said)
+
+
+def test_optimizers_that_share_the_second_rank_are_all_named():
+    tied = standing(
+        {"a": 1.0, "goa": 2.5, "de": 2.5, "gwo": 4.0}, beaten={("a", each): 18 for each in ("goa", "de", "gwo")}
+    )
+    for second, other in (("goa", "de"), ("de", "goa")):
+        ahead = replace(tied, chances=tied.chances | {(second, "gwo"): (0.9, 0.8, 1.0)})
+        assert f"beats a run of {second}, which shares the second rank with {other}, with" in paragraph(ahead)
+
+
+def test_few_problems_limit_the_claim_in_the_paragraph_itself():
+    limit = "This holds for these {} problems only: they are too few for a test across problems to distinguish any two"
+    for count in (2, 5, 6, 18):
+        text = paragraph(standing(THREE, beaten=dict.fromkeys(CLEAR, count), problems=count, separable=count))
+        assert (limit.format(count) in text) == (count <= 6)
+        assert " is best " in text
+    assert limit.format(2) in paragraph(standing(THREE, problems=2, testable=False, trials="2 trials"))
+
+
+@pytest.mark.parametrize("pairs", [1, 3, 10])
+def test_problems_are_too_few_where_differences_of_one_sign_are_not_significant(pairs):
+    for problems in range(1, 14):
+        p = wilcoxon(np.arange(1.0, problems + 1), method="exact").pvalue
+        assert too_few_problems(problems, pairs) == (p * pairs > 0.05)
 
 
 def test_a_percentage_is_none_or_all_only_where_it_is():

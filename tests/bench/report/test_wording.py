@@ -4,7 +4,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.report.wording import cell_text, count, leaders, listing, seconds, unfinished_trials, usual_decimals
+from bench.report.wording import (
+    cell_text,
+    count,
+    leaders,
+    listing,
+    row_texts,
+    seconds,
+    unfinished_trials,
+    usual_decimals,
+)
 
 
 @pytest.mark.parametrize(
@@ -25,6 +34,24 @@ def test_cells(value, decimals, text):
 )
 def test_decimals_show_four_digits_unless_values_span_too_much(values, decimals):
     assert usual_decimals(values) == decimals
+
+
+@pytest.mark.parametrize(
+    ("values", "texts"),
+    [
+        ([1.912, 1.341, 263.9], ["1.912", "1.341", "263.9"]),
+        ([263.8958, 263.8959, 270.0], ["263.9", "263.9", "270.0"]),
+        ([263.8958, 263.8965], ["263.896", "263.897"]),
+        ([263.8958, 263.8958], ["263.9", "263.9"]),
+        ([263.89581, 263.89582], ["263.9", "263.9"]),
+        ([12345.6, 0.0, -1.5, 0.99996], ["12,346", "0", "-1.500", "1.0000"]),
+        ([2.5e7, 2.50004e7, 3e-5], ["2.50000e+07", "2.50004e+07", "3.00000e-05"]),
+        ([float("nan"), float("inf"), 1.0], ["–", "∞", "1.000"]),
+        ([], []),
+    ],
+)
+def test_values_of_a_row_show_the_digits_that_distinguish_them(values, texts):
+    assert row_texts(np.array(values)) == texts
 
 
 def test_sentences():

@@ -1,9 +1,18 @@
 """The integrity section: what a check noted is warned of."""
 
+import re
+
 from bench import Results
 from bench.report.findings import Findings
 from bench.report.sections import integrity, verdict
 from bench.storage.folder import Folder
+
+
+def test_the_checks_in_trouble_are_named(make, tmp_path):
+    sound = integrity.section(Findings(Results(make(tmp_path / "sound", trials=4)))).text[0]
+    failed = integrity.section(Findings(Results(make(tmp_path / "failed", trials=4, fail=[("p", "a", 0)])))).text[0]
+    assert "failures" not in sound
+    assert re.search(r"[1-9] warnings? or errors? \([^)]*failures", failed)
 
 
 def test_the_biases_that_a_check_noted_are_warned_of(make, tmp_path):

@@ -93,3 +93,21 @@ def test_seconds_that_turn_the_order_round(fresh):
     assert verdict._clock(fresh) == ""
     fresh.__dict__["running_times"] = table.assign(ert_s=float("nan"))
     assert verdict._clock(fresh) == ""
+
+
+def test_smaller_budgets_are_the_points_of_the_figure(fresh):
+    ranks = {"a": (2.0, 1.0, 1.0), "b": (1.0, 1.0, 2.0), "c": (3.0, 3.0, 3.0)}
+    rows = [
+        (problem, optimizer, share, round(8000 * share), own[place])
+        for problem in "pqr"
+        for place, share in enumerate((0.01, 0.03, 1.0))
+        for optimizer, own in ranks.items()
+    ]
+    fresh.__dict__["stages"] = pd.DataFrame(rows, columns=["problem", "optimizer", "share", "evaluations", "rank"])
+    claim, figure = verdict.section(fresh).cards[0].text[0], verdict.section(fresh).items[1]
+    assert claim.endswith("At smaller budgets the lowest mean rank is that of b at 80 evaluations.")
+    lowest = figure.shown.eq(figure.shown.min(axis=1), axis=0)
+    assert {at: [*own.index[own]] for at, own in lowest.iterrows()} == {80: ["b"], 240: ["a", "b"], 8000: ["a"]}
+    assert [(each.spent, each.lowest) for each in verdict._course(fresh)] == [
+        ("80", ("b",)), ("240", ("a", "b")), ("8,000", ("a",)),
+    ]  # fmt: skip
