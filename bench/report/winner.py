@@ -185,7 +185,7 @@ def too_few_problems(problems: int, pairs: int) -> bool:
 
     The smallest two-sided p-value, that of differences of one sign alone, is 2 / 2^problems.
     """
-    return 2 / 2**problems > ALPHA / max(pairs, 1)
+    return 2.0 ** (1 - problems) > ALPHA / max(pairs, 1)
 
 
 def _certainty(known: Standing, leader: str) -> str:

@@ -41,22 +41,22 @@ def usual_decimals(values: Any) -> int | None:
     return max(3 - math.floor(math.log10(sizes.max())), 0)
 
 
-def row_texts(values: Iterable[Any]) -> list[str]:
-    """Return values that are compared with each other as texts of four significant digits, or up to six.
+def row_texts(values: Iterable[float]) -> list[str]:
+    """Return numbers that are compared with each other as texts of four significant digits, or up to six.
 
-    As many as make the most texts different: values with the same text differ by less than six digits show.
+    The fewest digits that make the most texts different: numbers of one text are not distinguished by six digits.
     """
     own = list(values)
     texts = [[_significant(value, digits) for value in own] for digits in (4, 5, 6)]
     return max(texts, key=lambda each: len(set(each)))
 
 
-def _significant(value: Any, digits: int) -> str:
-    """Return a number with so many significant digits at least; other values as :func:`cell_text` writes them."""
-    if not isinstance(value, (float, np.floating)) or not math.isfinite(value):
+def _significant(value: float, digits: int) -> str:
+    """Return a number with so many significant digits at least; 0 and no number as :func:`cell_text` writes them."""
+    if value == 0 or not math.isfinite(value):
         return cell_text(value)
-    if value == 0 or not 1e-4 <= abs(value) < 1e6:
-        return cell_text(value) if value == 0 else f"{value:.{digits - 1}e}"
+    if not 1e-4 <= abs(value) < 1e6:
+        return f"{value:.{digits - 1}e}"
     return f"{value:,.{max(digits - 1 - math.floor(math.log10(abs(value))), 0)}f}"
 
 

@@ -87,11 +87,11 @@ def _course(findings: Findings) -> list[Stage]:
         return []
     stages = findings.stages
     means = stages.pivot_table(index="share", columns="optimizer", values="rank", sort=False, observed=True)
-    spent = stages.groupby("share")["evaluations"].first()
+    spent = stages.drop_duplicates("share")["evaluations"]
     course = []
-    for share, own in means.iterrows():
+    for (share, own), evaluations in zip(means.iterrows(), spent, strict=True):
         lowest = own.index[np.isclose(own, own.min(), rtol=0, atol=TIED)]
-        text = f"{float(str(share)):.0%}" if findings.scaled else f"{spent[share]:,}"
+        text = f"{float(str(share)):.0%}" if findings.scaled else f"{evaluations:,}"
         course.append(Stage(text, tuple(map(str, lowest))))
     return course
 
