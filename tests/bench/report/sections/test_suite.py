@@ -31,6 +31,14 @@ def test_instances_are_pooled(findings):
     assert findings.budgets == {label: 200 * d for label, d in findings.dimensions.items()}
 
 
+def test_the_checks_count_instances_and_problems_each_by_its_name(findings, monkeypatch):
+    again = Findings(findings.results)
+    assert len(again.pooled.members) == 4
+    monkeypatch.setattr(Results, "frame", findings.results.frame.assign(fun=1.0))  # every cell hits a ceiling
+    said = again.integrity.set_index("check").at["ceiling", "finding"]
+    assert "cma-es-fast on 8 instances of 4 problems, random-search on 8 instances of 4 problems" in said
+
+
 def test_the_text_says_what_is_pooled(findings):
     _, text = suite.section(findings).text
     assert text.startswith("2 functions in 2 groups, in dimensions 2 and 5.")
