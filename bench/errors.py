@@ -1,5 +1,6 @@
 """The one exception for bad input, and helpers for its messages."""
 
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 from importlib import import_module
@@ -32,13 +33,29 @@ def require(module: str, extra: str, needed: str) -> Any:
         raise BenchError(f"{needed} {module}; install it with: pip install 'backlash-bench[{extra}]'") from error
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
-    """Return a hint such as ``"; did you mean 'gwo'?"`` or, where none is near, the list of known names."""
+def near(name: str, known: Iterable[str], cutoff: float = 0.5) -> list[str]:
+    """Return the known names that somebody may have meant, at most three; upper and lower case are the same.
+
+    They are the name itself in other letters, or else the shortest names that hold it as a word, or that hold it at
+    all, or else the one that is spelled most alike, where its ratio of :mod:`difflib` is at least ``cutoff``.
+    """
+    names = {each.casefold(): each for each in sorted(known, reverse=True)}
+    wanted = name.casefold()
+    if wanted in names:
+        return [names[wanted]]
+    word = re.compile(rf"(?<![^\W_]){re.escape(wanted)}(?![^\W_])")
+    held = [each for each in names if word.search(each)] if len(wanted) > 1 else []
+    held = held or [each for each in names if len(wanted) > 2 and wanted in each]
+    shortest = sorted(held, key=lambda each: (len(each), each))[:3]
+    return [names[each] for each in shortest or get_close_matches(wanted, names, n=1, cutoff=cutoff)]
+
+
+def nearest(name: str, known: Iterable[str], otherwise: str = "") -> str:
+    """Return a hint such as ``"; did you mean 'gwo'?"`` or, where none is near, ``otherwise`` or the known names."""
     known = sorted(known)
-    close = get_close_matches(name, known, n=1, cutoff=0.5)
-    if close:
-        return f"; did you mean {close[0]!r}?"
-    if not known:
-        return "; there are none"
+    if close := [repr(each) for each in near(name, known)]:
+        return f"; did you mean {' or '.join(filter(None, (', '.join(close[:-1]), close[-1])))}?"
+    if otherwise or not known:
+        return otherwise or "; there are none"
     shown = ", ".join(known[:12])
     return f"; known: {shown}{', …' if len(known) > 12 else ''}"

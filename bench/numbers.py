@@ -32,15 +32,19 @@ def require_whole(
         what: the subject of the sentence, such as ``"the seed"``.
         value: what the user gave.
         minimum: the smallest number allowed, None for no limit.
-        maximum: the largest number allowed, None for no limit; it needs a minimum.
+        maximum: the largest number allowed, None for no limit.
         also: what else is allowed, such as ``", or -1 for every core"``.
     """
     low, high = -math.inf if minimum is None else minimum, math.inf if maximum is None else maximum
     if not is_whole(value) or not low <= value <= high:
-        span = (
-            "" if minimum is None else f" of at least {minimum}" if maximum is None else f" from {minimum} to {maximum}"
-        )
-        raise BenchError(f"{what} must be a whole number{span}{also}, not {value!r}")
+        raise BenchError(f"{what} must be a whole number{span(minimum, maximum)}{also}, not {value!r}")
+
+
+def span(minimum: float | None, maximum: float | None) -> str:
+    """Return a closed range as words behind "a number", such as ``" from 1 to 20"``; "" for no limits."""
+    if minimum is None:
+        return "" if maximum is None else f" of at most {maximum}"
+    return f" of at least {minimum}" if maximum is None else f" from {minimum} to {maximum}"
 
 
 def require_positive(what: str, value: Any, maximum: float = math.inf, *, unit: str = "") -> None:

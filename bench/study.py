@@ -34,7 +34,7 @@ from bench.scoring import scored
 from bench.seeds import trial_seed
 from bench.sweep import Sweep, expanded, sweeps
 from bench.targets import NO_METRIC, Targets
-from bench.text import html_table, listed
+from bench.text import html_table, listed, option
 from bench.trial import Trial
 from bench.tuned import Tuning
 
@@ -301,9 +301,43 @@ class Study:
             content["looks"] = self.looks
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
+    def differences(self, other: Study) -> list[str]:
+        """Return in phrases how another study differs from this one in what :meth:`identity` covers.
+
+        A phrase describes the other study, such as ``"its budget is 2000, not 3000"``.
+        """
+        found = [
+            f"its {key} is {theirs!r}, not {mine!r}"
+            for key in ("name", "budget", "seed", "constraints")
+            if (theirs := getattr(other, key)) != (mine := getattr(self, key))
+        ]
+        if self.looks != other.looks:
+            found.append(f"its looks are {list(other.looks)}, not {list(self.looks)}")
+        for key in ("problems", "optimizers"):
+            found += _entries_apart(
+                key, *({each.label: each for each in getattr(study, key)} for study in (self, other))
+            )
+        return found
+
     def _handling(self) -> dict[str, str]:
         """Return the handling of constraints where it is not the default, which older studies do not name."""
         return {} if self.constraints == handlings.DEFAULT else {"constraints": self.constraints}
+
+
+def _entries_apart(key: str, mine: Mapping[str, Entry], theirs: Mapping[str, Entry]) -> Iterator[str]:
+    """Yield in phrases how the problems or optimizers of another study differ, by label."""
+    for verb, one, two in (("lacks", mine, theirs), ("also has", theirs, mine)):
+        if only := [repr(label) for label in one if label not in two]:
+            yield f"it {verb} the {key if len(only) > 1 else key[:-1]} {listed(only)}"
+    both = [label for label in mine if label in theirs]
+    for label in both:
+        own, other = ({"plug-in": each.name} | each.options for each in (mine[label], theirs[label]))
+        for name in dict.fromkeys([*own, *other]):
+            values = [option(each[name]) if name in each else "the default" for each in (other, own)]
+            if values[0] != values[1]:
+                yield f"{name} of its {label!r} is {values[0]}, not {values[1]}"
+    if both and both != [label for label in theirs if label in mine]:
+        yield f"its {key} have another order"
 
 
 def _checked(given: Mapping[str, Any], where: str) -> dict[str, Any]:

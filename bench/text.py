@@ -74,7 +74,7 @@ def html_table(caption: str, rows: Iterable[Sequence[Any]], heads: Sequence[str]
     return f"<table>{title}{head}<tbody>{''.join(lines)}</tbody></table>"
 
 
-def listed(names: Sequence[str], most: int = 5) -> str:
-    """Return the names with commas, shortened to the first ones and the number of the others."""
+def listed(names: Sequence[str], most: int = 5, between: str = ", ") -> str:
+    """Return the names with commas between them, shortened to the first ones and the number of the others."""
     more = f" and {len(names) - most:,} more" if len(names) > most else ""
-    return ", ".join(names[:most]) + more
+    return between.join(names[:most]) + more

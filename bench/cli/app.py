@@ -32,7 +32,7 @@ from bench.cli import (
     verify,
 )
 from bench.cli import list as list_
-from bench.cli.console import print_error
+from bench.cli.console import print_error, usage
 from bench.errors import BenchError
 from bench.plugins import registry
 
@@ -90,7 +90,8 @@ def main() -> None:
     except Exception as error:
         if not hasattr(error, "format_message"):  # a usage error of click, or of typer's own copy of it
             raise
-        print_error(error.format_message().rstrip())
+        if sentence := usage(error):
+            print_error(sentence)
         sys.exit(2)
 
 

@@ -12,6 +12,7 @@ from rich.console import Console
 from bench.cli import completion
 from bench.console import print_line
 from bench.errors import BenchError
+from bench.numbers import span
 
 Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.", autocompletion=completion.folders)]
 Jobs = Annotated[int, typer.Option(help="Worker processes; -1 takes every core.")]
@@ -52,6 +53,17 @@ Parameters = Annotated[
 def print_error(message: str) -> None:
     """Print one red line on standard error."""
     print_line(f"bench: {message}", "red", Console(stderr=True))
+
+
+def usage(error: Any) -> str:
+    """Return the sentence of a usage error of typer, "" where typer printed the help in place of one."""
+    report = getattr(error.__cause__, "errors", None)  # pydantic's, with which newer versions of typer read numbers
+    found = report()[0] if report else {"type": ""}
+    whole = found["type"].startswith("int_")
+    if not whole and not found["type"].startswith(("float_", "less_than", "greater_than")):
+        return str(error.format_message()).rstrip()
+    limits = span(getattr(error.param, "min", None), getattr(error.param, "max", None))
+    return f"{error.param.opts[-1]} must be {'a whole number' if whole else 'a number'}{limits}, not {found['input']!r}"
 
 
 def pairs(items: list[str] | None) -> dict[str, Any]:

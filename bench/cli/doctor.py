@@ -81,8 +81,12 @@ def _show(findings: list[Finding], console: Console) -> None:
         )  # fmt: skip
         topic = each.topic
     console.print(table)
+    extras = [each.name for each in findings if each.topic == "extras" and each.state == "note"]
+    if extras:  # in one line, as the table has each
+        install = f"pip install '{registry.DISTRIBUTION}[{','.join(extras)}]'"
+        print_line(f"note: extras that are not installed: {install}", STYLES["note"], console)
     for each in findings:
-        if each.mend:
+        if each.mend and each.name not in (extras if each.topic == "extras" else ()):
             print_line(f"{each.state}: {each.topic}, {each.name}: {each.mend}", STYLES[each.state], console)
     broken = sum(each.state == "broken" for each in findings)
     print_line(f"{broken} broken" if broken else "nothing is broken", "red" if broken else "green", console)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable
 from typing import Annotated, Any
 
 import typer
@@ -15,24 +14,45 @@ from rich.text import Text
 
 from bench.cli import completion
 from bench.errors import BenchError, nearest
+from bench.grid import Grid
 from bench.plugins import registry
 
 KINDS = ("optimizers", "problems", "studies", "commands")
 
 
+GROUPED = ("optimizers", "problems")
+"""The kinds of which one family, suite or plug-in can be listed."""
+
+
+def _named() -> list[str]:
+    return [name for kind in GROUPED for name in registry.entries(kind)]
+
+
 def _kinds(incomplete: str) -> list[str]:
-    """Complete a kind or the name of an optimizer, which may be a family."""
-    return completion.starting(["all", *KINDS, *registry.entries("optimizers")], incomplete)
+    """Complete a kind, or a family."""
+    return completion.starting(["all", *KINDS, *_named()], incomplete)
+
+
+def _families(incomplete: str) -> list[str]:
+    return completion.starting(_named(), incomplete)
 
 
 def list_plugins(
     kind: Annotated[
         str,
         typer.Argument(
-            help="optimizers, problems, studies, commands, all, or a family's name, such as mealpy.",
+            help="optimizers, problems, studies, commands, all, or a family's or suite's name, such as mealpy.",
             autocompletion=_kinds,
         ),
     ] = "all",
+    family: Annotated[
+        str,
+        typer.Argument(
+            help="Of optimizers or problems: one family or suite alone, as in 'problems cec2022'.",
+            show_default=False,
+            autocompletion=_families,
+        ),
+    ] = "",
     as_json: Annotated[
         bool,
         typer.Option(
@@ -40,44 +60,92 @@ def list_plugins(
         ),
     ] = False,
 ) -> None:
-    """List the installed plug-ins: optimizers with lineage and parameters, problems, studies, commands."""
+    """List the installed plug-ins: optimizers with lineage and parameters, problems, studies, commands.
+
+    Of one suite, all functions are listed with their dimensions and instances, and of one family, all members.
+    """
+    kind, family = _chosen(kind, family)
     if as_json:
-        print(json.dumps(records(kind), indent=1, default=str))
+        print(json.dumps(records(kind, family), indent=1, default=str))
     else:
-        show(kind, Console())
+        show(kind, family, Console())
 
 
-def show(kind: str, console: Console) -> None:
-    """Print the plug-ins of one kind or of all, or a family's optimizers; one that fails to load by its error."""
-    families = [] if kind in (*KINDS, "all") else _families()
-    _require_known(kind, (*KINDS, "all", *families))
+def _chosen(kind: str, family: str) -> tuple[str, str]:
+    """Return the kind and the family, "" for all, of the words of a command; a family's name alone has a kind."""
+    if not family and kind not in (*KINDS, "all"):
+        kind, family = next((each for each in GROUPED if kind in registry.entries(each)), kind), kind
+    _require_known("kind", kind, (*KINDS, "all", *_named()))
+    if family and kind not in GROUPED:
+        raise BenchError(f"{kind!r} has no families or suites; leave out {family!r}")
+    if family:
+        _require_known(f"family of {kind}", family, registry.entries(kind))
+    return kind, family
+
+
+def _require_known(what: str, name: str, known: Iterable[str]) -> None:
+    if name not in known:
+        raise BenchError(f"unknown {what} {name!r}{nearest(name, known)}")
+
+
+def show(kind: str, family: str, console: Console) -> None:
+    """Print the plug-ins of one kind or of all, or of one family; one that fails to load by its error."""
+    if family and kind == "problems":
+        console.print(_problems(family), "")
+        return
     for each in KINDS if kind == "all" else (kind,):
-        table = Table("name", "what it is", title=each, title_justify="left", box=None, pad_edge=False)
-        if each in families:
-            members = registry.load("optimizers", each).names()
-            rows = _shared_lines_first([(name, _describe(_optimizer, name)) for name in members], f"all of {each}")
+        table = _table(each, "name", "what it is")
+        if family and registry.is_family(registry.load(each, family)):
+            members = registry.load(each, family).names()
+            rows = _shared_lines_first([(name, _describe(_optimizer, name)) for name in members], f"all of {family}")
         else:
-            names = sorted(registry.entries(each))
+            names = [family] if family else sorted(registry.entries(each))
             rows = [(name, _describe(_about, each, name, kind == "optimizers")) for name in names]
         for name, (about, style) in rows:
             table.add_row(Text(name, no_wrap=True), Text(about, style=style))
         console.print(table, "")
 
 
-def records(kind: str) -> list[dict[str, Any]]:
-    """Return the records of the plug-ins of one kind, or of one optimizer or family, as JSON values.
+def _table(title: str, *heads: str) -> Table:
+    return Table(*heads, title=title, title_justify="left", box=None, pad_edge=False)
+
+
+def _problems(family: str) -> Table:
+    """Return a suite's functions with their dimensions, or the names of another family of problems."""
+    grid = _grid(family)
+    if grid is None:
+        table = _table(family, "name")
+        for record in records("problems", family):
+            table.add_row(Text(record["name"]))
+        return table
+    table = _table(family, "function", "dimensions", *(["instances"] if grid.instances else []), "first name")
+    for each in records("problems", family):
+        instances = [f"1 to {grid.instances}"] if grid.instances else []
+        table.add_row(each["function"], ", ".join(map(str, each["dimensions"])), *instances, Text(each["name"]))
+    return table
+
+
+def _grid(family: str) -> Grid | None:
+    grid = getattr(registry.load("problems", family), "grid", None)
+    return grid if isinstance(grid, Grid) else None
+
+
+def records(kind: str, family: str = "") -> list[dict[str, Any]]:
+    """Return the records of the plug-ins of one kind, or of one family of it, as JSON values.
 
     An optimizer's record is a :class:`bench.plugins.catalogue.Record`, and a family has one record a member; any other
-    plug-in has a name, the package that offers it, and a line on what it is. One that fails to load has its error.
+    plug-in has a name, the package that offers it, and a line on what it is. One that fails to load has its error. Of
+    one suite there is a record a function, with its dimensions and the first of its names; of another family of
+    problems, a record with each name that can be listed.
     """
     from bench.plugins import catalogue
 
-    installed = registry.entries("optimizers")
-    _require_known(kind, (*KINDS, "all", *installed))
+    if family and kind == "problems":
+        return _problem_records(family)
     if kind in KINDS and kind != "optimizers":
         return [_plain_record(kind, name) for name in sorted(registry.entries(kind))]
     known: list[dict[str, Any]] = []
-    for name in installed if kind in ("optimizers", "all") else [kind]:
+    for name in [family] if family else registry.entries("optimizers"):
         try:
             plugin = registry.load("optimizers", name)
             names = plugin.names() if registry.is_family(plugin) else [name]
@@ -92,24 +160,23 @@ def records(kind: str) -> list[dict[str, Any]]:
     return known
 
 
+def _problem_records(family: str) -> list[dict[str, Any]]:
+    grid = _grid(family)
+    if grid is None:
+        return [{"name": name} for name in registry.load("problems", family).names() or [f"{family}:<name>"]]
+    return [
+        {
+            "function": function, "dimensions": list(dimensions), "instances": grid.instances,
+            "name": next(grid.names([function])),
+        }
+        for function, dimensions in grid.functions.items()
+    ]  # fmt: skip
+
+
 def _plain_record(kind: str, name: str) -> dict[str, Any]:
     """Return the record of a plug-in that is no optimizer."""
     about, style = _describe(_about, kind, name, False)
     return {"name": name, "package": registry.package(kind, name), "error" if style else "about": about}
-
-
-def _require_known(kind: str, known: Sequence[str]) -> None:
-    if kind not in known:
-        raise BenchError(f"unknown kind {kind!r}{nearest(kind, known)}")
-
-
-def _families() -> list[str]:
-    """Return the names of the families of optimizers; to recognise them, all optimizers are imported."""
-    names = []
-    for name in registry.entries("optimizers"):
-        with suppress(BenchError):  # one that fails to load
-            names += [name] if registry.is_family(registry.load("optimizers", name)) else []
-    return names
 
 
 def _shared_lines_first(rows: list[tuple[str, tuple[str, str]]], name: str) -> list[tuple[str, tuple[str, str]]]:

@@ -17,7 +17,7 @@ def pack(
         Path | None, typer.Option("--output", "-o", metavar="FILE", help="Archive to write; default: FOLDER.zip.")
     ] = None,
     licence: Annotated[
-        str, typer.Option(help="How the results may be used: an SPDX identifier (CC-BY-4.0), a URL or a sentence.")
+        str, typer.Option(help="How the results may be used: an SPDX identifier (CC-BY-4.0) or a URL.")
     ] = "",
     author: Annotated[
         list[str] | None, typer.Option(help="An author of the results, with an ORCID behind the name; repeatable.")

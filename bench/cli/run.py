@@ -17,6 +17,7 @@ from bench.cli.report import published, report_on
 from bench.cli.verify import verify_folder
 from bench.console import duration, print_line
 from bench.errors import BenchError
+from bench.text import listed
 
 if TYPE_CHECKING:
     from bench.execution.plan import Plan
@@ -140,6 +141,9 @@ def run(
             report_on([outcome.folder, *beside], console, jobs=jobs, reference=reference)
     else:
         print_line(f"results in {outcome.folder}", console=console)
+    if outcome.undeclared:
+        who = listed([f"{label} ({number:,})" for label, number in outcome.undeclared.items()])
+        print_line(f"trials that ended before the budget without a declared reason: {who}", "yellow", console)
     if outcome.failed:
         print_error(f"{outcome.failed} trials failed; see the report or 'bench status {outcome.folder}'")
     if outcome.failed or unsound:

@@ -25,7 +25,7 @@ def solve(
     optimizer: Annotated[
         str, typer.Argument(help="An optimizer's name, such as gwo.", autocompletion=completion.optimizers)
     ],
-    budget: Annotated[int, typer.Option(help="Evaluations to spend.")] = 60_000,
+    budget: Annotated[str, typer.Option(help="Evaluations to spend: a number, or such as '1e4 * d'.")] = "60000",
     seed: Annotated[
         int, typer.Option(help="Seed of the run; with the seed in a study's row it repeats that trial.")
     ] = 0,
@@ -36,15 +36,17 @@ def solve(
     constraints: Constraints = None,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
+    from bench.budget import checked, evaluations
     from bench.constraints import DEFAULT
     from bench.execution.solve import solve as solve_once
     from bench.plugins import loading
 
     loaded = loading.load_problem(problem, **pairs(problem_option))
     chosen = loading.load_optimizer(optimizer, **pairs(option))
-    chosen.check_budget(budget, optimizer)
+    spent = evaluations(checked(budget, "--budget"), loaded.dimension)
+    chosen.check_budget(spent, optimizer)
     try:
-        result = solve_once(loaded, chosen, budget=budget, seed=seed, constraints=constraints or DEFAULT)
+        result = solve_once(loaded, chosen, budget=spent, seed=seed, constraints=constraints or DEFAULT)
     except BenchError:
         raise
     except Exception as error:  # a plug-in may raise anything

@@ -20,7 +20,7 @@ from bench.execution.pool import Answer, OnBegin, Pool
 from bench.execution.supervisor import Checked, Task, check
 from bench.numbers import require_positive, require_whole
 from bench.storage import provenance, under_way
-from bench.storage.folder import Folder
+from bench.storage.folder import Folder, default_path
 from bench.storage.mend import mend
 from bench.study import Study
 from bench.trial import Trial
@@ -31,11 +31,19 @@ OnLook = Callable[[int, Plan], None]
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of a run: its folder, the trials that it made, and the trials of the study that failed."""
+    """The outcome of a run.
+
+    Attributes:
+        folder: the study's folder.
+        made: the trials that this run made.
+        failed: the trials of the study that failed.
+        undeclared: the trials of the study, by optimizer, that ended before the budget and did not declare why.
+    """
 
     folder: Path
     made: int
     failed: int
+    undeclared: dict[str, int]
 
 
 def run(
@@ -121,7 +129,8 @@ def run(
         lookers = ([] if display is None else [display.look]) + ([] if on_look is None else [on_look])
         answers = _answers(plan, folder, partial(_made_by, pool, task, checked.machine, noted.begin), lookers)
         made = _make(plan, folder, answers, about, interrupts, listeners)
-        return Outcome(folder.path, made, sum(cell.failed for cell in folder.store.cells()))
+        failed = sum(cell.failed for cell in folder.store.cells())
+        return Outcome(folder.path, made, failed, folder.store.undeclared())
 
 
 def plan(
@@ -168,7 +177,7 @@ def _resolved(
             f"study {study.name!r} declares looks, at which all of its trials are compared, so no part of it can be "
             "run alone; leave out --shard, or use many machines with --backend dask"
         )
-    return study, Folder(Path("results") / "runs" / study.name if output is None else output), part
+    return study, Folder(default_path(study) if output is None else output), part
 
 
 def _plan(study: Study, folder: Folder, shard: Shard | None, damage: str) -> Plan:

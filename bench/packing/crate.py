@@ -11,6 +11,8 @@ from importlib.metadata import PackageNotFoundError, metadata
 from typing import Any
 from urllib.parse import quote
 
+from packaging.licenses import InvalidLicenseExpression, canonicalize_license_expression
+
 from bench.budget import described
 from bench.errors import BenchError
 from bench.packing.contents import CRATE, SUMS, PackedFile
@@ -25,7 +27,6 @@ UNSTATED = "No licence is stated; ask the authors before you use or share these 
 Entity = dict[str, Any]
 
 _ORCID = re.compile(r"(.*?)[\s(<]*(?:https://orcid\.org/)?(\d{4}-\d{4}-\d{4}-\d{3}[\dX])[)>]*")
-_SPDX = re.compile(r"(?=.*\d)[A-Za-z0-9][A-Za-z0-9.+-]*|MIT|ISC|Unlicense")
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Credits:
     """Who made the results and how they may be used, as far as it is stated.
 
     Attributes:
-        licence: an SPDX identifier such as "CC-BY-4.0", a URL, or a sentence; "" where none is stated.
+        licence: as :func:`stated` returns it.
         authors: names, each with an ORCID behind it where there is one.
     """
 
@@ -164,14 +165,39 @@ def _person(text: str) -> Entity:
     return {"@id": f"https://orcid.org/{found[2]}" if found else f"#{quote(name)}", "@type": "Person", "name": name}
 
 
+def stated(licence: str) -> str:
+    """Return a licence as an archive states it, identifiers in SPDX's own letters; raises BenchError for another text.
+
+    Args:
+        licence: an expression of SPDX identifiers, a URL, or "" for none.
+    """
+    text = licence.strip()
+    if not text or text.startswith(("https://", "http://")):
+        return text
+    if known := _spdx(text):
+        return known
+    raise BenchError(
+        f"the licence {licence!r} is no SPDX identifier, such as CC-BY-4.0 or MIT; take one of "
+        "https://spdx.org/licenses, or give the URL of your terms"
+    )
+
+
+def _spdx(text: str) -> str:
+    """Return an expression of SPDX identifiers in SPDX's own letters, "" for another text."""
+    try:
+        return str(canonicalize_license_expression(text))
+    except InvalidLicenseExpression:
+        return ""
+
+
 def _licence(text: str) -> tuple[Any, list[Entity]]:
     """Return the value of a licence, and the entity that describes it where it has an address."""
     if not text.strip():
         return UNSTATED, []
     if text.startswith(("https://", "http://")):
         address = text
-    elif _SPDX.fullmatch(text):
-        address = f"https://spdx.org/licenses/{text}"
+    elif re.fullmatch(r"(?!LicenseRef-)\S+", known := _spdx(text)):  # neither an expression nor one's own
+        address = f"https://spdx.org/licenses/{known}"
     else:
         return text, []
     about = f"The licence {text}; its text is at {address}"

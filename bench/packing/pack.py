@@ -18,7 +18,7 @@ from bench.atomic import replacing
 from bench.errors import BenchError
 from bench.execution.looks import stopped_cells
 from bench.packing.contents import CRATE, NOTES, PAGE, SUMS, PackedFile, report_files
-from bench.packing.crate import Credits, describe
+from bench.packing.crate import Credits, describe, stated
 from bench.storage.folder import ENVIRONMENT, STUDY, Folder
 from bench.storage.store import FILE as TRIALS
 from bench.study import Study
@@ -52,13 +52,14 @@ def pack(
     Args:
         path: the folder that ``bench.run`` wrote.
         output: the archive; by default a file beside the folder, of its name with ``.zip``.
-        licence: how the results may be used: an SPDX identifier such as "CC-BY-4.0", a URL or a sentence.
+        licence: how the results may be used: an SPDX identifier such as "CC-BY-4.0" or a URL.
         authors: names of the results' authors, each with an ORCID behind it where there is one.
 
     Raises:
-        BenchError: when the folder holds no study or damaged trials, or a part of its report is missing, and when the
-            archive cannot be written.
+        BenchError: when the licence is another text, the folder holds no study or damaged trials, a part of its report
+            is missing, or the archive cannot be written.
     """
+    licence = stated(licence)
     folder = Folder(path)
     study = folder.study()
     here = folder.path.resolve()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import inspect
 import sys
@@ -20,12 +21,31 @@ from bench.errors import BenchError, nearest
 from bench.objective import Objective
 from bench.optimizer import Optimizer, build, is_frozen, settings
 from bench.plugins.derived import derive
+from bench.text import listed
 
 
 def split(name: str) -> tuple[Path, str] | None:
     """Return file and attribute of a name such as ``"my/file.py:Mine"``, or None for a name of another form."""
     path, colon, attribute = name.rpartition(":")
     return (Path(path), attribute) if colon and path.endswith(".py") else None
+
+
+def require_class(name: str) -> None:
+    """Raise BenchError for the name of a Python file without a class behind it, naming those in it; it is not run."""
+    if not name.endswith(".py"):
+        return
+    try:
+        parts = ast.parse(Path(name).read_bytes()).body
+    except OSError as error:
+        raise BenchError(f"the optimizer file {name} cannot be read: {error.strerror}") from error
+    except (SyntaxError, ValueError) as error:  # ValueError: a NUL byte
+        raise BenchError(f"the optimizer file {name} cannot be read as Python: {error}") from error
+    kinds = (ast.ClassDef, ast.FunctionDef)
+    found = [each.name for each in parts if isinstance(each, kinds) and not each.name.startswith("_")]
+    holds = f"; it holds {listed(found)}" if found else ""
+    raise BenchError(
+        f"{name!r} names a file alone; add the class or function: {name}:{(found or ['ClassName'])[0]}{holds}"
+    )
 
 
 def load_optimizer(name: str, /, **options: Any) -> Optimizer:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import fnmatch
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
-from bench.errors import BenchError, nearest
+from bench.errors import BenchError, near, nearest
 from bench.optimizer import Optimizer, build
 from bench.plugins import from_file, registry
 from bench.problem import Problem
@@ -41,11 +42,12 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
         raise BenchError(f"{name!r} stands for imported results, whose optimizer is not here; it cannot be run")
     if from_file.split(name):
         return from_file.load_optimizer(name, **options)
+    from_file.require_class(name)
     family, colon, _ = name.partition(":")
     installed = registry.entries("optimizers")
     entry = name if name in installed else family
     if entry not in installed:
-        raise BenchError(f"unknown optimizer {name!r}{nearest(name, installed)}")
+        raise BenchError(f"unknown optimizer {name!r}{_like_optimizer(name)}")
     plugin = registry.load("optimizers", entry)
     if isinstance(plugin, type) and issubclass(plugin, Optimizer) and not colon:
         return build(plugin, name, options)
@@ -85,7 +87,8 @@ def load_problem(name: str, /, **options: Any) -> Problem:
         if name in names:
             return _problem(_call_loader(plugin.load, name, options), name)
         known += names
-    raise BenchError(f"unknown problem {name!r}{nearest(name, known)}")
+    otherwise = f"; the families are {', '.join(sorted(families))}: 'bench list problems' shows them"
+    raise BenchError(f"unknown problem {name!r}{nearest(name, known, otherwise)}")
 
 
 def family(problem: str) -> str:
@@ -110,6 +113,17 @@ def is_built_in(optimizer: str) -> bool:
     installed = registry.entries("optimizers")
     entry = None if from_file.split(optimizer) else installed.get(optimizer, installed.get(optimizer.partition(":")[0]))
     return entry is not None and entry.dist is not None and entry.dist.name == registry.DISTRIBUTION
+
+
+def _like_optimizer(name: str) -> str:
+    """Return a hint at names that are near; the built-in families' libraries are imported only where none is."""
+    known = list(registry.entries("optimizers"))
+    if not near(name, known, cutoff=0.6):
+        for each in filter(is_built_in, tuple(known)):
+            with suppress(Exception):  # a library that is missing or broken
+                plugin = registry.load("optimizers", each)
+                known += plugin.names() if registry.is_family(plugin) else []
+    return nearest(name, known, f"; known: {', '.join(sorted(registry.entries('optimizers')))}")
 
 
 def _call_loader(loader: Callable[..., Any], name: str, options: dict[str, Any]) -> Any:

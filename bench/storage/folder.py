@@ -21,6 +21,7 @@ from bench.storage import provenance, under_way
 from bench.storage.reading import StoreCheck
 from bench.storage.store import DamagedStoreError, Store
 from bench.study import Fingerprints, Study
+from bench.text import listed
 
 STUDY = "study.toml"
 ENVIRONMENT = "environment.json"
@@ -37,6 +38,11 @@ _REMOVED = dict.fromkeys((DATA, CODE), ": the store also notes what its trials w
     STORE: ": 'bench status --check' writes it again"
 }
 _CLOCKS = 2.0  # seconds by which two clocks may differ at the same moment
+
+
+def default_path(study: Study) -> Path:
+    """Return the folder into which a study is run where no other is given."""
+    return Path("results") / "runs" / study.name
 
 
 class Folder:
@@ -81,10 +87,9 @@ class Folder:
                 "after it may follow the results; keep them as they are or give another --output"
             )
         if present.identity() != study.identity():
-            raise BenchError(
-                f"{self.path} holds another study ({present.name!r}, budget {present.budget}, seed {present.seed}, "
-                f"or other problems or options); give another --output"
-            )
+            named = " or the study another name" if self.path == default_path(study) else ""
+            how = listed(study.differences(present), between="; ")
+            raise BenchError(f"{self.path} holds another study ({how}); give another --output{named}")
         return study.override(trials=max(study.trials, present.trials))
 
     def trials_asked(self) -> int:

@@ -12,6 +12,7 @@ from bench.errors import BenchError
 from bench.storage.folder import Folder
 from bench.storage.store import Writer, disagreement
 from bench.study import Study
+from bench.text import listed
 from bench.trial import Row
 
 
@@ -67,9 +68,9 @@ def _common(studies: list[tuple[Folder, Study]]) -> Study:
     first, study = studies[0]
     for folder, other in studies[1:]:
         if other.identity() != study.identity():
+            how = listed(study.differences(other), between="; ")
             raise BenchError(
-                f"{folder.path} holds another study than {first.path} ({other.name!r}, budget {other.budget}, seed "
-                f"{other.seed}, or other problems or options); only parts of one study can be merged"
+                f"{folder.path} holds another study than {first.path} ({how}); only parts of one study can be merged"
             )
     return dataclasses.replace(study, trials=max(other.trials for _, other in studies))
 

@@ -263,6 +263,15 @@ class Store:
             cell.wall_s += wall
         return list(cells.values())
 
+    def undeclared(self) -> dict[str, int]:
+        """Return the number of finished trials that ended within the budget and declared no reason, by optimizer."""
+        return dict(
+            self._select(
+                "SELECT optimizer, count(*) FROM results JOIN cells ON cells.id = cell"
+                " WHERE status = 'ok' AND stop = 'undeclared' GROUP BY optimizer ORDER BY optimizer"
+            )
+        )
+
     def rows(self, where: str = "", *, traces: bool = False) -> Iterator[dict[str, Any]]:
         """Yield every row that meets an SQL condition, cell by cell, damaged or not.
 
