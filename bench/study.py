@@ -34,7 +34,7 @@ from bench.scoring import scored
 from bench.seeds import trial_seed
 from bench.sweep import Sweep, expanded, sweeps
 from bench.targets import NO_METRIC, Targets
-from bench.text import html_table, listed, option
+from bench.text import html_table, listed
 from bench.trial import Trial
 from bench.tuned import Tuning
 
@@ -306,17 +306,17 @@ class Study:
 
         A phrase describes the other study, such as ``"its budget is 2000, not 3000"``.
         """
-        found = [
-            f"its {key} is {theirs!r}, not {mine!r}"
-            for key in ("name", "budget", "seed", "constraints")
-            if (theirs := getattr(other, key)) != (mine := getattr(self, key))
-        ]
+        words = {"name": "name", "budget": "budget", "seed": "seed", "constraints": "handling of constraints"}
+        found = []
+        for key, word in words.items():
+            mine, theirs = getattr(self, key), getattr(other, key)
+            if mine != theirs:
+                found.append(f"its {word} is {theirs!r}, not {mine!r}")
         if self.looks != other.looks:
             found.append(f"its looks are {list(other.looks)}, not {list(self.looks)}")
         for key in ("problems", "optimizers"):
-            found += _entries_apart(
-                key, *({each.label: each for each in getattr(study, key)} for study in (self, other))
-            )
+            own, others = ({each.label: each for each in getattr(study, key)} for study in (self, other))
+            found += _entries_apart(key, own, others)
         return found
 
     def _handling(self) -> dict[str, str]:
@@ -333,7 +333,7 @@ def _entries_apart(key: str, mine: Mapping[str, Entry], theirs: Mapping[str, Ent
     for label in both:
         own, other = ({"plug-in": each.name} | each.options for each in (mine[label], theirs[label]))
         for name in dict.fromkeys([*own, *other]):
-            values = [option(each[name]) if name in each else "the default" for each in (other, own)]
+            values = [repr(each[name]) if name in each else "the default" for each in (other, own)]
             if values[0] != values[1]:
                 yield f"{name} of its {label!r} is {values[0]}, not {values[1]}"
     if both and both != [label for label in theirs if label in mine]:

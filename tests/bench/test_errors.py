@@ -12,6 +12,15 @@ from bench.errors import nearest, require
     ("name", "known", "hint"),
     [
         ("gwp", ["alo", "gwo"], "; did you mean 'gwo'?"),
+        ("CMA-ES", ["cma-es", "bipop-cma-es"], "; did you mean 'cma-es'?"),
+        ("pso", ["pymoo", "m:OriginalPSO", "n:PSO", "p:EPPSO", "m:C_PSO"], "; did you mean 'n:PSO' or 'm:C_PSO'?"),
+        ("pso", ["pymoo", "m:OriginalPSO"], "; did you mean 'm:OriginalPSO'?"),
+        (
+            "f1",
+            ["a-f1-d10", "a-f1-d2", "a-f1-d5", "a-f1-d3", "a-f10-d2"],
+            "; did you mean 'a-f1-d2', 'a-f1-d3' or 'a-f1-d5'?",
+        ),
+        ("", ["gwo", "alo"], "; known: alo, gwo"),
         ("xyz", ["gwo", "alo"], "; known: alo, gwo"),
         ("xyz", [], "; there are none"),
         (
@@ -23,6 +32,11 @@ from bench.errors import nearest, require
 )
 def test_a_hint_names_the_nearest_or_what_is_known(name, known, hint):
     assert nearest(name, known) == hint
+
+
+def test_another_hint_may_stand_where_no_name_is_near():
+    assert nearest("xyz", ["gwo"], "; see the list") == "; see the list"
+    assert nearest("gwp", ["gwo"], "; see the list") == "; did you mean 'gwo'?"
 
 
 def test_bad_input_is_a_value_error():

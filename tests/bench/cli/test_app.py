@@ -61,6 +61,13 @@ def test_failed_trials_are_said_and_end_with_one(bench_here, tmp_path):
     assert (tmp_path / "out" / "report.html").exists()
 
 
+def test_a_new_name_helps_in_the_default_folder(bench_here, tiny, tmp_path):
+    bench_here("run", tiny, "--jobs", 1, "--no-report", cwd=tmp_path)
+    done = bench_here("run", tiny, "--seed", 3, "--optimizer", "early", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "(its seed is 0, not 3; it lacks the optimizer 'early'); give another --output or the study" in done.stderr
+
+
 def test_the_default_output_is_named_after_the_study(bench_here, tiny, tmp_path):
     assert bench_here("run", tiny, "--jobs", 1, "--no-report", cwd=tmp_path).returncode == 0
     assert (tmp_path / "results" / "runs" / "tiny" / "trials.sqlite").exists()
@@ -107,9 +114,16 @@ def test_simulate_writes_a_recording_that_can_be_fitted(bench_here, tmp_path):
     [
         (["runn"], "No such command 'runn'"),
         (["run"], "issing"),
-        (["run", "quick", "--jobs", "x"], "valid integer"),
+        (["run", "quick", "--jobs", "x"], "--jobs must be a whole number, not 'x'"),
+        (["run", "quick", "--timeout", "soon"], "--timeout must be a number, not 'soon'"),
+        (
+            ["run", "quick", "--budget", "lots"],
+            "'budget' must be a whole number of at least 1 or a multiple of the dim",
+        ),
+        (["solve", "sphere-2", "scatter", "--budget", "lots"], "--budget must be a whole number of at least 1 or a mu"),
+        (["simulate", "a.csv", "--level", "twelve"], "--level must be a whole number from 1 to 20, not 'twelve'"),
         (["run", "quick", "--backend", "nope"], "unknown backend 'nope'"),
-        (["simulate", "a.csv", "--level", "21"], "20"),
+        (["simulate", "a.csv", "--level", "21"], "--level must be a number from 1 to 20, not '21'"),
         (["simulate", "a.ods", "--level", "3"], "a.ods must end in .csv, .xlsx or .parquet"),
         (["solve", "signature-12", "gwo", "--seed", "-1"], "the seed must be a whole number of at least 0"),
         (["solve", "signature:03", "gwo"], "did you mean 'signature-03'?"),
@@ -119,7 +133,11 @@ def test_simulate_writes_a_recording_that_can_be_fitted(bench_here, tmp_path):
         (["run", "quick", "--jobs", "0"], "the number of jobs must be a whole number of at least 1"),
         (["run", "quick", "--output", "/proc/nothing/here"], "the output folder /proc/nothing/here cannot be written"),
         (["solve", "signature-12", "gwp"], "unknown optimizer 'gwp'; did you mean 'gwo'?"),
+        (["solve", "signature-12", "GWO"], "unknown optimizer 'GWO'; did you mean 'gwo'?"),
+        (["solve", "signature-12", "none.py"], "the optimizer file none.py cannot be read: No such file"),
         (["solve", "signature-99", "gwo"], "unknown problem 'signature-99'"),
+        (["solve", "rastrigin", "gwo"], "did you mean 'classical-rastrigin-d2-i1', 'classical-rastrigin-d3-i1' or "),
+        (["solve", "qwz", "gwo"], "unknown problem 'qwz'; the families are bbob, "),
         (["solve", "signature-12", "gwo", "--set", "agentss=3"], "no parameter 'agentss'; did you mean 'agents'?"),
         (["solve", "signature-12", "gwo", "--set", "agents"], "'agents' is not KEY=VALUE"),
         (["solve", "signature-12", "gwo", "--problem-option", "unit=Hz"], "unit must be 'rps' or 'rpm', not 'Hz'"),
@@ -140,6 +158,31 @@ def test_wrong_input_is_one_sentence_and_exit_code_two(bench_here, arguments, sa
     assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.parametrize("arguments", [[], ["archive"]])
+def test_a_command_without_arguments_prints_its_help_alone(bench_here, arguments):
+    done = bench_here(*arguments)
+    assert "Usage: bench" in done.stdout
+    assert done.stderr == ""
+
+
+def test_a_budget_of_solve_may_follow_the_dimension(bench_here):
+    done = bench_here("solve", "sphere-3", "hill-climber", "--budget", "20 * d")
+    assert "60 (stopped by: budget)" in done.stdout
+
+
+def test_a_run_names_the_optimizers_that_stop_without_a_declared_reason(bench_here, tiny, tmp_path):
+    (tmp_path / "lazy.py").write_text(
+        "def three(objective, rng):\n    objective(rng.random((3, objective.dimension)))\n"
+    )
+    options = ("--output", tmp_path / "out", "--jobs", 1, "--no-report")
+    done = bench_here("run", tiny, *options, "--optimizer", tmp_path / "lazy.py:three")
+    line = "trials that ended before the budget without a declared reason: three (4)"
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, line)
+    again = bench_here("run", tiny, *options, "--optimizer", tmp_path / "lazy.py:three")
+    assert again.stdout.splitlines()[-1] == line
+    assert "declared" not in bench_here("run", tiny, "--output", tmp_path / "all", *options[2:]).stdout
+
+
 def test_files_that_are_no_study(bench_here, tmp_path):
     (tmp_path / "bad.toml").write_text("name = ")
     assert "is not valid TOML" in bench_here("run", tmp_path / "bad.toml").stderr
@@ -154,5 +197,5 @@ def test_another_study_s_folder_is_left_alone(bench_here, tiny, tmp_path):
     before = (tmp_path / "out" / "study.toml").read_text()
     done = bench_here("run", tiny, "--output", tmp_path / "out", "--budget", 50)
     assert done.returncode == 2
-    assert "holds another study" in done.stderr
+    assert "holds another study (its budget is 40, not 50); give another --output\n" in done.stderr
     assert (tmp_path / "out" / "study.toml").read_text() == before

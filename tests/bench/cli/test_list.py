@@ -73,6 +73,45 @@ def test_an_unknown_kind_is_refused(bench_here):
     assert "unknown kind 'optimisers'; did you mean 'optimizers'?" in done.stderr
 
 
+@pytest.mark.parametrize("words", [["cec2022"], ["problems", "cec2022"]])
+def test_a_suite_lists_its_functions_and_dimensions(bench_here, words):
+    done = bench_here("list", *words)
+    rows = [line.split("  ") for line in done.stdout.splitlines() if line.startswith("f")][1:]
+    assert [row[0].strip() for row in rows] == [f"f{number:02}" for number in range(1, 13)]
+    assert "f12       10, 20      cec2022-f12-d10" in done.stdout
+
+
+def test_a_suite_with_instances_lists_their_number(bench_here):
+    assert "f24       2, 3, 5, 10, 20, 40  1 to 15    bbob-f24-d2-i1" in bench_here("list", "problems", "bbob").stdout
+    listed = json.loads(bench_here("list", "problems", "bbob", "--json").stdout)
+    first = {"function": "f01", "dimensions": [2, 3, 5, 10, 20, 40], "instances": 15, "name": "bbob-f01-d2-i1"}
+    assert (len(listed), listed[0]) == (24, first)
+
+
+def test_another_family_of_problems_lists_its_names(bench_here):
+    assert "signature-07" in bench_here("list", "signature").stdout.split()
+    assert "recording:<name>" in bench_here("list", "recording").stdout.split()
+    assert {"name": "signature-07"} in json.loads(bench_here("list", "signature", "--json").stdout)
+
+
+def test_one_optimizer_is_listed_alone(bench_here):
+    said = bench_here("list", "optimizers", "gwo").stdout
+    assert "Mirjalili" in said
+    assert "hill-climber" not in said
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["problems", "cec202"], "unknown family of problems 'cec202'; did you mean 'cec2020' or 'cec2022'?"),
+        (["studies", "thesis"], "'studies' has no families or suites; leave out 'thesis'"),
+    ],
+)
+def test_a_second_word_must_be_a_family(bench_here, words, sentence):
+    done = bench_here("list", *words)
+    assert (done.returncode, done.stderr) == (2, f"bench: {sentence}\n")
+
+
 def test_a_record_of_what_cannot_be_loaded_says_why():
     with pytest.raises(BenchError, match="failed to load"):
         catalogue.record("broken")

@@ -2,6 +2,8 @@
 
 import zipfile
 
+import pytest
+
 from bench import Study
 from bench.storage.folder import Folder
 from tests.bench.storage.filled import OPTIMIZERS, PROBLEMS, TRIALS, add_missing
@@ -27,3 +29,10 @@ def test_an_archive_that_was_changed_costs_one_sentence(bench_here, tmp_path):
     done = bench_here("unpack", tmp_path / "a.zip", "-o", tmp_path / "there")
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("licence", ["foo", "CC BY 4.0", "Ask me."])
+def test_a_text_that_is_no_licence_is_refused(bench_here, tmp_path, licence):
+    done = bench_here("pack", tmp_path, "--licence", licence)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert f"the licence {licence!r} is no SPDX identifier, such as CC-BY-4.0" in done.stderr

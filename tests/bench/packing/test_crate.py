@@ -10,7 +10,7 @@ import pytest
 
 from bench import BenchError, Study
 from bench.packing.contents import PackedFile
-from bench.packing.crate import UNSTATED, Credits, describe
+from bench.packing.crate import UNSTATED, Credits, describe, stated
 
 CONTEXT = "https://w3id.org/ro/crate/1.1/context"
 TERMS = {
@@ -135,6 +135,8 @@ def test_a_record_without_dates_leaves_that_of_the_study(record):
     [
         ("", UNSTATED),
         ("MIT", {"@id": "https://spdx.org/licenses/MIT"}),
+        ("MIT OR Apache-2.0", "MIT OR Apache-2.0"),
+        ("LicenseRef-1", "LicenseRef-1"),
         ("https://example.org/terms", {"@id": "https://example.org/terms"}),
         ("Ask us before you use it.", "Ask us before you use it."),
     ],
@@ -143,6 +145,19 @@ def test_a_licence_is_an_address_where_it_has_one(text, licence):
     graph = made(Credits(licence=text))
     assert graph["./"]["license"] == licence
     assert isinstance(licence, str) or graph[licence["@id"]]["name"] == text
+
+
+@pytest.mark.parametrize(
+    ("text", "licence"),
+    [
+        ("", ""),
+        ("cc-by-4.0", "CC-BY-4.0"),
+        (" MIT or apache-2.0 ", "MIT OR Apache-2.0"),
+        ("https://example.org/terms", "https://example.org/terms"),
+    ],
+)
+def test_a_licence_is_stated_in_the_letters_of_spdx(text, licence):
+    assert stated(text) == licence
 
 
 def test_an_author_may_have_an_orcid():

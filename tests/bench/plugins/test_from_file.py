@@ -160,3 +160,20 @@ def test_the_command_line_checks_and_solves_with_a_file(mine):
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "50 (stopped by: budget)" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        (CODE, "add the class or function: {}:Mine; it holds Mine, Loose, walk"),
+        ("raise SystemExit", "add the class or function: {}:ClassName"),
+        ("def", "cannot be read as Python: "),
+    ],
+)
+def test_a_file_without_its_class_is_refused_and_not_run(tmp_path, code, said):
+    (tmp_path / "own.py").write_text(code)
+    path = str(tmp_path / "own.py")
+    with pytest.raises(BenchError) as caught:
+        load_optimizer(path)
+    assert said.format(path) in str(caught.value)
+    assert "beside" not in sys.modules

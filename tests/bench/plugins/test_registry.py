@@ -93,3 +93,8 @@ def test_a_foreign_module_of_a_generic_name_is_refused_at_start_up(tmp_path, nam
     assert done.returncode == 2
     assert f"the module '{name}' found at" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_members_of_built_in_families_are_near_names_too():
+    with pytest.raises(BenchError, match="unknown optimizer 'Basinhopping'; did you mean 'scipy:basinhopping'"):
+        load_optimizer("Basinhopping")
