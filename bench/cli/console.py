@@ -58,12 +58,20 @@ def print_error(message: str) -> None:
 def usage(error: Any) -> str:
     """Return the sentence of a usage error of typer, "" where typer printed the help in place of one."""
     report = getattr(error.__cause__, "errors", None)  # pydantic's, with which newer versions of typer read numbers
-    found = report()[0] if report else {"type": ""}
-    whole = found["type"].startswith("int_")
-    if not whole and not found["type"].startswith(("float_", "less_than", "greater_than")):
+    kind, value = (report()[0]["type"], repr(report()[0]["input"])) if report else _of_click(error)
+    if not kind.startswith(("int", "float", "less_than", "greater_than")):
         return str(error.format_message()).rstrip()
-    limits = span(getattr(error.param, "min", None), getattr(error.param, "max", None))
-    return f"{error.param.opts[-1]} must be {'a whole number' if whole else 'a number'}{limits}, not {found['input']!r}"
+    limits = getattr(error.param, "type", error.param)
+    number = "a whole number" if kind.startswith("int") else "a number"
+    words = span(getattr(limits, "min", None), getattr(limits, "max", None))
+    return f"{error.param.opts[-1]} must be {number}{words}, not {value}"
+
+
+def _of_click(error: Any) -> tuple[str, str]:
+    """Return the type of number that click refused, "" for another error, and the value."""
+    value, words, _ = getattr(error, "message", "").rpartition(" is not ")
+    kind = getattr(getattr(getattr(error, "param", None), "type", None), "name", "") if words else ""
+    return kind, value if value.startswith("'") else repr(value)
 
 
 def pairs(items: list[str] | None) -> dict[str, Any]:
