@@ -158,6 +158,7 @@ def repeat(found: Estimate, settings: Settings, runs: RunSettings) -> RepeatedRu
             raise BenchError(f"{runs.name} failed in run {number}: {type(error).__name__}: {error}") from error
     values = np.array([each.fun for each in results])
     sizes = np.array([abs(each.x[A]) for each in results])
-    gaps = [infer_gap(infer_peak(each.x, settings.calibration), settings.calibration) for each in results]
+    calibration = settings.calibration if found.calibration else None  # none where it is of another joint
+    gaps = [infer_gap(infer_peak(each.x, calibration), calibration) for each in results]
     hits = int((values <= found.rmse_rps * (1 + FOUND)).sum())
     return RepeatedRuns(runs, sizes, np.array(gaps), values, hits)

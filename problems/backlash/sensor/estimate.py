@@ -86,7 +86,8 @@ class Inference:
         amplitude_interval_rps: its confidence interval; from 0 to the smallest detectable amplitude where it is 0.
         backlash_rad: the half-gap delta; NaN outside the calibration.
         interval_rad: its confidence interval, NaN likewise.
-        verdict: "no backlash", "early" or "progressed"; "backlash" where there is no calibration.
+        verdict: "no backlash", "early" or "progressed"; "undecided" where the interval contains the limit or noise may
+            hide a backlash above it; "backlash" where there is no calibration of this joint at this speed.
         notes: remarks on the recording or the estimate, a sentence each.
     """
 
@@ -110,7 +111,8 @@ class Estimate(Inference):
         period_s: T_f.
         period_source: "given", "gear ratio", "signal" or "assumed".
         mean_rps: the mean speed.
-        calibration: the name of the calibration; "" for none.
+        calibration: the name of the calibration; "" for none, and where that of the settings is of another joint or
+            speed than the recording.
         recording: the fitted part of the recording.
         fitted: (N,) the speed of the fit in rps.
     """
@@ -145,7 +147,15 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
     residual = problem.signal - fitted
     if source == "assumed" and not settings.single:
         notes.append(f"no period was found in the signal; {problem.period:g} s is assumed (--period gives another)")
-    found = infer_backlash(problem, settings)
+    calibration = settings.calibration
+    ratio = gear_ratio_of(problem, settings, source)
+    if calibration and (differences := calibration.differences(problem.mean_rps, ratio)):
+        notes.append(
+            f"the recording has {' and '.join(differences)} as the calibration, so no half-gap is inferred; calibrate "
+            "this joint at this speed (bench calibrate --joint), and give --calibration"
+        )
+        calibration = None
+    found = infer_backlash(problem, replace(settings, calibration=calibration))
     return Estimate(
         **(vars(found) | {"notes": (*notes, *found.notes)}),
         rmse_rps=float(np.sqrt(np.mean(residual**2))),
@@ -154,7 +164,7 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
         period_s=problem.period,
         period_source=source,
         mean_rps=problem.mean_rps,
-        calibration=settings.calibration.name if settings.calibration else "",
+        calibration=calibration.name or "without a name" if calibration else "",
         recording=recording,
         fitted=problem.mean_rps + fitted,
     )
@@ -167,6 +177,13 @@ def period_of(recording: Recording, settings: Settings) -> tuple[float, str]:
     looked_for = settings.gear_ratio is not None or not settings.single  # one oscillation shows no period
     found = find_period(recording, gear_ratio=settings.gear_ratio) if looked_for else None
     return (found.seconds, found.source) if found else (USUAL_PERIOD, "assumed")
+
+
+def gear_ratio_of(problem: SignatureFit, settings: Settings, source: str) -> float | None:
+    """Return the motor turns a load turn, given or from the time of a load turn; None where that is assumed."""
+    if settings.gear_ratio is not None or source == "assumed":
+        return settings.gear_ratio
+    return abs(problem.mean_rps) * problem.period
 
 
 def part(recording: Recording, settings: Settings, period: float) -> Recording:
@@ -207,16 +224,11 @@ def _undetected(problem: SignatureFit, p: float, settings: Settings) -> Inferenc
     # a smaller half-gap than the tolerance is never distinguished from none
     largest = float(np.maximum(infer_gap(most, settings.calibration), TOLERANCE_RAD))
     found = Inference(p, 0.0, (0.0, most), least, (least, largest), "no backlash", ())
+    calibration = settings.calibration
+    if calibration is None or (60 * most <= calibration.range[1] and not largest > settings.limit_rad):
+        return found
     note = f"the noise may hide a backlash above the limit of {settings.limit_rad:g} rad"
-    return replace(found, notes=(note,)) if is_undecided(found, settings) else found
-
-
-def is_undecided(found: Inference, settings: Settings) -> bool:
-    """Return whether nothing is detected, but the noise may hide a backlash above the limit."""
-    if found.amplitude_rps or settings.calibration is None:
-        return False
-    most, largest = found.amplitude_interval_rps[1], found.interval_rad[1]
-    return 60 * most > settings.calibration.range[1] or largest > settings.limit_rad
+    return replace(found, verdict="undecided", notes=(note,))
 
 
 def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) -> Inference:
@@ -240,18 +252,33 @@ def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) ->
     if slow:
         notes.append("the disturbance is slower than one oscillation a half turn: it is the load's ripple, not impacts")
     gaps = (infer_gap(low, calibration), infer_gap(high, calibration))
-    verdict = _verdict(amplitude, gap, settings, slow=slow)
+    verdict = _verdict(amplitude, settings, slow=slow)
+    verdicts = {verdict} | {_verdict(end, settings, slow=slow) for end in (low, high) if not math.isnan(end)}
+    if "undecided" in verdicts or ("progressed" in verdicts and len(verdicts) > 1):
+        verdict = "undecided"
+        notes.append(why_undecided(settings))
     return Inference(p, amplitude, (low, high), gap, gaps, verdict, tuple(notes))
 
 
-def _verdict(amplitude: float, gap: float, settings: Settings, *, slow: bool) -> str:
+def why_undecided(settings: Settings) -> str:
+    """Return why a detected disturbance is on neither side of the limit."""
+    limit = f"the limit of {1e3 * settings.limit_rad:g} mrad"
+    if settings.calibration and settings.calibration.half_gap[-1] < settings.limit_rad:
+        return f"the calibration ends at {1e3 * settings.calibration.half_gap[-1]:g} mrad, below {limit}"
+    return f"the interval of the half-gap contains {limit}"
+
+
+def _verdict(amplitude: float, settings: Settings, *, slow: bool) -> str:
     """Return the verdict on a detected disturbance; half of the accuracy asked (section 7.2.1) is not yet backlash."""
+    gap = infer_gap(amplitude, settings.calibration)
     if slow or gap <= TOLERANCE_RAD:
         return "no backlash"
     if settings.calibration is None:
         return "backlash"
+    if math.isnan(gap) and 60 * amplitude < settings.calibration.range[0]:
+        return "no backlash"
     if math.isnan(gap):
-        return "progressed" if 60 * amplitude > settings.calibration.range[1] else "no backlash"
+        return "progressed" if settings.limit_rad <= settings.calibration.half_gap[-1] else "undecided"
     return "progressed" if gap > settings.limit_rad else "early"
 
 

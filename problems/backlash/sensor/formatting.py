@@ -11,10 +11,10 @@ from rich.text import Text
 
 from bench.console import print_line
 from problems.backlash.sensor.batch import Estimated, Failed, RepeatedRuns
-from problems.backlash.sensor.estimate import Estimate, Settings, is_undecided
+from problems.backlash.sensor.estimate import Estimate, Settings, why_undecided
 from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import Trend
-from problems.backlash.signature.calibration import Calibration
+from problems.backlash.signature.calibration import Calibration, sensor_calibration
 from problems.backlash.signature.problem import FOUND
 
 ARC_MINUTES = 60 * 180 / math.pi  # in a rad
@@ -49,7 +49,7 @@ def estimate_lines(outcome: Estimated, settings: Settings) -> list[str]:
         ("load turn", f"{turn}; {length}, {len(samples.speed)} samples at {found.mean_rps:.4g} rps"),
     ]
     if found.calibration:
-        rows.append(("calibration", found.calibration))
+        rows += [("calibration", line) for line in calibration_of(settings)]
     if outcome.runs:
         rows += [(outcome.runs.settings.name, line) for line in runs_lines(outcome.runs, found)]
     rows += [("note", note) for note in found.notes]
@@ -79,7 +79,9 @@ def print_table(
     """Print a row a file, every note once, and the trends."""
     console = Console(width=None if Console().is_terminal else WIDTH)
     console.print(table(outcomes, names, settings), highlight=False)
-    for line in [*notes(outcomes, names), *(line for each in trends for line in trend_lines(each, settings))]:
+    known = any(isinstance(outcome, Estimated) and outcome.estimate.calibration for outcome in outcomes)
+    calibration = [f"calibration: {line}" for line in calibration_of(settings)] if known else []
+    for line in [*notes(outcomes, names), *calibration, *(line for each in trends for line in trend_lines(each, settings))]:
         print_line(line)
 
 
@@ -104,7 +106,7 @@ def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], settings
             _range(found.amplitude_interval_rps, ".4f"),
             "" if math.isnan(found.backlash_rad) else f"{1e3 * found.backlash_rad:.3f}",
             _range(found.interval_rad, ".3f", 1e3),
-            "undecided" if is_undecided(found, settings) else found.verdict,
+            found.verdict,
             f"{found.rmse_rps:.4f}",
         ]
         if each := outcome.runs:
@@ -161,15 +163,16 @@ def trend_lines(trend: Trend, settings: Settings) -> list[str]:
 
 def calibration_lines(made: Calibration, *, is_default: bool) -> list[str]:
     """Return the lines on a calibration's pairs, its range, and for the default joint its difference from eq. 4.7."""
-    columns = {"amplitude in rpm": made.amplitude, "half-gap in rad": made.half_gap}
+    columns = {"amplitude in rps": made.amplitude / 60, "half-gap in rad": made.half_gap}
     if made.fitted is not None and made.scatter is not None:
-        columns |= {"fit in rpm": made.fitted, "its scatter": made.scatter}
-    formats = [f"{len(title)}.{6 if 'rad' in title else 4}f" for title in columns]
+        columns |= {"fit in rps": made.fitted / 60, "its scatter": made.scatter / 60}
+    formats = [f"{len(title)}.6f" for title in columns]
     rows = zip(*columns.values(), strict=True)
     lines = [made.name, "   ".join(columns), *("   ".join(map(format, row, formats)) for row in rows)]
     if made.method == "cubic":
         lines.append(f"{made.formula()}; at most {made.residual:.2g} rad from the pairs")
-    lines.append(f"range: {made.range[0]:.4g} to {made.range[1]:.4g} rpm; no backlash is estimated outside")
+    low, high = (each / 60 for each in made.range)
+    lines.append(f"range: {low:.4g} to {high:.4g} rps; no backlash is estimated outside")
     if is_default and math.isfinite(made.deviation):
         lines.append(f"difference from eq. 4.7 of the thesis: at most {made.deviation:.3%}")
     return lines
@@ -213,7 +216,9 @@ def _amount(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
     span = _span(found.amplitude_interval_rps, ".4f", percent)
     rows = [("amplitude", f"{found.amplitude_rps:.4f} rps of the motor{span}")]
     if math.isnan(found.backlash_rad):
-        why = "the amplitude is outside the calibration" if settings.calibration else "needs a calibration"
+        why = "the amplitude is outside the calibration" if found.calibration else "needs a calibration"
+        if settings.calibration and not found.calibration:
+            why = "the calibration is of another joint or speed"
         return [*rows, ("half-gap", f"not estimated: {why}")]
     gap, ends = found.backlash_rad, found.interval_rad
     return [
@@ -224,9 +229,27 @@ def _amount(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
     ]
 
 
+def calibration_of(settings: Settings) -> list[str]:
+    """Return the name of a calibration, and which joint half-gaps and verdicts by it hold for."""
+    made = settings.calibration
+    if made is None:
+        return []
+    joint = [f"gear ratio {made.gear_ratio:g}"] if made.gear_ratio is not None else []
+    joint += [f"motor at {made.speed_rps:g} rps"] if made.speed_rps is not None else []
+    lines = ["; ".join((made.name, *joint))]
+    if len(joint) < 2:
+        lines.append("it states no gear ratio or no motor speed, which the recording was not compared with")
+    if made is sensor_calibration():
+        lines.append(
+            "half-gap and verdict hold for the thesis's simulated joint; for another joint make its own by "
+            "'bench calibrate --joint'"
+        )
+    return lines
+
+
 def _hidden(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
     """Return the rows on what the noise may hide where no disturbance is detected."""
-    most, gap, calibration = found.amplitude_interval_rps[1], found.interval_rad[1], settings.calibration
+    most, gap, calibration = found.amplitude_interval_rps[1], found.interval_rad[1], settings.calibration if found.calibration else None
     rows = [("amplitude", f"none detected; the noise hides any below {most:.4f} rps")]
     if calibration and 60 * most > calibration.range[1]:
         rows.append(("half-gap", "the noise hides any in the calibrated range"))
@@ -239,13 +262,13 @@ def _hidden(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
 
 def _verdict(found: Estimate, settings: Settings) -> str:
     limit = f"the limit of {1e3 * settings.limit_rad:g} mrad"
-    if is_undecided(found, settings):
-        return f"UNDECIDED: the noise may hide a backlash above {limit}"
     return {
+        "undecided": "UNDECIDED: "
+        + (why_undecided(settings) if found.amplitude_rps else f"the noise may hide a backlash above {limit}"),
         "no backlash": "no backlash detected",
         "early": f"early backlash, up to {limit}",
         "progressed": f"PROGRESSED BACKLASH, above {limit}",
-        "backlash": "backlash detected; its size needs a calibration",
+        "backlash": "backlash detected; its size needs a calibration of this joint at this speed",
     }[found.verdict]
 
 

@@ -22,6 +22,7 @@ import tomli_w
 
 from bench.atomic import replacing
 from bench.errors import BenchError, nearest
+from bench.numbers import require_positive
 from bench.problem import Floats
 from problems.backlash import LEVELS
 from problems.backlash.joint import Joint, half_gap
@@ -33,6 +34,10 @@ EQUATION_4_7 = (-0.0018, 0.4323, 9.2524, 34.0313)
 EQUATION_4_7_RANGE = (60 * 0.2769, 60 * 1.1385)  # rpm; the amplitudes of those levels in Table 7.3
 MOST_GAPS = 100
 FEWEST = {"monotone": 2, "cubic": 4}
+# The largest relative difference of a recording's gear ratio and motor speed from the calibration's. Within 1 % of either
+# the estimate of a simulated joint is at most 1e-4 rad off, half of the accuracy asked (section 7.2.1); at 2 % it is up to
+# 3.5e-4 rad off, at 5 % more than 5e-4 rad ('python performance/sensor.py --elsewhere').
+NEAR = 0.01
 FAINTEST = 0.06  # rpm; one count of a 19-bit encoder in a speed sampled at 500 Hz (60 x 500 / 2**19)
 
 
@@ -50,6 +55,8 @@ class Calibration:
         name: the joint of this calibration and the calibration's origin.
         fitted: (m,) rpm, increasing: the mean strength of the fits to a half-gap's recordings; None if unknown.
         scatter: (m,) rpm: the standard deviation of those strengths over the positions of the samples; None likewise.
+        gear_ratio: motor turns a load turn of its joint; None if unknown.
+        speed_rps: the motor speed at which it holds, rps; None if unknown.
 
     Raises:
         BenchError: for too few pairs, pairs that do not increase, a cubic that does not grow between them, and fitted
@@ -62,6 +69,8 @@ class Calibration:
     name: str = ""
     fitted: Floats | None = None
     scatter: Floats | None = None
+    gear_ratio: float | None = None
+    speed_rps: float | None = None
 
     def __post_init__(self) -> None:
         if self.method not in FEWEST:
@@ -76,8 +85,11 @@ class Calibration:
                 f"a {self.method} calibration needs at least {FEWEST[self.method]} pairs of amplitude and half-gap, "
                 f"not {len(self.amplitude)}"
             )
-        self._check_growing(self.half_gap, "half-gap", "rad")
-        self._check_growing(self.amplitude, "amplitude", "rpm")
+        self._check_growing(self.half_gap, "half-gap")
+        self._check_growing(self.amplitude, "amplitude")
+        for name in ("gear_ratio", "speed_rps"):
+            if (value := getattr(self, name)) is not None:
+                require_positive(f"the {name} of a calibration", value)
         self._check_fits()
         if self.method == "cubic" and not self._cubic_grows():
             raise BenchError(
@@ -116,6 +128,18 @@ class Calibration:
             return 0.0
         return float(np.interp(fitted, self.fitted, self.scatter / self.fitted))
 
+    def differences(self, speed_rps: float, gear_ratio: float | None) -> list[str]:
+        """Return in words how a recording's motor speed and gear ratio (None if unknown) differ from this calibration's.
+
+        The disturbance and its fit depend on both, so this calibration holds for no recording that differs.
+        """
+        found = []
+        if gear_ratio is not None and self.gear_ratio is not None and not _near(gear_ratio, self.gear_ratio):
+            found.append(f"a gear ratio of {gear_ratio:.4g}, not {self.gear_ratio:g}")
+        if self.speed_rps is not None and not _near(abs(speed_rps), self.speed_rps):
+            found.append(f"a motor speed of {abs(speed_rps):.4g} rps, not {self.speed_rps:g}")
+        return found
+
     @cached_property
     def coefficients(self) -> Floats:
         """(4,) of the least-squares cubic in the form of eq. 4.7: 1e-6 rad by powers of the amplitude in rpm."""
@@ -151,6 +175,9 @@ class Calibration:
             "amplitude_rpm": self.amplitude.tolist(),
             "half_gap_rad": self.half_gap.tolist(),
         }
+        content |= {
+            key: value for key in ("gear_ratio", "speed_rps") if (value := getattr(self, key)) is not None
+        }
         if self.fitted is not None and self.scatter is not None:
             content |= {"fitted_rpm": self.fitted.tolist(), "scatter_rpm": self.scatter.tolist()}
         remark = f"# {self.formula()}\n" if self.method == "cubic" else ""
@@ -162,16 +189,32 @@ class Calibration:
                 encoding="utf-8",
             )
 
-    def _check_growing(self, values: Floats, what: str, unit: str) -> None:
+    def _check_growing(self, values: Floats, what: str) -> None:
         """Raise BenchError for (m,) values that are not finite, are negative, or do not grow."""
         if not (np.isfinite(values).all() and values[0] >= 0):
             raise BenchError(f"every {what} of a calibration must be finite and not negative")
         if (np.diff(values) <= 0).any():
             at = int(np.argmax(np.diff(values) <= 0))
+            fall = f"falls by {1 - values[at + 1] / values[at]:.0%}" if values[at + 1] < values[at] else "stays"
             raise BenchError(
-                f"no calibration: after the half-gap of {self.half_gap[at]:g} rad the {what} does not grow, but "
-                f"goes from {values[at]:.6g} to {values[at + 1]:.6g} {unit}; take half-gaps between which it grows"
+                f"no calibration: after the half-gap of {self.half_gap[at]:g} rad the {what} does not grow but {fall}; "
+                f"{self._growing_gaps(values)}"
             )
+
+    def _growing_gaps(self, values: Floats) -> str:
+        """Return the advice to take the smallest half-gaps: as many as grow and whose values no larger one has again.
+
+        A larger half-gap then falls outside the calibration, where otherwise it would be taken for a smaller one.
+        """
+        later = np.append(np.minimum.accumulate(values[::-1])[::-1][1:], np.inf)  # the smallest value after each
+        count = int(np.argmin(np.append(values < later, False)))
+        if count < FEWEST[self.method] or (np.diff(self.half_gap[:count]) <= 0).any():
+            return "take half-gaps over which it grows"
+        last = self.half_gap[count - 1]
+        return (
+            f"take half-gaps up to {last:g} rad, above which it is never so small again: "
+            f"--gaps {self.half_gap[0]:g}:{last:g}:{count}"
+        )
 
     def _check_fits(self) -> None:
         """Raise BenchError for fitted amplitudes of the wrong shape or without a scatter."""
@@ -183,7 +226,7 @@ class Calibration:
                 "fitted amplitudes and their scatter come together, one of each a half-gap; "
                 "'bench calibrate --fits' makes them"
             )
-        self._check_growing(self.fitted, "fitted amplitude", "rpm")
+        self._check_growing(self.fitted, "fitted amplitude")
         if not (np.isfinite(self.scatter).all() and (self.scatter >= 0).all() and self.fitted[0] > 0):
             raise BenchError(
                 "every scatter of a calibration must be finite and not negative, and every fitted amplitude positive"
@@ -234,6 +277,10 @@ class Pchip:
         return float(c0 + c1 * s + c2 * (s * s) + c3 * (s * s * s))
 
 
+def _near(value: float, own: float) -> bool:
+    return abs(value / own - 1) <= NEAR
+
+
 def _end(h: Floats, slope: Floats) -> float:
     """Return the three-point derivative at the first point, or 0 where that is negative."""
     if len(h) == 1:
@@ -266,7 +313,10 @@ def calibrate(joint: Joint, half_gaps: Sequence[float], *, method: str = "monoto
             "half-gap; without gravity about its axis nothing opens the gap (robot joint 1), so turn it or load it"
         )
     extent = f"half-gaps {gaps.min():g} … {gaps.max():g} rad"
-    return Calibration(amplitude, gaps, method, f"{described(joint)}, simulated, {extent}")
+    return Calibration(
+        amplitude, gaps, method, f"{described(joint)}, simulated, {extent}",
+        gear_ratio=joint.gear_ratio, speed_rps=joint.nominal_speed,
+    )  # fmt: skip
 
 
 @cache
@@ -288,24 +338,28 @@ def sensor_calibration() -> Calibration:
 def load_calibration(path: str | Path) -> Calibration:
     """Return the calibration of a TOML file: its name and method, amplitudes in rpm and half-gaps in rad.
 
-    ``fitted_rpm`` and ``scatter_rpm``, which 'bench calibrate --fits' writes, may be left out.
+    ``fitted_rpm`` and ``scatter_rpm``, which 'bench calibrate --fits' writes, may be left out; so may ``gear_ratio`` and
+    ``speed_rps``, which recordings are not compared with then.
 
     Raises:
         BenchError: for a file that cannot be read or is not a calibration.
     """
     where = f"calibration {path}"
     content = read_toml(path, where)
-    known = {"name", "method", "amplitude_rpm", "half_gap_rad", "fitted_rpm", "scatter_rpm"}
+    known = {
+        "name", "method", "gear_ratio", "speed_rps", "amplitude_rpm", "half_gap_rad", "fitted_rpm", "scatter_rpm",
+    }  # fmt: skip
     for key in content:
         if key not in known:
-            raise BenchError(f"{where} has no entry {key!r}{nearest(key, known)}")
+            raise BenchError(f"{where} has the unknown entry {key!r}{nearest(key, known)}")
     amplitude, gaps = (_numbers(content, key, where) for key in ("amplitude_rpm", "half_gap_rad"))
     fitted, scatter = (
         _numbers(content, key, where) if key in content else None for key in ("fitted_rpm", "scatter_rpm")
     )
+    joint = content.get("gear_ratio"), content.get("speed_rps")
     try:
         method, name = content.get("method", "monotone"), str(content.get("name", path))
-        return Calibration(amplitude, gaps, method, name, fitted, scatter)
+        return Calibration(amplitude, gaps, method, name, fitted, scatter, *joint)
     except BenchError as error:
         raise BenchError(f"{where}: {error}") from error
 
