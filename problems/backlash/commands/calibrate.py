@@ -18,7 +18,7 @@ def calibrate(
         Path | None, typer.Option(help="A joint's TOML file, as 'bench simulate joint.toml' writes one to edit.")
     ] = None,
     levels: Annotated[
-        str | None, typer.Option(help="Backlash levels FIRST:LAST of the thesis's 1 to 20.", show_default="2:11")
+        str | None, typer.Option(help="Backlash levels FIRST:LAST of the thesis's 1 to 20; 2:11 by default.")
     ] = None,
     gaps: Annotated[
         str | None, typer.Option(help="Half-gaps in rad, FROM:TO:COUNT, such as 0:0.004:21, instead of levels.")

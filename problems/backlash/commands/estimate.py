@@ -11,6 +11,7 @@ import typer
 from bench.cli.console import pairs, print_error
 from bench.console import print_line
 from bench.errors import BenchError
+from problems.backlash import EARLY_RAD
 
 if TYPE_CHECKING:
     from problems.backlash.recordings import Recording
@@ -67,9 +68,9 @@ def estimate(
         ),
     ] = None,
     limit: Annotated[
-        float | None,
-        _verdict(metavar="RAD", help="The half-gap above which backlash has progressed.", show_default="0.0021"),
-    ] = None,
+        float,
+        _verdict(metavar="RAD", help="The half-gap above which backlash has progressed."),
+    ] = EARLY_RAD,
     confidence: Annotated[float, _verdict(help="The level of the intervals.")] = 0.95,
     resamples: Annotated[int, _verdict(min=0, help="Bootstrap resamples; 0 for no interval.")] = 200,
     seed: Annotated[int, _verdict(min=0, help="The seed of the bootstrap and the runs.")] = 0,
@@ -100,7 +101,7 @@ def estimate(
     from problems.backlash.recordings import parse_window
     from problems.backlash.sensor import formatting, recording_files
     from problems.backlash.sensor.batch import Estimated, Failed, RunSettings, estimate_files
-    from problems.backlash.sensor.estimate import EARLY_RAD, Settings
+    from problems.backlash.sensor.estimate import Settings
     from problems.backlash.sensor.trend import trends
     from problems.backlash.signature.calibration import load_calibration
 
@@ -111,7 +112,7 @@ def estimate(
         given["calibration"] = None if calibration == "none" else load_calibration(calibration)
     settings = Settings(
         period=period, gear_ratio=gear_ratio, nominal_rps=nominal, turns=turns, single=single, constrained=constrained,
-        limit_rad=EARLY_RAD if limit is None else limit, resamples=resamples, confidence=confidence, seed=seed, **given,
+        limit_rad=limit, resamples=resamples, confidence=confidence, seed=seed, **given,
     )  # fmt: skip
     if option and optimizer is None:
         raise BenchError("--set is for the optimizer, of which there is none; give --optimizer too")

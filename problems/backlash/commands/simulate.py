@@ -72,7 +72,7 @@ def simulate(
         ),
     ] = None,
     worn: Annotated[
-        float | None, _wear(help="With --wear: the half-gap in rad of the last month.", show_default="0.0039")
+        float | None, _wear(help="With --wear: the half-gap in rad of the last month; 0.0039 by default.")
     ] = None,
     force: Force = False,
 ) -> None:

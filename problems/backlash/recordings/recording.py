@@ -33,6 +33,7 @@ class Recording:
         unit: the unit of the values in the file; ``speed`` is in rps in any case.
         peak: the true amplitude in rps, the positive peak of the undecimated disturbance, where it is known.
         half_gap: the true delta in rad, where it is known.
+        assumed: what its reader assumed of columns and units without a heading that says so, "" for nothing.
     """
 
     start: float
@@ -41,6 +42,7 @@ class Recording:
     unit: str = "rps"
     peak: float | None = None
     half_gap: float | None = None
+    assumed: str = ""
 
     @property
     def time(self) -> Floats:
@@ -120,7 +122,8 @@ def read(
     columns = _Columns(path, table)
     if rate is None and len(table.names) < 2:
         raise BenchError(
-            f"recording {path} has {len(table.names)} columns; it needs two, time in s and speed in rps, or else a rate"
+            f"recording {path} has no two columns, of time and of speed; where its one column is the speed, give the "
+            "sampling rate (--rate)"
         )
     at = None if rate is not None else columns.find("time", time)
     role = "position" if position is not None else "speed"
@@ -149,9 +152,10 @@ def read(
         line = table.lines[int(np.argmax(bad))]
         raise BenchError(f"recording {path}: line {line} has no number in {what} (NaN or text); mend or cut it")
     start, dt = _grid(seconds, path)
+    assumed = columns.assumed({"time": (at, time_unit), role: (of, unit)})
     if role == "speed":
-        return Recording(start, dt, values, of_unit)
-    return Recording(start + dt / 2, dt, _derivative(values, dt), of_unit)
+        return Recording(start, dt, values, of_unit, assumed=assumed)
+    return Recording(start + dt / 2, dt, _derivative(values, dt), of_unit, assumed=assumed)
 
 
 class _Columns:
@@ -201,6 +205,20 @@ class _Columns:
                 f"recording {self._path}: the {which} column {name!r} is not known; give it: {', '.join(known)}"
             )
         return next(iter(known))
+
+    def assumed(self, used: dict[str, tuple[int | None, str | None]]) -> str:
+        """Return a sentence on the columns whose role or unit no heading says, by role their index and given unit."""
+        found = []
+        for role, (column, given) in used.items():
+            if column is None or given is not None or self._headings[column].unit in UNITS[role]:
+                continue
+            found.append(f"column {self._names[column]!r} for the {role} in {self.unit(column, role, given)}")
+        options = "--time, --speed, --time-unit and --unit"
+        return (
+            f"without a heading with a unit, the reader took {' and '.join(found)}; {options} change it"
+            if found
+            else ""
+        )
 
 
 def _grid(time: Floats, path: Path) -> tuple[float, float]:

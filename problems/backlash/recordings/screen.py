@@ -48,7 +48,8 @@ def screen(recording: Recording, *, nominal_rps: float | None = None, period: fl
 
 def warnings(recording: Recording, *, period: float | None = None) -> list[str]:
     """Return a sentence on everything in a screened recording that is not an error but may spoil an estimate."""
-    return [*_warn_of_ends(recording), *_warn_of_samples(recording), *_warn_of_turns(recording, period)]
+    assumed = [recording.assumed] if recording.assumed else []
+    return [*assumed, *_warn_of_ends(recording), *_warn_of_samples(recording), *_warn_of_turns(recording, period)]
 
 
 def drift(recording: Recording) -> float:

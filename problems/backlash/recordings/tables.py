@@ -107,6 +107,8 @@ def load(path: Path) -> Table:
         BenchError: for a file of another kind, one that cannot be read, and for parquet without pyarrow.
     """
     kind = path.suffix.lower()
+    if not path.exists():
+        raise BenchError(f"recording {path}: there is no such file or folder")
     if kind not in READERS:
         raise BenchError(
             f"recording {path}: unknown kind of file {path.suffix!r}; give a .csv, .txt, .xlsx or .parquet file"
@@ -115,8 +117,6 @@ def load(path: Path) -> Table:
         require("pyarrow", "parquet", f"recording {path}: parquet files need")
     try:
         return READERS[kind](path)
-    except FileNotFoundError as error:
-        raise BenchError(f"recording {path}: there is no such file") from error
     except Exception as error:  # the readers raise many kinds for a damaged file
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise BenchError(f"recording {path} cannot be read: {reason}") from error

@@ -16,6 +16,7 @@ import numpy as np
 from bench.errors import BenchError
 from bench.numbers import require_positive, require_whole
 from bench.problem import Floats
+from problems.backlash import EARLY_RAD
 from problems.backlash.recordings import Recording
 from problems.backlash.recordings.period import find_period
 from problems.backlash.recordings.screen import drift, screen, warnings
@@ -28,7 +29,6 @@ Interval = tuple[float, float]
 
 USUAL_PERIOD = 0.4  # s; T_f of the thesis's recordings, assumed where no period is found in a signal
 COARSEST = 0.01  # s; two and a half samples in an oscillation of 40 Hz, the fastest that Table 7.1 allows
-EARLY_RAD = 0.0021  # rad; the largest of the ten half-gaps in section 7.3's test of the early stages of backlash
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,7 @@ def estimate_lines(outcome: Estimated, settings: Settings) -> list[str]:
         ("load turn", f"{turn}; {length}, {len(samples.speed)} samples at {found.mean_rps:.4g} rps"),
     ]
     if found.calibration:
-        rows += [("calibration", line) for line in calibration_of(settings)]
+        rows += zip(("calibration", "", ""), calibration_of(settings), strict=False)
     if outcome.runs:
         rows += [(outcome.runs.settings.name, line) for line in runs_lines(outcome.runs, found)]
     rows += [("note", note) for note in found.notes]
@@ -78,14 +78,18 @@ def print_table(
 ) -> None:
     """Print a row a file, every note once, and the trends."""
     console = Console(width=None if Console().is_terminal else WIDTH)
-    console.print(table(outcomes, names, settings), highlight=False)
+    console.print(table(outcomes, names), highlight=False)
     known = any(isinstance(outcome, Estimated) and outcome.estimate.calibration for outcome in outcomes)
     calibration = [f"calibration: {line}" for line in calibration_of(settings)] if known else []
-    for line in [*notes(outcomes, names), *calibration, *(line for each in trends for line in trend_lines(each, settings))]:
+    for line in [
+        *notes(outcomes, names),
+        *calibration,
+        *(line for each in trends for line in trend_lines(each, settings)),
+    ]:
         print_line(line)
 
 
-def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], settings: Settings) -> Table:
+def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str]) -> Table:
     """Return a row a file under its name: amplitude and half-gap with their intervals, verdict, RMSE."""
     made = Table(box=None, pad_edge=False)
     made.add_column("file", overflow="fold")
@@ -249,7 +253,11 @@ def calibration_of(settings: Settings) -> list[str]:
 
 def _hidden(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
     """Return the rows on what the noise may hide where no disturbance is detected."""
-    most, gap, calibration = found.amplitude_interval_rps[1], found.interval_rad[1], settings.calibration if found.calibration else None
+    most, gap, calibration = (
+        found.amplitude_interval_rps[1],
+        found.interval_rad[1],
+        settings.calibration if found.calibration else None,
+    )
     rows = [("amplitude", f"none detected; the noise hides any below {most:.4f} rps")]
     if calibration and 60 * most > calibration.range[1]:
         rows.append(("half-gap", "the noise hides any in the calibrated range"))

@@ -34,9 +34,9 @@ EQUATION_4_7 = (-0.0018, 0.4323, 9.2524, 34.0313)
 EQUATION_4_7_RANGE = (60 * 0.2769, 60 * 1.1385)  # rpm; the amplitudes of those levels in Table 7.3
 MOST_GAPS = 100
 FEWEST = {"monotone": 2, "cubic": 4}
-# The largest relative difference of a recording's gear ratio and motor speed from the calibration's. Within 1 % of either
-# the estimate of a simulated joint is at most 1e-4 rad off, half of the accuracy asked (section 7.2.1); at 2 % it is up to
-# 3.5e-4 rad off, at 5 % more than 5e-4 rad ('python performance/sensor.py --elsewhere').
+# The largest relative difference of a recording's gear ratio and motor speed from the calibration's. A simulated joint
+# that differs by 1 % in either is estimated with an error of at most 1e-4 rad, half of the accuracy asked in section
+# 7.2.1; one that differs by 2 %, by up to 3.5e-4 rad ('python performance/sensor.py --elsewhere').
 NEAR = 0.01
 FAINTEST = 0.06  # rpm; one count of a 19-bit encoder in a speed sampled at 500 Hz (60 x 500 / 2**19)
 
@@ -129,7 +129,7 @@ class Calibration:
         return float(np.interp(fitted, self.fitted, self.scatter / self.fitted))
 
     def differences(self, speed_rps: float, gear_ratio: float | None) -> list[str]:
-        """Return in words how a recording's motor speed and gear ratio (None if unknown) differ from this calibration's.
+        """Return in words how the motor speed and gear ratio (None if unknown) of a recording differ from its own.
 
         The disturbance and its fit depend on both, so this calibration holds for no recording that differs.
         """
@@ -175,9 +175,7 @@ class Calibration:
             "amplitude_rpm": self.amplitude.tolist(),
             "half_gap_rad": self.half_gap.tolist(),
         }
-        content |= {
-            key: value for key in ("gear_ratio", "speed_rps") if (value := getattr(self, key)) is not None
-        }
+        content |= {key: value for key in ("gear_ratio", "speed_rps") if (value := getattr(self, key)) is not None}
         if self.fitted is not None and self.scatter is not None:
             content |= {"fitted_rpm": self.fitted.tolist(), "scatter_rpm": self.scatter.tolist()}
         remark = f"# {self.formula()}\n" if self.method == "cubic" else ""
@@ -338,8 +336,8 @@ def sensor_calibration() -> Calibration:
 def load_calibration(path: str | Path) -> Calibration:
     """Return the calibration of a TOML file: its name and method, amplitudes in rpm and half-gaps in rad.
 
-    ``fitted_rpm`` and ``scatter_rpm``, which 'bench calibrate --fits' writes, may be left out; so may ``gear_ratio`` and
-    ``speed_rps``, which recordings are not compared with then.
+    ``fitted_rpm`` and ``scatter_rpm``, which 'bench calibrate --fits' writes, may be left out; so may ``gear_ratio``
+    and ``speed_rps``, which recordings are not compared with then.
 
     Raises:
         BenchError: for a file that cannot be read or is not a calibration.

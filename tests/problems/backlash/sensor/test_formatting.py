@@ -94,7 +94,7 @@ def test_the_table_has_a_row_a_file_whatever_became_of_it(make_estimate, capsys)
         Failed(Path("b"), "no"),
         Estimated(Path("r"), make_estimate(0.002)),
     ]
-    Console(width=200).print(formatting.table(outcomes, names, SETTINGS), highlight=False)
+    Console(width=200).print(formatting.table(outcomes, names), highlight=False)
     heading, good, bad, red = capsys.readouterr().out.splitlines()
     assert heading.split()[:3] == ["file", "amplitude,", "rps"]
     assert " ".join(good.split()) == (
