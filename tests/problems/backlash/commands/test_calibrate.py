@@ -12,9 +12,9 @@ from problems.backlash.signature.calibration import load_calibration
 def test_the_default_gives_the_thesis_s_cubic_its_range_and_its_distance_from_equation_4_7(command):
     said = command(calibrate)
     assert said.startswith("default joint, simulated, half-gaps 0.0003 … 0.0021 rad\n")
-    assert "         16.5302          0.000300\n" in said
+    assert "        0.275503          0.000300\n" in said
     assert "delta = 1e-6 (-0.0015 A^3 + 0.4073 A^2 + 10.7968 A + 17.0994) rad, A in rpm; at most 2e-07 rad" in said
-    assert "range: 16.53 to 66.67 rpm" in said
+    assert "range: 0.2755 to 1.111 rps" in said
     assert "difference from eq. 4.7 of the thesis: at most 2.9" in said
 
 
@@ -54,8 +54,8 @@ def test_with_the_fits_the_file_tells_the_peak_of_a_fitted_amplitude_and_how_to_
     given = ["--gaps", "0.0005:0.0011:2", "--method", "monotone", "--fits"]
     said = command(calibrate, *given, "--jobs", 1, "--output", tmp_path / "a.toml")
     assert asked == [(Joint(), [0.0005, 0.0011], 1)]
-    assert "amplitude in rpm   half-gap in rad   fit in rpm   its scatter\n" in said
-    assert "         24.3547          0.000500      22.7500        0.5000\n" in said
+    assert "amplitude in rps   half-gap in rad   fit in rps   its scatter\n" in said
+    assert "        0.405912          0.000500     0.379167      0.008333\n" in said
     assert (tmp_path / "a.toml").read_text().startswith(f"# bench calibrate {' '.join(given)}\n")
     made = load_calibration(tmp_path / "a.toml")
     assert made.expected(22.75) == pytest.approx(24.3547, abs=1e-4)

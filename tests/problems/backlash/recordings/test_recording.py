@@ -9,6 +9,7 @@ import pytest
 from bench import BenchError, load_problem
 from problems.backlash.recordings import Recording, parse_window, read
 from problems.backlash.recordings import tables as tables_module
+from problems.backlash.recordings.screen import warnings
 
 T = 0.002 * np.arange(50)
 V = np.round(100 + 0.5 * np.sin(20 * T), 4)
@@ -69,8 +70,28 @@ def test_spreadsheets_and_parquet_are_read_by_their_headings(tmp_path, kind):
 
 def test_parquet_without_pyarrow_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
+    (tmp_path / "a.parquet").touch()
     with pytest.raises(BenchError, match=r"pip install 'backlash-bench\[parquet\]'"):
         read(tmp_path / "a.parquet")
+
+
+@pytest.mark.parametrize(
+    ("heading", "options", "said"),
+    [
+        ("a,b\n", {}, ["column 'a' for the time in s and column 'b' for the speed in rps"]),
+        ("", {}, ["column '1' for the time in s and column '2' for the speed in rps"]),
+        ("time_s,speed\n", {}, ["the reader took column 'speed' for the speed in rps"]),
+        ("a,b\n", {"rate": 500.0, "speed": "b"}, ["the reader took column 'b' for the speed in rps"]),
+        ("a,b\n", {"unit": "rps", "time_unit": "s"}, []),
+        ("time_s,speed_rps\n", {}, []),
+        ("time [s],angle_deg\n", {}, []),
+    ],
+)
+def test_what_no_heading_says_is_reported(tmp_path, heading, options, said):
+    made = read(write(tmp_path, heading + rows(T, V)), **options).window(0.002)
+    notes = [note for note in warnings(made) if "the reader took" in note]
+    assert len(notes) == len(said)
+    assert all(part in note for part, note in zip(said, notes, strict=True))
 
 
 def test_columns_are_named_or_numbered(tmp_path):
@@ -131,7 +152,11 @@ def test_a_recording_s_problem_uses_the_headings_too(tmp_path):
         (rows(T, V), {"speed": 2, "position": 1}, "either a column of speed or one of position"),
         (rows(T, V), {"speed": 3}, "no column '3'; its columns are 1, 2"),
         (rows(T, V), {"time": 2, "speed": 2}, "column '2' cannot be both time and speed"),
-        (rows(V), {}, "has 1 columns; it needs two"),
+        (
+            rows(V),
+            {},
+            "has no two columns, of time and of speed; where its one column is the speed, give the sampling rate",
+        ),
         ("time\n" + rows(T), {"rate": 500.0}, "column 'time' cannot be both time and speed"),
         ("time,speed\n", {}, "has 0 samples"),
         ("time,speed\n0,1\n0.002,\n0.004,1\n0.006,1\n", {}, "line 3 has no number in time or speed"),

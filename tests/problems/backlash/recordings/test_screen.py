@@ -60,7 +60,7 @@ def test_the_published_recordings_pass(published):
     for level in (3, 5, 8, 11, 12):
         made = read(published / f"Speeddata{level}.xlsx")
         screen(made, nominal_rps=100, period=0.4)
-        assert warnings(made, period=0.4) == []
+        assert warnings(made, period=0.4) == [made.assumed]  # the files have no headings
 
 
 @pytest.mark.parametrize("side", [1, -1])

@@ -159,5 +159,8 @@ def test_a_reader_that_panics_is_one_sentence(monkeypatch, tmp_path):
 
 
 def test_an_old_workbook_is_refused_by_its_name(tmp_path):
+    (tmp_path / "a.xls").touch()
     with pytest.raises(BenchError, match=r"unknown kind of file '\.xls'; give a .csv, .txt, .xlsx or .parquet file"):
         read(tmp_path / "a.xls")
+    with pytest.raises(BenchError, match="nofolder: there is no such file or folder"):
+        read(tmp_path / "nofolder/")

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from bench.errors import BenchError
-from problems.backlash.joint import simulate
+from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor import evidence
 from problems.backlash.sensor.estimate import Settings, estimate, signature_problem
+from problems.backlash.signature.calibration import calibrate
 from problems.backlash.signature.datasets import noisy
 
 PLAIN = Settings(resamples=0)
@@ -149,12 +150,59 @@ def test_some_of_the_load_turns_may_be_asked_for():
 def test_noise_that_may_hide_too_much_is_told():
     loud = Recording(0.0, 0.002, 100 + 60 * noise(1))
     found = estimate(loud, Settings(period=0.4))
-    assert found.verdict == "no backlash"
+    assert found.verdict == "undecided"
     assert "may hide a backlash above the limit" in " ".join(found.notes)
 
 
 def test_the_limit_is_the_user_s():
     assert estimate(noisy(5), Settings(resamples=0, limit_rad=0.0005)).verdict == "progressed"
+
+
+def test_an_interval_that_contains_the_limit_leaves_the_verdict_open():
+    made = noisy(8)
+    found = estimate(made, Settings(resamples=50))
+    assert found.verdict == "early"
+    for limit, verdict in ((sum(found.interval_rad) / 2, "undecided"), (found.interval_rad[0] / 1.01, "progressed")):
+        again = estimate(made, Settings(resamples=50, limit_rad=limit))
+        assert again.verdict == verdict
+        assert any("contains the limit" in note for note in again.notes) == (verdict == "undecided")
+        assert again.interval_rad == found.interval_rad
+
+
+def test_a_calibration_that_ends_below_the_limit_cannot_say_progressed():
+    short = calibrate(Joint(), [0.0, 0.0005, 0.001])
+    found = estimate(noisy(12), Settings(resamples=0, calibration=short))
+    assert found.verdict == "undecided"
+    assert "the calibration ends at 1 mrad, below the limit of 2.1 mrad" in found.notes
+    assert estimate(noisy(12), Settings(resamples=0, calibration=short, limit_rad=0.001)).verdict == "progressed"
+
+
+@pytest.mark.parametrize(
+    ("joint", "settings", "differs"),
+    [
+        ({"gear_ratio": 100.0, "gravity_torque": 5.0}, {"gear_ratio": 100.0}, "a gear ratio of 100, not 40"),
+        ({"gear_ratio": 60.0}, {}, "a gear ratio of 60, not 40"),
+        ({"omega_ref": 2 * np.pi * 60}, {}, "a motor speed of 60 rps, not 100"),
+        ({"omega_ref": 2 * np.pi * 98.5}, {"period": 40 / 98.5}, "a motor speed of 98.5 rps, not 100"),
+        ({"omega_ref": 2 * np.pi * 99.2}, {}, None),
+        ({"gear_ratio": 40.3}, {"gear_ratio": 40.3}, None),
+        ({"gear_ratio": 40.3}, {"period": 0.403}, None),
+    ],
+)
+def test_a_calibration_of_another_joint_or_speed_gives_no_half_gap_and_no_verdict(joint, settings, differs):
+    made = Joint(**joint)
+    speed = simulate(made, half_gap=0.0023, duration=12 * made.turn).speed
+    found = estimate(Recording(0.0, 0.002, speed), Settings(resamples=0, **settings))
+    if differs is None:
+        assert found.verdict == "progressed"
+        assert found.backlash_rad == pytest.approx(0.0023, abs=1e-4)
+        assert found.notes == ()
+        return
+    assert (found.verdict, found.calibration) == ("backlash", "")
+    assert np.isnan(found.backlash_rad)
+    (note,) = found.notes
+    assert differs in note
+    assert "bench calibrate --joint" in note
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,8 @@ from problems.backlash.sensor.recording_files import Series
 from problems.backlash.sensor.trend import trend
 from problems.backlash.signature.calibration import Calibration
 
-SETTINGS = Settings(calibration=Calibration(np.array([3.0, 100.0]), np.array([0.0, 0.004])))
+MINE = Calibration(np.array([3.0, 100.0]), np.array([0.0, 0.004]), name="mine", gear_ratio=40.0, speed_rps=100.0)
+SETTINGS = Settings(calibration=MINE)
 NAN = (math.nan, math.nan)
 
 
@@ -38,7 +39,7 @@ def test_an_estimate_is_told_with_units_intervals_and_the_total_gap(make_estimat
         "total gap    twice the half-gap: 2.000 mrad, 6.88 arc minutes",
         "fit          RMSE 0.0500 rps; explains 90.0% of the signal's variance (p < 1e-6 for noise alone)",
         "load turn    0.4 s (found in the signal); 1.2 s, 3 load turns, 601 samples at 100 rps",
-        "calibration  a joint",
+        "calibration  mine; gear ratio 40; motor at 100 rps\n",
         "note         it drifts",
     ):
         assert f"  {line}" in said
@@ -67,14 +68,31 @@ def test_no_backlash_tells_what_could_be_hidden_and_is_undecided_where_that_is_t
     assert "none detected; the noise hides any below 0.1000 rps" in said
     assert "the noise hides any up to 0.100 mrad (0.34 arc minutes)" in said
     for most, hidden in ((1.2, 0.0022), (9.0, math.nan)):
-        loud = make_estimate(0.0, **quiet, amplitude_interval_rps=(0.0, most), interval_rad=(0.0, hidden))
+        open_ = quiet | {"verdict": "undecided"}
+        loud = make_estimate(0.0, **open_, amplitude_interval_rps=(0.0, most), interval_rad=(0.0, hidden))
         assert words(loud).startswith("a.csv: UNDECIDED: the noise may hide a backlash above the limit")
-        assert "no backlash detected" in words(loud, Settings(calibration=None))
     assert words(make_estimate(0.002, width=0.001)).startswith("a.csv: early backlash")
     from_one = Settings(calibration=Calibration(np.array([10.0, 100.0]), np.array([0.001, 0.004])))
     below = words(make_estimate(math.nan, **quiet, amplitude_interval_rps=(0.0, 0.1), interval_rad=NAN), from_one)
     assert below.startswith("a.csv: no backlash detected\n")
     assert "up to 1.000 mrad" in below
+
+
+def test_the_joint_that_a_verdict_holds_for_is_named(make_estimate):
+    assert "half-gap and verdict hold for the thesis's simulated joint" in words(make_estimate(), Settings())
+    assert "simulated joint" not in words(make_estimate())
+    unknown = Settings(calibration=Calibration(np.array([3.0, 100.0]), np.array([0.0, 0.004]), name="old"))
+    assert "it states no gear ratio or no motor speed" in words(make_estimate(), unknown)
+
+
+def test_an_undecided_verdict_and_a_calibration_of_another_joint_are_named(make_estimate):
+    near = make_estimate(0.0021, verdict="undecided")
+    assert words(near).startswith("a.csv: UNDECIDED: the interval of the half-gap contains the limit of 2.1 mrad\n")
+    short = Settings(calibration=Calibration(np.array([3.0, 30.0]), np.array([0.0, 0.001])))
+    assert "UNDECIDED: the calibration ends at 1 mrad, below the limit of 2.1 mrad" in words(near, short)
+    other = words(make_estimate(0.001, backlash_rad=math.nan, interval_rad=NAN, verdict="backlash", calibration=""))
+    assert "half-gap   not estimated: the calibration is of another joint or speed" in other
+    assert "calibration  " not in other
 
 
 def test_runs_are_told_by_mean_and_deviation(make_estimate):

@@ -125,7 +125,7 @@ def test_a_calibration_without_fits_takes_their_amplitude_for_the_peak():
         ("amplitude_rpm = [1]\nhalf_gap_rad = [1]", "needs at least 2 pairs"),
         ('method = "cubic"\namplitude_rpm = [1, 2, 3]\nhalf_gap_rad = [1, 2, 3]', "needs at least 4 pairs"),
         ('method = "spline"\namplitude_rpm = [1, 2]\nhalf_gap_rad = [0, 1]', "must be 'monotone' or 'cubic'"),
-        ("amplitudes = [1, 2]", "no entry 'amplitudes'; did you mean 'amplitude_rpm'?"),
+        ("amplitudes = [1, 2]", "the unknown entry 'amplitudes'; did you mean 'amplitude_rpm'?"),
         (f"{PAIRS}fitted_rpm = [1, 2]", "fitted amplitudes and their scatter come together"),
         (f"{PAIRS}scatter_rpm = [1, 2]", "fitted amplitudes and their scatter come together"),
         (f"{PAIRS}fitted_rpm = [1]\nscatter_rpm = [1]", "fitted amplitudes and their scatter come together"),
@@ -136,8 +136,10 @@ def test_a_calibration_without_fits_takes_their_amplitude_for_the_peak():
         (f"{PAIRS}fitted_rpm = [1, nan]\nscatter_rpm = [1, 1]", "every fitted amplitude of a calibration must be"),
         (
             f"{PAIRS}fitted_rpm = [2, 1.5]\nscatter_rpm = [1, 1]",
-            "after the half-gap of 0.1 rad the fitted amplitude does not grow, but goes from 2 to 1.5 rpm",
+            "after the half-gap of 0.1 rad the fitted amplitude does not grow but falls by 25%; take half-gaps",
         ),
+        (f"{PAIRS}gear_ratio = 0", "the gear_ratio of a calibration must be a positive number, not 0"),
+        (f"{PAIRS}speed_rps = 'a'", "the speed_rps of a calibration must be a positive number, not 'a'"),
         ("amplitude_rpm", "is not valid TOML"),
     ],
 )
@@ -158,6 +160,29 @@ def test_a_cubic_that_does_not_grow_over_its_range_is_refused():
         pairs(amplitude, gaps, "monotone")
         with pytest.raises(BenchError, match="the cubic through these pairs does not grow all the way from 1 to 6 rpm"):
             pairs(amplitude, gaps, "cubic")
+
+
+def test_a_calibration_knows_its_joint_and_speed_also_from_its_file(tmp_path):
+    made = calibrate(Joint(gear_ratio=50.0, omega_ref=2 * np.pi * 80), LEVELS[:3])
+    made.save(tmp_path / "a.toml")
+    for known in (made, load_calibration(tmp_path / "a.toml")):
+        assert (known.gear_ratio, known.speed_rps) == (50.0, pytest.approx(80.0))
+        assert known.differences(-80.5, 49.7) == []
+        assert known.differences(80.0, None) == []
+        assert known.differences(82.0, 51.0) == ["a gear ratio of 51, not 50", "a motor speed of 82 rps, not 80"]
+    assert pairs([1, 2, 4]).differences(82.0, 51.0) == []
+
+
+def test_the_advice_names_half_gaps_whose_amplitudes_no_larger_one_has_again():
+    gaps = np.array([0.0, 0.001, 0.002, 0.003, 0.004])
+    for amplitude, advice in (
+        ([1, 2, 4, 8, 3], "up to 0.001 rad, above which it is never so small again: --gaps 0:0.001:2"),
+        ([1, 2, 4, 8, 8], "up to 0.002 rad, above which it is never so small again: --gaps 0:0.002:3"),
+        ([1, 2, 3, 4, 0], "take half-gaps over which it grows"),
+    ):
+        with pytest.raises(BenchError) as caught:
+            pairs(amplitude, gaps)
+        assert str(caught.value).endswith(advice)
 
 
 def test_without_gravity_there_is_nothing_to_calibrate():
