@@ -27,7 +27,7 @@ from problems.backlash.signature.problem import TOLERANCE_RAD, SignatureFit
 
 Interval = tuple[float, float]
 
-USUAL_PERIOD = 0.4  # s; T_f of the thesis's recordings, assumed where no period is found in a signal
+USUAL_PERIOD = 0.4  # s; T_f of the thesis's recordings, assumed where neither signal nor calibration gives one
 COARSEST = 0.01  # s; two and a half samples in an oscillation of 40 Hz, the fastest that Table 7.1 allows
 
 
@@ -176,6 +176,9 @@ def period_of(recording: Recording, settings: Settings) -> tuple[float, str]:
         return settings.period, "given"
     looked_for = settings.gear_ratio is not None or not settings.single  # one oscillation shows no period
     found = find_period(recording, gear_ratio=settings.gear_ratio) if looked_for else None
+    if found is None and not settings.single and settings.calibration:
+        assumed = find_period(recording, gear_ratio=settings.calibration.gear_ratio)
+        return (assumed.seconds if assumed else USUAL_PERIOD), "assumed"
     return (found.seconds, found.source) if found else (USUAL_PERIOD, "assumed")
 
 

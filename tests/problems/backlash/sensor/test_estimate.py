@@ -1,5 +1,7 @@
 """An estimate is close to the truth of simulated recordings, and states nothing that it cannot know."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor import evidence
 from problems.backlash.sensor.estimate import Settings, estimate, signature_problem
-from problems.backlash.signature.calibration import calibrate
+from problems.backlash.signature.calibration import calibrate, sensor_calibration
 from problems.backlash.signature.datasets import noisy
 
 PLAIN = Settings(resamples=0)
@@ -152,6 +154,14 @@ def test_noise_that_may_hide_too_much_is_told():
     found = estimate(loud, Settings(period=0.4))
     assert found.verdict == "undecided"
     assert "may hide a backlash above the limit" in " ".join(found.notes)
+
+
+def test_a_signal_without_a_period_has_that_of_the_calibration_s_gear_ratio():
+    ratio = replace(sensor_calibration(), gear_ratio=100.0)
+    for calibration, period in ((ratio, 1.0), (sensor_calibration(), 0.4), (None, 0.4)):
+        found = estimate(Recording(0.0, 0.002, 100 + noise(1)), Settings(resamples=0, calibration=calibration))
+        assert (found.period_s, found.period_source) == (pytest.approx(period, abs=1e-3), "assumed")
+        assert f"{period:g} s is assumed" in " ".join(found.notes)
 
 
 def test_the_limit_is_the_user_s():
