@@ -175,7 +175,7 @@ def test_other_recordings_that_cannot_be_used(tmp_path):
     with pytest.raises(BenchError, match=r"lasts 0\.298 s, less than one load turn of 0\.4 s"):
         load_problem(write(tmp_path / "short.csv", t, v))
     (tmp_path / "one.csv").write_text("speed\n" + "\n".join("100.1" for _ in range(500)))
-    with pytest.raises(BenchError, match="has 1 columns"):
+    with pytest.raises(BenchError, match="has no two columns"):
         load_problem(f"recording:{tmp_path / 'one.csv'}")
     with pytest.raises(BenchError, match="there is no such file"):
         load_problem(f"recording:{tmp_path / 'none.csv'}")
