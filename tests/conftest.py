@@ -13,7 +13,7 @@ import pytest
 from hypothesis import settings
 
 # A busy machine must not fail a property, nor two runs of one commit differ.
-settings.register_profile("suite", deadline=None, derandomize=True)
+settings.register_profile("suite", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("suite")
 
 # Looking for garbage among the million objects of numba, pandas and matplotlib takes a sixth of the suite's time.
