@@ -78,7 +78,7 @@ def ran(bench, tmp_path_factory):
     place = tmp_path_factory.mktemp("hostile")
     text = HEAD.format(name="hostile") + "".join(map(entry, [*EXPECTED, *HARMLESS])) + HONEST
     (place / "study.toml").write_text(text)
-    limits = ("--jobs", 4, "--timeout", 3, "--memory", 0.4)
+    limits = ("--jobs", 3, "--timeout", 4, "--memory", 0.4)
     marker = str(place / "marker")
     done = bench("run", place / "study.toml", "--output", place / "out", *limits, MARKER=marker)
     return done, place / "out", marker
