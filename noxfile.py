@@ -74,10 +74,11 @@ def release(session: nox.Session) -> None:
 
 @nox.session(venv_backend="uv|venv")
 def docs(session: nox.Session) -> None:
-    """Build the site into docs/_build/html and check it; with "-- linkcheck" also the links to other sites."""
-    session.install("-e", ".[coco,dask,mealpy,minion,nevergrad,optuna,pymoo,suites]", *group("docs"))
+    """Build the site into docs/_build/html, check it and run its code; "-- linkcheck" tries links to other sites."""
+    session.install("-e", ".", *group("docs"), *group("test"))
     strict = "-W", "-n", "-E", "--keep-going"
     session.run("sphinx-build", *strict, "-b", "html", "docs", "docs/_build/html")
-    session.run("python", "-m", "pytest", "tests/docs/test_site.py", env={"BENCH_SITE": "docs/_build/html"})
+    every = ("-m", "slowest or not slowest")  # the code blocks of the pages, too
+    session.run("python", "-m", "pytest", "tests/docs", *every, env={"BENCH_SITE": "docs/_build/html"})
     if "linkcheck" in session.posargs:
         session.run("sphinx-build", *strict, "-b", "linkcheck", "docs", "docs/_build/linkcheck")

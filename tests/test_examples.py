@@ -111,8 +111,8 @@ def test_bench_check_clears_the_optimizer(programs, tmp_path):
 
 @pytest.mark.slow
 def test_bench_run_takes_the_optimizer_beside_the_built_ins(programs, tmp_path):
-    succeed(programs / "bench", "run", OPTIMIZER / "study.toml", "--trials", "2", "--output", "out", cwd=tmp_path)
-    assert "hill-climber" in (tmp_path / "out" / "report.html").read_text()
+    options = ("--trials", "2", "--output", "out", "--no-report")
+    succeed(programs / "bench", "run", OPTIMIZER / "study.toml", *options, cwd=tmp_path)
     status = succeed(programs / "bench", "status", "out", cwd=tmp_path)
     assert re.search(r"hill-climber +4 +0 +4", status)
 

@@ -73,7 +73,9 @@ def _running(
     """
     turn = Lock()
     # Of threads that a second interrupt cuts off; joblib may print it whenever it drops them.
-    warnings.filterwarnings("ignore", "[0-9]+ tasks which were still being processed", UserWarning)
+    warnings.filterwarnings(
+        "ignore", "[0-9]+ tasks (have been successfully executed|which were still being processed)", UserWarning
+    )
 
     def supervise(job: int, supervisor: Supervisor) -> None:
         try:
