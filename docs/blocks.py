@@ -37,7 +37,6 @@ PARTS = ("", "tutorials", "how-to", "reference", "reference/api", "explanation")
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
 PAGES += sorted(page for part in PARTS for page in (ROOT / "docs" / part).glob("*.md"))
 RUN = {"console", "python", "output", "toml", "r", "julia", "bash", "{code-block}", "{literalinclude}"}
-LINK = re.compile(r"/_generated/((?:tutorials|how-to|reference|explanation)/[\w-]+)/")
 REASON = re.compile(r"^(?:% not run:|<!-- not run:)\s*(.*?)\s*(?:-->)?$")
 FILE = re.compile(r"^<!-- file: (.*) -->$")
 EXIT = re.compile(r"\s+# exits with (\d+)$")
@@ -79,11 +78,6 @@ def blocks(page: Path) -> list[Block]:
                 content = (page.parent / argument.strip()).resolve().read_text(encoding="utf-8")
         found.append(Block(kind, content, token.map[0] + 1, file, reason and reason[1]))
     return found
-
-
-def shown() -> set[str]:
-    """Return the pages, without ``.md``, whose files a page shows: the build of the site runs their blocks."""
-    return {name for page in PAGES for name in LINK.findall(page.read_text(encoding="utf-8"))}
 
 
 def run(page: Path, folder: Path) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
+from bench.analysis.anytime import AT_ONCE
 from bench.analysis.anytime import targets as relative_targets
 from bench.analysis.cells import Budgets, Traces, budgets, reference_values, scores
 from bench.problem import Floats
@@ -29,8 +30,6 @@ MULTIPLES: Floats = np.array([8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125])
 
 LOWEST, HIGHEST = 1e-8, 1e2
 """The precisions between which AOCC is measured."""
-
-CHUNK = 1 << 20  # hits that are weighed at a time: of 300,000 trials there are 15 million
 
 COLUMNS = ["problem", "tau", "target", "reference", "known"]
 
@@ -151,8 +150,8 @@ def target_areas(hits: pd.DataFrame, budget: int | Mapping[str, int]) -> pd.Data
     each = [budget if isinstance(budget, int) else budget[label] for label in problems]
     allowed = np.log(np.maximum(np.array(each, dtype=float), 2.0))
     sums, counts = np.zeros((2, len(problems) * len(optimizers)))
-    for start in range(0, len(times), CHUNK):
-        part = slice(start, start + CHUNK)
+    for start in range(0, len(times), AT_ONCE):
+        part = slice(start, start + AT_ONCE)
         cell = problem[part].astype(np.intp) * len(optimizers) + optimizer[part]
         with np.errstate(invalid="ignore"):
             area = np.clip(1 - np.log(times[part]) / allowed[problem[part]], 0.0, 1.0)

@@ -15,10 +15,9 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from bench.report.interactive.part import Interactive, digest
-from bench.report.parts import Figure, Part, Section, Table, TableCell
+from bench.report.parts import LIKE_FRAME, Figure, Part, Section, Table, TableCell
 
 UPRIGHT, WIDE = 12, 80  # columns of a shaded table, and letters of their titles, above which these stand upright
-LIKE_FRAME = ("frame", "texts", "bold", "italic", "marks", "lost", "shades")
 LONG_TEXT = 30  # characters beyond which a cell may break into lines
 ZOOM = 1.45  # scales a figure's 8 points to the size of the page's text
 

@@ -14,7 +14,8 @@ from bench.report.wording import cell_text, usual_decimals
 
 Axis = Literal["problem", "optimizer"]
 SHADES = 8  # steps of a table's background
-
+LIKE_FRAME = ("frame", "texts", "bold", "italic", "marks", "lost", "shades")
+"""The attributes of a table that have a row and a column for each of its frame's."""
 
 MOST_ROWS = 400  # of a table on the page; the CSV file has the rest
 

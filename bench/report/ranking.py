@@ -10,7 +10,7 @@ import pandas as pd
 from bench import analysis
 from bench.analysis import ALPHA
 from bench.report.findings import Findings
-from bench.report.parts import Table
+from bench.report.parts import LIKE_FRAME, Table
 from bench.report.wording import count
 
 MOST_PAIRED = 30  # optimizers of a matrix of pairs
@@ -82,7 +82,7 @@ def turned(table: Table, findings: Findings) -> Table:
     def turn(frame: pd.DataFrame) -> pd.DataFrame:
         return frame.reindex(columns=order).T.rename_axis("optimizer")
 
-    named = {name: getattr(table, name) for name in ("frame", "texts", "bold", "italic", "marks", "lost")}
+    named = {name: getattr(table, name) for name in LIKE_FRAME}
     swapped: dict[str, Any] = {name: turn(frame) for name, frame in named.items() if frame is not None}
     note = table.note.replace("the row", "the column").replace("a row", "a column")
     return replace(table, note=note, **swapped)

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
-from math import comb
 from typing import Any, NamedTuple
 
 import pandas as pd
@@ -172,7 +171,7 @@ def _beyond(known: Standing) -> str:
     """Return that nothing is claimed of other problems, where no test of a pair across problems can be significant."""
     if known.problem:
         return "This holds for this problem only."
-    if not too_few_problems(known.problems, comb(len(known.ranking), 2)):
+    if not too_few_problems(known.problems, math.comb(len(known.ranking), 2)):
         return ""
     return (
         f"This holds for these {known.problems} problems only: they are too few for a test across problems to "

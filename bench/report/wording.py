@@ -52,7 +52,7 @@ def row_texts(values: Iterable[float]) -> list[str]:
 
 
 def _significant(value: float, digits: int) -> str:
-    """Return a number with so many significant digits at least; 0 and no number as :func:`cell_text` writes them."""
+    """Return a number with at least these significant digits; 0 and no number as :func:`cell_text` writes them."""
     if value == 0 or not math.isfinite(value):
         return cell_text(value)
     if not 1e-4 <= abs(value) < 1e6:

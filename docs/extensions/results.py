@@ -7,6 +7,7 @@ site's ``examples/PAGE/report.html``.
 from __future__ import annotations
 
 import hashlib
+import re
 import shutil
 from pathlib import Path
 
@@ -14,11 +15,14 @@ import blocks
 from sphinx.application import Sphinx
 from sphinx.util import logging
 
+LINK = re.compile(r"/_generated/((?:tutorials|how-to|reference|explanation)/[\w-]+)/")
+
 
 def run_pages(app: Sphinx) -> None:
     """Run each page whose files another page shows, unless it was run before and has not changed."""
     source = Path(app.srcdir)
-    for name in sorted(blocks.shown()):
+    shown = {name for page in blocks.PAGES for name in LINK.findall(page.read_text(encoding="utf-8"))}
+    for name in sorted(shown):
         page, folder = source / f"{name}.md", source / "_generated" / name
         mark = folder / ".hash"
         digest = hashlib.sha256(page.read_bytes()).hexdigest()

@@ -60,7 +60,7 @@ class Reference:
 
 
 class Scripted(Problem):
-    """Returns the values that it is told to return, and keeps what it was given."""
+    """A problem that returns the values of a script, and keeps the points that it received."""
 
     name = "scripted"
 

@@ -149,7 +149,7 @@ class Final(Trials):
 
     @property
     def upright(self) -> bool:
-        """Whether optimizers are the rows of tables: so many, or so long names, do not fit beside each other."""
+        """Whether optimizers are the rows of tables, because there are too many, or too long names, for columns."""
         longest = max(map(len, self.optimizers), default=0)
         return len(self.optimizers) > MANY_OPTIMIZERS or len(self.optimizers) * longest > WIDE
 

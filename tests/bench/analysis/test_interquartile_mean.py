@@ -5,12 +5,7 @@ import pandas as pd
 import pytest
 from scipy.stats import bootstrap, trim_mean
 
-from bench.analysis import pairwise
-from bench.analysis.across import (
-    interquartile_mean,
-    normalised_errors,
-    probability_of_improvement,
-)
+from bench.analysis.across import interquartile_mean, normalised_errors
 
 pytestmark = pytest.mark.filterwarnings("error")
 INF = float("inf")
@@ -63,23 +58,6 @@ class TestInterquartileMean:
     def test_all_at_the_optimum(self, frame_of):
         row = interquartile_mean(frame_of({("p", "a"): [2.0] * 4})).iloc[0]
         assert (row.iqm, row.low, row.high) == (0, 0, 0)
-
-    @pytest.mark.parametrize("seed", range(3))
-    def test_the_interval_of_many_optimizers_is_close_to_that_of_few(self, random_frame, seed, monkeypatch):
-        frame = random_frame(seed)
-        few = probability_of_improvement(frame)
-        monkeypatch.setattr(pairwise, "RESAMPLED", 1)
-        many = probability_of_improvement(frame)
-        assert not many["low"].equals(few["low"])
-        pd.testing.assert_frame_equal(many.iloc[:, :4], few.iloc[:, :4])
-        pd.testing.assert_frame_equal(many[["low", "high"]], few[["low", "high"]], atol=0.03, rtol=0)
-
-    def test_many_optimizers_with_failures_and_single_trials(self, frame_of, monkeypatch):
-        monkeypatch.setattr(pairwise, "RESAMPLED", 1)
-        cells = {("p", "a"): [1.0, 2.0], ("p", "b"): [None, None], ("p", "c"): [1.5]}
-        table = probability_of_improvement(frame_of(cells)).set_index(["first", "second"])
-        assert table["probability"].to_dict() == {("a", "b"): 1.0, ("a", "c"): 0.5, ("b", "c"): 0.0}
-        assert table["low"].dropna().to_dict() == {("a", "b"): 1.0}
 
     def test_a_single_trial_leaves_no_interval(self, frame_of, one):
         frame = frame_of({("p", "a"): [1.0, 2.0], ("p", "b"): [3.0]})

@@ -9,12 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scikit_posthocs import posthoc_nemenyi_friedman
 
-from bench.analysis.across import (
-    average_ranks,
-    cliques,
-    critical_difference,
-    nemenyi,
-)
+from bench.analysis.across import average_ranks, cliques, critical_difference, nemenyi
 from tests.bench.analysis.tables import random_table, table_of
 
 pytestmark = pytest.mark.filterwarnings("error")
