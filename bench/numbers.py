@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from importlib.metadata import version
 from numbers import Integral, Real
 from typing import Any
@@ -62,6 +63,7 @@ def require_positive(what: str, value: Any, maximum: float = math.inf, *, unit: 
         raise BenchError(f"{what} must be a positive number{units}{limit}, not {value!r}")
 
 
+@cache  # to look up a version takes a millisecond, and a million trials ask 400 times
 def exact_csv() -> dict[str, Any]:
     """Return the options with which ``pandas.read_csv`` reads every number to the last bit, the default from 3.1 on."""
     major, minor = version("pandas").split(".")[:2]

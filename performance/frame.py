@@ -1,6 +1,6 @@
 """What the tidy frame of a study of very many trials takes: seconds and memory, by number of trials.
 
-    taskset -c 0 python performance/frame.py [TRIALS …] [--keep FOLDER]        # default: 250000 500000 1000000
+    taskset -c 0,1 python performance/frame.py [TRIALS …] [--keep FOLDER]        # default: 250000 500000 1000000
 
 No search is run: the store holds made-up trials of 10 optimizers on the 20 signature problems, as a run would write
 them, with seven variables, three metrics and up to four improvements each. Every frame is read in a process of its own,
@@ -35,12 +35,11 @@ began, cpu = time.perf_counter(), time.process_time()
 frame = bench.storage.results.load_results(sys.argv[1])
 wall, cpu = time.perf_counter() - began, time.process_time() - cpu
 peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
-began = time.perf_counter()
-bench.storage.results.Results(sys.argv[1]).stores
-check = time.perf_counter() - began
+others = resource.getrusage(resource.RUSAGE_CHILDREN)
+others = others.ru_utime + others.ru_stime
 held = frame.memory_usage(deep=True).sum() / 1e6
-print(f"{len(frame):>9,} trials: {wall:5.1f} s ({cpu:.1f} s of processor time; the digests alone {check:.1f} s), "
-      f"at most {peak:,.0f} MB ({before:,.0f} MB before), a frame of {held:,.0f} MB")
+print(f"{len(frame):>9,} trials: {wall:5.1f} s ({cpu:.1f} s of processor time, and {others:.1f} s of processes that "
+      f"compare digests), at most {peak:,.0f} MB ({before:,.0f} MB before), a frame of {held:,.0f} MB")
 """
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.analysis.similarity import behaviour
+from bench.budget import Budget, evaluations
 from bench.check.problems import FUNCTIONS, RecordingProblem, classic
 from bench.errors import BenchError
 from bench.optimizer import Optimizer
@@ -38,24 +39,26 @@ def behaviours(
     optimizers: Mapping[str, Optimizer],
     problems: Mapping[str, Callable[[], RecordingProblem]],
     trials: int,
-    budget: int,
+    budget: Budget,
     seed: int = 0,
     on_progress: Progress = lambda *_: None,
 ) -> dict[str, Sequence[Floats]]:
     """Run every optimizer on every problem; return, by optimizer, (trials, numbers) for each problem.
 
-    Precisions are counted from the known optimum, or else from the lowest value of any trial.
+    A budget that is a multiple of the dimension may differ between problems. Precisions are counted from the known
+    optimum, or else from the lowest value of any trial.
 
     Raises:
         BenchError: where an optimizer fails.
     """
+    budgets = {label: evaluations(budget, make().dimension) for label, make in problems.items()}
     runs: dict[tuple[str, str], list[tuple[Floats, Floats]]] = {}
     with threadpool_limits(limits=1):
         for number, (name, optimizer) in enumerate(optimizers.items()):
             for place, (label, make) in enumerate(problems.items()):
                 on_progress(f"{name} on {label}", number * len(problems) + place, len(optimizers) * len(problems))
                 seeds = (trial_seed(seed, label, name, trial) for trial in range(trials))
-                runs[name, label] = [_run(name, optimizer, make(), budget, each) for each in seeds]
+                runs[name, label] = [_run(name, optimizer, make(), budgets[label], each) for each in seeds]
     zeros = {}
     for label, make in problems.items():
         known = make().optimum
@@ -63,7 +66,7 @@ def behaviours(
         zeros[label] = known if known is not None else min(float(own.min()) for own in values)
     return {
         name: [
-            np.array([behaviour(points, values, zeros[label], budget) for points, values in runs[name, label]])
+            np.array([behaviour(points, values, zeros[label], budgets[label]) for points, values in runs[name, label]])
             for label in problems
         ]
         for name in optimizers

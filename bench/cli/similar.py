@@ -33,7 +33,7 @@ def similar(
     trials: Annotated[
         int, typer.Option(help="Trials on each problem; half of them are compared with the others.")
     ] = 30,
-    budget: Annotated[int, typer.Option(help="Evaluations of a trial.")] = 1_500,
+    budget: Annotated[str, typer.Option(help="Evaluations of a trial: a number, or such as '300 * d'.")] = "1500",
     option: Parameters = None,
     seed: Annotated[int, typer.Option(help="Seed of the trials.")] = 0,
     figure: Annotated[Path, typer.Option(help="The file of the map (svg, pdf or png).")] = Path("similar.svg"),
@@ -46,6 +46,7 @@ def similar(
     """
     from bench.analysis.similarity import similarity
     from bench.atomic import replacing
+    from bench.budget import checked, described, evaluations
     from bench.check.behaviour import behaviours, common_problems, recorder
     from bench.execution.progress import steps
     from bench.numbers import require_whole
@@ -55,7 +56,6 @@ def similar(
     from bench.report.wording import p_text
 
     require_whole("the trials", trials, 10)
-    require_whole("the budget of evaluations", budget, 50)
     require_whole("the seed", seed, 0)
     if figure.suffix not in (".svg", ".pdf", ".png"):
         raise BenchError(f"the figure {figure} must end with .svg, .pdf or .png")
@@ -63,14 +63,17 @@ def similar(
     if len(names) < 2:
         raise BenchError("similarity needs at least two optimizers; name another one")
     loaded = {name: loading.load_optimizer(name, **pairs(option)) for name in names}
-    for name, each in loaded.items():
-        each.check_budget(budget, name)
     chosen = [name for given in problem or () for name in selection.matching(given)]
     own = {name: loading.load_problem(name) for name in chosen}
     problems = {name: lambda each=each: recorder(each) for name, each in own.items()} or common_problems()
+    spent = checked(budget, "--budget")
+    least = min(evaluations(spent, make().dimension) for make in problems.values())
+    require_whole("the budget of evaluations", least, 50)
+    for name, each in loaded.items():
+        each.check_budget(least, name)
     console = Console()
     with steps(console, "similar") as on_progress:
-        found = similarity(behaviours(loaded, problems, trials, budget, seed, on_progress), seed=seed)
+        found = similarity(behaviours(loaded, problems, trials, spent, seed, on_progress), seed=seed)
     table = Table(box=None, pad_edge=False)
     for head in ("optimizer", "cluster", "against itself", "nearest other", "distance", "p (Holm)"):
         table.add_column(head, overflow="fold")
@@ -92,7 +95,7 @@ def similar(
         print_line(f"alike, as far as {trials // 2} trials can show: {', '.join(group)}", console=console)
     if not groups:
         print_line("Every optimizer differs from every other one.", console=console)
-    conditions = f"{len(problems)} problem{'s' if len(problems) > 1 else ''}, {trials} trials, {budget:,} evaluations"
+    conditions = f"{len(problems)} problem{'s' if len(problems) > 1 else ''}, {trials} trials, {described(spent)}"
     print_line(f"{conditions}; distance: mean Kolmogorov-Smirnov distance of what trials do, 0 to 1", console=console)
     print_line(f"the map leaves out {found.stress:.0%} of the squared distances", console=console)
     with style.context(), replacing(figure) as temporary:

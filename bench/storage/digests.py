@@ -43,16 +43,22 @@ _TYPED = " AND ".join(
     + [f"(+{name} < '') IS NOT 0" for name in _NUMBERS]
     + ["(trace >= x'') IS NOT 0"]
 )
-_COLUMNS = ", ".join(["cell, trial", *(f"CAST({name} AS BLOB)" if name in _TEXTS else name for name in MEASURED)])
+COLUMNS = ", ".join(["cell, trial", *(f"CAST({name} AS BLOB)" if name in _TEXTS else name for name in MEASURED)])
+"""The SQL columns of a row: its key, and those measured, texts as UTF-8."""
 
-SOUND = (
-    f"CASE WHEN {_TYPED} THEN sound(CAST(digest AS BLOB), {_COLUMNS}, trace)"
-    " ELSE sound(NULL, CAST(cell AS INTEGER), CAST(trial AS INTEGER)) END"
-)
-"""The SQL condition that a row of ``TRIALS`` fits its digest, on a connection with :class:`Digests`."""
+COMPARED = f"CAST(digest AS BLOB), {COLUMNS}, trace"
+"""The SQL columns that :attr:`Digests.sound` compares; texts are UTF-8."""
+
+_NOT_TYPED = "sound(NULL, CAST(cell AS INTEGER), CAST(trial AS INTEGER))"
+
+TYPED = f"CASE WHEN {_TYPED} THEN 1 ELSE {_NOT_TYPED} END"
+"""The SQL condition that a row of ``TRIALS`` can be compared, on a connection with :class:`Digests`."""
+
+SOUND = f"CASE WHEN {_TYPED} THEN sound({COMPARED}) ELSE {_NOT_TYPED} END"
+"""The SQL condition that a row of ``TRIALS`` fits its digest, likewise."""
 
 SEAL = (
-    f"UPDATE results SET digest = row_digest({_COLUMNS},"
+    f"UPDATE results SET digest = row_digest({COLUMNS},"
     " (SELECT trace FROM traces WHERE traces.cell = results.cell AND traces.trial = results.trial))"
 )
 """The SQL statement that gives rows their digests, on a connection with :class:`Digests`."""
@@ -76,6 +82,24 @@ def _hash(content: bytes, size: int = 8) -> bytes:
     return blake2b(content, digest_size=size).digest()
 
 
+def shares(connection: sqlite3.Connection) -> int:
+    """Return the number of processes among which the rows of a store are divided."""
+    pages, size = (connection.execute(f"PRAGMA {name}").fetchone()[0] for name in ("page_count", "page_size"))
+    if pages * size < LARGE or not sys.executable:
+        return 1
+    affinity = getattr(os, "sched_getaffinity", None)
+    return min(MOST, len(affinity(0)) if affinity else os.cpu_count() or 1)
+
+
+def share(part: int, parts: int) -> str:
+    """Return the SQL condition that a row belongs to one part of a store.
+
+    Every part looks at all rows and takes those whose number leaves ``part`` when divided by ``parts``: of parts that
+    begin and end at a key, two could miss a row whose key was damaged.
+    """
+    return f"coalesce(abs(trial % {parts}), 0) = {part}" if parts > 1 else "1"
+
+
 class Counts(NamedTuple):
     """The number of sound rows, of those that have a trace, and the largest number of an environment they refer to."""
 
@@ -89,6 +113,7 @@ class Digests:
 
     Attributes:
         labels: problem and optimizer of each cell, by its number.
+        sound: whether a row fits its digest, given the values of ``COMPARED``.
 
     Raises:
         sqlite3.DatabaseError: where the store's key is damaged.
@@ -109,7 +134,8 @@ class Digests:
         ):
             problem, optimizer = (label.decode(errors="replace") for label in labels)
             self.add(cell, problem, optimizer)
-        connection.create_function("sound", -1, _sound(self._keys, self._damaged))
+        self.sound = _sound(self._keys, self._damaged)
+        connection.create_function("sound", -1, self.sound)
         connection.create_function("row_digest", -1, _row_digest(self._keys))
 
     def add(self, cell: int, problem: str, optimizer: str) -> None:
@@ -122,13 +148,9 @@ class Digests:
         return _hash(self._key + dumps((number, record), FORMAT))
 
     def count(self, part: int, parts: int) -> Counts:
-        """Count the rows of one part of the store that fit their digests; :meth:`take` returns the others.
-
-        Every part looks at all rows and takes those whose number leaves ``part`` when divided by ``parts``: of parts
-        that begin and end at a key, two could miss a row whose key was damaged.
-        """
-        mine = f"coalesce(abs(trial % {parts}), 0) = {part} AND " if parts > 1 else ""
-        query = f"SELECT count(*), count(trace), coalesce(max(environment), 0) FROM {TRIALS} WHERE {mine}{SOUND}"
+        """Count the rows of one part of the store that fit their digests; :meth:`take` returns the others."""
+        rows = f"{TRIALS} WHERE {share(part, parts)} AND {SOUND}"
+        query = f"SELECT count(*), count(trace), coalesce(max(environment), 0) FROM {rows}"
         return Counts(*self._connection.execute(query).fetchone())
 
     def take(self) -> list[Place]:
@@ -145,7 +167,7 @@ class Digests:
         Raises:
             sqlite3.Error: where the store cannot be read.
         """
-        parts = _parts(self._connection)
+        parts = shares(self._connection)
         with ExitStack() as started:
             others = [started.enter_context(_process(uri, part, parts)) for part in range(1, parts)]
             for other in others:
@@ -185,15 +207,6 @@ def _sound(keys: dict[object, bytes], damaged: list[Place]) -> Callable[..., int
 def _row_digest(keys: dict[object, bytes]) -> Callable[..., bytes | None]:
     """Return the function that gives a row its digest, none to a row of no known cell."""
     return lambda cell, *row: _hash(keys[cell] + dumps(row, FORMAT)) if cell in keys else None
-
-
-def _parts(connection: sqlite3.Connection) -> int:
-    """Return the number of processes that check a store."""
-    pages, size = (connection.execute(f"PRAGMA {name}").fetchone()[0] for name in ("page_count", "page_size"))
-    if pages * size < LARGE or not sys.executable:
-        return 1
-    affinity = getattr(os, "sched_getaffinity", None)
-    return min(MOST, len(affinity(0)) if affinity else os.cpu_count() or 1)
 
 
 def main() -> None:

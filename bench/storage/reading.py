@@ -4,22 +4,35 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from itertools import islice, product
-from typing import Any
+from itertools import chain, islice, product
+from typing import Any, NamedTuple
 
-from bench.storage.digests import INTERRUPTED, SOUND, TRIALS, Digests, Place
+from bench.storage.blocks import Block, pack
+from bench.storage.digests import (
+    COLUMNS,
+    COMPARED,
+    INTERRUPTED,
+    MEASURED,
+    SOUND,
+    TRIALS,
+    TYPED,
+    Counts,
+    Digests,
+    Place,
+    share,
+)  # fmt: skip
 from bench.storage.schema import KEY, has_digests
 from bench.storage.traces import Key
 from bench.text import printable
 
 NAMED = 3  # damaged trials that a sentence names
 UNKNOWN = "an unknown problem", "an unknown optimizer"
-JSON = ("x", "figures")  # columns
-SLICE = 5_000  # rows held as Python objects at a time
-ROWS = 500  # rows held as tuples at a time: more would not fit in the processor's cache
+ROWS = 5_000  # held as Python objects at a time
+FETCHED = 500  # rows held as tuples at a time: more would not fit in the processor's cache
+CELL, ENVIRONMENT = 1, 3 + MEASURED.index("environment")  # places of columns in a row that is compared
 LONGEST = 100  # characters of a label, which may be damaged too
 
 
@@ -69,6 +82,13 @@ def _name(problem: str, optimizer: str, trial: int) -> str:
     return f"{printable(optimizer, LONGEST)} on {printable(problem, LONGEST)}, {number}"
 
 
+class Tally(NamedTuple):
+    """What reading a part of a store found: the counts of sound rows, and the damaged ones."""
+
+    counts: Counts
+    damaged: list[Place]
+
+
 class Reader:
     """The rows of an open store at one moment, and which of them fit their digests.
 
@@ -93,18 +113,28 @@ class Reader:
         Raises:
             sqlite3.Error: where a part of the rows cannot be read.
         """
-        found = StoreCheck(has_digests=self._digests is not None)
+        if self._digests:
+            tally = Tally(self._digests.check(self._uri), self._digests.take())
+        else:
+            count = self._connection.execute("SELECT count(*) FROM results").fetchone()[0]
+            tally = Tally(Counts(count, 0, 0), [])
+        found = self.outcome([tally])
         if structure:
             said = str(self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0])
             found.structure = "" if said == "ok" else " ".join(said.split())
-        environment = 0
+        return found
+
+    def outcome(self, tallies: Iterable[Tally]) -> StoreCheck:
+        """Return the outcome of reading all parts of the store, and compare the environments' records with theirs."""
+        found = StoreCheck(has_digests=self._digests is not None)
+        counts, damages = zip(*tallies, strict=True)
+        rows, traces, environments = zip(*counts, strict=True)
+        damaged = list(chain.from_iterable(damages))
         if self._digests:
-            sound = self._digests.check(self._uri)
-            damaged = [*self._digests.take(), *self._lost(sound.traces)]
-            found.trials, environment = sound.rows + len(damaged), sound.environment
-            found.damaged = {(*self.labels.get(cell, UNKNOWN), trial): None for cell, trial in damaged}
-        else:
-            found.trials = self._connection.execute("SELECT count(*) FROM results").fetchone()[0]
+            damaged += self._lost(sum(traces))
+        found.trials = sum(rows) + len(damaged)
+        found.damaged = {(*self.labels.get(cell, UNKNOWN), trial): None for cell, trial in damaged}
+        environment = max(environments) if self._digests else 0
         known = self.environments()
         found.environments = [
             number for number in sorted({*known, *range(1, environment + 1)}) if not known.get(number)
@@ -140,34 +170,47 @@ class Reader:
             if cell in self.labels:
                 yield dict(zip(columns, (*self.labels[cell], *row), strict=True))
 
-    def columns(self, names: Sequence[str], *, compared: bool = True) -> Iterator[dict[str, list[Any]]]:
-        """Yield ``cell``, ``trial`` and named columns of the rows that fit their digests, cell by cell.
+    def blocks(self, skipped: Collection[str] = (), part: int = 0, parts: int = 1) -> Iterator[Block | Tally]:
+        """Yield the trials that fit their digests, cell by cell, in blocks of about ``ROWS``, and at last their tally.
 
-        Each dictionary holds about ``SLICE`` rows, as a study may have millions; JSON texts are UTF-8. Where rows were
-        checked before, ``compared=False`` spares it here.
+        Args:
+            skipped: problems whose trials are compared and counted, but not yielded.
+            part: the part of the store to read, from 0 on.
+            parts: the number of parts.
 
         Raises:
             sqlite3.Error: where a part of the rows cannot be read.
+            BenchError: where a text is no JSON, in a store of the layout without digests.
         """
-        sound = SOUND if compared and self._digests else "1"
-        read = ", ".join(f"CAST({name} AS BLOB)" if name in JSON else name for name in names)
-        tables = TRIALS if sound == SOUND else "results"
-        query = f"SELECT cell, trial, {read} FROM {tables} WHERE {sound} ORDER BY cell, trial"
-        cursor, columns = self._connection.execute(query), self._empty(names)
-        while rows := cursor.fetchmany(ROWS):
-            if not self.labels.keys() >= {row[0] for row in rows}:  # in a store without digests
-                rows = [row for row in rows if row[0] in self.labels]
-            for column, values in zip(columns.values(), zip(*rows, strict=True), strict=False):
-                column.extend(values)
-            if len(columns["cell"]) >= SLICE:
-                yield columns
-                columns = self._empty(names)
+        if self._digests:
+            sound = self._digests.sound
+            query = f"SELECT {COMPARED} FROM {TRIALS} WHERE {share(part, parts)} AND {TYPED} ORDER BY cell, trial"
+        else:
+            sound = self._is_known
+            query = f"SELECT NULL, {COLUMNS}, NULL FROM results WHERE {share(part, parts)} ORDER BY cell, trial"
+        not_wanted = {cell for cell, (problem, _) in self.labels.items() if problem in skipped}
+        cursor, columns = self._connection.execute(query), _no_rows()
+        rows = traces = environment = 0
+        while fetched := cursor.fetchmany(FETCHED):
+            if not (some := [row for row in fetched if sound(*row)]):
+                continue
+            values = [*zip(*some, strict=True)]
+            rows += len(some)
+            traces += len(some) - values[-1].count(None)
+            environment = max(environment, *(each for each in set(values[ENVIRONMENT]) if isinstance(each, int)), 0)
+            if not not_wanted.isdisjoint(values[CELL]):
+                values = [*zip(*(row for row in some if row[CELL] not in not_wanted), strict=True)]
+            for column, more in zip(columns.values(), values[CELL:-1], strict=False):
+                column.extend(more)
+            if len(columns["cell"]) >= ROWS:
+                yield pack(columns, self.labels)
+                columns = _no_rows()
         if columns["cell"]:
-            yield columns
+            yield pack(columns, self.labels)
+        yield Tally(Counts(rows, traces, environment), self._digests.take() if self._digests else [])
 
-    @staticmethod
-    def _empty(names: Sequence[str]) -> dict[str, list[Any]]:
-        return {name: [] for name in ("cell", "trial", *names)}
+    def _is_known(self, *row: object) -> bool:
+        return row[CELL] in self.labels
 
     def rescue(self, names: Sequence[str], trials: int) -> Iterator[dict[str, Any]]:
         """Yield what :meth:`rows` can read, then the first ``trials`` trials of each cell that can be looked up.
@@ -195,6 +238,10 @@ class Reader:
             sound = (each for each in texts if not self._digests or self._digests.record(number, each) == noted)
             records[number] = _record(next(sound, None))
         return records
+
+
+def _no_rows() -> dict[str, list[Any]]:
+    return {name: [] for name in ("cell", "trial", *MEASURED)}
 
 
 @contextmanager

@@ -23,9 +23,11 @@ from bench.plugins import selection
 from bench.plugins.loading import is_imported
 from bench.problem import Problem
 from bench.scoring import Scored, plain
+from bench.storage.blocks import Block
 from bench.storage.folder import Folder
+from bench.storage.parts import LostPartError
 from bench.storage.reading import StoreCheck
-from bench.storage.tidy import Slice, tidy
+from bench.storage.tidy import tidy
 from bench.storage.traces import Traces
 from bench.storage.union import differences, united
 from bench.study import Study
@@ -33,6 +35,9 @@ from bench.text import html_table, unique
 from bench.trial import PRECISION
 
 AnyPath = str | PathLike[str]
+
+MANY = 150_000
+"""Trials from which on several processes read a store faster than one: each takes half a second to start."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -139,24 +144,41 @@ class Results:
     @property
     def stores(self) -> list[StoreCheck]:
         """The check of each folder's store; damaged trials are neither in the frame nor among the traces."""
-        return [source.found for source in self._sources]
+        return [source.found for source in self._read_sources]
 
     @property
     def damage(self) -> list[str]:
         """A sentence for each folder in which trials, or records of environments, are damaged."""
-        return [f"{source.name}: {source.found.sentence}" for source in self._sources if not source.found.sound]
+        return [f"{source.name}: {source.found.sentence}" for source in self._read_sources if not source.found.sound]
 
     def note_stores(self) -> None:
         """Note in each folder that can be written that its store was checked, and with what outcome."""
-        for source in self._sources:
+        for source in self._read_sources:
             source.folder.note_store(source.found)
+
+    @property
+    def _read_sources(self) -> list[_Source]:
+        """The folders, whose stores are checked while the frame is read."""
+        _ = self._frame_and_origins
+        return self._sources
 
     @cached_property
     def _frame_and_origins(self) -> tuple[pd.DataFrame, pd.Series]:
+        try:
+            return self._read(several=True)
+        except LostPartError:
+            return self._read(several=False)
+
+    def _read(self, *, several: bool) -> tuple[pd.DataFrame, pd.Series]:
         shared = {entry.label for entry in self.study.problems}
+        trials = [source.folder.store.count() for source in self._sources]
         frame = tidy(
-            (each for source in self._sources for each in source.slices(shared)),
-            sum(source.found.trials for source in self._sources),
+            (
+                each
+                for source, count in zip(self._sources, trials, strict=True)
+                for each in source.blocks(shared, several=several and count >= MANY)
+            ),
+            sum(trials),
             [entry.label for entry in self.study.problems],
             [entry.label for entry in self.study.optimizers],
         )
@@ -170,7 +192,7 @@ class Results:
         return Traces(
             {
                 (problem, source.shown[optimizer]): cell
-                for source in self._sources
+                for source in self._read_sources
                 for (problem, optimizer), cell in source.folder.store.traces(source.found).cells.items()
                 if problem in shared
             }
@@ -252,7 +274,7 @@ def load_results(path: AnyPath, *others: AnyPath) -> pd.DataFrame:
 # several folders as one study
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass
 class _Source:
     """One folder: its study with the labels as shown, the shown label of each optimizer, and its environments."""
 
@@ -262,34 +284,25 @@ class _Source:
     shown: dict[str, str]
     environments: list[dict[str, Any]]
     environment_places: dict[int, int]
+    found: StoreCheck = dataclasses.field(default_factory=StoreCheck)  # as the trials were last read
 
-    @cached_property
-    def found(self) -> StoreCheck:
-        """The check of the store."""
-        return self.folder.store.check()
-
-    def slices(self, problems: Collection[str]) -> Iterator[Slice]:
+    def blocks(self, problems: Collection[str], *, several: bool) -> Iterator[tuple[str, Block]]:
         """Yield the sound trials on these problems, with shown labels and the environments' numbers of all folders."""
         known = {entry.label for entry in self.study.problems}
-        shown: dict[int, tuple[str, str]] = {}
-        for labels, columns in self.folder.store.sound_columns(self.found):
-            for cell in dict.fromkeys(columns["cell"]):
-                if cell not in shown:
-                    problem, optimizer = labels[cell]
-                    if problem not in known or optimizer not in self.shown:
-                        strange = optimizer if problem in known else problem
-                        raise BenchError(
-                            f"{self.folder.path} holds trials of {strange!r}, which its study.toml does not name; "
-                            "put back the study.toml that the run wrote"
-                        )
-                    shown[cell] = problem, self.shown[optimizer]
-            foreign = {cell for cell in dict.fromkeys(columns["cell"]) if shown[cell][0] not in problems}
-            if foreign:
-                wanted = [cell not in foreign for cell in columns["cell"]]
-                columns = {name: list(compress(values, wanted)) for name, values in columns.items()}
-            if columns["cell"]:
-                places = list(map(self.environment_places.get, columns["environment"]))
-                yield Slice(self.study.name, shown, columns | {"environment": places})
+        for block in self.folder.store.blocks(known.difference(problems), several=several):
+            if isinstance(block, StoreCheck):
+                self.found = block
+                continue
+            for problem, optimizer in block.cells:
+                if problem not in known or optimizer not in self.shown:
+                    strange = optimizer if problem in known else problem
+                    raise BenchError(
+                        f"{self.folder.path} holds trials of {strange!r}, which its study.toml does not name; "
+                        "put back the study.toml that the run wrote"
+                    )
+            cells = [(problem, self.shown[optimizer]) for problem, optimizer in block.cells]
+            environments = pd.Series(block.numbers["environment"]).map(self.environment_places).to_numpy()
+            yield self.study.name, block._replace(cells=cells, numbers=block.numbers | {"environment": environments})
 
 
 def _sources(folders: list[Folder]) -> list[_Source]:

@@ -7,14 +7,16 @@ import os
 import shutil
 import sqlite3
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError
-from bench.storage.digests import INTERRUPTED, MEASURED, SEAL, Digests
+from bench.storage.blocks import Block
+from bench.storage.digests import INTERRUPTED, MEASURED, SEAL, Digests, shares
+from bench.storage.parts import read_parts
 from bench.storage.reading import Reader, StoreCheck
 from bench.storage.schema import KEY, OLDEST, VERSION, prepare
 from bench.storage.traces import Key, Traces, pack
@@ -189,21 +191,29 @@ class Store:
         self._require()
         return self._read((*MEASURED, "trace") if traces else MEASURED, found)
 
-    def sound_columns(self, found: StoreCheck) -> Iterator[tuple[dict[Any, tuple[str, str]], dict[str, list[Any]]]]:
-        """Yield slices of the rows that are as they were written, column by column, with the labels of their cells.
+    def blocks(self, skipped: Collection[str] = (), *, several: bool = False) -> Iterator[Block | StoreCheck]:
+        """Yield the trials that are as they were written, in blocks, and at last what :meth:`check` would return.
 
-        A slice has ``cell`` and all columns but the trace, as :meth:`bench.storage.reading.Reader.columns` yields them.
-        ``found`` is what :meth:`check` returned just before.
+        Args:
+            skipped: problems whose trials are checked, but not yielded.
+            several: whether several processes read a large store.
 
         Raises:
+            LostPartError: when one of several processes ended too early.
             BenchError: when there is no store.
             DamagedStoreError: when SQLite cannot read all rows.
         """
         self._require()
-        with self._reader() as reader:
-            if reader:
-                for columns in reader.columns(MEASURED, compared=not found.sound):
-                    yield reader.labels, columns
+        with self._open() as (connection, uri):
+            if connection.execute("PRAGMA user_version").fetchone()[0]:
+                parts = shares(connection) if several else 1
+                yield from read_parts(Reader(connection, uri), uri, skipped, parts)
+            else:  # its run was killed before it made tables
+                yield StoreCheck()
+
+    def count(self) -> int:
+        """Return the number of stored trials, damaged or not."""
+        return sum(count for (count,) in self._select("SELECT count(*) FROM results"))
 
     def _read(self, names: Sequence[str], found: StoreCheck) -> Iterator[dict[str, Any]]:
         with self._reader() as reader:

@@ -2,83 +2,54 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from bench.errors import BenchError
-from bench.storage.metrics import Damaged, Found, parsed
+from bench.storage.blocks import JSON, NUMBERS, TEXTS, UNKNOWN, Array, Block, First
+from bench.storage.metrics import Found
 from bench.trial import FRAME_COLUMNS
 
 COLUMNS = (*FRAME_COLUMNS, "environment")
-
-UNKNOWN = -1
-"""Stands for the seed of an imported trial, as floats would lose digits of the others; the frame has <NA>."""
-
-_TEXTS = ("study", "problem", "optimizer", "status", "stop", "error")
-
-Array = NDArray[Any]
+PREFIXES = dict(zip(JSON, ("x_", ""), strict=True))
 
 
-@dataclass(frozen=True)
-class Slice:
-    """Some stored trials of one folder, cell by cell.
-
-    Attributes:
-        study: the name of their study.
-        labels: problem and optimizer, as shown, by the number of the cell.
-        columns: ``cell`` and the stored columns by name, each a sequence with a value for every trial; ``x`` and
-            ``figures`` are JSON texts in UTF-8, or None.
-    """
-
-    study: str
-    labels: Mapping[Any, tuple[str, str]]
-    columns: Mapping[str, Sequence[Any]]
-
-
-def tidy(slices: Iterable[Slice], trials: int, problems: Sequence[str], optimizers: Sequence[str]) -> pd.DataFrame:
+def tidy(
+    blocks: Iterable[tuple[str, Block]], trials: int, problems: Sequence[str], optimizers: Sequence[str]
+) -> pd.DataFrame:
     """Return the tidy frame of stored trials, sorted by problem, optimizer (as listed) and trial.
 
-    Its columns are ``COLUMNS``, one ``x_<variable>`` for each variable of any problem, and one for each domain metric.
+    Its columns are ``COLUMNS``, one ``x_<variable>`` for each variable of any problem, and one for each domain metric,
+    whatever the order of the blocks.
 
     Args:
-        slices: the trials.
+        blocks: the trials, each block with the name of the study.
         trials: the number of all trials, as far as it is known: every column is one array from the beginning, as many
             small ones would leave gaps in the memory.
         problems: the problems' labels, in the study's order.
         optimizers: the optimizers' labels, likewise.
-
-    Raises:
-        BenchError: where a JSON text is damaged.
     """
-    texts = {name: _Texts() for name in _TEXTS}
-    own = {name: _Numbers(trials) for name in COLUMNS if name not in _TEXTS}
-    found = {"x_": _Scattered(trials), "": _Scattered(trials)}
-    shown: dict[str, tuple[list[str], list[str]]] = {}  # names of the variables and metrics, by problem
+    texts = {name: _Texts() for name in ("study", "problem", "optimizer", *TEXTS)}
+    own = {name: _Numbers(trials) for name in NUMBERS}
+    found = {name: _Scattered(trials) for name in JSON}
+    shown: dict[str, First] = {}  # by problem
     rows = 0
-    for each in slices:
-        columns, runs = each.columns, _runs(each.columns["cell"])
+    for study, block in blocks:
+        count = int(block.runs[-1])
         for name, column in own.items():
-            column.put(rows, _seeds(columns[name]) if name == "seed" else _numbers(columns[name]))
-        for name in ("status", "stop", "error"):
-            texts[name].add(columns[name])
-        texts["study"].repeat([each.study], runs[-1:])
-        labels = [each.labels[columns["cell"][start]] for start in runs[:-1]]
-        for name, values in zip(("problem", "optimizer"), zip(*labels, strict=True), strict=True):
-            texts[name].repeat(values, np.diff(runs))
-        for prefix, name in (("x_", "x"), ("", "figures")):
-            try:
-                found[prefix].put(rows, runs[-1], parsed(columns[name], runs))
-            except Damaged as error:
-                raise _refusal(each, name, error.place) from error
-        _note_names(each, runs, labels, shown)
-        rows += runs[-1]
+            column.put(rows, block.numbers[name])
+        for name in TEXTS:
+            texts[name].add(*block.texts[name])
+        texts["study"].repeat([study], [count])
+        for name, values in zip(("problem", "optimizer"), zip(*block.cells, strict=True), strict=True):
+            texts[name].repeat(values, np.diff(block.runs))
+        for name, scattered in found.items():
+            scattered.put(rows, count, block.found[name])
+        for first in block.first:
+            shown[first.problem] = min(shown.get(first.problem, first), first)
+        rows += count
     if not rows:
         return pd.DataFrame(columns=[*COLUMNS])
     cells = texts["optimizer"].places(optimizers), texts["problem"].places(problems)
@@ -91,10 +62,11 @@ def tidy(slices: Iterable[Slice], trials: int, problems: Sequence[str], optimize
         series["seed"] = pd.arrays.IntegerArray(series["seed"], unknown)
     # Problems may have different variables and metrics, whose columns must not be in the order of the commits.
     known = [shown[problem] for problem in problems if problem in shown]
-    for place, prefix in enumerate(("x_", "")):
-        names = dict.fromkeys(name for each in known for name in each[place])
-        for name in dict.fromkeys([*names, *found[prefix].filled]):
-            series[f"{prefix}{name}"] = found[prefix].column(name, rows)[order]
+    names = {"x": [each.variables for each in known], "figures": [each.metrics for each in known]}
+    for name, prefix in PREFIXES.items():
+        listed = dict.fromkeys(each for some in names[name] for each in some)
+        for each in dict.fromkeys([*listed, *sorted(found[name].filled)]):
+            series[f"{prefix}{each}"] = found[name].column(each, rows)[order]
     return pd.DataFrame(series, copy=False)  # a copy would gather all columns of a type, and double them for a while
 
 
@@ -105,18 +77,20 @@ class _Texts:
         self._numbers: dict[str | None, int] = {}
         self._runs: list[tuple[Array, Any]] = []  # numbers of texts, and how often each is repeated
 
-    def add(self, values: Sequence[str | None]) -> None:
-        """Add a value for every trial."""
-        if len(distinct := dict.fromkeys(values)) == 1:
-            self.repeat([*distinct], np.array([len(values)]))
+    def add(self, distinct: Sequence[str | None], places: Array) -> None:
+        """Add a value for every trial, given as the place among distinct values."""
+        if len(distinct) == 1:
+            self.repeat(distinct, [len(places)])
         else:
-            self.repeat(values, 1)
+            self._runs.append((self._known(distinct)[places], 1))
 
     def repeat(self, values: Sequence[str | None], times: Any) -> None:
-        """Add each value as often as ``times`` says: one number, or one for each value."""
-        for value in dict.fromkeys(values):
-            self._numbers.setdefault(value, len(self._numbers))
-        self._runs.append((np.fromiter(map(self._numbers.__getitem__, values), np.int32, len(values)), times))
+        """Add each value as often as ``times`` says."""
+        self._runs.append((self._known(values), times))
+
+    def _known(self, values: Sequence[str | None]) -> Array:
+        """Return the numbers of texts."""
+        return np.array([self._numbers.setdefault(value, len(self._numbers)) for value in values], dtype=np.int32)
 
     def _codes(self) -> Array:
         return np.concatenate([np.repeat(numbers, times) for numbers, times in self._runs])
@@ -140,7 +114,7 @@ class _Numbers:
         self._some = False  # whether any is there
 
     def put(self, before: int, values: Array) -> None:
-        """Put the values of a slice behind those of other slices."""
+        """Put the values of a block behind those of other blocks."""
         if self._array is None:
             self._array = np.empty(self._trials, dtype=values.dtype)
         elif (kind := np.result_type(self._array, values)) != self._array.dtype:
@@ -170,7 +144,7 @@ class _Scattered:
         self._others: dict[str, list[tuple[Any, Array]]] = {}  # as a problem's own metrics may be anything
 
     def put(self, before: int, count: int, found: Found) -> None:
-        """Put the columns of a slice of ``count`` trials behind ``before`` others."""
+        """Put the columns of a block of ``count`` trials behind ``before`` others."""
         self._trials = max(self._trials, before + count)
         for name, (index, values) in found.items():
             place = slice(before, before + count) if index is None else index + before
@@ -209,42 +183,3 @@ def _long_enough(array: Array, count: int) -> Array:
     more: Array = np.empty(count + count // 8 - len(array), dtype=array.dtype)
     more[:] = np.nan if array.dtype == float else 0
     return np.concatenate([array, more])
-
-
-def _runs(cells: Sequence[Any]) -> Array:
-    """Return where the runs of equal cells begin, and the number of all trials."""
-    numbers = np.asarray(cells)
-    return np.concatenate([[0], np.flatnonzero(numbers[1:] != numbers[:-1]) + 1, [len(numbers)]])
-
-
-def _numbers(values: Sequence[Any]) -> Array:
-    """Return a column as an array; missing values become NaN."""
-    array = np.asarray(values)
-    if array.dtype == object and all(value is None or isinstance(value, int | float) for value in values):
-        return array.astype(float)
-    return array
-
-
-def _seeds(values: Sequence[Any]) -> Array:
-    """Return seeds as whole numbers, UNKNOWN where there is none."""
-    return np.array([UNKNOWN if value is None else value for value in values] if None in values else values)
-
-
-def _note_names(
-    each: Slice, runs: Array, labels: Sequence[tuple[str, str]], shown: dict[str, tuple[list[str], list[str]]]
-) -> None:
-    """Note the names of each problem's variables and metrics, in the order of its first trial that has a point."""
-    points, figures = each.columns["x"], each.columns["figures"]
-    for (start, end), (problem, _) in zip(pairwise(runs), labels, strict=True):
-        if problem not in shown:
-            first = next((row for row in range(start, end) if points[row] not in (None, b"{}")), None)
-            if first is not None:
-                shown[problem] = [*json.loads(points[first])], [*json.loads(figures[first] or b"{}")]
-
-
-def _refusal(each: Slice, name: str, row: int) -> BenchError:
-    problem, optimizer = each.labels[each.columns["cell"][row]]
-    return BenchError(
-        f"the store is damaged: {name!r} of trial {each.columns['trial'][row]} of {optimizer} on {problem} (study "
-        f"{each.study}) cannot be read; restore it from a copy"
-    )

@@ -7,7 +7,7 @@ import pytest
 
 def test_it_prints_clusters_and_draws_a_map(bench_here, tmp_path):
     done = bench_here(
-        "similar", "hill-climber", "scatter", "--problem", "sphere-[23]", "--trials", "12", "--budget", "60",
+        "similar", "hill-climber", "scatter", "--problem", "sphere-[23]", "--trials", "12", "--budget", "25 * d",
         "--figure", tmp_path / "map.svg", "--csv", tmp_path / "pairs.csv",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
@@ -35,6 +35,8 @@ def test_the_compiled_cma_es_is_the_same_optimizer(bench_here, tmp_path):
     [
         (("scatter",), "at least two optimizers; name another one"),
         (("scatter", "early", "--trials", "9"), "the trials"),
+        (("scatter", "early", "--problem", "sphere-2", "--budget", "20 * d"), "of at least 50, not 40"),
+        (("scatter", "early", "--budget", "plenty"), "a multiple of the dimension such as '1e4 * d', not 'plenty'"),
         (("scatter", "nobody"), "unknown optimizer 'nobody'"),
         (("scatter", "early", "--figure", "map.txt"), "must end with .svg, .pdf or .png"),
         (("scatter", "early", "--set", "wings=2"), "wings"),

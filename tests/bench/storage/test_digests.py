@@ -162,13 +162,15 @@ def test_digests_of_two_stores_differ(filled, spoilt, tmp_path):
 
 @pytest.fixture
 def several(monkeypatch):
-    """Have even a small store checked by three processes."""
-    monkeypatch.setattr(digests, "_parts", lambda connection: 3)
+    """Have even a small store read by three processes."""
+    monkeypatch.setattr(digests, "shares", lambda connection: 3)
+    monkeypatch.setattr("bench.storage.store.shares", lambda connection: 3)
+    monkeypatch.setattr("bench.storage.results.MANY", 0)
 
 
 def test_several_processes_find_what_one_finds(several, filled, spoilt):
-    assert filled.store.check() == filled.store.check()
-    assert (filled.store.check().trials, filled.store.check().sound) == (120, True)
+    found = filled.store.check()
+    assert (found.trials, found.sound) == (120, True)
     change(
         spoilt.store.path,
         f"UPDATE results SET fun = 0 WHERE cell = {SCATTER} AND trial IN (6, 7, 8, 9)",
@@ -176,17 +178,31 @@ def test_several_processes_find_what_one_finds(several, filled, spoilt):
     )
     damaged = {("sphere-2", "scatter", number) for number in (6, 7, 8, 9)}
     damaged |= {("sphere-2", "early", number) for number in (-1, 1)}
-    assert {*spoilt.store.check().damaged} == damaged
+    assert {*spoilt.store.check().damaged} == {*Results(spoilt.path).stores[0].damaged} == damaged
+
+
+def test_the_frame_does_not_depend_on_the_number_of_processes(several, filled, spoilt, monkeypatch):
+    change(spoilt.store.path, f"UPDATE results SET fun = 0 WHERE {ONE}")
+    read = [Results(folder.path).frame for folder in (filled, spoilt)]
+    monkeypatch.undo()
+    for frame, folder in zip(read, (filled, spoilt), strict=True):
+        pd.testing.assert_frame_equal(frame, Results(folder.path).frame, check_exact=True)
+
+
+class Killed(subprocess.Popen):
+    """A process that is killed as soon as it has started."""
+
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        self.kill()
 
 
 def test_a_process_that_is_killed_costs_only_time(several, filled, monkeypatch):
-    class Killed(subprocess.Popen):
-        def communicate(self, *arguments, **options):
-            self.kill()
-            return super().communicate(*arguments, **options)
-
+    expected = Results(filled.path).frame
     monkeypatch.setattr(subprocess, "Popen", Killed)
-    assert (filled.store.check().trials, filled.store.check().sound) == (120, True)
+    found = filled.store.check()
+    assert (found.trials, found.sound) == (120, True)
+    pd.testing.assert_frame_equal(Results(filled.path).frame, expected, check_exact=True)
 
 
 def test_ctrl_c_is_not_taken_for_damage(filled, monkeypatch):

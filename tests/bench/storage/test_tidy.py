@@ -4,7 +4,8 @@ import pandas as pd
 import pytest
 
 from bench import BenchError
-from bench.storage.tidy import COLUMNS, Slice, tidy
+from bench.storage.blocks import JSON, NUMBERS, TEXTS, pack
+from bench.storage.tidy import COLUMNS, tidy
 
 PROBLEMS, OPTIMIZERS = ["a", "b", "c"], ["o", "p"]
 
@@ -27,16 +28,21 @@ def rows(count=7):
             yield row | lost | {"status": "failed", "error": f"E{trial}"} if trial % 3 == 1 else row
 
 
-def sliced(rows, size):
-    """Yield the rows in slices of a size."""
+def blocks(rows, size):
+    """Yield the rows in blocks of a size."""
     rows = list(rows)
     labels = {row["cell"]: (row["problem"], row["optimizer"]) for row in rows}
     for start in range(0, len(rows), size):
-        part = rows[start : start + size]
-        columns = {name: [row[name] for row in part] for name in (*COLUMNS[3:], "cell")}
-        for name in ("x", "figures"):
-            columns[name] = [None if row[name] is None else json.dumps(row[name]).encode() for row in part]
-        yield Slice("s", labels, columns)
+        yield "s", pack(columns(rows[start : start + size]), labels)
+
+
+def columns(rows):
+    """Return the rows as a store yields them, column by column."""
+    found = {name: [row[name] for row in rows] for name in ("cell", *NUMBERS)}
+    found |= {name: [None if row[name] is None else row[name].encode() for row in rows] for name in TEXTS}
+    return found | {
+        name: [None if row[name] is None else json.dumps(row[name]).encode() for row in rows] for name in JSON
+    }
 
 
 def plain(rows):
@@ -53,19 +59,19 @@ def plain(rows):
 @pytest.mark.parametrize("size", [1, 5, 7, 40, 1000])
 @pytest.mark.parametrize("known", [0, 42])
 def test_the_frame_is_that_made_row_by_row(size, known):
-    found, expected = tidy(sliced(rows(), size), known, PROBLEMS, OPTIMIZERS), plain(rows())
+    found, expected = tidy(blocks(rows(), size), known, PROBLEMS, OPTIMIZERS), plain(rows())
     assert list(found) == [*COLUMNS, "x_u", "x_v", "x_w", "of a", "of b", "of c"]
     pd.testing.assert_frame_equal(found, expected[list(found)], check_exact=True)
     assert (found["seed"] == expected["seed"]).all()  # beyond 2^53
 
 
 def test_without_failures_whole_numbers_stay_whole():
-    frame = tidy(sliced((row for row in rows() if row["status"] == "ok"), 4), 30, PROBLEMS, OPTIMIZERS)
+    frame = tidy(blocks((row for row in rows() if row["status"] == "ok"), 4), 30, PROBLEMS, OPTIMIZERS)
     assert [str(frame[name].dtype) for name in ("trial", "seed", "nfev", "outside_box")] == ["int64"] * 4
 
 
 def test_where_every_trial_failed_there_are_no_values():
-    frame = tidy(sliced((row for row in rows() if row["status"] != "ok"), 4), 30, PROBLEMS, OPTIMIZERS)
+    frame = tidy(blocks((row for row in rows() if row["status"] != "ok"), 4), 30, PROBLEMS, OPTIMIZERS)
     assert list(frame) == [*COLUMNS]
     assert frame[["fun", "nfev", "stop"]].isna().all(axis=None)
 
@@ -74,7 +80,7 @@ def test_metrics_of_any_kind_are_kept():
     kinds = [{"count": 1, "flag": True, "word": "one", "part": 0.5}, {"count": 2, "flag": False, "word": "two"}]
     changed = [row | {"figures": kinds[row["trial"] % 2]} for row in rows() if row["status"] == "ok"]
     for size in (1, 3, 100):
-        found = tidy(sliced(changed, size), 40, PROBLEMS, OPTIMIZERS)
+        found = tidy(blocks(changed, size), 40, PROBLEMS, OPTIMIZERS)
         pd.testing.assert_frame_equal(found, plain(changed)[list(found)], check_exact=True)
 
 
@@ -82,15 +88,16 @@ def test_no_trials_give_an_empty_frame():
     assert list(tidy([], 0, PROBLEMS, OPTIMIZERS)) == [*COLUMNS]
 
 
-@pytest.mark.parametrize("name", ["x", "figures"])
+@pytest.mark.parametrize("name", JSON)
 def test_a_damaged_text_is_named_by_its_trial(name):
-    slices = list(sliced(rows(), 9))
-    slices[1].columns[name][5] = b'{"u": '
-    with pytest.raises(BenchError, match=rf"the store is damaged: '{name}' of trial 0 of p on b \(study s\)"):
-        tidy(slices, 42, PROBLEMS, OPTIMIZERS)
+    damaged = columns(list(rows()))
+    damaged[name][14] = b'{"u": '
+    labels = {row["cell"]: (row["problem"], row["optimizer"]) for row in rows()}
+    with pytest.raises(BenchError, match=rf"the store is damaged: '{name}' of trial 0 of p on b cannot be read"):
+        pack(damaged, labels)
 
 
 def test_the_order_of_columns_is_that_of_the_study_not_of_the_commits():
-    first, second = (tidy(sliced(each, 4), 42, PROBLEMS, OPTIMIZERS) for each in (rows(), list(rows())[::-1]))
+    first, second = (tidy(blocks(each, 4), 42, PROBLEMS, OPTIMIZERS) for each in (rows(), list(rows())[::-1]))
     assert list(first)[len(COLUMNS) :] == ["x_u", "x_v", "x_w", "of a", "of b", "of c"]
     pd.testing.assert_frame_equal(first, second)
