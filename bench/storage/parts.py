@@ -10,9 +10,12 @@ import sys
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack
 from itertools import chain, zip_longest
+from typing import TYPE_CHECKING
 
-from bench.storage.blocks import Block
 from bench.storage.reading import Reader, StoreCheck, Tally
+
+if TYPE_CHECKING:
+    from bench.storage.blocks import Block
 
 _START = """
 import json, sys

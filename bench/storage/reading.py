@@ -8,9 +8,8 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import chain, islice, product
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bench.storage.blocks import Block, pack
 from bench.storage.digests import (
     COLUMNS,
     COMPARED,
@@ -27,6 +26,9 @@ from bench.storage.digests import (
 from bench.storage.schema import KEY, has_digests
 from bench.storage.traces import Key
 from bench.text import printable
+
+if TYPE_CHECKING:
+    from bench.storage.blocks import Block
 
 NAMED = 3  # damaged trials that a sentence names
 UNKNOWN = "an unknown problem", "an unknown optimizer"
@@ -182,6 +184,8 @@ class Reader:
             sqlite3.Error: where a part of the rows cannot be read.
             BenchError: where a text is no JSON, in a store of the layout without digests.
         """
+        from bench.storage.blocks import pack  # not at the top: it imports pandas
+
         if self._digests:
             sound = self._digests.sound
             query = f"SELECT {COMPARED} FROM {TRIALS} WHERE {share(part, parts)} AND {TYPED} ORDER BY cell, trial"

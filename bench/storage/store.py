@@ -11,10 +11,9 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bench.errors import BenchError
-from bench.storage.blocks import Block
 from bench.storage.digests import INTERRUPTED, MEASURED, SEAL, Digests, shares
 from bench.storage.parts import read_parts
 from bench.storage.reading import Reader, StoreCheck
@@ -22,6 +21,9 @@ from bench.storage.schema import KEY, OLDEST, VERSION, prepare
 from bench.storage.traces import Key, Traces, pack
 from bench.text import printable
 from bench.trial import Trial
+
+if TYPE_CHECKING:
+    from bench.storage.blocks import Block
 
 FILE = "trials.sqlite"
 LARGEST = 100_000_000  # number of a trial; a larger one is damaged
