@@ -4,7 +4,7 @@
 
 No search is run: the store holds made-up trials of 10 optimizers on the 20 signature problems, as a run would write
 them, with seven variables, three metrics and up to four improvements each. Every frame is read in a process of its own,
-whose largest resident set is the memory; the frame includes the comparison of every trial with its digest.
+whose largest resident set is the memory, beside those that it starts; each trial is compared with its digest.
 """
 
 import argparse
@@ -36,10 +36,11 @@ frame = bench.storage.results.load_results(sys.argv[1])
 wall, cpu = time.perf_counter() - began, time.process_time() - cpu
 peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
 others = resource.getrusage(resource.RUSAGE_CHILDREN)
-others = others.ru_utime + others.ru_stime
 held = frame.memory_usage(deep=True).sum() / 1e6
-print(f"{len(frame):>9,} trials: {wall:5.1f} s ({cpu:.1f} s of processor time, and {others:.1f} s of processes that "
-      f"compare digests), at most {peak:,.0f} MB ({before:,.0f} MB before), a frame of {held:,.0f} MB")
+print(f"{len(frame):>9,} trials: {wall:5.1f} s ({cpu:.1f} s of processor time, "
+      f"and {others.ru_utime + others.ru_stime:.1f} s of other processes), "
+      f"at most {peak:,.0f} MB ({before:,.0f} MB before, and {others.ru_maxrss / unit:,.0f} MB in each other process), "
+      f"a frame of {held:,.0f} MB")
 """
 
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from bench.storage.blocks import Block
 
 FILE = "trials.sqlite"
+READERS = 4  # processes that read a frame: more gain little, as one of them puts it together, and take 0.12 GB each
 LARGEST = 100_000_000  # number of a trial; a larger one is damaged
 LONGEST = 200  # characters of SQLite's words on an error
 
@@ -208,7 +209,7 @@ class Store:
         self._require()
         with self._open() as (connection, uri):
             if connection.execute("PRAGMA user_version").fetchone()[0]:
-                parts = shares(connection) if several else 1
+                parts = min(READERS, shares(connection)) if several else 1
                 yield from read_parts(Reader(connection, uri), uri, skipped, parts)
             else:  # its run was killed before it made tables
                 yield StoreCheck()
