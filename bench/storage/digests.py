@@ -94,10 +94,10 @@ def shares(connection: sqlite3.Connection) -> int:
 def share(part: int, parts: int) -> str:
     """Return the SQL condition that a row belongs to one part of a store.
 
-    Every part looks at all rows and takes those whose number leaves ``part`` when divided by ``parts``: of parts that
-    begin and end at a key, two could miss a row whose key was damaged.
+    Every part looks at all rows and takes those whose cell and trial, added and divided by ``parts``, leave ``part``:
+    of parts that begin and end at a key, two could miss a row whose key was damaged.
     """
-    return f"coalesce(abs(trial % {parts}), 0) = {part}" if parts > 1 else "1"
+    return f"coalesce(abs((cell + trial) % {parts}), 0) = {part}" if parts > 1 else "1"
 
 
 class Counts(NamedTuple):
