@@ -24,7 +24,7 @@ Array = NDArray[Any]
 
 
 class First(NamedTuple):
-    """The first trial of a cell that has a point, and the names of its variables and of its metrics."""
+    """The first trial of a problem that has a point, and the names of its variables and of its metrics."""
 
     cell: int
     trial: int
@@ -42,7 +42,7 @@ class Block(NamedTuple):
         numbers: by column, a value for each trial: NaN where it is missing, ``UNKNOWN`` where a seed is.
         texts: by column, the distinct texts, and the place among them for each trial.
         found: by JSON column, what its texts hold.
-        first: for each cell of which some trial has a point, the first one.
+        first: for each problem of which some trial has a point, the first one.
     """
 
     cells: list[tuple[str, str]]
@@ -107,11 +107,14 @@ def _texts(values: Sequence[bytes | None]) -> tuple[list[str | None], Array]:
 
 
 def _first(columns: Mapping[str, Sequence[Any]], runs: Array, labels: Mapping[Any, tuple[str, str]]) -> list[First]:
-    found = []
+    found: dict[str, First] = {}
     points, metrics = columns["x"], columns["figures"]
     for start, end in pairwise(runs):
-        row = next((row for row in range(start, end) if points[row] not in (None, b"{}")), None)
-        if row is not None:
-            cell, names = columns["cell"][row], ([*json.loads(points[row])], [*json.loads(metrics[row] or b"{}")])
-            found.append(First(cell, columns["trial"][row], labels[cell][0], *names))
-    return found
+        cell = columns["cell"][start]
+        problem, _ = labels[cell]
+        if problem not in found:  # cells are in the order of their numbers
+            row = next((row for row in range(start, end) if points[row] not in (None, b"{}")), None)
+            if row is not None:
+                names = [*json.loads(points[row])], [*json.loads(metrics[row] or b"{}")]
+                found[problem] = First(cell, columns["trial"][row], problem, *names)
+    return [*found.values()]
