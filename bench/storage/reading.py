@@ -22,7 +22,7 @@ from bench.storage.digests import (
     Digests,
     Place,
     share,
-)  # fmt: skip
+)
 from bench.storage.schema import KEY, has_digests
 from bench.storage.traces import Key
 from bench.text import printable
