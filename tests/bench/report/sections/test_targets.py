@@ -52,8 +52,17 @@ class TestDefault:
 
 
 class TestSections:
-    @pytest.mark.parametrize("chosen", ["precisions", "relative", "quantiles", "tolerance", [9.0, 1.0, 0.1], ["50%"]])
-    @pytest.mark.parametrize("optima", [{}, {"p": 4.0}, {"p": 4.0, "q": 0.0}])
+    @pytest.mark.parametrize(
+        ("chosen", "optima"),
+        [
+            *(("precisions", optima) for optima in ({}, {"p": 4.0}, {"p": 4.0, "q": 0.0})),
+            *(("relative", optima) for optima in ({}, {"p": 4.0, "q": 0.0})),
+            ("quantiles", {"p": 4.0}),
+            ("tolerance", {}),
+            *(([9.0, 1.0, 0.1], optima) for optima in ({}, {"p": 4.0})),
+            (["50%"], {"p": 4.0, "q": 0.0}),
+        ],
+    )
     def test_every_set_has_its_parts(self, folder, chosen, optima):
         found = findings(folder, chosen, {"speed": (1.0, 2.0)} if chosen == "tolerance" else None, **optima)
         found.check_targets()
