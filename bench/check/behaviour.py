@@ -8,7 +8,6 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.analysis.similarity import behaviour
-from bench.budget import Budget, evaluations
 from bench.check.problems import FUNCTIONS, RecordingProblem, classic
 from bench.errors import BenchError
 from bench.optimizer import Optimizer
@@ -39,19 +38,18 @@ def behaviours(
     optimizers: Mapping[str, Optimizer],
     problems: Mapping[str, Callable[[], RecordingProblem]],
     trials: int,
-    budget: Budget,
+    budgets: Mapping[str, int],
     seed: int = 0,
     on_progress: Progress = lambda *_: None,
 ) -> dict[str, Sequence[Floats]]:
     """Run every optimizer on every problem; return, by optimizer, (trials, numbers) for each problem.
 
-    A budget that is a multiple of the dimension may differ between problems. Precisions are counted from the known
-    optimum, or else from the lowest value of any trial.
+    ``budgets`` are the evaluations of a trial on each problem. Precisions are counted from the known optimum, or else
+    from the lowest value of any trial.
 
     Raises:
         BenchError: where an optimizer fails.
     """
-    budgets = {label: evaluations(budget, make().dimension) for label, make in problems.items()}
     runs: dict[tuple[str, str], list[tuple[Floats, Floats]]] = {}
     with threadpool_limits(limits=1):
         for number, (name, optimizer) in enumerate(optimizers.items()):

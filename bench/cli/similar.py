@@ -67,13 +67,14 @@ def similar(
     own = {name: loading.load_problem(name) for name in chosen}
     problems = {name: lambda each=each: recorder(each) for name, each in own.items()} or common_problems()
     spent = checked(budget, "--budget")
-    least = min(evaluations(spent, make().dimension) for make in problems.values())
+    budgets = {label: evaluations(spent, make().dimension) for label, make in problems.items()}
+    least = min(budgets.values())
     require_whole("the budget of evaluations", least, 50)
     for name, each in loaded.items():
         each.check_budget(least, name)
     console = Console()
     with steps(console, "similar") as on_progress:
-        found = similarity(behaviours(loaded, problems, trials, spent, seed, on_progress), seed=seed)
+        found = similarity(behaviours(loaded, problems, trials, budgets, seed, on_progress), seed=seed)
     table = Table(box=None, pad_edge=False)
     for head in ("optimizer", "cluster", "against itself", "nearest other", "distance", "p (Holm)"):
         table.add_column(head, overflow="fold")

@@ -11,14 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.storage.digests import JSON, MEASURED, TEXTS
 from bench.storage.metrics import Damaged, Found, parsed
 
 UNKNOWN = -1
 """Stands for the seed of an imported trial, as floats would lose digits of the others."""
 
-TEXTS = ("status", "stop", "error")
-NUMBERS = ("trial", "seed", "fun", "nfev", "wall_s", "cpu_s", "objective_s", "outside_box", "environment")
-JSON = ("x", "figures")
+NUMBERS = ("trial", *(name for name in MEASURED if name not in (*TEXTS, *JSON)))
 
 Array = NDArray[Any]
 

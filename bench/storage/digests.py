@@ -33,7 +33,11 @@ FORMAT = 2  # of marshal: the last one in which equal values have equal bytes; t
 LARGE = 32_000_000  # bytes of a store from which on several processes are faster
 MOST = 8  # processes
 
-_TEXTS = ("status", "stop", "error", "x", "figures")
+TEXTS = ("status", "stop", "error")
+JSON = ("x", "figures")
+"""Those of the measured columns that hold plain texts, and JSON texts; the others hold numbers."""
+
+_TEXTS = (*TEXTS, *JSON)
 _NUMBERS = ("cell", "trial", *(name for name in MEASURED if name not in _TEXTS))
 
 # Damage may leave texts that are no UTF-8, or texts where numbers belong, which SQLite could not hand over: texts go as

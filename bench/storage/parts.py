@@ -29,12 +29,11 @@ class LostPartError(Exception):
     """A process that read a part of a store has ended before it had read all of it."""
 
 
-def read_parts(reader: Reader, uri: str, skipped: Collection[str], parts: int) -> Iterator[Block | StoreCheck]:
+def read_parts(reader: Reader, skipped: Collection[str], parts: int) -> Iterator[Block | StoreCheck]:
     """Yield the sound trials of a store, and at last the outcome of comparing all of them with their digests.
 
     Args:
         reader: the store, opened by this process.
-        uri: with which other processes open it.
         skipped: problems whose trials are compared, but not yielded.
         parts: the number of processes, this one included.
 
@@ -45,7 +44,7 @@ def read_parts(reader: Reader, uri: str, skipped: Collection[str], parts: int) -
     """
     tallies = []
     with ExitStack() as started:
-        others = [started.enter_context(_process(uri, skipped, part, parts)) for part in range(1, parts)]
+        others = [started.enter_context(_process(reader.uri, skipped, part, parts)) for part in range(1, parts)]
         for other in others:
             started.callback(other.kill)
         in_turns = zip_longest(reader.blocks(skipped, 0, parts), *map(_received, others))

@@ -22,6 +22,7 @@ from bench.storage.digests import (
     Digests,
     Place,
     share,
+    shares,
 )
 from bench.storage.schema import KEY, has_digests
 from bench.storage.traces import Key
@@ -95,10 +96,14 @@ class Reader:
     """The rows of an open store at one moment, and which of them fit their digests.
 
     All rows of a store of the oldest layout, which has no digests, count as sound.
+
+    Attributes:
+        uri: with which other processes open the store.
+        labels: problem and optimizer of each cell, by its number.
     """
 
     def __init__(self, connection: sqlite3.Connection, uri: str) -> None:
-        self._connection, self._uri = connection, uri
+        self._connection, self.uri = connection, uri
         connection.execute("BEGIN")  # cells and rows of one moment, while a run adds to both
         self._digests = Digests(connection) if has_digests(connection) else None
         if self._digests:
@@ -106,6 +111,11 @@ class Reader:
         else:
             cells = connection.execute("SELECT id, problem, optimizer FROM cells")
             self.labels = {cell: (problem, optimizer) for cell, problem, optimizer in cells}
+
+    @property
+    def shares(self) -> int:
+        """The number of processes among which the rows are divided, where several read them."""
+        return shares(self._connection)
 
     def check(self, *, structure: bool) -> StoreCheck:
         """Compare all rows with their digests, and the environments' records with theirs.
@@ -116,7 +126,7 @@ class Reader:
             sqlite3.Error: where a part of the rows cannot be read.
         """
         if self._digests:
-            tally = Tally(self._digests.check(self._uri), self._digests.take())
+            tally = Tally(self._digests.check(self.uri), self._digests.take())
         else:
             count = self._connection.execute("SELECT count(*) FROM results").fetchone()[0]
             tally = Tally(Counts(count, 0, 0), [])

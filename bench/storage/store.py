@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bench.errors import BenchError
-from bench.storage.digests import INTERRUPTED, MEASURED, SEAL, Digests, shares
+from bench.storage.digests import INTERRUPTED, JSON, MEASURED, SEAL, Digests
 from bench.storage.parts import read_parts
 from bench.storage.reading import Reader, StoreCheck
 from bench.storage.schema import KEY, OLDEST, VERSION, prepare
@@ -92,7 +92,7 @@ class DamagedStoreError(BenchError):
 def stored(trial: Trial, row: Mapping[str, Any]) -> dict[str, Any]:
     """Return a trial's row as :meth:`Store.rows` yields it, from the columns of :func:`bench.trial.as_row`."""
     key = dict(zip(KEY, trial.key, strict=True))
-    texts = {name: json.dumps(row[name]) for name in ("x", "figures") if name in row}
+    texts = {name: json.dumps(row[name]) for name in JSON if name in row}
     return {**row, **key, "seed": trial.seed, **texts, **({"trace": pack(row["trace"])} if "trace" in row else {})}
 
 
@@ -207,11 +207,10 @@ class Store:
             DamagedStoreError: when SQLite cannot read all rows.
         """
         self._require()
-        with self._open() as (connection, uri):
-            if connection.execute("PRAGMA user_version").fetchone()[0]:
-                parts = min(READERS, shares(connection)) if several else 1
-                yield from read_parts(Reader(connection, uri), uri, skipped, parts)
-            else:  # its run was killed before it made tables
+        with self._reader() as reader:
+            if reader:
+                yield from read_parts(reader, skipped, min(READERS, reader.shares) if several else 1)
+            else:
                 yield StoreCheck()
 
     def count(self) -> int:

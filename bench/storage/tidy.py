@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bench.storage.blocks import JSON, NUMBERS, TEXTS, UNKNOWN, Array, Block, First
+from bench.storage.blocks import NUMBERS, UNKNOWN, Array, Block, First
+from bench.storage.digests import JSON, TEXTS
 from bench.storage.metrics import Found
 from bench.trial import FRAME_COLUMNS
 

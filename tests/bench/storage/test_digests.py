@@ -164,7 +164,7 @@ def test_digests_of_two_stores_differ(filled, spoilt, tmp_path):
 def several(monkeypatch):
     """Have even a small store read by three processes."""
     monkeypatch.setattr(digests, "shares", lambda connection: 3)
-    monkeypatch.setattr("bench.storage.store.shares", lambda connection: 3)
+    monkeypatch.setattr("bench.storage.reading.shares", lambda connection: 3)
     monkeypatch.setattr("bench.storage.results.MANY", 0)
 
 

@@ -4,7 +4,8 @@ import pandas as pd
 import pytest
 
 from bench import BenchError
-from bench.storage.blocks import JSON, NUMBERS, TEXTS, pack
+from bench.storage.blocks import NUMBERS, pack
+from bench.storage.digests import JSON, TEXTS
 from bench.storage.tidy import COLUMNS, tidy
 
 PROBLEMS, OPTIMIZERS = ["a", "b", "c"], ["o", "p"]
