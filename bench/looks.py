@@ -12,7 +12,7 @@ from bench.numbers import is_whole
 Looks = tuple[int, ...]
 
 EXAMPLE = "as in [looks] trials = [10, 20, 30]"
-LEAST = 4  # trials of a cell, of which the first test could be significant: 2 of 70 arrangements of two samples
+LEAST = 6  # trials: with fewer not even complete separation has a p of at most 0.05
 
 
 def checked(given: Any, what: str) -> Looks:

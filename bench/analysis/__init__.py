@@ -2,13 +2,14 @@
 
 Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`compact_letters`,
 :func:`standings`, :func:`comparison_matrix`, :func:`ranking`, :func:`disagreements`, :func:`near_best`, :func:`regret`.
-Across problems: :func:`medians`, :func:`friedman`, :func:`wilcoxon_tests`, :func:`nemenyi`,
-:func:`probability_of_improvement`, :func:`interquartile_mean`, :func:`u_scores`, :func:`ranking_certainty`. Over the
-evaluations: :func:`stage_ranks`, :func:`unused_budget`, :func:`convergence`, :func:`targets`,
-:func:`precision_targets`, :func:`target_table`, :func:`hitting_times`, :func:`tolerance_times`,
-:func:`expected_running_time`, :func:`running_times`, :func:`in_seconds`, :func:`ecdf`, :func:`restart_shares`,
-:func:`data_profiles`, :func:`success_rates`, :func:`aocc`, :func:`target_areas`, :func:`compare_sets`. And
-:func:`timing`, :func:`power_table`, :func:`feasibility`, :func:`integrity`.
+Across problems: :func:`medians`, :func:`ranks_by_block`, :func:`friedman`, :func:`wilcoxon_tests`,
+:func:`probability_of_improvement`, :func:`interquartile_mean`, :func:`u_scores`, :func:`ranking_certainty`. How often
+such claims are wrong: :func:`levels`, :func:`rates_of_equals`, :func:`rates_of_spreads`, :func:`detectable_a12`,
+:func:`detectable_across`, :func:`trials_to_separate`. Over the evaluations: :func:`stage_ranks`, :func:`unused_budget`,
+:func:`convergence`, :func:`targets`, :func:`precision_targets`, :func:`target_table`, :func:`hitting_times`,
+:func:`tolerance_times`, :func:`expected_running_time`, :func:`running_times`, :func:`in_seconds`, :func:`ecdf`,
+:func:`restart_shares`, :func:`data_profiles`, :func:`success_rates`, :func:`aocc`, :func:`target_areas`,
+:func:`compare_sets`. And :func:`timing`, :func:`feasibility`, :func:`integrity`.
 
 Arguments mean the same everywhere: ``frame`` is the tidy frame, ``traces`` are those of its trials, by (problem,
 optimizer, trial); ``optima`` the best known objective values, by problem, of the problems where one is known;
@@ -25,16 +26,12 @@ Example:
 """
 
 from bench.analysis.across import (
-    average_ranks,
     cliques,
-    critical_difference,
     friedman,
     interquartile_mean,
-    nemenyi,
     normalised_errors,
     probability_of_improvement,
-    relative_medians,
-    wilcoxon_cliques,
+    ranks_by_block,
     wilcoxon_tests,
 )
 from bench.analysis.anytime import (
@@ -71,24 +68,23 @@ from bench.analysis.cells import (
 )
 from bench.analysis.certainty import ranking_certainty
 from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
+from bench.analysis.direction import ALPHA, a12
 from bench.analysis.dominance import u_scores
+from bench.analysis.error_rates import (
+    Levels,
+    detectable_a12,
+    detectable_across,
+    levels,
+    rates_of_equals,
+    rates_of_spreads,
+    trials_to_separate,
+)
 from bench.analysis.feasibility import feasibility
 from bench.analysis.instances import PRECISIONS, SOLVED, Pooled, pool_instances, precision_targets
 from bench.analysis.integrity import integrity
+from bench.analysis.kolmogorov_smirnov import TIED
 from bench.analysis.looks import Decisions, at_looks, blind_looks, decide
-from bench.analysis.pairwise import (
-    ALPHA,
-    CUTOFFS,
-    TIED,
-    a12,
-    critical_distance,
-    detectable_shift,
-    effect_size,
-    holm,
-    pairwise_tests,
-    power_table,
-    resampled,
-)
+from bench.analysis.pairwise import CUTOFFS, effect_size, holm, pairwise_tests
 from bench.analysis.reference import reference_times
 from bench.analysis.running_time import (
     in_seconds,
@@ -124,12 +120,12 @@ __all__ = [
     "TIED",
     "Budgets",
     "Decisions",
+    "Levels",
     "Pooled",
     "Traces",
     "a12",
     "aocc",
     "at_looks",
-    "average_ranks",
     "best_so_far",
     "blind_looks",
     "budgets",
@@ -140,11 +136,10 @@ __all__ = [
     "comparison_matrix",
     "convergence",
     "coverage",
-    "critical_difference",
-    "critical_distance",
     "data_profiles",
     "decide",
-    "detectable_shift",
+    "detectable_a12",
+    "detectable_across",
     "disagreements",
     "ecdf",
     "effect_size",
@@ -160,25 +155,25 @@ __all__ = [
     "integrity",
     "interquartile_mean",
     "labels",
+    "levels",
     "mean_ranks",
     "mean_shares",
     "medians",
     "near_best",
-    "nemenyi",
     "normalised_errors",
     "pairwise_tests",
     "pool_instances",
-    "power_table",
     "precision_targets",
     "probability_of_improvement",
     "rank_stability",
     "ranking",
     "ranking_certainty",
+    "ranks_by_block",
+    "rates_of_equals",
+    "rates_of_spreads",
     "reference_times",
     "reference_values",
     "regret",
-    "relative_medians",
-    "resampled",
     "restart_shares",
     "running_times",
     "scores",
@@ -195,9 +190,9 @@ __all__ = [
     "timing",
     "tolerance_times",
     "trials_needed",
+    "trials_to_separate",
     "u_scores",
     "unused_budget",
     "variables",
-    "wilcoxon_cliques",
     "wilcoxon_tests",
 ]

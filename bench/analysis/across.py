@@ -1,14 +1,12 @@
 """Tests and effect sizes across problems; pooling the trials of all problems would count one problem many times over.
 
-The tests start from :func:`bench.analysis.medians`, problems by optimizers, so that each problem counts once, and
-follow Demšar (2006, Journal of Machine Learning Research 7). Lower is better; +inf, where half of the trials failed,
-ranks last and ties with itself.
+The unit is the *block*: a problem, or several that resemble each other because they are steps of one sweep or one
+function in several dimensions, which are no independent evidence. The value of a pair of optimizers on a problem is
+A12 - 0.5, which means the same on every problem and needs no scale of their values; that of a block is the mean over
+its problems. Lower is better; a failed trial is +inf. Only problems on which every optimizer has a trial count.
 
-The effect sizes have intervals from a stratified bootstrap (Agarwal, Schwarzer, Castro, Courville and Bellemare, Deep
-reinforcement learning at the edge of the statistical precipice, NeurIPS 2021): trials are resampled within each problem
-and optimizer, 9,999 times, so the intervals show how far other trials on the same problems could move a value, not what
-other problems would show. Only problems on which every optimizer has a trial count. An interval is missing where a cell
-has one trial, which leaves nothing to resample.
+An interval for *these problems* shows how far other trials on the same problems could move a value; an interval for
+*further problems*, of which these are taken for a sample, how far other problems could.
 """
 
 from __future__ import annotations
@@ -16,51 +14,51 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 from itertools import combinations
-from math import factorial, inf, sqrt
+from math import factorial, inf
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import bootstrap, f, friedmanchisquare, rankdata, studentized_range, trim_mean
+from scipy.stats import bootstrap, f, friedmanchisquare, rankdata, t, trim_mean
 
-from bench.analysis.cells import NEAR, cells, complete_problems, labels, merge_near_ties, reference_values, scores
-from bench.analysis.pairwise import (
-    ALPHA,
-    RESAMPLES,
-    a12,
-    a12_replicates,
-    alike,
-    delong,
-    holm,
-    logit_intervals,
-    percentile_interval,
-    resampled,
-)
+from bench.analysis.cells import cells, complete_problems, labels, merge_near_ties, reference_values, scores
+from bench.analysis.direction import ALPHA, effects, wilson_form, wins
+from bench.analysis.pairwise import RESAMPLES, alike, holm, percentile_interval
 from bench.problem import Floats
 
 TRIMMED = 0.25  # from either end: the mean of the rest is the interquartile mean
 BATCH = 1_000  # resamples at a time, to bound memory
-FEWER = 999  # resamples of each of more than 32 optimizers
+MANY, FEWER = 32, 999  # more optimizers than these have fewer resamples each
+FEWEST_BLOCKS = 3  # of an interval for further problems
+
+Blocks = Mapping[str, str]  # the block of each problem; a problem that is not in it is one of its own
 
 
-def average_ranks(medians: pd.DataFrame) -> pd.Series[float]:
-    """Return the average rank of each optimizer over the problems, 1 for the lowest; ties share their mean rank."""
-    return medians.rank(axis=1).mean()
+def ranks_by_block(standing: pd.DataFrame, blocks: Blocks | None = None) -> pd.DataFrame:
+    """Return the mean rank of each optimizer in each block, blocks by optimizers.
+
+    ``standing`` is that of :func:`bench.analysis.standings`. Only problems on which every optimizer has a rank count.
+    """
+    order = labels(standing, "optimizer")
+    wide = standing.pivot(index="problem", columns="optimizer", values="rank").reindex(columns=order).dropna()
+    owner = [(blocks or {}).get(str(problem), str(problem)) for problem in wide.index]
+    return wide.groupby(owner, sort=False).mean().rename_axis(columns=None)
 
 
-def friedman(medians: pd.DataFrame) -> pd.DataFrame:
-    """Test whether any optimizer ranks differently from the others over all problems, in one row.
+def friedman(ranks: pd.DataFrame) -> pd.DataFrame:
+    """Test whether any optimizer ranks differently from the others over all blocks, in one row.
 
-    Columns: problems, optimizers; ``statistic``, Friedman's chi-squared corrected for ties (Friedman 1937), and its
-    p; ``iman_davenport``, the less conservative F of Iman and Davenport (1980, Communications in Statistics A9), its
-    degrees of freedom df1 and df2, and p_iman_davenport; ``note``.
+    ``ranks`` are those of :func:`ranks_by_block`. Columns: problems (the blocks), optimizers; ``statistic``, Friedman's
+    chi-squared corrected for ties (Friedman 1937), and its p; ``iman_davenport``, the less conservative F of Iman and
+    Davenport (1980, Communications in Statistics A9), its degrees of freedom df1 and df2, and p_iman_davenport;
+    ``note``.
 
     The note is "too few optimizers" below three, "too few problems" below two, or "identical" where no problem ranks
     any two optimizers differently; the statistics are then missing and p = 1. Where all problems rank the optimizers
     alike F is infinite. Its p is never below k!^(1 - n), the chance of that agreement between n untied rankings.
     """
-    n, k = medians.shape
-    ranks = medians.rank(axis=1)
+    n, k = ranks.shape
+    ranks = ranks.rank(axis=1)
     note = ""
     if k < 3:
         note = "too few optimizers"
@@ -81,101 +79,37 @@ def friedman(medians: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame([row | {"note": note}])
 
 
-def relative_medians(medians: pd.DataFrame, optima: Mapping[str, float] | None = None) -> tuple[pd.DataFrame, str]:
-    """Return the medians on a scale on which problems can be compared, and the name of that scale.
+def wilcoxon_tests(pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: float = ALPHA) -> pd.DataFrame:
+    """Return Wilcoxon's signed-rank test of each pair of optimizers: is one lower on most blocks of problems?
 
-    A signed-rank test ranks differences across problems, so an error ten times as large must mean the same on each.
-    One scale holds for all problems, the first that all of them allow:
-
-    - "log10 error": log10(median - optimum), where every problem's optimum is known and lies below every median by
-      more than rounding;
-    - "log10 median": where all medians are positive;
-    - "share of range": (median - lowest) / (highest - lowest) over the finite medians of a problem.
-    """
-    if optima is not None and all(problem in optima for problem in medians.index):
-        optimum = pd.Series({problem: optima[problem] for problem in medians.index}, dtype=float)
-        error = medians.sub(optimum, axis=0)
-        if error.gt(NEAR * optimum.abs(), axis=0).all(axis=None):
-            return error.apply(np.log10), "log10 error"
-    if (medians > 0).all(axis=None):
-        return medians.apply(np.log10), "log10 median"
-    finite = medians.where(np.isfinite(medians))
-    lowest, spread = finite.min(axis=1), finite.max(axis=1) - finite.min(axis=1)
-    share = finite.sub(lowest, axis=0).div(spread.where(spread > 0, 1.0), axis=0)
-    return share.fillna(inf), "share of range"
-
-
-def wilcoxon_tests(
-    medians: pd.DataFrame, optima: Mapping[str, float] | None = None, alpha: float = ALPHA
-) -> pd.DataFrame:
-    """Return Wilcoxon's signed-rank test of each pair of optimizers: is one lower on most problems?
-
-    Columns: first, second, problems; ``statistic``, the smaller sum of ranks, and its exact two-sided p; p_holm,
+    Columns: first, second, problems, blocks; ``statistic``, the smaller sum of ranks, its exact two-sided p; p_holm,
     adjusted over all pairs (Holm 1979); significant (p_holm <= alpha); ``lower``, the optimizer with the larger sum
-    of ranks in its favour ("" where they are equal); ``scale``, what is compared (:func:`relative_medians`);
-    ``note``, which is "identical" where no problem differs and "untestable" where too few differ for any p <= alpha.
-    Both have p = 1.
+    of ranks in its favour ("" where they are equal); ``note``, which is "identical" where no block differs and
+    "untestable" where too few differ for any p <= alpha. Both have p = 1.
 
-    The ranks of problems without a difference are split between both sums (Demšar 2006, section 3.1.3), and so are
-    those of problems that both optimizers failed. p is exact also with ties: the share of all ways to sign the ranks
-    that leave the sums as far apart.
+    What is ranked is A12 - 0.5. Where the trials of two optimizers have one distribution on every problem its sign is
+    that of a fair coin, whatever the size, so the test is exact. The ranks of blocks without a difference are split
+    between both sums (Demšar 2006, Journal of Machine Learning Research 7, section 3.1.3). p is exact also with ties:
+    the share of all ways to sign the ranks that leave the sums as far apart.
+
+    ``pairs`` are those of :func:`bench.analysis.pairwise_tests`.
     """
-    relative, scale = relative_medians(medians, optima)
+    names = ["problem", "first", "second"]
+    wide = pairs.astype(dict.fromkeys(names, object)).pivot(index="problem", columns=names[1:], values="a12").dropna()
+    owner = [(blocks or {}).get(str(problem), str(problem)) for problem in wide.index]
+    means = (wide - 0.5).groupby(owner, sort=False).mean().round(12)  # a mean of opposite values is 0
     rows: list[dict[str, Any]] = []
-    values = {optimizer: relative[optimizer].to_numpy(dtype=float) for optimizer in medians.columns}
-    for first, second in combinations(medians.columns, 2):
-        with np.errstate(invalid="ignore"):
-            difference = np.nan_to_num(values[first] - values[second], posinf=inf, neginf=-inf)  # inf - inf: none
-        rows.append({"first": first, "second": second, "problems": len(medians), **signed_ranks(difference, alpha)})
-    columns = ["first", "second", "problems", "statistic", "p", "p_holm", "significant", "lower", "scale", "note"]
+    for first, second in combinations(labels(pairs, "first"), 2):
+        found = signed_ranks(means[first, second].to_numpy(dtype=float), alpha)
+        rows.append({"first": first, "second": second, "problems": len(wide), "blocks": len(means), **found})
+    columns = ["first", "second", "problems", "blocks", "statistic", "p", "p_holm", "significant", "lower", "note"]
     tests = pd.DataFrame(rows, columns=columns)
     tests["p_holm"] = holm(tests["p"].to_numpy(dtype=float))
-    favoured = tests["first"].where(tests["lower"] < 0, tests["second"].where(tests["lower"] > 0, ""))
-    return tests.assign(significant=(tests["p_holm"] <= alpha).astype(bool), lower=favoured, scale=scale)
+    favoured = tests["first"].where(tests["lower"] > 0, tests["second"].where(tests["lower"] < 0, ""))
+    return tests.assign(significant=(tests["p_holm"] <= alpha).astype(bool), lower=favoured)
 
 
-def nemenyi(medians: pd.DataFrame) -> pd.DataFrame:
-    """Return first, second and p of Nemenyi's test for each pair (Nemenyi 1963), from the difference of average ranks.
-
-    A companion to the critical-difference diagram; it is more conservative than :func:`wilcoxon_tests`, and its p
-    depends on the other optimizers. p = 1 without any problem.
-    """
-    from scikit_posthocs import posthoc_nemenyi_friedman  # slow: it imports the drawing libraries
-
-    pairs = list(combinations(range(medians.shape[1]), 2))
-    ranks = medians.rank(axis=1).to_numpy()
-    p = posthoc_nemenyi_friedman(ranks).to_numpy() if len(ranks) and pairs else np.ones((len(pairs) + 1,) * 2)
-    rows = [(medians.columns[i], medians.columns[j], p[i, j]) for i, j in pairs]
-    return pd.DataFrame(rows, columns=["first", "second", "p"])
-
-
-@lru_cache
-def critical_difference(k: int, n: int, alpha: float = ALPHA) -> float:
-    """Return the critical difference of the average ranks of k optimizers on n problems (Demšar 2006).
-
-    q_alpha sqrt(k (k + 1) / (6 n)), with q_alpha the quantile of the studentised range over sqrt(2).
-    """
-    q = studentized_range.ppf(1 - alpha, k, inf) / sqrt(2)
-    return float(q * sqrt(k * (k + 1) / (6 * n)))
-
-
-def cliques(average_ranks: pd.Series[float], difference: float) -> list[tuple[str, ...]]:
-    """Return the groups of at least two optimizers whose average ranks lie closer than the critical difference.
-
-    Only the largest groups are returned, each from its lowest rank on: the bars of a critical-difference diagram.
-    """
-    ordered = average_ranks.sort_values(kind="stable")
-    groups: list[tuple[str, ...]] = []
-    last = 0
-    for start, rank in enumerate(ordered):
-        end = int((ordered < rank + difference).sum())
-        if end > max(last, start + 1):
-            groups.append(tuple(ordered.index[start:end]))
-            last = end
-    return groups
-
-
-def wilcoxon_cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> list[tuple[str, ...]]:
+def cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> list[tuple[str, ...]]:
     """Return the groups of at least two optimizers, neighbours by average rank, of which no pair differs significantly.
 
     ``tests`` are those of :func:`wilcoxon_tests`. They depend on the two optimizers alone, unlike differences of
@@ -197,44 +131,34 @@ def wilcoxon_cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> li
     return groups
 
 
-def probability_of_improvement(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
-    """Return the probability that ``first`` ends below ``second``: first, second, problems, probability, low and high.
+def probability_of_improvement(frame: pd.DataFrame, blocks: Blocks | None = None) -> pd.DataFrame:
+    """Return the probability that a trial of ``first`` ends below one of ``second``, one row a pair.
 
-    The probability is the mean over problems of A12, with its 95 % interval: the percentile bootstrap, or from 33
-    optimizers on that of its variance (:func:`bench.analysis.pairwise.delong`). The mean is missing where no problem
-    has trials of every optimizer, the interval where a cell of either has a single trial.
+    Columns: first, second, problems, blocks; ``probability``, the mean over problems of A12; low and high, its 95 %
+    interval for other trials on these problems, missing where a cell of either has a single trial; further_low and
+    further_high, that of the mean over blocks for further problems, missing below three blocks. All is missing where
+    no problem has trials of every optimizer.
+
+    The variance of the mean for these problems is the sum of those of A12 (:mod:`bench.analysis.direction`); for
+    further problems, it is that of the blocks' means, with Student's t.
     """
     found, problems, optimizers = cells(frame, merge=True), complete_problems(frame), labels(frame, "optimizer")
-    samples = [[found[problem, each] for each in optimizers] for problem in problems]
     first, second = np.triu_indices(len(optimizers), 1)
-    sizes = np.array([[len(own) for own in each] for each in samples], dtype=int)
-    sizes = sizes.reshape(len(problems), len(optimizers))
-    fewest = sizes.min(axis=0, initial=len(frame))
-    known = bool(problems) & (np.minimum(fewest[first], fewest[second]) > 1)
-    chance, low, high = (np.full(len(first), np.nan) for _ in range(3))
-    if problems and resampled(len(optimizers)):
-        chances, replicates = np.zeros((len(first), len(problems))), np.zeros((len(first), RESAMPLES))
-        for i, own in enumerate(samples):
-            for pair, (this, other) in enumerate(combinations(own, 2)):
-                chances[pair, i] = a12(this, other)
-                # a seed for each problem: resampled alike, problems would vary together
-                replicates[pair] += a12_replicates(this, other, seed=(seed, i)) / len(problems)
-        chance = chances.mean(axis=1)
-        for pair in np.flatnonzero(known).tolist():
-            low[pair], high[pair] = percentile_interval(replicates[pair])
-    elif problems:
-        chance, variance = np.zeros((2, len(first)))
-        for own in samples:
-            for pairs, these, others in alike(own):
-                chances, variances = delong(these, others)
-                chance[pairs] += chances / len(problems)
-                variance[pairs] += variances / len(problems) ** 2
-        low[known], high[known] = logit_intervals(chance[known], variance[known])
-    names = np.array(optimizers, dtype=object)
-    return pd.DataFrame(
-        {"first": names[first], "second": names[second], "problems": len(problems), "probability": chance}
-        | {"low": low, "high": high}
-    )
+    chance, inside, variance = np.full((3, len(problems), len(first)), np.nan)
+    for place, problem in enumerate(problems):
+        for own, these, others in alike([found[problem, each] for each in optimizers]):
+            chance[place, own] = wins(these, others).mean(axis=(1, 2))
+            if min(these.shape[1], others.shape[1]) > 1:
+                effect = effects(these, others)
+                inside[place, own], variance[place, own] = effect.inside, effect.variance
+    names, number = np.array(optimizers, dtype=object), max(len(problems), 1)
+    table = pd.DataFrame({"first": names[first], "second": names[second], "problems": len(problems)})
+    owner = [(blocks or {}).get(problem, problem) for problem in problems]
+    means = pd.DataFrame(chance).groupby(owner, sort=False).mean().to_numpy()
+    table = table.assign(blocks=len(means), probability=chance.mean(axis=0) if problems else np.nan)
+    centre = inside.sum(axis=0) / number
+    ends = wilson_form(table["probability"].to_numpy(), variance.sum(axis=0) / number**2 / (centre * (1 - centre)))
+    return table.assign(**dict(zip(("low", "high"), ends, strict=True)), **_further(means))
 
 
 def normalised_errors(frame: pd.DataFrame, optima: Mapping[str, float] | None = None) -> pd.DataFrame:
@@ -262,7 +186,7 @@ def interquartile_mean(frame: pd.DataFrame, optima: Mapping[str, float] | None =
     problems = complete_problems(frame)
     errors = normalised_errors(frame[frame["problem"].isin(problems)], optima)
     optimizers, rows = labels(frame, "optimizer"), []
-    resamples = RESAMPLES if resampled(len(optimizers)) else FEWER
+    resamples = RESAMPLES if len(optimizers) <= MANY else FEWER
     for optimizer in optimizers:
         own = errors[errors["optimizer"] == optimizer]
         strata = [group.to_numpy() for _, group in own.groupby("problem", sort=False, observed=True)["error"]]
@@ -310,6 +234,25 @@ def _rank_sums(ranks: tuple[int, ...]) -> Floats:
         chances[rank:reached] += chances[: reached - rank].copy()
         chances[:reached] /= 2
     return chances
+
+
+def _further(means: Floats, level: float = 0.95) -> dict[str, Floats]:
+    """Return further_low and further_high of :func:`probability_of_improvement` from (blocks, pairs) means of A12."""
+    blocks, pairs = means.shape
+    missing = np.full(pairs, np.nan)
+    if blocks < FEWEST_BLOCKS:
+        return {"further_low": missing, "further_high": missing}
+    centre, variance = means.mean(axis=0), means.var(axis=0, ddof=1) / blocks
+    largest = centre * (1 - centre)
+    ratio = np.divide(variance, largest, out=np.zeros(pairs), where=largest > 0)
+    quantile = float(t.ppf((1 + level) / 2, blocks - 1))
+    low, high = wilson_form(centre, ratio, quantile)
+    # A mean of 0 or 1 on every block has a chance of at most its own size to the power of their number.
+    apart, alone = ((1 - level) / 2) ** (1 / blocks), variance == 0
+    return {
+        "further_low": np.where(alone, np.minimum(low, apart), low),
+        "further_high": np.where(alone, np.maximum(high, 1 - apart), high),
+    }
 
 
 def _normalised(values: Floats, reference: float) -> Floats:

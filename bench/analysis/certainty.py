@@ -1,4 +1,4 @@
-"""How sure a ranking is: first places and mean ranks when the trials of every cell are drawn again."""
+"""How sure mean ranks are: those of other trials on the same problems, with the trials of every cell drawn again."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.cells import cells, complete_problems, labels
+from bench.analysis.direction import TWO_SIDED
 from bench.analysis.pairwise import percentile_interval
 from bench.analysis.standings import against_rivals, ranks, won
 from bench.problem import Floats
@@ -18,21 +19,21 @@ RESAMPLES = {30: 999, 100: 199}
 AT_ONCE = 2**20  # pairs of optimizers in memory
 FEWEST = 39  # resamples of more optimizers: the smallest number whose extremes are a 95 % interval
 
-COLUMNS = ("optimizer", "problems", "first_low", "first_high", "rank_low", "rank_high", "leads")
+COLUMNS = ("optimizer", "problems", "rank_low", "rank_high")
 
 
 def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
-    """Return how far other trials on the same problems could move the ranking, one row an optimizer.
+    """Return how far as many other trials on the same problems could move the ranking, one row an optimizer.
 
-    Columns: optimizer; problems, those on which every optimizer has a trial; first_low to first_high, the 95 %
-    percentile interval of the number of problems on which the optimizer is ranked first (:func:`bench.analysis.ranking`
-    without its tests, which resampled values would mislead by their ties); rank_low to rank_high, that of its mean
-    rank, both widened to the observed value where resamples, which break ties and know fewer values, shift all of them
-    to one side; leads, the share of resamples in which its mean rank is the lowest, a tie shared.
+    Columns: optimizer; problems, those on which every optimizer has a trial; rank_low to rank_high, a 95 % interval of
+    the mean rank that such trials give on average. That is not the rank by the true A12: ranks of few trials lie
+    nearer to each other, and no number of problems makes up for that.
 
     Trials are drawn with replacement within each cell (Efron 1979): 999 times, or 199 times with more than 30
-    optimizers, or 39 times with more than 100. All is missing where no problem has trials of every optimizer, or a cell
-    of one has a single trial, which leaves nothing to draw.
+    optimizers, or 39 times with more than 100. Ranks of resamples lie still nearer to each other, so the percentile
+    interval alone is shifted: the interval reaches from the lower of its end and of the observed rank less 1.96
+    standard deviations of the resamples to the higher of the ends on the other side. Missing where no problem has
+    trials of every optimizer, or a cell of one has a single trial, which leaves nothing to draw.
     """
     found, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
     problems = complete_problems(frame)
@@ -41,31 +42,21 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
         return pd.DataFrame({"optimizer": optimizers, "problems": len(problems)}, columns=list(COLUMNS))
     resamples = next((drawn for most, drawn in RESAMPLES.items() if len(optimizers) <= most), FEWEST)
     rng = np.random.default_rng(seed)
-    first, total = np.zeros((2, len(optimizers), 1 + resamples))  # the first column is that of the values themselves
+    total = np.zeros((len(optimizers), 1 + resamples))  # the first column is that of the values themselves
     for problem in problems:
         values = [found[problem, each] for each in optimizers]
-        own = ranks_of_draws(values, [_times_drawn(len(each), resamples, rng) for each in values])
-        first += own == own.min(axis=0)
-        total += own
+        total += ranks_of_draws(values, [_times_drawn(len(each), resamples, rng) for each in values])
     mean = total / len(problems)
-    lowest = np.isclose(mean, mean.min(axis=0), rtol=0, atol=1e-9)[:, 1:]
-    leads = (lowest / lowest.sum(axis=0)).mean(axis=1)
-    rows = []
-    for place, optimizer in enumerate(optimizers):
-        counts = _widened(_whole(first[place, 1:]), int(first[place, 0]))
-        interval = _widened(percentile_interval(mean[place, 1:]), float(mean[place, 0]))
-        rows.append((optimizer, len(problems), *counts, *interval, leads[place]))
-    return pd.DataFrame(rows, columns=list(COLUMNS))
-
-
-def _widened(interval: tuple[float, float], observed: float) -> tuple[float, float]:
-    return min(interval[0], observed), max(interval[1], observed)
-
-
-def _whole(counts: Floats) -> tuple[int, int]:
-    """Return the ends of the interval of a count, which are counts themselves."""
-    low, high = np.quantile(counts, [0.025, 0.975], method="inverted_cdf")
-    return int(low), int(high)
+    reach = TWO_SIDED * mean[:, 1:].std(axis=1, ddof=1) * (min(sizes) / (min(sizes) - 1)) ** 0.5
+    low, high = np.array([percentile_interval(own[1:]) for own in mean]).T
+    return pd.DataFrame(
+        {
+            "optimizer": optimizers,
+            "problems": len(problems),
+            "rank_low": np.maximum(np.minimum(low, mean[:, 0] - reach), 1.0),
+            "rank_high": np.minimum(np.maximum(high, mean[:, 0] + reach), float(len(optimizers))),
+        }
+    )
 
 
 def ranks_of_draws(values: Sequence[Floats], drawn: Sequence[Floats]) -> Floats:

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.cells import merge_near_ties
-from bench.analysis.pairwise import ALPHA
+from bench.analysis.direction import ALPHA
 from bench.analysis.standings import mean_ranks, standings
 
 
@@ -16,7 +16,6 @@ def comparison_matrix(
     summary: pd.DataFrame,
     pairs: pd.DataFrame,
     statistic: Literal["median", "mean"] = "median",
-    alpha: float = ALPHA,
     *,
     by: Literal["standing", "value"] = "standing",
     standing: pd.DataFrame | None = None,
@@ -27,9 +26,9 @@ def comparison_matrix(
     several tie, in problems with at least two optimizers: by "standing", the one that beats the most rivals
     (:func:`bench.analysis.standings`), unless all of its trials failed; by "value", as in thesis Table 7.2, the one
     with the lowest finite value. ``alike`` (italics) marks a known value that is not best, where the test cannot
-    separate its cell from a best one: as in the thesis, by the raw p > ``alpha``; an untestable pair (p = 1) counts as
-    alike. The letters of :func:`compact_letters` summarise all pairs after Holm's adjustment; merge them with this
-    table.
+    separate its cell from a best one: by "standing", no one of the two is separably lower; by "value", as in the
+    thesis, the raw p of the Kolmogorov-Smirnov test is above 0.05. The letters of :func:`compact_letters` summarise all
+    pairs; merge them with this table.
 
     The ``statistic`` is "median", or "mean" as in the thesis, which is missing after a single failed trial. ``pairs``
     hold at least the optimizers of ``summary``. ``standing`` is that of :func:`bench.analysis.standings`, where it is
@@ -42,8 +41,9 @@ def comparison_matrix(
         best = _lowest(values) & (values.notna().sum(axis=1) > 1).to_numpy()[:, np.newaxis]
         winners = {(problem, optimizer) for optimizer in best for problem in best.index[best[optimizer]]}
     else:
-        winners = _first(summary, standings(summary, pairs, alpha) if standing is None else standing)
-    unclear = pairs.loc[pairs["p"] > alpha, ["problem", "first", "second"]].astype(object)
+        winners = _first(summary, standings(summary, pairs) if standing is None else standing)
+    open_pairs = pairs["ks_p"] > ALPHA if by == "value" else pairs["lower"] == ""
+    unclear = pairs.loc[open_pairs, ["problem", "first", "second"]].astype(object)
     index = pd.MultiIndex.from_tuples(list(winners), names=["problem", "optimizer"])
     near = {
         cell
@@ -70,29 +70,29 @@ def _first(summary: pd.DataFrame, standing: pd.DataFrame) -> set[tuple[str, str]
 
 
 def compact_letters(
-    summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA, *, standing: pd.DataFrame | None = None
+    summary: pd.DataFrame, pairs: pd.DataFrame, *, standing: pd.DataFrame | None = None
 ) -> pd.DataFrame:
     """Return problem, optimizer and letters of every cell (Piepho 2004, J. Comput. Graph. Stat. 13).
 
-    Two optimizers share a letter where they are not separable: p_holm > ``alpha``. Letters are assigned in the order of
+    Two optimizers share a letter where neither is separably lower. Letters are assigned in the order of
     :func:`bench.analysis.standings`, so the best has an "a". "" stands for a cell without trials, "?" for every cell of
     a problem that needs more than 52 letters. Only the optimizers of ``summary`` get letters. ``standing`` is as in
     :func:`comparison_matrix`.
     """
-    standing = standings(summary, pairs, alpha) if standing is None else standing
+    standing = standings(summary, pairs) if standing is None else standing
     own_pairs = dict(list(pairs.groupby("problem", sort=False, observed=True)))
     letters = {
         (problem, optimizer): text
         for problem, own in standing.dropna(subset="rank").groupby("problem", sort=False, observed=True)
         for optimizer, text in _letters(
-            list(own.sort_values("rank", kind="stable")["optimizer"]), own_pairs.get(problem, pairs.head(0)), alpha
+            list(own.sort_values("rank", kind="stable")["optimizer"]), own_pairs.get(problem, pairs.head(0))
         ).items()
     }
     cells = summary[["problem", "optimizer"]]
     return cells.assign(letters=[letters.get(cell, "") for cell in cells.itertuples(index=False, name=None)])
 
 
-def _letters(optimizers: list[str], pairs: pd.DataFrame, alpha: float) -> dict[str, str]:
+def _letters(optimizers: list[str], pairs: pd.DataFrame) -> dict[str, str]:
     """Return the letters of each optimizer of one problem, the first one's from "a" on."""
     from scikit_posthocs import compact_letter_display  # slow: it imports the drawing libraries
 
@@ -100,8 +100,7 @@ def _letters(optimizers: list[str], pairs: pd.DataFrame, alpha: float) -> dict[s
     alike = np.ones((len(place), len(place)))
     known = pairs[pairs["first"].isin(place) & pairs["second"].isin(place)]
     first, second = (known[name].astype(object).map(place).to_numpy(dtype=int) for name in ("first", "second"))
-    # the library's own rule differs at p = alpha
-    alike[first, second] = alike[second, first] = known["p_holm"].to_numpy(dtype=float) > alpha
+    alike[first, second] = alike[second, first] = known["lower"].to_numpy(dtype=object) == ""
     try:
         shown = compact_letter_display(alike, alpha=0.5, names=optimizers)
     except ValueError:  # more groups than letters
@@ -109,9 +108,7 @@ def _letters(optimizers: list[str], pairs: pd.DataFrame, alpha: float) -> dict[s
     return {optimizer: text.replace(" ", "") for optimizer, text in shown.items()}
 
 
-def ranking(
-    summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA, *, standing: pd.DataFrame | None = None
-) -> pd.DataFrame:
+def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, *, standing: pd.DataFrame | None = None) -> pd.DataFrame:
     """Return one row an optimizer: problems, first, separable, worse and mean_rank.
 
     The unit is the problem, on which every optimizer has a trial. ``first`` counts the problems on which the optimizer
@@ -120,7 +117,7 @@ def ranking(
     mean of its ranks. ``standing`` is as in :func:`comparison_matrix`.
     """
     complete = medians(summary).index
-    standing = standings(summary, pairs, alpha) if standing is None else standing
+    standing = standings(summary, pairs) if standing is None else standing
     standing = standing[standing["problem"].isin(complete)]
     first = _first(summary[summary["problem"].isin(complete)], standing) if len(standing) else set()
     optimizers = list(dict.fromkeys(summary["optimizer"]))

@@ -2,23 +2,24 @@
 
 On each problem all pairs are tested at every look that their trials have reached, by the test of
 :func:`bench.analysis.pairwise_tests`. The level is spent over the looks (:mod:`bench.analysis.sequential`): a pair has
-the smallest of its repeated p-values so far, and Holm's method adjusts these over all pairs of the problem. A pair is
-*decided* where the result is at most alpha; a pair that is decided stays so. A cell is *stopped* at the first look at
-which all of its pairs are decided. Everything follows from the trials before the look, whoever asks, and whenever.
+the smallest of its repeated p-values so far, and Holm's method adjusts these over all pairs of the problem, at alpha
+over the number of problems. A pair is *decided* where the result is at most that; a pair that is decided stays so. A
+cell is *stopped* at the first look at which all of its pairs are decided. Everything follows from the trials before the
+look, whoever asks, and whenever.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import comb
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from bench.analysis.cells import cells, labels
-from bench.analysis.pairwise import ALPHA, AT_ONCE, adjusted, holm, ks_tests
+from bench.analysis.direction import ALPHA, effects, least_p, p_values
+from bench.analysis.pairwise import AT_ONCE, adjusted, holm
 from bench.analysis.sequential import repeated_p
 from bench.problem import Floats
 
@@ -48,7 +49,7 @@ def decide(frame: pd.DataFrame, looks: Sequence[int], alpha: float = ALPHA) -> D
         frame: the tidy frame, or its columns problem, optimizer, trial, status and fun. A look counts for a cell
             once all of its trials before it are there; failed ones count as +inf.
         looks: the numbers of trials at which the optimizers are compared, increasing.
-        alpha: the level over all looks and all pairs of a problem.
+        alpha: the level over all looks, pairs and problems.
     """
     if not looks:
         return Decisions({}, pd.DataFrame(columns=list(COLUMNS)), {})
@@ -58,7 +59,9 @@ def decide(frame: pd.DataFrame, looks: Sequence[int], alpha: float = ALPHA) -> D
     names = np.array(optimizers, dtype=object)
     stopped: dict[tuple[str, str], int] = {}
     reached, tables = {}, []
-    for problem in labels(frame, "problem"):
+    problems = labels(frame, "problem")
+    level = alpha / max(len(problems), 1)
+    for problem in problems:
         p, look_of, ends = np.ones(len(one)), np.zeros(len(one), dtype=np.int64), np.zeros(len(names), dtype=np.int64)
         reached[problem] = 0
         for place, look in enumerate(looks):
@@ -66,10 +69,10 @@ def decide(frame: pd.DataFrame, looks: Sequence[int], alpha: float = ALPHA) -> D
             there = np.array([len(own) == look for own in samples], dtype=bool)
             active = there & (ends == 0)
             tested = np.flatnonzero(active[one] & active[other])
-            now = repeated_p(_p(samples, one[tested], other[tested], alpha), looks, place)
+            now = repeated_p(_p(samples, one[tested], other[tested]), looks, place)
             better = now < p[tested]
             p[tested[better]], look_of[tested[better]] = now[better], look
-            ends[_decided(holm(p) <= alpha, one, other, len(names)) & active] = look
+            ends[_decided(holm(p) <= level, one, other, len(names)) & active] = look
             if (there | (ends > 0)).all():
                 reached[problem] = look
         stopped |= {(problem, name): int(end) for name, end in zip(optimizers, ends, strict=True) if end}
@@ -79,29 +82,43 @@ def decide(frame: pd.DataFrame, looks: Sequence[int], alpha: float = ALPHA) -> D
     return Decisions(stopped, pairs[list(COLUMNS)], reached)
 
 
-def blind_looks(looks: Sequence[int], alpha: float = ALPHA) -> list[int]:
-    """Return the looks that can decide nothing, as not even complete separation of two cells is significant there."""
-    least = [repeated_p(2 / comb(2 * look, look), looks, place) for place, look in enumerate(looks)]
-    return [look for look, p in zip(looks, least, strict=True) if p > alpha]
+def blind_looks(looks: Sequence[int], tests: int = 1, alpha: float = ALPHA) -> list[int]:
+    """Return the looks that can decide nothing, as not even complete separation of two cells is significant there.
+
+    ``tests`` is the number of pairs of optimizers times that of problems.
+    """
+    least = [repeated_p(least_p(look), looks, place) for place, look in enumerate(looks)]
+    return [look for look, p in zip(looks, least, strict=True) if p * tests > alpha]
 
 
 def at_looks(pairs: pd.DataFrame, decisions: Decisions, alpha: float = ALPHA) -> pd.DataFrame:
     """Return the rows of :func:`bench.analysis.pairwise_tests` with the p-values of the looks, adjusted likewise.
 
     A column ``look`` has the number of trials at the look that p is of. A pair that has reached no look has p = 1.
+    Trials stop where the difference looks large, so A12 of a pair with a stopped cell is biased away from 0.5: it
+    has a rank only, and no interval (``stopped``).
     """
     keys = ["problem", "first", "second"]
     own = pairs[keys].astype(object).merge(decisions.pairs, on=keys, how="left")
-    return adjusted(pairs.assign(p=own["p"].to_numpy(), look=own["look"].to_numpy()), alpha)
+    stopped = np.array(
+        [
+            any((problem, optimizer) in decisions.stopped for optimizer in pair)
+            for problem, *pair in own[keys].itertuples(index=False, name=None)
+        ],
+        dtype=bool,
+    )
+    ends = ["a12_low", "a12_high", "joint_low", "joint_high"]
+    unknown = {name: pairs[name].mask(stopped) for name in ends}
+    return adjusted(pairs.assign(p=own["p"].to_numpy(), look=own["look"].to_numpy(), stopped=stopped, **unknown), alpha)
 
 
-def _p(samples: Sequence[Floats], one: NDArray[np.intp], other: NDArray[np.intp], alpha: float) -> Floats:
+def _p(samples: Sequence[Floats], one: NDArray[np.intp], other: NDArray[np.intp]) -> Floats:
     """Return the p-values of pairs of samples, all of one size."""
     p = np.ones(len(one))
     for start in range(0, len(one), AT_ONCE):
         own = slice(start, start + AT_ONCE)
         these, others = (np.array([samples[place] for place in places[own]]) for places in (one, other))
-        p[own] = ks_tests(these, others, alpha)["p"]
+        p[own] = p_values(effects(these, others))
     return p
 
 

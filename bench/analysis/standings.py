@@ -1,10 +1,10 @@
 """The standing of each optimizer on a problem: how many of the others it beats, trial against trial.
 
 An optimizer *beats* another one on a problem where a trial of it more probably ends below a trial of the other than
-above it: A12 > 0.5 (Vargha and Delaney 2000). It is *separably lower* where the adjusted test also rejects equality and
-the interval of A12 excludes 0.5. Ranks follow the number of rivals beaten (Copeland 1951, "A reasonable social welfare
-function"): the median of a cell whose trials end in two basins says which basin holds one more trial than the other,
-and so may rank an optimizer first whose trials mostly end higher.
+above it: A12 > 0.5 (Vargha and Delaney 2000). It is *separably lower* where the adjusted test rejects A12 = 0.5 as well
+(:func:`bench.analysis.pairwise_tests`). Ranks follow the number of rivals beaten (Copeland 1951, "A reasonable social
+welfare function"): the median of a cell whose trials end in two basins says which basin holds one more trial than the
+other, and so may rank an optimizer first whose trials mostly end higher.
 """
 
 from __future__ import annotations
@@ -18,14 +18,13 @@ from numpy.typing import NDArray
 from scipy.stats import rankdata
 
 from bench.analysis.cells import labels
-from bench.analysis.pairwise import ALPHA
 from bench.compiled import compiled
 from bench.problem import Floats
 
 COLUMNS = ("problem", "optimizer", "rank", "beaten", "chance", "lower", "higher", "separable")
 
 
-def standings(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
+def standings(summary: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
     """Return one row a cell: problem, optimizer, rank, beaten, chance, lower, higher and separable.
 
     ``rank`` is 1 for the optimizer that beats the most rivals; ties share their mean rank. ``beaten`` is the number of
@@ -40,7 +39,7 @@ def standings(summary: pd.DataFrame, pairs: pd.DataFrame, alpha: float = ALPHA) 
     own_pairs = dict(list(pairs.groupby("problem", sort=False, observed=True)))
     for problem, own in summary.groupby("problem", sort=False, observed=True):
         present = own.loc[own["n"] > 0, "optimizer"].astype(object)
-        chances, separable = _matrices(own_pairs.get(problem, pairs.head(0)), list(present), alpha)
+        chances, separable = _matrices(own_pairs.get(problem, pairs.head(0)), list(present))
         rivals = len(present) - 1
         beaten, chance = against_rivals(chances, axis=1)
         chance = chance if rivals > 0 else np.full(len(present), np.nan)
@@ -145,7 +144,7 @@ def _lowest(own: pd.DataFrame, column: str) -> list[str]:
     return list(own.loc[np.isclose(values, least, rtol=1e-10, atol=0), "optimizer"])
 
 
-def _matrices(pairs: pd.DataFrame, optimizers: Sequence[str], alpha: float) -> tuple[Floats, NDArray[np.bool_]]:
+def _matrices(pairs: pd.DataFrame, optimizers: Sequence[str]) -> tuple[Floats, NDArray[np.bool_]]:
     """Return (k, k) A12 of the first against the second, and whether the first is separably lower."""
     place = {optimizer: i for i, optimizer in enumerate(optimizers)}
     known = pairs[pairs["first"].isin(place) & pairs["second"].isin(place)]
@@ -154,10 +153,9 @@ def _matrices(pairs: pd.DataFrame, optimizers: Sequence[str], alpha: float) -> t
     a12 = known["a12"].to_numpy(dtype=float)
     chances[first, second], chances[second, first] = a12, 1 - a12
     separable = np.zeros(chances.shape, dtype=bool)
-    clear = (known["p_holm"] <= alpha).to_numpy(dtype=bool)
     lower = known["lower"].to_numpy(dtype=object)
     for one, other, name in ((first, second, "first"), (second, first, "second")):
-        wins = clear & (lower == known[name].to_numpy(dtype=object))
+        wins = lower == known[name].to_numpy(dtype=object)
         separable[one[wins], other[wins]] = True
     return chances, separable
 

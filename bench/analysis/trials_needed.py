@@ -1,8 +1,8 @@
 """Estimate how many trials of each optimizer would separate the pairs that the trials made do not separate.
 
-A pair is separated where the report calls one optimizer separably lower: the Kolmogorov-Smirnov test rejects at its
-level, and the 95 % interval of A12 excludes 0.5. The level is that of the next step of Holm's method, alpha over the
-number of pairs of the problem that it does not reject yet.
+A pair is separated where the report calls one optimizer separably lower: the test of A12 = 0.5 rejects
+(:mod:`bench.analysis.direction`). The level is that of the next step of Holm's method, alpha over the number of pairs,
+of all problems, that it does not reject yet.
 
 The power with n trials a cell is simulated: n values are drawn from each of the two samples, with replacement (Efron
 1979), so cells with two basins, or with ties, stay what they are. Of very many pairs, those with the leader are
@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -25,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import norm
 
 from bench.analysis.cells import cells
-from bench.analysis.pairwise import ALPHA, TIED, critical_distance, tied_critical_distance, tied_share, wins
+from bench.analysis.direction import ALPHA, effects, p_values
 from bench.analysis.sequential import levels
 from bench.problem import Floats
 
@@ -33,7 +32,6 @@ POWER = 0.8
 LARGEST = 1_000  # trials a cell; a pair that needs more is practically not separable
 DRAWS = 400  # of a simulated power, so its standard error is 2 % at most
 MOST_PAIRS = 100  # open pairs up to which all are simulated
-EXACT_TIES = 60  # trials up to which the critical distance given ties is exact
 GRID = sorted({round(4 * 1.1**step) for step in range(58)} | {LARGEST})  # numbers of trials that are tried
 
 PAIR = ("first", "second")
@@ -64,19 +62,15 @@ def trials_needed(
         looks: the study's declared looks: the level of a pair is then that of the last one.
         seed: of the simulation.
     """
-    left = ~pairs["significant"].astype(bool)
-    number = left.groupby(pairs["problem"], observed=True).transform("sum").clip(lower=1)
-    steps = {int(each): alpha / int(each) for each in number.unique()}
-    if looks:
-        steps = {each: levels(tuple(looks), step)[-1] for each, step in steps.items()}
-    chosen = (left | (pairs["lower"] == "")).to_numpy(dtype=bool)
+    chosen = (pairs["lower"] == "").to_numpy(dtype=bool)
+    level = alpha / max(int(chosen.sum()), 1)
+    level = levels(tuple(looks), level)[-1] if looks else level
     if not (simulated := chosen.sum() <= MOST_PAIRS):
         best = standing[standing["rank"] == standing.groupby("problem", observed=True)["rank"].transform("min")]
         chosen = chosen & _holds_one(pairs, best)
-    table = pairs[chosen].assign(level=number[chosen].map(steps))
-    table = table.assign(method="simulation" if simulated else "formula")
+    table = pairs[chosen].assign(level=level, method="simulation" if simulated else "formula")
     chance, low, high = (table[name].to_numpy(dtype=float) for name in ("a12", "a12_low", "a12_high"))
-    level, smaller = table["level"].to_numpy(dtype=float), table[["n_first", "n_second"]].min(axis=1).to_numpy()
+    smaller = table[["n_first", "n_second"]].min(axis=1).to_numpy()
     formula = noether(chance, level, power)
     needed = np.maximum(formula, smaller + 1.0)
     if simulated:
@@ -84,7 +78,7 @@ def trials_needed(
         for row, pair in enumerate(table.itertuples(index=False)):
             if np.isfinite(low[row]) and noether(chance[row], alpha, power) <= LARGEST:
                 both = found[str(pair.problem), str(pair.first)], found[str(pair.problem), str(pair.second)]
-                needed[row] = _simulated(*both, int(smaller[row]), float(level[row]), power, seed)
+                needed[row] = _simulated(*both, int(smaller[row]), level, power, seed)
             else:
                 needed[row] = np.inf
     needed = np.where(needed > LARGEST, np.inf, needed)
@@ -116,7 +110,7 @@ def _codes(labels: pd.Series[str], known: list[str]) -> NDArray[np.intp]:
     return np.asarray(labels.astype("category").cat.set_categories(known).cat.codes, dtype=np.intp)
 
 
-def noether(a12: ArrayLike, level: ArrayLike, power: float) -> Floats:
+def noether(a12: ArrayLike, level: float, power: float) -> Floats:
     """Return the trials of each of two optimizers with which the test of Mann and Whitney has a power.
 
     By Noether's formula for two samples of one size; infinite where A12 is 0.5. It assumes neither ties nor a
@@ -124,67 +118,18 @@ def noether(a12: ArrayLike, level: ArrayLike, power: float) -> Floats:
     """
     effect = np.asarray(a12, dtype=np.float64) - 0.5
     with np.errstate(divide="ignore"):
-        return np.asarray((norm.isf(np.asarray(level) / 2) + norm.ppf(power)) ** 2 / (6 * effect**2))
-
-
-class _Pair(NamedTuple):
-    """Two samples as a simulation draws from them."""
-
-    this: Floats
-    other: Floats
-    won: Floats  # (n, m) wins of the one against the other
-    order: NDArray[np.intp]  # of all values
-    last: NDArray[np.bool_]  # whether a value is the last of equal ones, in that order
-    spread: float  # n times the variance of A12 with n trials a cell
-    tied: bool
+        return np.asarray((norm.isf(level / 2) + norm.ppf(power)) ** 2 / (6 * effect**2))
 
 
 def _simulated(this: Floats, other: Floats, trials: int, level: float, power: float, seed: int) -> float:
     """Return the smallest number of trials in the grid, above those made, with the power; infinite above all."""
-    won = wins(this, other)
-    pooled = np.concatenate((this, other))
-    order = np.argsort(pooled, kind="stable")
-    last = np.append(pooled[order][1:] != pooled[order][:-1], True)
-    spread = float(won.mean(axis=1).var(ddof=1) + won.mean(axis=0).var(ddof=1))
-    pair = _Pair(this, other, won, order, last, spread, tied_share(pooled) > TIED)
     tried = [trials + 1, *(each for each in GRID if each > trials + 1)]
-    place = bisect_left(tried, True, key=lambda n: power_of(pair, n, level, seed) >= power)
+    place = bisect_left(tried, True, key=lambda n: power_of(this, other, n, level, seed) >= power)
     return float(tried[place]) if place < len(tried) else np.inf
 
 
-def power_of(pair: _Pair, n: int, level: float, seed: int = 0) -> float:
-    """Return the share of draws of n values from each sample in which the pair is separated."""
-    needed = critical_distance(n, level) if not pair.tied else _tied_critical_distance(pair, n, level)
-    if needed is None:
-        return 0.0
+def power_of(this: Floats, other: Floats, n: int, level: float, seed: int = 0) -> float:
+    """Return the share of draws of n values, at least two, from each of two samples in which the pair is separated."""
     rng = np.random.default_rng((seed, n))
-    these, others = (rng.multinomial(n, np.full(len(own), 1 / len(own)), DRAWS) for own in pair[:2])
-    steps = np.concatenate((these, -others), axis=1)[:, pair.order].cumsum(axis=1)
-    distance = np.abs(steps[:, pair.last]).max(axis=1)
-    chance = np.einsum("di,ij,dj->d", these, pair.won, others, optimize=True) / n**2
-    clear = np.abs(chance - 0.5) > norm.ppf(0.975) * np.sqrt(pair.spread / n)
-    return float(np.mean((distance >= needed) & clear))
-
-
-def _tied_critical_distance(pair: _Pair, n: int, level: float) -> float | None:
-    """Return the distance, times n, from which on the test given the ties is significant.
-
-    Above :data:`EXACT_TIES` trials, for which it is costly, it grows with the square root of n, as in the limit.
-    """
-    own = min(n, EXACT_TIES)
-    needed = tied_critical_distance(_steps(pair, own), level)
-    return None if needed is None else needed * (n / own) ** 0.5
-
-
-def _steps(pair: _Pair, n: int) -> NDArray[np.bool_]:
-    """Return whether the value changes after each of 2n sorted values that are tied as those of the samples are."""
-    expected = np.concatenate(
-        (np.full(len(pair.this), n / len(pair.this)), np.full(len(pair.other), n / len(pair.other)))
-    )
-    ends = np.rint(expected[pair.order].cumsum()).astype(np.int64)[pair.last]
-    sizes = np.diff(np.append(-1, np.flatnonzero(pair.last)))  # of groups of equal values
-    changes = np.ones(2 * n, dtype=bool)
-    for start, end, size in zip(np.append(0, ends[:-1]), ends, sizes, strict=True):
-        if size > 1:
-            changes[start : max(end - 1, start)] = False
-    return changes
+    these, others = (rng.choice(own, (DRAWS, n)) for own in (this, other))
+    return float(np.mean(p_values(effects(these, others)) <= level))

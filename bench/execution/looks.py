@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import comb
+
 from bench.storage.store import Store
 from bench.study import Study
 
@@ -14,7 +16,8 @@ def blind_looks(study: Study) -> list[int]:
         return []
     from bench.analysis import looks
 
-    return looks.blind_looks(study.looks)
+    tests = comb(len(study.optimizers), 2) * len(study.problems)
+    return looks.blind_looks(study.looks, tests)
 
 
 def stopped_cells(study: Study, store: Store) -> dict[tuple[str, str], int]:

@@ -174,8 +174,9 @@ def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | No
     Delaney (2000). A point is filled where its interval excludes 0.5.
 
     Args:
-        pairs: columns first, second, probability, low and high (:func:`bench.analysis.probability_of_improvement`),
-            or a12, a12_low and a12_high with the column problem (:func:`bench.analysis.pairwise_tests`).
+        pairs: columns first, second, probability, low and high, and further_low and further_high for a thin line
+            (:func:`bench.analysis.probability_of_improvement`), or a12, a12_low and a12_high with the column problem
+            (:func:`bench.analysis.pairwise_tests`).
         problem: the label of the problem to draw, where ``pairs`` has several.
     """
     rows = pairs if problem is None else style.rows_of(pairs, problem)
@@ -185,7 +186,9 @@ def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | No
     at = np.arange(len(rows))
     ax.vlines(EFFECTS, 0, 1, color="#BBBBBB", linewidth=0.5, linestyle=":", transform=ax.get_xaxis_transform())
     ax.axvline(0.5, color="black", linewidth=0.7)
-    ax.hlines(at, low, high, color=style.PALETTE[0], linewidth=1.2)
+    if "further_low" in rows:
+        ax.hlines(at, rows["further_low"], rows["further_high"], color=style.PALETTE[0], linewidth=0.5)
+    ax.hlines(at, low, high, color=style.PALETTE[0], linewidth=1.6)
     clear = (low > 0.5) | (high < 0.5)
     for which, face in ((clear, style.PALETTE[0]), (~clear, "white")):
         ax.plot(chance[which], at[which], "o", color=style.PALETTE[0], markerfacecolor=face, markersize=4.0, zorder=3)

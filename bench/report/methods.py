@@ -13,12 +13,11 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from bench.analysis import ALPHA
-from bench.analysis.across import FEWER
+from bench.analysis import ALPHA, TIED, Levels
+from bench.analysis.across import FEWER, MANY
 from bench.analysis.cells import NEAR
 from bench.analysis.equivalence import RESAMPLES as EQUIVALENCE_RESAMPLES
 from bench.analysis.instances import SOLVED
-from bench.analysis.pairwise import RESAMPLES, TIED, resampled
 from bench.analysis.running_time import RESAMPLES as ERT_RESAMPLES
 from bench.bibtex import Work, parse, read
 from bench.budget import described
@@ -26,6 +25,7 @@ from bench.constraints import COEFFICIENT
 from bench.errors import BenchError
 from bench.report.latex import escape
 from bench.report.target_words import TargetWords, target_words
+from bench.report.winner import WINNER_RULE
 from bench.report.wording import count, listing, options
 from bench.rope import Rope
 from bench.study import Study
@@ -33,15 +33,10 @@ from bench.tuned import Tuning
 
 BIBLIOGRAPHY = "references.bib"  # the file of the cited works, beside the methods
 
-SCALES = {
-    "log10 error": "the logarithms of the medians’ distances from the known optima",
-    "log10 median": "the logarithms of the medians",
-    "share of range": "the medians scaled to the range of the medians on each problem",
-}
-"""What the paired tests across problems compare, by the names of :func:`bench.analysis.across.relative_medians`."""
-
 NEUTRAL = ("joblib", "matplotlib", "pandas", "seaborn")
 """Packages on which no trial's result depends: they schedule trials, keep tables and draw."""
+
+ON_PROBLEMS = Levels(ALPHA, 0.0)
 
 _CITATION = re.compile(r" \[@([^]]+)\]")
 
@@ -57,10 +52,12 @@ class MethodsFacts:
         failed: trials that failed, of all.
         bibtex: each optimizer's BibTeX by label; an optimizer without any is not cited.
         environments: what each run recorded of itself and its machine (:mod:`bench.storage.provenance`).
-        tests: pairs of optimizers compared by a test, over all problems.
-        permutation_tests: those of them that use the permutation distribution given the ties.
+        tests: tests of pairs of optimizers on problems, 0 where none can be significant.
+        pairs: the pairs of optimizers over all problems.
+        levels: of the tests on problems and across them.
+        blocks: the independent problems.
+        permutation_tests: the Kolmogorov-Smirnov tests that use the permutation distribution given the ties.
         ranked_problems: problems that entered the comparison across problems.
-        scale: what the paired tests across problems compare, one of ``SCALES``.
         known_optima: problems whose optimum is known.
         targets: problems that have targets.
         early: trials that stopped by a criterion of their own before their budget was spent, by optimizer.
@@ -92,9 +89,11 @@ class MethodsFacts:
     bibtex: Mapping[str, str] = field(default_factory=dict)
     environments: Sequence[Mapping[str, Any]] = ()
     tests: int = 0
+    pairs: int = 0
+    levels: Levels = ON_PROBLEMS
+    blocks: int = 0
     permutation_tests: int = 0
     ranked_problems: int = 0
-    scale: str = "log10 median"
     known_optima: int = 0
     targets: int = 0
     early: Mapping[str, int] = field(default_factory=dict)
@@ -171,15 +170,14 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         "near": NEAR,
         "tied": TIED,
         "solved": SOLVED,
-        "resampled": resampled(len(facts.study.optimizers)),
-        "resamples": RESAMPLES,
+        "fewer": len(facts.study.optimizers) > MANY,
+        "winner_rule": WINNER_RULE,
         "fewer_resamples": FEWER,
         "ert_resamples": ERT_RESAMPLES,
         "equivalence_resamples": EQUIVALENCE_RESAMPLES,
         "coefficient": COEFFICIENT,
         "given": [f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text],
         "early": [f"{count(number, 'trial')} of {label}" for label, number in facts.early.items() if number],
-        "scales": SCALES,
         "versions": _versions(facts.environments),
         "commits": _commits(facts.environments),
         "processors": _distinct(environment.get("processor") for environment in facts.environments),

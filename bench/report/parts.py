@@ -158,18 +158,21 @@ class Card:
     Attributes:
         title: a few words.
         text: paragraphs of plain text.
-        tone: "claim" for a statement that the results support, "limit" for a limit of the results.
+        tone: "claim" for a statement that the results support, "open" for one that leaves the question open, "limit"
+            for a limit of the results.
         folded: whether only the title shows until a reader opens it; it is printed all the same.
+        lines: labels with short texts, after the first paragraph.
     """
 
     title: str
     text: tuple[str, ...]
-    tone: Literal["claim", "limit"]
+    tone: Literal["claim", "open", "limit"]
     folded: bool = False
+    lines: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
         """Raise TypeError for a text that the page cannot show."""
-        _check_texts("card", self.title, *_sequence(self.text))
+        _check_texts("card", self.title, *_sequence(self.text), *(text for line in self.lines for text in line))
 
 
 @dataclass(frozen=True)

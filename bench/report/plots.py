@@ -282,7 +282,7 @@ def rank_figure(average_ranks: pd.Series[float], cliques: Collection[Sequence[st
     )  # fmt: skip
     cd_diagram(average_ranks, cliques, ax=ax)
     caption = (
-        "Critical-difference diagram: average ranks of the medians over problems, the best at the left. A bar joins "
+        "Critical-difference diagram: mean ranks over problems, the best at the left. A bar joins "
         "optimizers no pair of which differs significantly (Wilcoxon, Holm)."
     )
     return Figure("ranks", caption, figure, average_ranks.rename_axis("optimizer").reset_index(name="average_rank"))
@@ -296,8 +296,9 @@ def forest_figure(pairs: pd.DataFrame) -> Figure:
     a12_forest(pairs, ax=ax)
     caption = (
         "The chance that a trial of the first optimizer ends below one of the second, averaged over problems, with "
-        "its 95% bootstrap interval for new trials on the same problems. A point is filled where its interval excludes "
-        "0.5. Dotted: the bounds of small, medium and large effects on both sides of 0.5."
+        "its 95% interval for new trials on the same problems; thin: for further problems like them, where they are "
+        "enough. A point is filled where its interval excludes 0.5. Dotted: the bounds of small, medium and large "
+        "effects on both sides of 0.5."
     )
     return Figure("probability-of-improvement", caption, figure, pairs)
 

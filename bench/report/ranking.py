@@ -8,7 +8,6 @@ from typing import Any
 import pandas as pd
 
 from bench import analysis
-from bench.analysis import ALPHA
 from bench.report.findings import Findings
 from bench.report.parts import LIKE_FRAME, Table
 from bench.report.wording import count
@@ -91,7 +90,7 @@ def turned(table: Table, findings: Findings) -> Table:
 def _beside_first(findings: Findings) -> pd.DataFrame:
     """Return which optimizers no test separates from a first one of the problem, problems by optimizers."""
     best = analysis.table(findings.matrix, "best").astype(bool)
-    pairs = findings.pairs[findings.pairs["p_holm"] > ALPHA]
+    pairs = findings.pairs[findings.pairs["lower"] == ""]
     pairs = pairs[pairs[["n_first", "n_second"]].min(axis=1) > 0]
     row = best.index.get_indexer(pd.Index(pairs["problem"]))
     first, second = (best.columns.get_indexer(pd.Index(pairs[name])) for name in ("first", "second"))
@@ -107,12 +106,12 @@ def ranking_table(findings: Findings) -> Table:
     """Return the mean ranks and first places with their intervals, best first."""
     table = findings.ranking.merge(findings.certainty.drop(columns="problems"), on="optimizer")
     table = table.set_index("optimizer").loc[findings.ranked]
-    problems, sure = int(table["problems"].iloc[0]), bool(table["first_low"].notna().all())
-    rank, first = table["mean_rank"], table["first"]
+    problems, sure = int(table["problems"].iloc[0]), bool(table["rank_low"].notna().all())
+    rank = table["mean_rank"]
     shown = pd.DataFrame(
         {
-            "mean rank": _with_interval(rank, table["rank_low"], table["rank_high"], 2) if sure else rank,
-            "first": _with_interval(first, table["first_low"], table["first_high"], 0) if sure else first,
+            "mean rank": _with_interval(rank, table["rank_low"], table["rank_high"]) if sure else rank,
+            "first": table["first"],
             "separable": table["separable"],
             "worse": table["worse"],
         },
@@ -120,17 +119,15 @@ def ranking_table(findings: Findings) -> Table:
     )
     return Table(
         "ranking",
-        f"The ranking over {count(problems, 'problem')}{', with 95% bootstrap intervals' if sure else ''}.",
+        f"The ranking over {count(problems, 'problem')}.",
         shown,
         decimals=2,
-        note="First: problems on which it is ranked first; separable: on which it is separably lower than every rival; "
+        note=("In brackets: a 95% interval of the mean rank that other trials on these problems would give. " * sure)
+        + "First: problems on which it is ranked first; separable: on which it is separably lower than every rival; "
         "worse: on which a rival is separably lower than it.",
         data=table.reset_index(),
     )
 
 
-def _with_interval(values: pd.Series[Any], low: pd.Series[Any], high: pd.Series[Any], decimals: int) -> list[str]:
-    return [
-        f"{one:.{decimals}f} [{least:.{decimals}f}, {most:.{decimals}f}]"
-        for one, least, most in zip(values, low, high, strict=True)
-    ]
+def _with_interval(values: pd.Series[Any], low: pd.Series[Any], high: pd.Series[Any]) -> list[str]:
+    return [f"{one:.2f} [{least:.2f}, {most:.2f}]" for one, least, most in zip(values, low, high, strict=True)]

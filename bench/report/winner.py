@@ -1,4 +1,9 @@
-"""State in one paragraph which optimizer is best, by how much, how sure that is, and at what budget."""
+"""State which optimizer is best in one headline and four short lines: where, by how much, how sure, at what budget.
+
+Two kinds of evidence can name a winner, and the design of the study alone decides which of them may speak
+(:func:`bench.analysis.levels`): tests of the trials on each problem, and tests across problems, whose unit is the
+block. Both are adjusted for all that they compare, so all claims together err with alpha at most.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +15,18 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from bench.analysis import ALPHA
-from bench.report.wording import count, listing
+from bench.analysis.error_rates import Levels
+from bench.report.wording import count, listing, p_text, percent
 
 NAMED = 4  # optimizers that a sentence names
-SURE = 0.995  # share of repetitions that a sentence calls practically all
 TIED = 1e-9  # mean ranks closer than this are the same
+
+WINNER_RULE = (
+    "An optimizer is called best if, against each rival, it is separably lower on more than half of the problems, or "
+    "if the test across problems shows it lower than each rival; it is not called best where the optimizers differ in "
+    "more than their algorithms."
+)
+"""The rule, as methods sections state it."""
 
 
 class Stage(NamedTuple):
@@ -25,38 +36,82 @@ class Stage(NamedTuple):
     lowest: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class Standing:
-    """What is known of one study, from which the paragraph is written.
+class Across(NamedTuple):
+    """A pair of optimizers over all problems, seen from the first one.
 
     Attributes:
-        ranking: of :func:`bench.analysis.ranking`, with first_low, first_high, rank_low, rank_high and leads of
+        chance: the mean over problems of A12, with its 95 % interval for these problems, low to high.
+        further: its 95 % interval for further problems; missing where they are too few.
+        p: of the test across problems, adjusted over all pairs.
+        lower: whether that test shows the first one to be lower.
+    """
+
+    chance: float
+    low: float
+    high: float
+    further: tuple[float, float]
+    p: float
+    lower: bool
+
+
+class Verdict(NamedTuple):
+    """What may be claimed.
+
+    Attributes:
+        headline: one sentence.
+        lines: short lines, (label, text).
+        clear: whether the headline names a best optimizer.
+    """
+
+    headline: str
+    lines: tuple[tuple[str, str], ...]
+    clear: bool
+
+
+@dataclass(frozen=True)
+class Standing:
+    """What is known of one study, from which the verdict is written.
+
+    Attributes:
+        ranking: of :func:`bench.analysis.ranking`, with rank_low and rank_high of
             :func:`bench.analysis.ranking_certainty`.
         beaten: by (one, other), on how many problems one is separably lower than the other; 0 where there is none.
-        chances: by (one, other), the mean over problems of A12, with the ends of its 95 % interval.
-        testable: whether any test can be significant with the trials there are.
+        across: by (one, other), the comparison over all problems.
+        levels: of the tests on problems and across them; 0 where no test can be significant.
+        blocks: the independent problems.
         budget: the full budget in words, such as "60,000 evaluations".
         problem: the label of the only problem, "" where there are several.
+        trials: of a cell, in words, such as "1 trial".
+        conditions: what differs between the optimizers besides their algorithms, in a clause; "" where nothing does.
+        matched: what controls under equal conditions would cost, or where they are; "" where nothing differs.
+        differing: the leader of each dimension in which another one leads, in words; "" where there is none.
+        size: by how much the leader is lower than the second in rank, in the objective's unit or in evaluations.
         found: the share of each optimizer's trials that came near the best known value; empty where unknown.
         near: what that means, in words.
         course: who has the lowest mean rank at smaller budgets, :class:`Stage` by stage, the full budget last.
         unit: of the stages, "evaluations" or "of the budget".
         clock: the sentence on running times in seconds; "" where these do not change the order.
-        trials: in words, such as "1 trial".
+        sweep: that the problems are one sweep and stand for no further ones; "" where they are not.
     """
 
     ranking: pd.DataFrame
     beaten: Mapping[tuple[str, str], int]
-    chances: Mapping[tuple[str, str], tuple[float, float, float]]
-    testable: bool
+    across: Mapping[tuple[str, str], Across]
+    levels: Levels
+    blocks: int
     budget: str
     problem: str = ""
+    trials: str = ""
+    conditions: str = ""
+    matched: str = ""
+    differing: str = ""
+    size: str = ""
     found: pd.Series[float] = field(default_factory=lambda: pd.Series(dtype=float))
     near: str = ""
     course: Sequence[Stage] = ()
     unit: str = "evaluations"
     clock: str = ""
-    trials: str = ""
+    sweep: str = ""
 
     @property
     def problems(self) -> int:
@@ -73,9 +128,9 @@ class Standing:
     def ordered(self) -> list[str]:
         """The optimizers by mean rank, and by the mean chance to beat another where they tie."""
         labels = list(self.ranking["optimizer"])
-        against = {one: sum(self.chances[one, other][0] for other in labels if other != one) for one in labels}
+        against = {one: sum(self.across[one, other].chance for other in labels if other != one) for one in labels}
         ranks = dict(zip(labels, self.ranking["mean_rank"].round(9), strict=True))
-        return sorted(labels, key=lambda each: (ranks[each], -round(against[each], 9)))
+        return sorted(labels, key=lambda each: (ranks[each], -round(float(against[each]), 9)))
 
     @property
     def level(self) -> list[str]:
@@ -83,133 +138,158 @@ class Standing:
         ranks = self.ranking.set_index("optimizer")["mean_rank"]
         return [each for each in self.ordered if ranks[each] <= ranks.min() + TIED]
 
-    @property
-    def open(self) -> list[str]:
-        """The rivals than which the leader is separably lower on half of the problems at most, in order of rank."""
-        leader, *rivals = self.ordered
-        return [each for each in rivals if 2 * self.beaten.get((leader, each), 0) <= self.problems]
+    def lower_on_most(self, one: str, other: str) -> bool:
+        """Return whether one is separably lower than the other on more than half of the problems."""
+        return 2 * self.beaten.get((one, other), 0) > self.problems
 
     @property
-    def winner(self) -> str:
-        """The optimizer that is separably lower than every rival on most problems; "" where there is none."""
+    def open(self) -> list[str]:
+        """The rivals than which neither kind of evidence shows the leader to be lower, in order of rank."""
+        leader, *rivals = self.ordered
+        kinds = [
+            [each for each in rivals if not self.lower_on_most(leader, each)],
+            [each for each in rivals if not self.across[leader, each].lower],
+        ]
+        return min(kinds, key=len)
+
+    @property
+    def leads(self) -> str:
+        """The optimizer that is shown to be lower than every rival; "" where there is none."""
         return "" if self.open or len(self.level) > 1 else self.ordered[0]
 
 
-def paragraph(known: Standing) -> str:
-    """Return the paragraph: true of one problem and of many, of ties, of failures, and of too few trials for a test."""
+def verdict(known: Standing) -> Verdict:
+    """Return what may be claimed: of one problem and of many, of ties, of failures, of too few trials for a test."""
     if len(known.level) == len(known.ranking):
-        return f"No optimizer leads at {known.budget}: all have the same mean rank {_over(known)}.{_split(known)}"
+        headline = f"No optimizer leads at {known.budget}: all have the same mean rank {_over(known)}."
+        return Verdict(headline, _lines(Where=_split(known)), False)
     leader = known.ordered[0]
-    sentences = [_who(known, leader), _beyond(known)]
-    if len(known.level) == 1:  # where several share the lead, numbers of one of them would single it out
-        sentences += [_certainty(known, leader), _effect(known, leader)]
-        if known.testable:
-            sentences += [_found(known, leader), _course(known, leader), known.clock]
-    return " ".join(filter(None, sentences))
+    alone = len(known.level) == 1  # where several share the lead, numbers of one of them would single it out
+    testable = bool(known.levels.problems or known.levels.across)
+    lines = _lines(
+        Where=_where(known, leader),
+        By_how_much=_effect(known, leader) if alone else "",
+        How_sure=_sure(known, leader),
+        At_what_budget=_course(known, leader) if alone and testable else "",
+    )
+    return Verdict(_headline(known, leader), lines, bool(known.leads) and not known.conditions)
+
+
+def _lines(**texts: str) -> tuple[tuple[str, str], ...]:
+    return tuple((label.replace("_", " "), text) for label, text in texts.items() if text)
 
 
 def _split(known: Standing) -> str:
     """Return who is separably lower than every rival on some problems, though others are so on as many; else ""."""
     parts = [f"{each} on {number}" for each in known.ordered if (number := known.row(each)["separable"])]
-    return f" But problems differ: separably lower than every rival is {listing(parts)}." if parts else ""
+    return f"Problems differ: separably lower than every rival is {listing(parts)}." if parts else ""
 
 
 def _over(known: Standing) -> str:
     return f"on {known.problem}" if known.problem else f"over {known.problems} problems"
 
 
-def _who(known: Standing, leader: str) -> str:
-    if known.winner:
-        return _named(known, leader)
-    row = known.row(leader)
+def _headline(known: Standing, leader: str) -> str:
+    """Return who leads, or that nobody is shown to; conditions that differ come before the verb."""
+    under = f"Under different conditions ({known.conditions}), " if known.conditions else ""
+    if known.leads:
+        where = f"on {known.problem} " if known.problem else ""
+        if not under:
+            return f"{leader} is best {where}at {known.budget}: {_shown(known, leader)}."
+        return f"{under}{leader} ends lowest {where}at {known.budget}: {_shown(known, leader)}."
     if len(known.level) > 1:
         lead = f"{listing(known.level, NAMED)} share the lowest mean rank {_over(known)}"
     elif known.problem:
         lead = f"{leader} ranks first on {known.problem}"
     else:
-        lead = f"{leader} has the lowest mean rank {_over(known)} ({row['mean_rank']:.2f} of {len(known.ranking)})"
-    if not known.testable:
+        lead = f"{leader} has the lowest mean rank {_over(known)}"
+    if not (known.levels.problems or known.levels.across):
+        few = f"{known.trials} a cell" + ("" if known.problem else f" on {count(known.blocks, 'independent problem')}")
         return (
-            f"No winner can be named at {known.budget}: with {known.trials} a cell no test can be significant. {lead}, "
-            "which may be chance."
+            f"No winner can be named at {known.budget}: with {few} no test can be significant. {under}{lead}, which "
+            "may be chance."
         )
     if len(known.level) > 1:
-        return f"No single winner at {known.budget}: {lead}."
-    open_rivals = (
-        known.open if known.problem else [f"{each} ({known.beaten.get((leader, each), 0)})" for each in known.open]
-    )
-    those = listing(open_rivals, NAMED)
-    if known.problem:
-        return f"No single winner at {known.budget}: {lead}, but is not separably lower than {those}."
-    those = listing([f"{each} ({known.beaten.get((leader, each), 0)})" for each in known.open], NAMED)
-    worse = f" On {count(row['worse'], 'problem')} another one is separably lower than it." if row["worse"] else ""
-    return (
-        f"No single winner at {known.budget}: {lead}, but is separably lower on at most half of the problems than "
-        f"{those}.{worse}"
-    )
+        return f"No single winner at {known.budget}: {under}{lead}."
+    return f"No single winner at {known.budget}: {under}{lead}, but is not shown to be lower than {_open(known)}."
 
 
-def _named(known: Standing, leader: str) -> str:
-    """Return the sentence that names the winner."""
-    row = known.row(leader)
+def _open(known: Standing) -> str:
+    return listing(known.open, NAMED)
+
+
+def _shown(known: Standing, leader: str) -> str:
+    """Return what shows that the leader is lower than every rival."""
     rivals = known.ordered[1:]
     every = rivals[0] if len(rivals) == 1 else f"all {len(rivals)} others"
-    best = f"{leader} is best {f'on {known.problem} ' if known.problem else ''}at {known.budget}"
     if known.problem:
-        return f"{best}: its results are separably lower than those of {every}."
-    problems = count(known.problems, "problem")
-    worse = f"significantly worse than another on {row['worse']}" if row["worse"] else "significantly worse on none"
-    if 2 * row["separable"] > known.problems:
-        return f"{best}: separably lower than {every} on {row['separable']} of {problems}, and {worse}."
-    return (  # than each of them on most problems, but seldom than all at once
-        f"{best}: separably lower than each other optimizer on more than half of {problems}, than {every} at once on "
-        f"{row['separable']}, and {worse}."
-    )
+        return f"its results are separably lower than those of {every}"
+    texts = []
+    if all(known.lower_on_most(leader, each) for each in rivals):
+        number, problems = known.row(leader)["separable"], count(known.problems, "problem")
+        texts.append(
+            f"separably lower than {every} on {number} of {problems}"
+            if 2 * number > known.problems
+            else f"separably lower than each other optimizer on more than half of {problems}"
+        )
+    if all(known.across[leader, each].lower for each in rivals):
+        most = max(known.across[leader, each].p for each in rivals)
+        which = "" if len(rivals) == 1 else " against each"
+        texts.append(f"lower than {every} across problems ({p_text(most)}{which})")
+    return ", and ".join(texts)
 
 
-def _beyond(known: Standing) -> str:
-    """Return that nothing is claimed of other problems, where no test of a pair across problems can be significant."""
+def _where(known: Standing, leader: str) -> str:
+    """Return on how many problems the leader is first, and where another one is lower."""
     if known.problem:
         return "This holds for this problem only."
-    if not too_few_problems(known.problems, math.comb(len(known.ranking), 2)):
-        return ""
-    return (
-        f"This holds for these {known.problems} problems only: they are too few for a test across problems to "
-        "distinguish any two optimizers."
-    )
-
-
-def too_few_problems(problems: int, pairs: int) -> bool:
-    """Return whether no Wilcoxon test across problems can be significant, with Holm's adjustment over the pairs.
-
-    The smallest two-sided p-value, that of differences of one sign alone, is 2 / 2^problems.
-    """
-    return 2.0 ** (1 - problems) > ALPHA / max(pairs, 1)
-
-
-def _certainty(known: Standing, leader: str) -> str:
-    """Return the interval of the number of first ranks, and in how many repetitions the leader would lead."""
-    row = known.row(leader)
-    if known.problem or pd.isna(row["first_low"]):
-        return ""
-    often = "practically every repetition" if row["leads"] >= SURE else f"{row['leads']:.0%} of repetitions"
-    return (
-        f"It is ranked first on {row['first']} [{row['first_low']:.0f}, {row['first_high']:.0f}] of "
-        f"{known.problems}, and would lead in {often} of these trials."
-    )
+    row, parts = known.row(leader), []
+    if len(known.level) == 1:
+        parts.append(f"ranked first on {row['first']} of {known.problems}")
+    if known.levels.problems:
+        if not known.leads:
+            own = [f"{each} {known.beaten.get((leader, each), 0)}" for each in known.ordered[1 : 1 + NAMED]]
+            parts.append(f"separably lower than {listing(own)}")
+        parts.append(
+            f"a rival is separably lower on {row['worse']}" if row["worse"] else "no rival is separably lower on any"
+        )
+    text = f"{leader}: {'; '.join(parts)}." if parts else ""
+    return " ".join(filter(None, (text, known.differing)))
 
 
 def _effect(known: Standing, leader: str) -> str:
+    """Return by how much the leader is lower than the second in rank."""
     second = known.ordered[1]
-    chance, low, high = known.chances[leader, second]
-    if math.isnan(chance):
+    pair = known.across[leader, second]
+    if math.isnan(pair.chance) or math.isnan(pair.low):
         return ""
-    shown = "" if math.isnan(low) else f" [{low:.2f}, {high:.2f}]"
     ranks = known.ranking.set_index("optimizer")["mean_rank"]
     beside = [each for each in known.ordered[2:] if ranks[each] <= ranks[second] + TIED]
     place = f", which shares the second rank with {listing(beside, NAMED)}," if beside else ", the second in rank,"
     place = "" if len(known.ranking) == 2 else place
-    return f"A run of it beats a run of {second}{place} with probability {chance:.2f}{shown}."
+    shown = f"{pair.chance:.2f} [{pair.low:.2f}, {pair.high:.2f}]"
+    if not math.isnan(pair.further[0]):
+        shown += f" on these problems, [{pair.further[0]:.2f}, {pair.further[1]:.2f}] on further ones like them"
+    text = f"A run of {leader} beats a run of {second}{place} with probability {shown}."
+    return " ".join(filter(None, (text, known.size, _found(known, leader))))
+
+
+def _sure(known: Standing, leader: str) -> str:
+    """Return what the claim does not cover, and the interval of the leader's mean rank."""
+    parts = []
+    row = known.row(leader)
+    if not known.problem and len(known.level) == 1:
+        interval = "" if pd.isna(row["rank_low"]) else f" [{row['rank_low']:.2f}, {row['rank_high']:.2f}]"
+        parts.append(f"Mean rank {row['mean_rank']:.2f}{interval} of {len(known.ranking)}.")
+    if known.sweep:
+        parts.append(known.sweep)
+    elif not known.problem and not known.levels.across:
+        parts.append(f"This holds for these {known.problems} problems only: the design leaves no test across problems.")
+    if not known.problem and not known.levels.problems and known.levels.across:
+        parts.append(f"With {known.trials} a cell no test on a single problem can be significant.")
+    if known.conditions:
+        parts.append(f"The lead may come from the conditions. {known.matched}".strip())
+    return " ".join(parts)
 
 
 def _found(known: Standing, leader: str) -> str:
@@ -225,7 +305,11 @@ def _found(known: Standing, leader: str) -> str:
 
 
 def _course(known: Standing, leader: str) -> str:
-    """Return who has a lower mean rank than the leader at which smaller budgets, or that nobody has."""
+    """Return who has a lower mean rank than the leader at which smaller budgets, and who is faster by the clock."""
+    return " ".join(filter(None, (_stages(known, leader), known.clock)))
+
+
+def _stages(known: Standing, leader: str) -> str:
     if not known.course or leader not in known.course[-1].lowest:
         return ""
     spells = []
@@ -237,8 +321,3 @@ def _course(known: Standing, leader: str) -> str:
     if not spells:
         return f"From {known.course[0].spent} {known.unit} on, no other has a lower mean rank."
     return f"At smaller budgets the lowest mean rank is that of {listing(spells)} {known.unit}."
-
-
-def percent(share: float) -> str:
-    """Return a share in percent, which is 0% or 100% for none and all alone."""
-    return "<1%" if 0 < share < 0.005 else ">99%" if 0.995 <= share < 1 else f"{share:.0%}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import comb
 from typing import Any
 
 import pandas as pd
@@ -38,8 +39,22 @@ class Final(Trials):
     @cached_property
     def pairs(self) -> pd.DataFrame:
         """The tests of each pair of optimizers on each problem, those of the looks where the study declares any."""
-        pairs = analysis.pairwise_tests(self.frame)
-        return analysis.at_looks(pairs, self.decisions) if self.results.study.looks else pairs
+        level = self.levels.problems or analysis.ALPHA  # where it is 0 nothing can be significant at either
+        pairs = analysis.pairwise_tests(self.frame, level)
+        return analysis.at_looks(pairs, self.decisions, level) if self.results.study.looks else pairs
+
+    @cached_property
+    def levels(self) -> analysis.Levels:
+        """The levels of the tests on problems and across them, which the design of the study gives.
+
+        With declared looks all of the level belongs to the tests on problems, as a run spends it there.
+        """
+        sizes = analysis.table(self.summary, "n").apply(lambda own: sorted(own, reverse=True)[1:2], axis=1)
+        smaller = [int(own[0]) for own in sizes if own]
+        pairs = comb(len(self.optimizers), 2)
+        tests = sum(comb(int((own > 0).sum()), 2) for _, own in self.summary.groupby("problem", observed=True)["n"])
+        blocks = 0 if self.results.study.looks else len({self.blocks[str(label)] for label in self.medians.index})
+        return analysis.levels(smaller, pairs, tests, blocks)
 
     @property
     def written_pairs(self) -> pd.DataFrame:
@@ -70,11 +85,6 @@ class Final(Trials):
         """The number of problems on which each optimizer is ranked first."""
         return analysis.ranking(self.summary, self.pairs, standing=self.standings)
 
-    @cached_property
-    def testable(self) -> bool:
-        """Whether any test of a pair can be significant with the trials there are."""
-        return bool(self.pairs["testable"].any())
-
     # across problems
 
     @cached_property
@@ -101,7 +111,10 @@ class Final(Trials):
     @cached_property
     def improvement(self) -> pd.DataFrame:
         """The probability that a trial of one optimizer ends below one of another, over all problems."""
-        return analysis.probability_of_improvement(self.frame)
+        table = analysis.probability_of_improvement(self.frame, self.blocks)
+        # Trials stop where a difference looks large, so the effects of cells that a look stopped are biased.
+        biased = ["probability", "low", "high", "further_low", "further_high"]
+        return table.assign(**dict.fromkeys(biased, float("nan"))) if self.decisions.stopped else table
 
     @cached_property
     def medians(self) -> pd.DataFrame:
@@ -110,13 +123,13 @@ class Final(Trials):
 
     @cached_property
     def friedman(self) -> dict[str, Any]:
-        """Friedman's test and its Iman-Davenport form."""
-        return dict(analysis.friedman(self.medians).iloc[0])
+        """Friedman's test of the ranks and its Iman-Davenport form."""
+        return dict(analysis.friedman(analysis.ranks_by_block(self.standings, self.blocks)).iloc[0])
 
     @cached_property
     def wilcoxon(self) -> pd.DataFrame:
         """Wilcoxon's signed-rank test of each pair of optimizers across problems."""
-        return analysis.wilcoxon_tests(self.medians, self.optima)
+        return analysis.wilcoxon_tests(self.pairs, self.blocks, self.levels.across)
 
     @property
     def rope(self) -> Rope | None:

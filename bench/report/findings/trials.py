@@ -177,6 +177,16 @@ class Trials:
         return (int(stored.min()), int(stored.max())) if len(stored) else (0, 0)
 
     @cached_property
+    def blocks(self) -> dict[str, str]:
+        """The block of each problem: problems of one sweep, and one function in several dimensions, are one block."""
+        found = {}
+        for label, each in self.known.items():
+            features = each.features
+            function = f"{features['suite']} {features['function']}" if {"suite", "function"} <= set(features) else ""
+            found[label] = str(features.get("sweep") or function or label)
+        return found
+
+    @cached_property
     def sweeps(self) -> dict[str, list[str]]:
         """The problems, three or more, that are steps of one sweep, by its name."""
         found: dict[str, list[str]] = {}

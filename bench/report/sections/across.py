@@ -19,7 +19,7 @@ TITLE = "Across problems"
 
 
 def section(findings: Findings) -> Section:
-    """Return ranks, tests and effect sizes over all problems; the unit is the problem, its value the median."""
+    """Return ranks, tests and effect sizes over all problems; the unit is the problem."""
     medians, optimizers = findings.medians, findings.optimizers
     if len(optimizers) < 2:
         return Section(TITLE, ("There is only one optimizer, so there is nothing to compare.",))
@@ -29,7 +29,6 @@ def section(findings: Findings) -> Section:
     text = [
         f"{_friedman(findings.friedman)} {across(findings)}",
         *filter(None, [dependent(findings)]),
-        _suite(findings),
     ]
     if left_out:
         text.append(
@@ -37,8 +36,8 @@ def section(findings: Findings) -> Section:
         )
     items: list[Part] = []
     if len(medians) > 1 and len(optimizers) > 2:
-        ranks = analysis.average_ranks(medians)
-        items.append(rank_figure(ranks, analysis.wilcoxon_cliques(ranks, findings.wilcoxon)))
+        ranks = analysis.mean_ranks(findings.standings)
+        items.append(rank_figure(ranks, analysis.cliques(ranks, findings.wilcoxon)))
     means = _aggregate(analysis.interquartile_mean(findings.frame, findings.optima))
     if len(optimizers) <= MANY_OPTIMIZERS:
         items += [forest_figure(findings.improvement), _wilcoxon(findings.wilcoxon), means]
@@ -50,7 +49,7 @@ def section(findings: Findings) -> Section:
 
 def _friedman(test: dict[str, Any]) -> str:
     if test["note"] == "identical":
-        return "All optimizers have the same median on every problem: across problems they are identical."
+        return "All optimizers have the same rank on every problem."
     if test["note"]:
         return f"Friedman’s test is not possible: {test['note']}."
     outcome = "differ significantly" if test["p_iman_davenport"] <= ALPHA else "do not differ significantly"
@@ -61,24 +60,16 @@ def _friedman(test: dict[str, Any]) -> str:
     )
 
 
-def _suite(findings: Findings) -> str:
-    pairs = findings.pairs
-    found = int(pairs["significant_by"].astype(bool).sum())
-    return (
-        f"The Kolmogorov-Smirnov test rejects {found} of {count(len(pairs), 'hypothesis', 'hypotheses')} (pairs times "
-        f"problems) with the false discovery rate controlled at {ALPHA:g} under any dependence (Benjamini-Yekutieli)."
-    )
-
-
 def _wilcoxon(tests: pd.DataFrame) -> Table:
     names = {
-        "first": "first", "second": "second", "problems": "problems", "statistic": "W", "p": "p", "p_holm": "p (Holm)",
+        "first": "first", "second": "second", "blocks": "independent problems", "statistic": "W", "p": "p",
+        "p_holm": "p (Holm)",
         "significant": "significant", "lower": "lower", "note": "note",
     }  # fmt: skip
     shown = tests[list(names)].assign(lower=tests["lower"].where(tests["significant"], ""))
     return Table(
         "wilcoxon",
-        "Wilcoxon’s signed-rank test of each pair on the medians of the problems, adjusted by Holm’s method.",
+        "Wilcoxon’s signed-rank test of each pair on A12 − 0.5 of the problems, adjusted by Holm’s method.",
         shown.rename(columns=names),
         decimals={"W": 1},
         data=tests,

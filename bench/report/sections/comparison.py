@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from bench.analysis import ALPHA, NEAR, regret, table
+from bench.analysis import NEAR, regret, table
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
 from bench.report.ranking import turned
@@ -29,11 +29,9 @@ def section(findings: Findings) -> Section:
     else:
         unclear = int(alike.any(axis=1).sum())
         test = (
-            f"On {unclear} of these problems an exact Kolmogorov-Smirnov test (raw p) cannot distinguish a first "
-            "optimizer from another one."
+            f"On {unclear} of these problems a first optimizer is not separably lower than another one."
             if unclear
-            else "An exact Kolmogorov-Smirnov test (raw p) distinguishes the first optimizers from all others on each "
-            "of these problems."
+            else "The first optimizers are separably lower than all others on each of these problems."
         )
         text = [f"{leaders(best, 'the first rank')}. {test}", *filter(None, (_odd(odd), _gaps(findings)))]
     values = table(matrix, "value")
@@ -49,9 +47,8 @@ def section(findings: Findings) -> Section:
         marks=table(matrix, "letters"),
         lost=_lost(findings, values),
         note="Bold: the first of the row, which beats the most rivals: more than half of the pairs of trials end lower "
-        f"with it (A12 > 0.5). Italics: an exact Kolmogorov-Smirnov test at {ALPHA:g} (raw p) cannot distinguish the "
-        "result from the first one. Letters, in the order of the ranks: optimizers of a row that share a letter are "
-        f"not separable at {ALPHA:g} after Holm’s adjustment. –: no trial; ∞: the median trial failed; in "
+        "with it (A12 > 0.5). Italics: the first one is not separably lower. Letters, in the order of the ranks: "
+        "optimizers of a row that share a letter are not separable. –: no trial; ∞: the median trial failed; in "
         "red with ✗: a cell with failed trials. Values have four significant digits, or up to six to distinguish those "
         "of a row." + (OTHER_NOTE if len(odd) and not findings.upright else ""),
         data=matrix,

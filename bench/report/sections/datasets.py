@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from bench.analysis import ALPHA, CUTOFFS, SOLVED, TIED, effect_size, resampled
+from bench.analysis import ALPHA, CUTOFFS, SOLVED, TIED, effect_size
 from bench.report.findings import CROWD, MANY_OPTIMIZERS, Findings
 from bench.report.parts import MOST_ROWS, Part, Section, Table
 from bench.report.plots import distribution_figure
@@ -25,14 +24,13 @@ def section(findings: Findings) -> Section:
     rates = findings.success if findings.traces else pd.DataFrame()
     words, bounds = zip(*reversed(CUTOFFS.items()), strict=True)  # from small to large
     above, below = (listing([f"{bound:.2f}" for bound in side]) for side in (bounds, [1 - each for each in bounds]))
-    kind = "bootstrap interval" if resampled(len(findings.optimizers)) else "interval by DeLong’s variance (1988)"
     how_to_read = (
         "Boxes span the quartiles, whiskers reach the furthest point within 1.5 box lengths, and every trial is a "
-        "point. D is the largest distance between the two empirical distribution functions, and p is its exact p-value "
-        f"(given the ties, where more than {TIED:.0%} of the values are tied). A12 is the probability that a trial of "
-        "the first optimizer ends below a trial of the second, ties counted half, with a 95% "
-        f"{kind}. A12 = 0.5 means no tendency; an effect with A12 of at least {above} (or at most {below}) is called "
-        f"{listing(words)}. Cliff’s delta is 2 A12 − 1."
+        "point. A12 is the probability that a trial of the first optimizer ends below a trial of the second, ties "
+        f"counted half. A12 = 0.5 means no tendency; an effect with A12 of at least {above} (or at most {below}) is "
+        f"called {listing(words)}. Cliff’s delta is 2 A12 − 1. KS D is the largest distance between the two empirical "
+        f"distribution functions, and KS p its exact p-value (given the ties, where more than {TIED:.0%} of the values "
+        "are tied)."
     )
     each = tuple(_problem(findings, problem, rates) for problem in every)
     return Section(TITLE, (how_to_read,), sections=each, on_demand=True)
@@ -63,13 +61,12 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
     if len(pairs):
         items.append(_pairs(findings, problem, pairs))
         text.append(
-            f"{int(pairs['significant'].astype(bool).sum())} of {count(len(pairs), 'pair')} differ significantly after "
-            f"Holm’s adjustment (alpha = {ALPHA:g}), {int((pairs['p'] <= ALPHA).sum())} before it."
+            f"One optimizer is separably lower in {int((pairs['lower'] != '').sum())} of {count(len(pairs), 'pair')}."
         )
         if few := int((~pairs["testable"].astype(bool)).sum()):
             text.append(
-                f"{few} of {count(len(pairs), 'pair')} cannot be significant whatever the values, because there are "
-                "too few trials; p is set to 1."
+                f"{few} of {count(len(pairs), 'pair')} cannot be significant beside all other tests, whatever the "
+                "values, because there are too few trials."
             )
     return Section(problem, tuple(text), tuple(items), tuple(warnings), folded=True, problem=problem)
 
@@ -188,17 +185,20 @@ def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
             if crowd
             else f"the file has all {len(every):,} pairs"
         )
+    stopped = pairs.get("stopped", pd.Series(False, index=pairs.index))  # by a look: the estimate is biased
+    chance = pairs["a12"].mask(stopped)
     shown = pd.DataFrame(
         {
-            "D": pairs["distance"],
+            "A12": chance,
+            "A12 95%": _intervals(pairs["a12_low"], pairs["a12_high"], 2),
+            "jointly": _intervals(pairs["joint_low"], pairs["joint_high"], 2),
+            "effect": [effect_size(value) for value in chance],
             "p": pairs["p"],
             "p (Holm)": pairs["p_holm"],
-            "p (Mann-Whitney)": pairs["p_mw"],
-            "A12": pairs["a12"],
-            "A12 95%": [_a12_interval(pair) for pair in pairs.itertuples()],
-            "effect": [effect_size(value) if pd.notna(value) else "" for value in pairs["a12"]],
-            "lower": pairs["lower"].where(pairs["significant"], ""),
-            "note": [_note(pair) for pair in pairs.itertuples()],
+            "lower": pairs["lower"],
+            "KS D": pairs["ks_distance"],
+            "KS p": pairs["ks_p"],
+            "note": ["complete separation" if each else "" for each in pairs["separated"]],
         }
     )
     shown.index = pd.Index(pairs["first"].astype(str) + " / " + pairs["second"].astype(str), name="pair")
@@ -209,8 +209,11 @@ def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
         f"{problem}: {which}.",
         shown,
         bold=pd.DataFrame({"p (Holm)": pairs["significant"].to_numpy(dtype=bool)}, index=shown.index),
-        decimals={"D": 3, "A12": 3},
-        note=f"Bold: significant at {ALPHA:g} after Holm’s adjustment; lower: and the interval of A12 excludes 0.5.",
+        decimals={"KS D": 3, "A12": 3},
+        note=f"p: of the hypothesis A12 = 0.5. Bold: at most {findings.levels.problems or ALPHA:g} after Holm’s "
+        f"adjustment over the {len(findings.pairs):,} pairs of all problems; lower: then, the one that is separably "
+        "lower. Jointly: intervals of which all together hold with that level. KS: the exact Kolmogorov-Smirnov test "
+        "of one distribution, raw, which differences in spread reject, too.",
         data=pairs if crowd else every,
         most_rows=SHOWN if crowd else MOST_ROWS,
     )
@@ -218,14 +221,3 @@ def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
 
 def _intervals(low: pd.Series[float], high: pd.Series[float], decimals: int | None) -> list[str]:
     return [interval(one, other, decimals) for one, other in zip(low, high, strict=True)]
-
-
-def _a12_interval(pair: Any) -> str:
-    separated = pair.separated and pd.notna(pair.a12_low)
-    return "complete separation" if separated else interval(pair.a12_low, pair.a12_high, 2)
-
-
-def _note(pair: Any) -> str:
-    """Return a remark on a p that is not that of values without ties, and on a difference without an order."""
-    notes = {"exact": [], "permutation": ["ties"]}.get(pair.method, [str(pair.method)])
-    return ", ".join([*notes, "differ in shape, not in order"] if pair.significant and not pair.lower else notes)

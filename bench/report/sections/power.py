@@ -1,58 +1,96 @@
-"""The differences that the tests could detect with the number of trials made."""
+"""How often the page would be wrong where optimizers do not differ, and the differences that its tests would find."""
 
 from __future__ import annotations
 
-from math import comb
+from math import isnan
 
 import pandas as pd
 
-from bench.analysis import power_table
+from bench import analysis
+from bench.analysis import ALPHA
+from bench.analysis.error_rates import Rates
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
-from bench.report.wording import count
+from bench.report.wording import count, percent
 
 TITLE = "Power"
 
 
 def section(findings: Findings) -> Section:
-    """Return the differences that the Kolmogorov-Smirnov test can and cannot detect with this study's trials."""
-    optimizers = len(findings.optimizers)
-    if findings.frame.empty or optimizers < 2:
+    """Return the differences that the tests can and cannot find with this study's trials."""
+    if findings.frame.empty or len(findings.optimizers) < 2 or not len(findings.medians):
         return Section(TITLE, ("There is nothing to compare, so no test has any power.",))
-    sizes = sorted(set(findings.trials))
-    tables = pd.concat([power_table(n, comb(optimizers, 2)).assign(n=n) for n in sizes])
-    shown = tables[["n", "level", "alpha", "distance", "shift"]].rename(
-        columns={"distance": "D needed (of n)", "shift": "shift detected (SD)"}
-    )
-    blind = bool(tables.isna().any(axis=None))
-    table = Table(
+    tests, pairs = len(findings.pairs), len(findings.wilcoxon)
+    rows = []
+    for n in sorted(set(findings.trials)):
+        for name, level in (("a single test", ALPHA), ("the first of all tests", _level(findings) / tests)):
+            rows.append((n, name, level, analysis.detectable_a12(n, level), analysis.trials_to_separate(1, level)))
+    names = ["trials", "adjusted as", "level", "A12 found", "separation from"]
+    table = pd.DataFrame(rows, columns=names)
+    shown = Table(
         "power",
-        "The smallest distance D that is significant with n trials a cell, in units of 1/n, and the shift between two "
-        "normal samples, in standard deviations (SD), that the test detects with a power of 80%.",
-        shown,
-        decimals={"alpha": 4, "D needed (of n)": 0, "shift detected (SD)": 2},
-        note="–: even complete separation is not significant with so few trials." if blind else "",
-        data=tables,
+        "The smallest A12 that a test on a problem finds with a power of 80%, and the trials from which on complete "
+        "separation is significant.",
+        table.astype({"level": str}).assign(level=[f"{level:.2g}" for level in table["level"]]),
+        decimals={"A12 found": 2},
+        note="For two normal samples of one spread. –: nothing can be significant. Tests: "
+        f"{tests:,} on problems, {pairs:,} across them.",
+        data=table,
     )
-    sentence = detectable_differences(sizes[0], optimizers)
-    text = f"{sentence[0].upper()}{sentence[1:]}."
-    return Section(TITLE, (text,), (table,), on_demand=True)  # the verdict has the sentence
+    text = blindness(findings)
+    return Section(TITLE, (f"{text[0].upper()}{text[1:]}",), (shown,), on_demand=True)  # the verdict has the sentence
 
 
-def detectable_differences(n: int, optimizers: int) -> str:
-    """Return a clause on the differences that n trials a cell detect with a power of 80%, and often miss below."""
-    details, shifts = [], []
-    for level, alpha, distance, shift in power_table(n, comb(optimizers, 2)).to_numpy():
-        step = f"at {'alpha =' if level == 'alpha' else f'the {level} of'} {alpha:.2g} it"
-        if pd.isna(shift):
-            details.append(f"{step} can detect no difference at all")
-        else:
-            details.append(f"{step} needs D of at least {distance:.0f}/{n} and detects 80% of shifts of {shift:.2f} SD")
-            shifts.append(f"{shift:.1f}")
+def _level(findings: Findings) -> float:
+    return findings.levels.problems or ALPHA
+
+
+def blindness(findings: Findings) -> str:
+    """Return a sentence on the differences that the tests would often miss."""
+    n, tests, levels = findings.trials[0], len(findings.pairs), findings.levels
     trials = f"with {count(n, 'trial')} in the smallest cell"
-    if not shifts:
-        return f"{trials} the test can detect no difference at all"
+    parts = []
+    found = analysis.detectable_a12(n, _level(findings) / tests)
+    if isnan(found):
+        enough = analysis.trials_to_separate(tests, _level(findings))
+        parts.append(
+            f"{trials} the {count(tests, 'test')} on problems can find no difference at all; from {enough} trials on "
+            "they find complete separation"
+        )
+    else:
+        parts.append(f"{trials} the tests on problems would often miss an A12 below {found:.2f}")
+    if levels.across:
+        tested = findings.wilcoxon
+        each = analysis.detectable_across(n, int(tested["blocks"].iloc[0]), levels.across / len(tested))
+        if not isnan(each):
+            parts.append(f"the tests across problems would often miss an A12 below {each:.2f} on every problem")
+    return "; ".join(parts) + " (power 80%)."
+
+
+def error_text(findings: Findings) -> tuple[str, ...]:
+    """Return how often this page would claim a difference where there is none, simulated for its design."""
+    complete = [str(label) for label in findings.medians.index]
+    scores = analysis.scores(findings.frame, merge=True)
+    pools = [scores[findings.frame["problem"] == label].to_numpy() for label in complete]
+    blocks, optimizers = [findings.blocks[label] for label in complete], len(findings.optimizers)
+    trials = findings.trials[0]
+    if trials < 2:
+        return ("With one trial a cell nothing is tested on single problems, and no rate is simulated.",)
+    equal = analysis.rates_of_equals(pools, optimizers, blocks, findings.levels)
+    spread = analysis.rates_of_spreads(trials, optimizers, blocks, findings.levels)
+    design = f"{optimizers} optimizers, {count(len(complete), 'problem')}, {count(trials, 'trial')} a cell"
     return (
-        f"{trials} the test would often miss shifts below about {' to '.join(dict.fromkeys(shifts))} SD "
-        f"({'; '.join(details)})"
+        f"How often a page of this design ({design}) claims any difference where there is none; the rule allows 5%.",
+        f"Identical optimizers, the trials of each problem dealt out to them at random: {_rate(equal)}.",
+        f"Optimizers with A12 = 0.5 for every pair, the spread doubling from one to the next: {_rate(spread)}.",
+        f"“Not separable” does not mean “equal”: {blindness(findings)}",
+    )
+
+
+def _rate(rates: Rates) -> str:
+    error = (rates.any * (1 - rates.any) / rates.studies) ** 0.5
+    return (
+        f"{percent(rates.any)} of {rates.studies:,} simulated studies (standard error {100 * error:.1f}%); an "
+        f"optimizer separably lower on any problem in {percent(rates.problems)}, a difference across problems in "
+        f"{percent(rates.across)}"
     )

@@ -16,8 +16,8 @@ from bench.report.wording import count, interval, listing
 TITLE = "Enough trials"
 SHOWN = 40  # rows of the table on the page
 NOT_ADJUSTED = (
-    "Medians, intervals, A12 and tests across problems are of all trials made, and not adjusted for the looks: cells "
-    "that a look stopped early rather overstate differences."
+    "A cell that a look stopped has no A12 and no interval of it, as they would overstate its differences; medians and "
+    "ranks are of all trials made."
 )
 CAUTION = (
     "The estimates take the trials made for the truth, so they are as uncertain as A12 is, and a pair that is equal "
@@ -166,6 +166,6 @@ def _needed(findings: Findings) -> Table:
         shown.head(SHOWN),
         decimals={"A12": 2},
         note="A12 with its 95% interval; the range of the number is that of the interval. The level of a pair is alpha "
-        f"over the pairs of its problem that are not significant.{rest}",
+        f"over the pairs of all problems that are not separated.{rest}",
         data=findings.needed,
     )

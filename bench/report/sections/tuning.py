@@ -7,7 +7,6 @@ from typing import Any
 
 import pandas as pd
 
-from bench.analysis.pairwise import ALPHA
 from bench.budget import described
 from bench.plots import style
 from bench.plots.tuning import sensitivity
@@ -69,7 +68,7 @@ def _gain(findings: Findings, own: Tuned) -> dict[str, Any]:
     pairs = findings.pairs.dropna(subset="a12")  # it is missing where a cell has no trial
     mine = pairs[pairs["first"].isin([own.default, own.tuned]) & pairs["second"].isin([own.default, own.tuned])]
     chance = mine["a12"].where(mine["first"].astype(object) == own.tuned, 1 - mine["a12"])
-    clear = mine[mine["p_holm"] <= ALPHA]
+    clear = mine[mine["lower"] != ""]
     tests = findings.wilcoxon
     across = tests[tests["first"].isin([own.default, own.tuned]) & tests["second"].isin([own.default, own.tuned])]
     return {
@@ -102,7 +101,7 @@ def _gained(findings: Findings, own: Tuned, gain: dict[str, Any] | None) -> str:
         return f"{sentence} One problem says nothing of others."
     if across["note"] in ("untestable", "identical"):
         return f"{sentence} Across problems no difference can be shown."
-    shown = across["p_holm"] <= ALPHA
+    shown = across["significant"]
     better = "the tuned parameters are lower" if across["lower"] == own.tuned else "the defaults are lower"
     verdict = f"{better} on most" if shown else "no difference is shown"
     return f"{sentence} Across problems, {verdict} (Wilcoxon’s test, {p_text(across['p_holm'])}, adjusted)."

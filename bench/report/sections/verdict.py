@@ -16,10 +16,10 @@ from bench.report.parts import Card, Part, Section
 from bench.report.plots import course_figure
 from bench.report.ranking import rank_map, ranking_table
 from bench.report.sections import integrity
-from bench.report.sections.power import detectable_differences
+from bench.report.sections.power import error_text
 from bench.report.sections.trials import NOT_ADJUSTED, extension_text
 from bench.report.target_words import TargetWords
-from bench.report.winner import TIED, Stage, Standing, paragraph, too_few_problems
+from bench.report.winner import TIED, WINNER_RULE, Across, Stage, Standing, verdict
 from bench.report.wording import count, listing, p_text, unfinished_trials
 
 TITLE = "Verdict"
@@ -38,12 +38,16 @@ def section(findings: Findings) -> Section:
         nothing = "There is nothing to compare yet: no problem has trials of every optimizer."
     if nothing:
         return Section(TITLE, (nothing,), lost=lost, warnings=warnings)
-    conditions = sentences(findings.study, findings.descriptions)
+    conditions, said = sentences(findings.study, findings.descriptions), verdict(standing(findings))
     cards = (
-        Card("What may be claimed", (paragraph(standing(findings)), _conditions(findings)), "claim"),
+        Card(
+            "What may be claimed", (said.headline, _evidence(findings)), "claim" if said.clear else "open",
+            lines=said.lines,
+        ),
+        Card("How often would this page be wrong?", error_text(findings), "limit", folded=True),
         Card("What may not be claimed", (*_limits(findings), *conditions.limits), "limit", folded=True),
         Card("How this is decided", (_grounds(findings), *conditions.others), "limit", folded=True),
-    )
+    )  # fmt: skip
     items: list[Part] = [rank_map(findings)]
     if findings.traces and len(findings.stages):
         items.append(course_figure(findings.stages, findings.looks))
@@ -52,37 +56,99 @@ def section(findings: Findings) -> Section:
 
 
 def standing(findings: Findings) -> Standing:
-    """Return what the paragraph is written from."""
+    """Return what the verdict is written from."""
     complete = list(findings.medians.index)
     ranking = findings.ranking.merge(findings.certainty.drop(columns="problems"), on="optimizer")
-    clear = findings.pairs[findings.pairs["problem"].isin(complete) & (findings.pairs["p_holm"] <= ALPHA)]
+    clear = findings.pairs[findings.pairs["problem"].isin(complete) & (findings.pairs["lower"] != "")]
     beaten: Counter[tuple[str, str]] = Counter()
     for first, second, lower in zip(clear["first"], clear["second"], clear["lower"], strict=True):
-        if lower:
-            beaten[str(lower), str(second if lower == first else first)] += 1
-    chances: dict[tuple[str, str], tuple[float, float, float]] = {}
-    for pair in findings.improvement.to_dict("records"):
-        first, second, chance, low, high = (pair[name] for name in ("first", "second", "probability", "low", "high"))
-        chances[first, second], chances[second, first] = (chance, low, high), (1 - chance, 1 - high, 1 - low)
+        beaten[str(lower), str(second if lower == first else first)] += 1
     known = all(label in findings.unbeaten for label in complete)
     best = "the optimum" if known else "the best known value"
     precise = findings.words.kind == "precisions"  # a share of an optimum that was shifted at will means nothing
     least, most = findings.trials
     return Standing(
-        ranking, beaten, chances, findings.testable,
+        ranking, beaten, _across(findings), findings.levels, len({findings.blocks[str(each)] for each in complete}),
         budget=described(findings.study.budget),
         problem=str(complete[0]) if len(complete) == 1 else "",
+        trials=count(least, "trial") if least == most else f"{least} to {count(most, 'trial')}",
+        differing=_dimensions(findings),
+        size=_size(findings),
         found=analysis.near_best(findings.frame, findings.optima, 0.0 if precise else NEAR, analysis.SOLVED),
         near=f"within {analysis.SOLVED:g} of {best}" if precise else f"within {NEAR:.0%} of {best}",
         course=_course(findings),
         unit="of the budget" if findings.scaled else "evaluations",
         clock=_clock(findings),
-        trials=count(least, "trial") if least == most else f"{least} to {count(most, 'trial')}",
+        sweep=dependent(findings),
     )  # fmt: skip
 
 
+def _across(findings: Findings) -> dict[tuple[str, str], Across]:
+    """Return each pair over all problems, seen from either side."""
+    table = findings.improvement.merge(findings.wilcoxon[["first", "second", "p_holm", "significant", "lower"]])
+    found = {}
+    for pair in table.to_dict("records"):
+        first, second = str(pair["first"]), str(pair["second"])
+        ends = {name: float(pair[name]) for name in ("probability", "low", "high", "further_low", "further_high")}
+        chance, low, high, least, most = ends.values()
+        p, clear = float(pair["p_holm"]), bool(pair["significant"])
+        found[first, second] = Across(chance, low, high, (least, most), p, clear and pair["lower"] == first)
+        found[second, first] = Across(
+            1 - chance, 1 - high, 1 - low, (1 - most, 1 - least), p, clear and pair["lower"] == second
+        )
+    return found
+
+
+def _dimensions(findings: Findings) -> str:
+    """Return in which dimensions of a suite another optimizer leads; "" where none does."""
+    standing = findings.standings[findings.standings["problem"].isin(list(findings.medians.index))]
+    dimension = standing["problem"].astype(object).map(findings.dimensions)
+    suite = {label for label in findings.suite_functions if label in findings.dimensions}
+    if dimension.nunique() < 2 or not set(findings.medians.index) <= suite:
+        return ""
+    leader, others = findings.ranked[0], []
+    for each, own in standing.groupby(dimension):
+        ranks = analysis.mean_ranks(own)
+        lowest = ranks.index[np.isclose(ranks, ranks.min(), rtol=0, atol=TIED)]
+        if leader not in lowest:
+            others.append(f"{listing(list(map(str, lowest)), 4)} in dimension {each:g}")
+    return f"But the lowest mean rank is that of {listing(others)}." if others else ""
+
+
+def _size(findings: Findings) -> str:
+    """Return by how much the first in rank is lower than the second: in evaluations on suites, else in medians."""
+    first, second = findings.ranked[:2]
+    words = findings.words
+    if words.kind == "precisions" and not findings.running_times.empty:
+        table = findings.running_times
+        own = table[np.isclose(table[words.unit].astype(float), words.level, rtol=1e-9, atol=0)]
+        ert = analysis.table(own, "ert").astype(float).reindex(columns=[first, second]).replace(np.inf, np.nan).dropna()
+        if ert.empty:
+            return ""
+        ratio = float((ert[second] / ert[first]).median())
+        factor = f"{ratio:.2g} times as many" if ratio >= 1 else f"only {ratio:.0%} as many"
+        return (
+            f"To {words.at(words.level)}, {second} needs {factor} evaluations (median ratio of expected running times "
+            f"over the {count(len(ert), 'problem')} where both reach it)."
+        )
+    medians = findings.medians[[first, second]].replace(np.inf, np.nan).dropna().astype(float)
+    medians = medians[medians[first] != 0]
+    if medians.empty:
+        return ""
+    if len(medians) == 1:
+        one, other = medians.iloc[0]
+        return f"The medians are {one:.4g} and {other:.4g}, {abs(other - one):.3g} apart."
+    gain = 100 * (medians[second] - medians[first]) / medians[second].abs().where(medians[second] != 0, np.nan)
+    gain = gain.dropna()
+    if gain.empty:
+        return ""
+    low, middle, high = gain.quantile([0.0, 0.5, 1.0])
+    which = "lower" if middle >= 0 else "higher"
+    return f"Its median is {abs(middle):.2g}% {which} in the median over problems ({low:.2g}% to {high:.2g}% lower)."
+
+
 def _course(findings: Findings) -> list[Stage]:
-    """Return who has the lowest mean rank at the budgets of the figure beside the paragraph."""
+    """Return who has the lowest mean rank at the budgets of the figure beside the verdict."""
     if not findings.traces:
         return []
     stages = findings.stages
@@ -127,16 +193,19 @@ def _target(words: TargetWords, level: float) -> str:
     return f"{words.at(level)}{share}"
 
 
-def _conditions(findings: Findings) -> str:
-    """Return on how much evidence the paragraph rests."""
-    study = findings.study
+def _evidence(findings: Findings) -> str:
+    """Return on how much evidence the verdict rests."""
+    study, levels = findings.study, findings.levels
     low, high = findings.trials
     trials = count(low, "trial") if low == high else f"{low} to {count(high, 'trial')}"
     failed = findings.coverage.groupby("optimizer", sort=False, observed=False)["failed"].sum()
     lost = [f"{count(number, 'trial')} of {label}" for label, number in failed.items() if number]
+    parts = [f"{levels.problems:g} for tests on problems"] if levels.problems else []
+    parts += [f"{levels.across:g} for tests across them"] if levels.across else []
+    alpha = f"alpha = {ALPHA:g}" + (f" ({listing(parts)})" if len(parts) > 1 else "")
     return (
-        f"n = {trials} of at most {described(study.budget)} on each of N = {count(len(findings.medians), 'problem')}, "
-        f"alpha = {ALPHA:g}; in brackets: 95% bootstrap intervals"
+        f"n = {trials} of at most {described(study.budget)} on each of N = {count(len(findings.medians), 'problem')}; "
+        f"{alpha}, adjusted by Holm’s method over all pairs and problems; in brackets: 95% intervals"
         + (f"; failed: {listing(lost)}" if lost else "")
         + "."
     )
@@ -145,9 +214,7 @@ def _conditions(findings: Findings) -> str:
 def _limits(findings: Findings) -> tuple[str, ...]:
     problems = len(findings.medians)
     counted = "this one problem" if problems == 1 else f"these {problems} problems"
-    power = detectable_differences(findings.trials[0], len(findings.optimizers))
     texts = [
-        f"“Not significant” does not mean “equal”: {power}.",
         f"The counts describe {counted} at this budget and with these options; others may give another ranking.",
         across(findings),
     ]
@@ -165,7 +232,7 @@ def _limits(findings: Findings) -> tuple[str, ...]:
             "running times to targets instead."
         )
         texts.insert(0, unequal)
-    return tuple(filter(None, (*texts, dependent(findings), unused(findings))))
+    return tuple(filter(None, (*texts, unused(findings))))
 
 
 def unused(findings: Findings) -> str:
@@ -182,23 +249,16 @@ def unused(findings: Findings) -> str:
 
 def across(findings: Findings) -> str:
     """Return what the tests across problems do not show."""
-    tests, friedman, problems = findings.wilcoxon, findings.friedman, len(findings.medians)
-    p, pairs = friedman["p_iman_davenport"], len(tests)
-    if not friedman["note"] and p <= ALPHA:
-        start = f"Some optimizers differ across problems (Friedman, {p_text(p)}), but no pair can be distinguished"
-    else:
-        start = "No pair of optimizers can be distinguished across problems"
-    if (tests["note"] == "untestable").all():
-        return f"{start}: too few problems ({problems} in all) show a difference for Wilcoxon’s test to be significant."
-    if not friedman["note"] and p > ALPHA:
+    tests, friedman = findings.wilcoxon, findings.friedman
+    blocks, p = int(tests["blocks"].iloc[0]), friedman["p_iman_davenport"]
+    if not findings.levels.across:
+        few = f"{count(blocks, 'independent problem')} and {count(len(tests), 'pair')} of optimizers"
+        return f"Nothing is tested across problems: {few} leave no test that could be significant beside the others."
+    if not friedman["note"] and p > findings.levels.across:
         return f"The tests show no difference across problems (Friedman with Iman-Davenport’s correction, {p_text(p)})."
-    if pairs > 1 and too_few_problems(problems, pairs):
-        return (
-            f"{start}: {problems} problems are too few for Wilcoxon’s test with Holm’s adjustment over {pairs} pairs."
-        )
     apart = tests[~tests["significant"]]
     if apart.empty:
-        return "Every pair of optimizers differs significantly across problems, but in the medians, not in every trial."
+        return "Every pair of optimizers differs significantly across problems, but not on every problem or trial."
     open_pairs = [f"{first} and {second}" for first, second in zip(apart["first"], apart["second"], strict=True)]
     return f"The tests show no difference across problems between {listing(open_pairs, at_most=4)} (Wilcoxon, Holm)."
 
@@ -210,23 +270,27 @@ def dependent(findings: Findings) -> str:
     which = [f"{number} of {len(ranked)} problems are steps of one sweep, {name}" for name, number in steps.items()]
     if not which:
         return ""
+    blocks = len({findings.blocks[str(label)] for label in ranked})
     return (
-        f"The problems are not independent samples: {listing(which)}. Neighbouring steps resemble each other, so "
-        "counts and p-values across problems describe this sweep, and overstate the evidence for other problems."
+        f"{listing(which)}: they are {count(blocks, 'independent problem')}, so the counts describe this sweep and no "
+        "further problems."
     )
 
 
 def _grounds(findings: Findings) -> str:
-    pairs, looks = comb(len(findings.optimizers), 2), findings.results.study.looks
+    looks, levels = findings.results.study.looks, findings.levels
     over = [f"for looks at {listing([str(each) for each in looks])} trials"] if looks else []
-    over += [f"by Holm’s method over the {pairs} pairs of a problem"] if pairs > 1 else []
-    adjusted = f" (adjusted {' and '.join(over)})" if over else ""
+    over += [f"by Holm’s method over the {count(len(findings.pairs), 'pair')} of all problems"]
+    both = levels.problems and levels.across
     return (
         "On a problem, optimizers rank by the number of rivals that they beat: more than half of the pairs of a trial "
-        "of one and a trial of the other end lower with it (A12 > 0.5). One is separably lower than another if the "
-        f"exact two-sample Kolmogorov-Smirnov test rejects equality at alpha = {ALPHA:g}{adjusted} and the 95% "
-        f"interval of A12 excludes 0.5 ({count(len(findings.pairs), 'test')} in all). The order over all problems is "
-        "that of the mean ranks. A winner is named only if it is separably lower than each rival on more than half of "
-        "the problems. The counts are over the problems on which every optimizer has a trial. Smaller budgets "
-        "are the points of the figure of mean ranks; those at which the first one shares the lowest are not named."
+        "of one and a trial of the other end lower with it (A12 > 0.5). One is separably lower than another if a test "
+        "of A12 = 0.5, which allows that they differ in spread (Schüürhuis, Konietschke and Brunner 2025), rejects at "
+        f"alpha = {levels.problems or ALPHA:g}, adjusted {' and '.join(over)}. The order over all problems is that of "
+        "the mean ranks. Across problems, Wilcoxon’s signed-rank test compares A12 − 0.5 of a pair, at "
+        f"alpha = {levels.across or ALPHA:g} with Holm’s method over the {comb(len(findings.optimizers), 2)} pairs; "
+        "problems of one sweep, and one function in several dimensions, count once. "
+        + ("Both levels together are 0.05. " if both else "")
+        + f"{WINNER_RULE} The counts are over the problems on which every optimizer has a trial. Smaller budgets are "
+        "the points of the figure of mean ranks; those at which the first one shares the lowest are not named."
     )

@@ -191,7 +191,7 @@ def swarm_tests(pairs: pd.DataFrame, study: Study) -> tuple[str, ...]:
             "thesis, which distinguishes the swarms in the majority of cases."
         )
         return (few,)
-    apart, most = int((pairs["p"] <= ALPHA).sum()), (pairs["p"] <= ALPHA).mean() > 0.5
+    apart, most = int((pairs["ks_p"] <= ALPHA).sum()), (pairs["ks_p"] <= ALPHA).mean() > 0.5
     text = (
         f"A Kolmogorov-Smirnov test at {ALPHA:g} (raw p) distinguishes the two swarms of {apart} of "
         f"{count(len(pairs), 'pair')}. The thesis distinguishes them in the majority of cases: "

@@ -1,0 +1,163 @@
+"""Which of two samples tends to be lower: A12, a test of A12 = 0.5 that allows unequal spread, and intervals of A12.
+
+A12 is the chance that a value of the first sample is lower than one of the second, ties counted half (Vargha and
+Delaney 2000, Journal of Educational and Behavioral Statistics 25). Two optimizers may have A12 = 0.5 and yet differ
+in spread, or in the number of their basins; a test of equal distributions rejects there and shows no direction. The
+test here has the null hypothesis A12 = 0.5 itself, the nonparametric Behrens-Fisher problem.
+
+The variance of the estimate, from the placements of each sample in the other one (DeLong, DeLong and Clarke-Pearson
+1988, Biometrics 44; Brunner and Munzel 2000, Biometrical Journal 42), shrinks as the estimate leaves 0.5, so that the
+test of Brunner and Munzel rejects far too often at the small levels that many comparisons need. Its ratio to
+A12 (1 - A12), the form of its largest possible value (Birnbaum and Klose 1957, The Annals of Mathematical Statistics
+28), does not. Test and interval take this ratio for known, and the variance under a hypothesis A12 = a as ratio times
+a (1 - a). That is the approach of Schüürhuis, Konietschke and Brunner (2025, Biometrical Journal 67,
+doi:10.1002/bimj.70096), whose test controls its level where that of Brunner and Munzel does not. So the interval never
+leaves 0 to 1, and holds those a that the test does not reject. Quantiles are those of the normal distribution, which
+kept the level in simulations where those of Student's t made the test needlessly weak (performance/error_rates.py).
+
+Two bounds keep both honest where samples are small or separated. The ratio is at least half of 1/n and 1/m in the mean:
+that of two equal distributions without ties is two thirds. And where A12 = a, all of min(n, m) disjoint pairs of one
+value each are won with a chance of at most a^min(n, m), whatever the distributions are: complete separation has no p
+below 2^(1 - min(n, m)), and its interval reaches as far as this chance does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from bench.compiled import compiled
+from bench.problem import Floats
+
+ALPHA = 0.05  # thesis section 7.2
+TWO_SIDED = 1.959963984540054  # the normal quantile of 0.975
+LEAST_RATIO = 0.5  # of the mean of 1/n and 1/m
+
+
+class Effects(NamedTuple):
+    """A12 of g pairs of samples of n and of m values, and how sure it is.
+
+    Attributes:
+        a12: (g,) the estimates.
+        ratio: (g,) the variance of each estimate over A12 (1 - A12).
+        smaller: the smaller of n and m.
+    """
+
+    a12: Floats
+    ratio: Floats
+    smaller: int
+
+    @property
+    def inside(self) -> Floats:
+        """The estimates with one more pair of trials that is won, and one that is lost: never 0 or 1.
+
+        After Agresti and Coull (1998, The American Statistician 52).
+        """
+        return np.asarray((self.a12 * self.smaller + 1) / (self.smaller + 2))
+
+    @property
+    def variance(self) -> Floats:
+        """The variance of each estimate, (g,), above 0 also where samples are separated."""
+        return np.asarray(self.ratio * self.inside * (1 - self.inside))
+
+
+def wins(this: Floats, other: Floats) -> Floats:
+    """Return (…, n, m): 1 where a value of ``this``, (…, n), is the lower one, 1/2 where they tie and 0 elsewhere."""
+    one, rival = this[..., :, np.newaxis], other[..., np.newaxis, :]
+    return np.asarray((one < rival) + 0.5 * (one == rival), dtype=np.float64)
+
+
+def a12(this: Floats, other: Floats) -> float:
+    """Return the chance that ``this`` is lower than ``other``, ties counted half; NaN where a sample is empty."""
+    if not len(this) or not len(other):
+        return float("nan")
+    return float(wins(this, other).mean())
+
+
+def effects(these: Floats, others: Floats) -> Effects:
+    """Return A12 of g pairs of samples, (g, n) and (g, m), of at least two values each."""
+    (g, n), m = these.shape, others.shape[1]
+    sums = np.empty((g, 3), dtype=np.int64)
+    _compiled_placements()(np.sort(these, axis=1), np.sort(others, axis=1), sums)
+    total, one, other = sums.T.astype(np.float64)
+    chance = total / (2 * n * m)
+    variance = (one - total**2 / n) / (4 * m**2 * n * (n - 1)) + (other - total**2 / m) / (4 * n**2 * m * (m - 1))
+    largest = chance * (1 - chance)
+    least = LEAST_RATIO * (1 / n + 1 / m) / 2
+    ratio = np.divide(variance, largest, out=np.zeros_like(chance), where=largest > 0)
+    return Effects(chance, np.maximum(ratio, least), min(n, m))
+
+
+def _placements(these: Floats, others: Floats, sums: NDArray[np.int64]) -> None:
+    """Write the sum and both sums of squares of the placements of g pairs of sorted samples into ``sums``, (g, 3).
+
+    The placement of a value of the first sample is twice the number of values of the other one that it beats, a tie
+    counted half, and that of a value of the other sample likewise for those that it loses to: whole numbers, so the
+    sums are exact.
+    """
+    n, m = these.shape[1], others.shape[1]
+    for pair in range(len(these)):
+        total = first = second = 0
+        below = upto = 0
+        for i in range(n):
+            value = these[pair, i]
+            while below < m and others[pair, below] < value:
+                below += 1
+            upto = max(upto, below)
+            while upto < m and others[pair, upto] == value:
+                upto += 1
+            beaten = 2 * m - below - upto
+            total += beaten
+            first += beaten * beaten
+        below = upto = 0
+        for j in range(m):
+            value = others[pair, j]
+            while below < n and these[pair, below] < value:
+                below += 1
+            upto = max(upto, below)
+            while upto < n and these[pair, upto] == value:
+                upto += 1
+            second += (below + upto) ** 2
+        sums[pair, 0], sums[pair, 1], sums[pair, 2] = total, first, second
+
+
+@cache
+def _compiled_placements() -> Callable[..., None]:
+    from numba import types
+
+    plane = types.float64[:, ::1]
+    return compiled(_placements, types.void(plane, plane, types.int64[:, ::1]))
+
+
+def p_values(found: Effects) -> Floats:
+    """Return the two-sided p-values of A12 = 0.5, (g,), never below :func:`least_p`."""
+    size = np.abs(found.a12 - 0.5) / (0.5 * np.sqrt(found.ratio))
+    return np.maximum(2 * norm.sf(size), least_p(found.smaller))
+
+
+def least_p(smaller: int) -> float:
+    """Return the p of complete separation, the smallest there is, where the smaller sample has so many values."""
+    return min(2.0 ** (1 - smaller), 1.0)
+
+
+def intervals(found: Effects, level: float = 0.95) -> tuple[Floats, Floats]:
+    """Return both ends of the intervals of A12, (g,) each: the form of Wilson's (1927) interval of a proportion."""
+    low, high = wilson_form(found.a12, found.ratio, float(norm.ppf((1 + level) / 2)))
+    apart = ((1 - level) / 2) ** (1 / found.smaller)  # the lower end that complete separation allows
+    return np.minimum(low, apart), np.maximum(high, 1 - apart)
+
+
+def wilson_form(chance: Floats, ratio: Floats, quantile: float = TWO_SIDED) -> tuple[Floats, Floats]:
+    """Return both ends of the intervals of chances, (g,), whose variance is ``ratio`` times chance (1 - chance).
+
+    ``quantile`` is that of the standardised estimate, by default of the normal distribution for a level of 0.95.
+    """
+    width = quantile**2 * ratio
+    root = np.sqrt(width**2 + 4 * chance * (1 - chance) * width)
+    centre, scale = 2 * chance + width, 2 * (1 + width)
+    return (centre - root) / scale, (centre + root) / scale

@@ -1,0 +1,182 @@
+"""How often a comparison would claim a difference where there is none, and the smallest difference that it would find.
+
+Two worlds without any difference are simulated for the design of a study. In the first, the optimizers are identical:
+the trials of each problem are dealt out to them at random, so ties and basins stay. In the second, A12 is 0.5 for every
+pair, and the spread doubles from one optimizer to the next: normal values of one mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.stats import norm
+
+from bench.analysis.across import signed_ranks
+from bench.analysis.direction import ALPHA, effects, least_p, p_values
+from bench.analysis.pairwise import holm
+from bench.problem import Floats
+
+STUDIES = (40, 1_000)  # that are simulated, at least and at most
+WORK = 20_000_000  # values of pairs of samples in all: a few seconds
+AT_ONCE = 1_000_000  # of them in memory
+DRAWS = 1_000  # of a simulated power
+POWER = 0.8
+STEPS = 9  # of a bisection: A12 to 0.001
+
+
+class Levels(NamedTuple):
+    """The levels of the tests on single problems, and of those across problems; 0 where no test can be significant."""
+
+    problems: float
+    across: float
+
+
+class Rates(NamedTuple):
+    """The shares of simulated studies that claim a difference.
+
+    Attributes:
+        studies: how many were simulated.
+        problems: the share with any optimizer separably lower than another on any problem.
+        across: the share with any significant difference across problems.
+        any: the share with one or the other.
+    """
+
+    studies: int
+    problems: float
+    across: float
+    any: float
+
+
+def levels(sizes: Sequence[int], pairs: int, tests: int, blocks: int, alpha: float = ALPHA) -> Levels:
+    """Divide ``alpha`` between the tests on problems and those across problems, by the design alone.
+
+    Each part gets half where both can reject at half, and all of it goes to the one part that can reject otherwise: so
+    all claims together err with ``alpha`` at most.
+
+    Args:
+        sizes: the trials of the smaller cell of each pair on each problem.
+        pairs: of optimizers.
+        tests: pairs times problems.
+        blocks: independent problems (:mod:`bench.analysis.across`).
+        alpha: the level of all claims.
+    """
+    on_problems = least_p(max(sizes, default=0)) * max(tests, 1)
+    across = 2.0 ** (1 - blocks) * max(pairs, 1)
+    if max(on_problems, across) <= alpha / 2:
+        return Levels(alpha / 2, alpha / 2)
+    return Levels(alpha if on_problems <= alpha else 0.0, alpha if on_problems > alpha >= across else 0.0)
+
+
+def rates_of_equals(
+    pools: Sequence[Floats], optimizers: int, blocks: Sequence[str], level: Levels, seed: int = 0
+) -> Rates:
+    """Return the rates where the optimizers are identical.
+
+    Args:
+        pools: the scores of all trials of each problem, at least two an optimizer.
+        optimizers: k.
+        blocks: the block of each problem.
+        level: of the tests.
+        seed: of the simulation.
+    """
+    trials = min(len(pool) for pool in pools) // optimizers
+    rng = np.random.default_rng(seed)
+
+    def draw(studies: int) -> Floats:
+        dealt = [rng.permuted(np.tile(pool, (studies, 1)), axis=1)[:, : trials * optimizers] for pool in pools]
+        return np.stack(dealt, axis=1).reshape(studies, len(pools), optimizers, trials)
+
+    return _rates(draw, (len(pools), optimizers, trials), blocks, level)
+
+
+def rates_of_spreads(trials: int, optimizers: int, blocks: Sequence[str], level: Levels, seed: int = 0) -> Rates:
+    """Return the rates where A12 is 0.5 for every pair and the spread doubles from one optimizer to the next."""
+    rng, spread = np.random.default_rng(seed), np.ldexp(1.0, np.arange(optimizers) % 1000)
+    shape = len(blocks), optimizers, trials
+    return _rates(lambda studies: rng.standard_normal((studies, *shape)) * spread[:, np.newaxis], shape, blocks, level)
+
+
+def _rates(draw: Callable[[int], Floats], shape: tuple[int, int, int], blocks: Sequence[str], level: Levels) -> Rates:
+    problems, optimizers, trials = shape
+    one, other = np.triu_indices(optimizers, 1)
+    work = problems * len(one) * 2 * trials
+    studies = int(np.clip(WORK // work, *STUDIES))
+    owner = np.unique(np.array(blocks), return_inverse=True)[1]
+    weights = (owner == np.arange(owner.max() + 1)[:, np.newaxis]).astype(float)
+    weights /= weights.sum(axis=1, keepdims=True)
+    found = np.zeros((2, studies), dtype=bool)
+    at_once = max(AT_ONCE // work, 1)
+    for start in range(0, studies, at_once):
+        values = draw(min(at_once, studies - start))
+        p, chance = np.empty((2, len(values), problems, len(one)))
+        for pair, (i, j) in enumerate(zip(one, other, strict=True)):
+            sides = (values[:, :, each].reshape(-1, trials) for each in (i, j))
+            effect = effects(*sides)
+            p[:, :, pair] = p_values(effect).reshape(len(values), problems)
+            chance[:, :, pair] = effect.a12.reshape(len(values), problems)
+        means = np.round(weights @ (chance - 0.5), 12)
+        for study in range(len(values)):
+            found[0, start + study] = holm(p[study].ravel()).min(initial=1.0) <= level.problems
+            found[1, start + study] = _across(means[study], level.across)
+    return Rates(studies, *(float(each.mean()) for each in (*found, found.any(axis=0))))
+
+
+def _across(means: Floats, level: float) -> bool:
+    """Return whether any pair differs across blocks; ``means`` are A12 - 0.5, (blocks, pairs)."""
+    if level <= 0:
+        return False
+    return min(signed_ranks(own, level)["p"] for own in means.T) * means.shape[1] <= level
+
+
+@lru_cache
+def detectable_a12(trials: int, level: float, power: float = POWER) -> float:
+    """Return the smallest A12 that the test on a problem finds with a power; NaN where it finds none.
+
+    Assumes two normal samples of one spread, and simulates 1,000 pairs.
+    """
+    if trials < 2 or least_p(trials) > level:
+        return float("nan")
+    this, other = np.random.default_rng(20_250_101).standard_normal((2, DRAWS, trials))
+
+    def found(chance: float) -> bool:
+        shift = np.sqrt(2) * norm.ppf(chance)
+        return bool(np.mean(p_values(effects(this, other + shift)) <= level) >= power)
+
+    return _smallest(found)
+
+
+@lru_cache
+def detectable_across(trials: int, blocks: int, level: float, power: float = POWER) -> float:
+    """Return the smallest A12, the same on every problem, that the test across problems finds; NaN where it finds none.
+
+    Assumes as :func:`detectable_a12` does, and blocks of one problem.
+    """
+    if 2.0 ** (1 - blocks) > level:
+        return float("nan")
+    draws = max(DRAWS // blocks, 200)
+    this, other = np.random.default_rng(20_250_101).standard_normal((2, draws * blocks, trials))
+
+    def found(chance: float) -> bool:
+        shift = np.sqrt(2) * norm.ppf(chance)
+        means = effects(this, other + shift).a12.reshape(draws, blocks) - 0.5
+        return bool(np.mean([signed_ranks(own, level)["p"] <= level for own in means]) >= power)
+
+    return _smallest(found)
+
+
+def _smallest(found: Callable[[float], bool]) -> float:
+    low, high = 0.5, 1.0 - 1e-6
+    if not found(high):
+        return float("nan")
+    for _ in range(STEPS):
+        middle = (low + high) / 2
+        low, high = (low, middle) if found(middle) else (middle, high)
+    return high
+
+
+def trials_to_separate(tests: int, level: float) -> int:
+    """Return the trials a cell from which on complete separation is significant beside as many tests."""
+    return 1 + int(np.ceil(np.log2(max(tests, 1) / level)))
