@@ -3,13 +3,14 @@
 Problem by problem, at the end of the budget: :func:`summarise`, :func:`pairwise_tests`, :func:`compact_letters`,
 :func:`standings`, :func:`comparison_matrix`, :func:`ranking`, :func:`disagreements`, :func:`near_best`, :func:`regret`.
 Across problems: :func:`medians`, :func:`ranks_by_block`, :func:`friedman`, :func:`wilcoxon_tests`,
-:func:`probability_of_improvement`, :func:`interquartile_mean`, :func:`u_scores`, :func:`ranking_certainty`. How often
-such claims are wrong: :func:`levels`, :func:`rates_of_equals`, :func:`rates_of_spreads`, :func:`detectable_a12`,
-:func:`detectable_across`, :func:`trials_to_separate`. Over the evaluations: :func:`stage_ranks`, :func:`unused_budget`,
-:func:`convergence`, :func:`targets`, :func:`precision_targets`, :func:`target_table`, :func:`hitting_times`,
-:func:`tolerance_times`, :func:`expected_running_time`, :func:`running_times`, :func:`in_seconds`, :func:`ecdf`,
-:func:`restart_shares`, :func:`data_profiles`, :func:`success_rates`, :func:`aocc`, :func:`target_areas`,
-:func:`compare_sets`. And :func:`timing`, :func:`feasibility`, :func:`integrity`.
+:func:`stratified_tests`, :func:`probability_of_improvement`, :func:`interquartile_mean`, :func:`u_scores`,
+:func:`ranking_certainty`. How often such claims are wrong: :func:`levels`, :func:`rates_of_equals`,
+:func:`rates_of_spreads`, :func:`detectable_a12`, :func:`detectable_across`, :func:`trials_to_separate`. Over the
+evaluations: :func:`stage_ranks`, :func:`unused_budget`, :func:`convergence`, :func:`targets`,
+:func:`precision_targets`, :func:`target_table`, :func:`hitting_times`, :func:`tolerance_times`,
+:func:`expected_running_time`, :func:`running_times`, :func:`in_seconds`, :func:`ecdf`, :func:`restart_shares`,
+:func:`data_profiles`, :func:`success_rates`, :func:`aocc`, :func:`target_areas`, :func:`compare_sets`. And
+:func:`timing`, :func:`feasibility`, :func:`integrity`.
 
 Arguments mean the same everywhere: ``frame`` is the tidy frame, ``traces`` are those of its trials, by (problem,
 optimizer, trial); ``optima`` the best known objective values, by problem, of the problems where one is known;
@@ -32,6 +33,7 @@ from bench.analysis.across import (
     normalised_errors,
     probability_of_improvement,
     ranks_by_block,
+    stratified_tests,
     wilcoxon_tests,
 )
 from bench.analysis.anytime import (
@@ -181,6 +183,7 @@ __all__ = [
     "stage_ranks",
     "standings",
     "stopped_early",
+    "stratified_tests",
     "success_rates",
     "summarise",
     "table",

@@ -11,19 +11,18 @@ An interval for *these problems* shows how far other trials on the same problems
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
-from itertools import combinations
 from math import factorial, inf
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import bootstrap, f, friedmanchisquare, rankdata, t, trim_mean
+from scipy.stats import bootstrap, f, friedmanchisquare, norm, rankdata, t, trim_mean
 
-from bench.analysis.cells import cells, complete_problems, labels, merge_near_ties, reference_values, scores
-from bench.analysis.direction import ALPHA, effects, wilson_form, wins
-from bench.analysis.pairwise import RESAMPLES, alike, holm, percentile_interval
+from bench.analysis.cells import complete_problems, labels, merge_near_ties, reference_values, scores
+from bench.analysis.direction import ALPHA, Effects, wilson_form
+from bench.analysis.pairwise import RESAMPLES, holm, percentile_interval
 from bench.problem import Floats
 
 TRIMMED = 0.25  # from either end: the mean of the rest is the interquartile mean
@@ -41,8 +40,7 @@ def ranks_by_block(standing: pd.DataFrame, blocks: Blocks | None = None) -> pd.D
     """
     order = labels(standing, "optimizer")
     wide = standing.pivot(index="problem", columns="optimizer", values="rank").reindex(columns=order).dropna()
-    owner = [(blocks or {}).get(str(problem), str(problem)) for problem in wide.index]
-    return wide.groupby(owner, sort=False).mean().rename_axis(columns=None)
+    return wide.groupby(_owners(wide.index, blocks), sort=False).mean().rename_axis(columns=None)
 
 
 def friedman(ranks: pd.DataFrame) -> pd.DataFrame:
@@ -94,19 +92,14 @@ def wilcoxon_tests(pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: flo
 
     ``pairs`` are those of :func:`bench.analysis.pairwise_tests`.
     """
-    names = ["problem", "first", "second"]
-    wide = pairs.astype(dict.fromkeys(names, object)).pivot(index="problem", columns=names[1:], values="a12").dropna()
-    owner = [(blocks or {}).get(str(problem), str(problem)) for problem in wide.index]
-    means = (wide - 0.5).groupby(owner, sort=False).mean().round(12)  # a mean of opposite values is 0
+    wide = _by_problem(pairs, "a12")
+    means = (wide - 0.5).groupby(_owners(wide.index, blocks), sort=False).mean().round(12)  # opposite values are 0
     rows: list[dict[str, Any]] = []
-    for first, second in combinations(labels(pairs, "first"), 2):
+    for first, second in means.columns:
         found = signed_ranks(means[first, second].to_numpy(dtype=float), alpha)
         rows.append({"first": first, "second": second, "problems": len(wide), "blocks": len(means), **found})
-    columns = ["first", "second", "problems", "blocks", "statistic", "p", "p_holm", "significant", "lower", "note"]
-    tests = pd.DataFrame(rows, columns=columns)
-    tests["p_holm"] = holm(tests["p"].to_numpy(dtype=float))
-    favoured = tests["first"].where(tests["lower"] > 0, tests["second"].where(tests["lower"] < 0, ""))
-    return tests.assign(significant=(tests["p_holm"] <= alpha).astype(bool), lower=favoured)
+    tests = pd.DataFrame(rows, columns=["first", "second", "problems", "blocks", "statistic", "p", "lower", "note"])
+    return _decided(tests, tests["lower"].to_numpy(dtype=float), alpha)
 
 
 def cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> list[tuple[str, ...]]:
@@ -131,33 +124,71 @@ def cliques(average_ranks: pd.Series[float], tests: pd.DataFrame) -> list[tuple[
     return groups
 
 
-def probability_of_improvement(frame: pd.DataFrame, blocks: Blocks | None = None) -> pd.DataFrame:
+def stratified_tests(pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: float = ALPHA) -> pd.DataFrame:
+    """Return a test of each pair of optimizers on these problems alone: is the mean over problems of A12 0.5?
+
+    Columns as of :func:`wilcoxon_tests`; ``statistic`` is the standardised mean, with the variance that A12 = 0.5 on
+    every problem would have, and ``note`` is "untestable" where a cell has a single trial. It asks less than Wilcoxon's
+    test does, whether other trials on the same problems would show the same, and holds for no further problems. p is
+    never below the chance of complete separation on all of them.
+    """
+    chance, ratio, smaller = (_by_problem(pairs, name) for name in ("a12", "ratio", "smaller"))
+    names, number = list(chance.columns), max(len(chance), 1)
+    mean = chance.mean(axis=0).to_numpy() - 0.5
+    size = np.abs(mean) / (0.5 * np.sqrt(ratio.to_numpy().sum(axis=0)) / number)
+    p = np.maximum(2 * norm.sf(size), 2.0 ** (1 - smaller.to_numpy().sum(axis=0)))
+    known = np.isfinite(size)
+    tests = pd.DataFrame(names, columns=["first", "second"]).assign(
+        problems=len(chance), blocks=len(set(_owners(chance.index, blocks))), statistic=size, p=np.where(known, p, 1.0)
+    )
+    tests["note"] = np.where(known, "", "untestable")
+    return _decided(tests, mean, alpha)
+
+
+def _decided(tests: pd.DataFrame, balance: Floats, alpha: float) -> pd.DataFrame:
+    """Return tests with p_holm, significant and lower; ``balance`` is above 0 where the first one is favoured."""
+    columns = ["first", "second", "problems", "blocks", "statistic", "p", "p_holm", "significant", "lower", "note"]
+    p_holm = holm(tests["p"].to_numpy(dtype=float))
+    favoured = np.where(balance > 0, tests["first"], np.where(balance < 0, tests["second"], ""))
+    return tests.assign(p_holm=p_holm, significant=p_holm <= alpha, lower=favoured)[columns]
+
+
+def _by_problem(pairs: pd.DataFrame, column: str) -> pd.DataFrame:
+    """Return a column of pairs, problems by pairs, of the problems on which every optimizer has a trial."""
+    names = ["problem", "first", "second"]
+    table = pairs.astype(dict.fromkeys(names, object)).assign(smaller=pairs[["n_first", "n_second"]].min(axis=1))
+    order = list(table[names[1:]].drop_duplicates().itertuples(index=False, name=None))
+    complete = table["smaller"].gt(0).groupby(table["problem"], sort=False).transform("all")
+    wide = table[complete].pivot(index="problem", columns=names[1:], values=column).astype(float)
+    return wide.reindex(index=table.loc[complete, "problem"].unique(), columns=pd.MultiIndex.from_tuples(order))
+
+
+def _owners(problems: Iterable[Any], blocks: Blocks | None) -> list[str]:
+    """Return the block of each problem."""
+    return [(blocks or {}).get(str(problem), str(problem)) for problem in problems]
+
+
+def probability_of_improvement(pairs: pd.DataFrame, blocks: Blocks | None = None) -> pd.DataFrame:
     """Return the probability that a trial of ``first`` ends below one of ``second``, one row a pair.
 
     Columns: first, second, problems, blocks; ``probability``, the mean over problems of A12; low and high, its 95 %
-    interval for other trials on these problems, missing where a cell of either has a single trial; further_low and
-    further_high, that of the mean over blocks for further problems, missing below three blocks. All is missing where
-    no problem has trials of every optimizer.
+    interval for other trials on these problems, missing where a cell has a single trial; further_low and further_high,
+    that of the mean over blocks for further problems, missing below three blocks. All is missing where no problem has
+    trials of every optimizer.
 
     The variance of the mean for these problems is the sum of those of A12 (:mod:`bench.analysis.direction`); for
     further problems, it is that of the blocks' means, with Student's t.
     """
-    found, problems, optimizers = cells(frame, merge=True), complete_problems(frame), labels(frame, "optimizer")
-    first, second = np.triu_indices(len(optimizers), 1)
-    chance, inside, variance = np.full((3, len(problems), len(first)), np.nan)
-    for place, problem in enumerate(problems):
-        for own, these, others in alike([found[problem, each] for each in optimizers]):
-            chance[place, own] = wins(these, others).mean(axis=(1, 2))
-            if min(these.shape[1], others.shape[1]) > 1:
-                effect = effects(these, others)
-                inside[place, own], variance[place, own] = effect.inside, effect.variance
-    names, number = np.array(optimizers, dtype=object), max(len(problems), 1)
-    table = pd.DataFrame({"first": names[first], "second": names[second], "problems": len(problems)})
-    owner = [(blocks or {}).get(problem, problem) for problem in problems]
-    means = pd.DataFrame(chance).groupby(owner, sort=False).mean().to_numpy()
-    table = table.assign(blocks=len(means), probability=chance.mean(axis=0) if problems else np.nan)
-    centre = inside.sum(axis=0) / number
-    ends = wilson_form(table["probability"].to_numpy(), variance.sum(axis=0) / number**2 / (centre * (1 - centre)))
+    wide = {name: _by_problem(pairs, name) for name in ("a12", "ratio", "smaller")}
+    found = Effects(*(wide[name].to_numpy() for name in ("a12", "ratio", "smaller")))
+    number, owners = max(len(found.a12), 1), _owners(wide["a12"].index, blocks)
+    table = pd.DataFrame(list(wide["a12"].columns), columns=["first", "second"])
+    means = wide["a12"].groupby(owners, sort=False).mean().to_numpy()
+    chance = found.a12.mean(axis=0) if len(found.a12) else np.full(len(table), np.nan)
+    centre = found.inside.sum(axis=0) / number
+    with np.errstate(invalid="ignore", divide="ignore"):  # no problem
+        ends = wilson_form(chance, found.variance.sum(axis=0) / number**2 / (centre * (1 - centre)))
+    table = table.assign(problems=len(found.a12), blocks=len(means), probability=chance)
     return table.assign(**dict(zip(("low", "high"), ends, strict=True)), **_further(means))
 
 

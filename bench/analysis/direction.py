@@ -25,10 +25,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.stats import norm
 
 from bench.compiled import compiled
@@ -45,12 +45,12 @@ class Effects(NamedTuple):
     Attributes:
         a12: (g,) the estimates.
         ratio: (g,) the variance of each estimate over A12 (1 - A12).
-        smaller: the smaller of n and m.
+        smaller: the smaller of n and m, one number or (g,).
     """
 
     a12: Floats
     ratio: Floats
-    smaller: int
+    smaller: int | Floats
 
     @property
     def inside(self) -> Floats:
@@ -140,9 +140,9 @@ def p_values(found: Effects) -> Floats:
     return np.maximum(2 * norm.sf(size), least_p(found.smaller))
 
 
-def least_p(smaller: int) -> float:
+def least_p(smaller: ArrayLike) -> Any:
     """Return the p of complete separation, the smallest there is, where the smaller sample has so many values."""
-    return min(2.0 ** (1 - smaller), 1.0)
+    return np.minimum(2.0 ** (1 - np.asarray(smaller, dtype=np.float64)), 1.0)
 
 
 def intervals(found: Effects, level: float = 0.95) -> tuple[Floats, Floats]:

@@ -16,7 +16,6 @@ from scipy.stats import norm
 
 from bench.analysis.across import signed_ranks
 from bench.analysis.direction import ALPHA, effects, least_p, p_values
-from bench.analysis.pairwise import holm
 from bench.problem import Floats
 
 STUDIES = (40, 1_000)  # that are simulated, at least and at most
@@ -28,10 +27,18 @@ STEPS = 9  # of a bisection: A12 to 0.001
 
 
 class Levels(NamedTuple):
-    """The levels of the tests on single problems, and of those across problems; 0 where no test can be significant."""
+    """The levels of the tests, which the design of a study gives.
+
+    Attributes:
+        problems: of the tests on single problems; 0 where none can be significant.
+        across: of the tests over all problems; likewise.
+        further: whether these are tests across blocks, which speak of further problems, and not of the mean over these
+            problems (:func:`bench.analysis.wilcoxon_tests`, :func:`bench.analysis.stratified_tests`).
+    """
 
     problems: float
     across: float
+    further: bool = True
 
 
 class Rates(NamedTuple):
@@ -54,20 +61,31 @@ def levels(sizes: Sequence[int], pairs: int, tests: int, blocks: int, alpha: flo
     """Divide ``alpha`` between the tests on problems and those across problems, by the design alone.
 
     Each part gets half where both can reject at half, and all of it goes to the one part that can reject otherwise: so
-    all claims together err with ``alpha`` at most.
+    all claims together err with ``alpha`` at most. The tests over all problems are those across blocks where these are
+    enough for one to reject, and else, on two problems or more, those of the mean over these problems.
 
     Args:
-        sizes: the trials of the smaller cell of each pair on each problem.
+        sizes: the trials of the smaller cell of each pair, by problem.
         pairs: of optimizers.
         tests: pairs times problems.
         blocks: independent problems (:mod:`bench.analysis.across`).
         alpha: the level of all claims.
     """
-    on_problems = least_p(max(sizes, default=0)) * max(tests, 1)
-    across = 2.0 ** (1 - blocks) * max(pairs, 1)
-    if max(on_problems, across) <= alpha / 2:
-        return Levels(alpha / 2, alpha / 2)
-    return Levels(alpha if on_problems <= alpha else 0.0, alpha if on_problems > alpha >= across else 0.0)
+    on_problems = float(least_p(max(sizes, default=0))) * max(tests, 1)
+    further = least_across(blocks, pairs) <= alpha / 2
+    over = least_across(blocks, pairs) if further else 1.0
+    if not further and len(sizes) > 1 and min(sizes) > 1:
+        over = float(least_p(sum(sizes))) * max(pairs, 1)
+    if max(on_problems, over) <= alpha / 2:
+        return Levels(alpha / 2, alpha / 2, further)
+    return Levels(
+        alpha if on_problems <= alpha else 0.0, alpha if on_problems > alpha and over <= alpha / 2 else 0.0, further
+    )
+
+
+def least_across(blocks: int, pairs: int) -> float:
+    """Return the smallest p of the test across blocks after Holm's adjustment: where all of them have one sign."""
+    return float(2.0 ** (1 - blocks) * max(pairs, 1))
 
 
 def rates_of_equals(
@@ -111,16 +129,22 @@ def _rates(draw: Callable[[int], Floats], shape: tuple[int, int, int], blocks: S
     at_once = max(AT_ONCE // work, 1)
     for start in range(0, studies, at_once):
         values = draw(min(at_once, studies - start))
-        p, chance = np.empty((2, len(values), problems, len(one)))
+        p, chance, ratio = np.empty((3, len(values), problems, len(one)))
         for pair, (i, j) in enumerate(zip(one, other, strict=True)):
             sides = (values[:, :, each].reshape(-1, trials) for each in (i, j))
             effect = effects(*sides)
             p[:, :, pair] = p_values(effect).reshape(len(values), problems)
             chance[:, :, pair] = effect.a12.reshape(len(values), problems)
+            ratio[:, :, pair] = effect.ratio.reshape(len(values), problems)
         means = np.round(weights @ (chance - 0.5), 12)
-        for study in range(len(values)):
-            found[0, start + study] = holm(p[study].ravel()).min(initial=1.0) <= level.problems
-            found[1, start + study] = _across(means[study], level.across)
+        mean = chance.mean(axis=1) - 0.5
+        size = np.abs(mean) / (0.5 * np.sqrt(ratio.sum(axis=1)) / problems)
+        now = slice(start, start + len(values))
+        found[0, now] = p.min(axis=(1, 2)) * p[0].size <= level.problems
+        if level.further:
+            found[1, now] = [_across(own, level.across) for own in means]
+        else:
+            found[1, now] = 2 * norm.sf(size.max(axis=1)) * len(one) <= level.across
     return Rates(studies, *(float(each.mean()) for each in (*found, found.any(axis=0))))
 
 
@@ -149,19 +173,24 @@ def detectable_a12(trials: int, level: float, power: float = POWER) -> float:
 
 
 @lru_cache
-def detectable_across(trials: int, blocks: int, level: float, power: float = POWER) -> float:
-    """Return the smallest A12, the same on every problem, that the test across problems finds; NaN where it finds none.
+def detectable_across(trials: int, blocks: int, level: float, further: bool = True, power: float = POWER) -> float:
+    """Return the smallest A12, the same on every problem, that the test over problems finds; NaN where it finds none.
 
-    Assumes as :func:`detectable_a12` does, and blocks of one problem.
+    Assumes as :func:`detectable_a12` does, and blocks of one problem, or as many problems where the test is not of
+    ``further`` ones.
     """
-    if 2.0 ** (1 - blocks) > level:
+    if further and 2.0 ** (1 - blocks) > level:
         return float("nan")
     draws = max(DRAWS // blocks, 200)
     this, other = np.random.default_rng(20_250_101).standard_normal((2, draws * blocks, trials))
 
     def found(chance: float) -> bool:
         shift = np.sqrt(2) * norm.ppf(chance)
-        means = effects(this, other + shift).a12.reshape(draws, blocks) - 0.5
+        effect = effects(this, other + shift)
+        means = effect.a12.reshape(draws, blocks) - 0.5
+        if not further:
+            size = means.mean(axis=1) / (0.5 * np.sqrt(effect.ratio.reshape(draws, blocks).sum(axis=1)) / blocks)
+            return bool(np.mean(2 * norm.sf(size) <= level) >= power)
         return bool(np.mean([signed_ranks(own, level)["p"] <= level for own in means]) >= power)
 
     return _smallest(found)

@@ -20,8 +20,8 @@ CUTOFFS = {"large": 0.71, "medium": 0.64, "small": 0.56}  # Vargha and Delaney 2
 AT_ONCE = 2_000  # pairs of samples in memory
 
 COLUMNS = (
-    "problem", "first", "second", "n_first", "n_second", "a12", "a12_low", "a12_high", "joint_low", "joint_high", "p",
-    "p_holm", "significant", "lower", "testable", "separated", "cliffs_delta", "ks_distance", "ks_p", "ks_tied",
+    "problem", "first", "second", "n_first", "n_second", "a12", "ratio", "a12_low", "a12_high", "joint_low", "joint_high",
+    "p", "p_holm", "significant", "lower", "testable", "separated", "cliffs_delta", "ks_distance", "ks_p", "ks_tied",
 )  # fmt: skip
 
 
@@ -30,7 +30,8 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
 
     The size: a12, the chance that a trial of ``first`` ends below one of ``second``, ties counted half, with the 95 %
     interval a12_low to a12_high, and joint_low to joint_high, intervals of which all together hold with 1 - ``alpha``
-    (Bonferroni); cliffs_delta, 2 a12 - 1; separated, whether a12 is 0 or 1.
+    (Bonferroni); ratio, the variance of a12 over a12 (1 - a12) (:mod:`bench.analysis.direction`); cliffs_delta, 2 a12 -
+    1; separated, whether a12 is 0 or 1.
 
     The test of its direction: p, of the hypothesis a12 = 0.5, which allows that the spreads differ
     (:mod:`bench.analysis.direction`); p_holm, adjusted over all rows, so over pairs and problems (Holm 1979);
@@ -114,7 +115,7 @@ def compare_all(samples: Sequence[Floats], joint: float = 0.95) -> dict[str, Any
     """
     one, other = np.triu_indices(len(samples), 1)
     sizes = np.array([len(sample) for sample in samples], dtype=np.int64)
-    numbers = ("a12", "a12_low", "a12_high", "joint_low", "joint_high", "ks_distance")
+    numbers = ("a12", "ratio", "a12_low", "a12_high", "joint_low", "joint_high", "ks_distance")
     columns: dict[str, Any] = {
         "n_first": sizes[one], "n_second": sizes[other], "p": np.ones(len(one)), "ks_p": np.ones(len(one)),
         "ks_tied": np.zeros(len(one), dtype=bool), **{name: np.full(len(one), np.nan) for name in numbers},
@@ -150,4 +151,4 @@ def _compare(these: Floats, others: Floats, joint: float) -> dict[str, Any]:
     sides = {
         f"{name}_{side}": end for name, both in ends.items() for side, end in zip(("low", "high"), both, strict=True)
     }
-    return {"a12": found.a12, "p": direction.p_values(found), **sides, **ks_tests(these, others)}
+    return {"a12": found.a12, "ratio": found.ratio, "p": direction.p_values(found), **sides, **ks_tests(these, others)}

@@ -49,7 +49,7 @@ def pair_matrix(findings: Findings) -> Table:
         index=findings.optimizers, columns=findings.optimizers
     )
     chances = wide.fillna(1 - wide.T).loc[order, order]
-    tests = findings.wilcoxon[findings.wilcoxon["significant"]]
+    tests = findings.overall[findings.overall["significant"]]
     clear = pd.DataFrame(False, index=order, columns=order)
     for first, second in zip(tests["first"], tests["second"], strict=True):
         if first in clear.index and second in clear.index:

@@ -1,8 +1,8 @@
 """State which optimizer is best in one headline and four short lines: where, by how much, how sure, at what budget.
 
 Two kinds of evidence can name a winner, and the design of the study alone decides which of them may speak
-(:func:`bench.analysis.levels`): tests of the trials on each problem, and tests across problems, whose unit is the
-block. Both are adjusted for all that they compare, so all claims together err with alpha at most.
+(:func:`bench.analysis.levels`): tests of the trials on each problem, and tests over all problems. Both are adjusted for
+all that they compare, so all claims together err with alpha at most.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ TIED = 1e-9  # mean ranks closer than this are the same
 
 WINNER_RULE = (
     "An optimizer is called best if, against each rival, it is separably lower on more than half of the problems, or "
-    "if the test across problems shows it lower than each rival; it is not called best where the optimizers differ in "
-    "more than their algorithms."
+    "if the test over all problems shows it lower than each rival; it is not called best where the optimizers differ "
+    "in more than their algorithms."
 )
 """The rule, as methods sections state it."""
 
@@ -42,7 +42,7 @@ class Across(NamedTuple):
     Attributes:
         chance: the mean over problems of A12, with its 95 % interval for these problems, low to high.
         further: its 95 % interval for further problems; missing where they are too few.
-        p: of the test across problems, adjusted over all pairs.
+        p: of the test over all problems, adjusted over all pairs.
         lower: whether that test shows the first one to be lower.
     """
 
@@ -77,7 +77,7 @@ class Standing:
             :func:`bench.analysis.ranking_certainty`.
         beaten: by (one, other), on how many problems one is separably lower than the other; 0 where there is none.
         across: by (one, other), the comparison over all problems.
-        levels: of the tests on problems and across them; 0 where no test can be significant.
+        levels: of the tests on problems and over all of them; 0 where no test can be significant.
         blocks: the independent problems.
         budget: the full budget in words, such as "60,000 evaluations".
         problem: the label of the only problem, "" where there are several.
@@ -235,7 +235,8 @@ def _shown(known: Standing, leader: str) -> str:
     if all(known.across[leader, each].lower for each in rivals):
         most = max(known.across[leader, each].p for each in rivals)
         which = "" if len(rivals) == 1 else " against each"
-        texts.append(f"lower than {every} across problems ({p_text(most)}{which})")
+        over = "across problems" if known.levels.further else f"in the mean over these {known.problems} problems"
+        texts.append(f"lower than {every} {over} ({p_text(most)}{which})")
     return ", and ".join(texts)
 
 

@@ -50,7 +50,7 @@ class Final(Trials):
         With declared looks all of the level belongs to the tests on problems, as a run spends it there.
         """
         sizes = analysis.table(self.summary, "n").apply(lambda own: sorted(own, reverse=True)[1:2], axis=1)
-        smaller = [int(own[0]) for own in sizes if own]
+        smaller = [int(own[0]) for label, own in sizes.items() if own and label in self.medians.index]
         pairs = comb(len(self.optimizers), 2)
         tests = sum(comb(int((own > 0).sum()), 2) for _, own in self.summary.groupby("problem", observed=True)["n"])
         blocks = 0 if self.results.study.looks else len({self.blocks[str(label)] for label in self.medians.index})
@@ -111,7 +111,7 @@ class Final(Trials):
     @cached_property
     def improvement(self) -> pd.DataFrame:
         """The probability that a trial of one optimizer ends below one of another, over all problems."""
-        table = analysis.probability_of_improvement(self.frame, self.blocks)
+        table = analysis.probability_of_improvement(self.pairs, self.blocks)
         # Trials stop where a difference looks large, so the effects of cells that a look stopped are biased.
         biased = ["probability", "low", "high", "further_low", "further_high"]
         return table.assign(**dict.fromkeys(biased, float("nan"))) if self.decisions.stopped else table
@@ -127,9 +127,10 @@ class Final(Trials):
         return dict(analysis.friedman(analysis.ranks_by_block(self.standings, self.blocks)).iloc[0])
 
     @cached_property
-    def wilcoxon(self) -> pd.DataFrame:
-        """Wilcoxon's signed-rank test of each pair of optimizers across problems."""
-        return analysis.wilcoxon_tests(self.pairs, self.blocks, self.levels.across)
+    def overall(self) -> pd.DataFrame:
+        """The test of each pair of optimizers over all problems: across blocks, or of the mean over these problems."""
+        test = analysis.wilcoxon_tests if self.levels.further else analysis.stratified_tests
+        return test(self.pairs, self.blocks, self.levels.across)
 
     @property
     def rope(self) -> Rope | None:

@@ -37,13 +37,13 @@ def section(findings: Findings) -> Section:
     items: list[Part] = []
     if len(medians) > 1 and len(optimizers) > 2:
         ranks = analysis.mean_ranks(findings.standings)
-        items.append(rank_figure(ranks, analysis.cliques(ranks, findings.wilcoxon)))
+        items.append(rank_figure(ranks, analysis.cliques(ranks, findings.overall)))
     means = _aggregate(analysis.interquartile_mean(findings.frame, findings.optima))
     if len(optimizers) <= MANY_OPTIMIZERS:
-        items += [forest_figure(findings.improvement), _wilcoxon(findings.wilcoxon), means]
+        items += [forest_figure(findings.improvement), _tests(findings.overall, findings.levels.further), means]
         return Section(TITLE, tuple(text), tuple(items))
     items += [pair_matrix(findings), means]
-    pairs = Section("Every pair of optimizers", items=(_wilcoxon(findings.wilcoxon),), folded=True)
+    pairs = Section("Every pair of optimizers", items=(_tests(findings.overall, findings.levels.further),), folded=True)
     return Section(TITLE, tuple(text), tuple(items), sections=(pairs,))
 
 
@@ -60,18 +60,21 @@ def _friedman(test: dict[str, Any]) -> str:
     )
 
 
-def _wilcoxon(tests: pd.DataFrame) -> Table:
+def _tests(tests: pd.DataFrame, further: bool) -> Table:
     names = {
-        "first": "first", "second": "second", "blocks": "independent problems", "statistic": "W", "p": "p",
+        "first": "first", "second": "second", "blocks": "independent problems", "statistic": "W" if further else "z",
+        "p": "p",
         "p_holm": "p (Holm)",
         "significant": "significant", "lower": "lower", "note": "note",
     }  # fmt: skip
     shown = tests[list(names)].assign(lower=tests["lower"].where(tests["significant"], ""))
     return Table(
-        "wilcoxon",
-        "Wilcoxon’s signed-rank test of each pair on A12 − 0.5 of the problems, adjusted by Holm’s method.",
+        "wilcoxon" if further else "mean-over-problems",
+        "Wilcoxon’s signed-rank test of each pair on A12 − 0.5 of independent problems, adjusted by Holm’s method."
+        if further
+        else "The test of each pair that the mean of A12 over these problems is 0.5, adjusted by Holm’s method.",
         shown.rename(columns=names),
-        decimals={"W": 1},
+        decimals={"W": 1, "z": 2},
         data=tests,
     )
 

@@ -20,7 +20,7 @@ def section(findings: Findings) -> Section:
     """Return the differences that the tests can and cannot find with this study's trials."""
     if findings.frame.empty or len(findings.optimizers) < 2 or not len(findings.medians):
         return Section(TITLE, ("There is nothing to compare, so no test has any power.",))
-    tests, pairs = len(findings.pairs), len(findings.wilcoxon)
+    tests, pairs = len(findings.pairs), len(findings.overall)
     rows = []
     for n in sorted(set(findings.trials)):
         for name, level in (("a single test", ALPHA), ("the first of all tests", _level(findings) / tests)):
@@ -60,10 +60,11 @@ def blindness(findings: Findings) -> str:
     else:
         parts.append(f"{trials} the tests on problems would often miss an A12 below {found:.2f}")
     if levels.across:
-        tested = findings.wilcoxon
-        each = analysis.detectable_across(n, int(tested["blocks"].iloc[0]), levels.across / len(tested))
+        tested = findings.overall
+        number = int(tested["blocks" if levels.further else "problems"].iloc[0])
+        each = analysis.detectable_across(n, number, levels.across / len(tested), levels.further)
         if not isnan(each):
-            parts.append(f"the tests across problems would often miss an A12 below {each:.2f} on every problem")
+            parts.append(f"the tests over all problems would often miss an A12 below {each:.2f} on every problem")
     return "; ".join(parts) + " (power 80%)."
 
 
@@ -91,6 +92,6 @@ def _rate(rates: Rates) -> str:
     error = (rates.any * (1 - rates.any) / rates.studies) ** 0.5
     return (
         f"{percent(rates.any)} of {rates.studies:,} simulated studies (standard error {100 * error:.1f}%); an "
-        f"optimizer separably lower on any problem in {percent(rates.problems)}, a difference across problems in "
+        f"optimizer separably lower on any problem in {percent(rates.problems)}, a difference over all problems in "
         f"{percent(rates.across)}"
     )

@@ -69,7 +69,7 @@ def _gain(findings: Findings, own: Tuned) -> dict[str, Any]:
     mine = pairs[pairs["first"].isin([own.default, own.tuned]) & pairs["second"].isin([own.default, own.tuned])]
     chance = mine["a12"].where(mine["first"].astype(object) == own.tuned, 1 - mine["a12"])
     clear = mine[mine["lower"] != ""]
-    tests = findings.wilcoxon
+    tests = findings.overall
     across = tests[tests["first"].isin([own.default, own.tuned]) & tests["second"].isin([own.default, own.tuned])]
     return {
         "problems": len(mine), "chance": float(chance.mean()) if len(mine) else float("nan"),
@@ -100,11 +100,11 @@ def _gained(findings: Findings, own: Tuned, gain: dict[str, Any] | None) -> str:
     if gain["problems"] == 1 or across is None:
         return f"{sentence} One problem says nothing of others."
     if across["note"] in ("untestable", "identical"):
-        return f"{sentence} Across problems no difference can be shown."
+        return f"{sentence} Over all problems no difference can be shown."
     shown = across["significant"]
     better = "the tuned parameters are lower" if across["lower"] == own.tuned else "the defaults are lower"
-    verdict = f"{better} on most" if shown else "no difference is shown"
-    return f"{sentence} Across problems, {verdict} (Wilcoxon’s test, {p_text(across['p_holm'])}, adjusted)."
+    verdict = better if shown else "no difference is shown"
+    return f"{sentence} Over all problems, {verdict} ({p_text(across['p_holm'])}, adjusted)."
 
 
 def _warnings(findings: Findings, tuning: Tuning, known: list[Tuned]) -> list[str]:

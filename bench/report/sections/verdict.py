@@ -85,7 +85,7 @@ def standing(findings: Findings) -> Standing:
 
 def _across(findings: Findings) -> dict[tuple[str, str], Across]:
     """Return each pair over all problems, seen from either side."""
-    table = findings.improvement.merge(findings.wilcoxon[["first", "second", "p_holm", "significant", "lower"]])
+    table = findings.improvement.merge(findings.overall[["first", "second", "p_holm", "significant", "lower"]])
     found = {}
     for pair in table.to_dict("records"):
         first, second = str(pair["first"]), str(pair["second"])
@@ -201,7 +201,7 @@ def _evidence(findings: Findings) -> str:
     failed = findings.coverage.groupby("optimizer", sort=False, observed=False)["failed"].sum()
     lost = [f"{count(number, 'trial')} of {label}" for label, number in failed.items() if number]
     parts = [f"{levels.problems:g} for tests on problems"] if levels.problems else []
-    parts += [f"{levels.across:g} for tests across them"] if levels.across else []
+    parts += [f"{levels.across:g} for tests over all"] if levels.across else []
     alpha = f"alpha = {ALPHA:g}" + (f" ({listing(parts)})" if len(parts) > 1 else "")
     return (
         f"n = {trials} of at most {described(study.budget)} on each of N = {count(len(findings.medians), 'problem')}; "
@@ -249,17 +249,23 @@ def unused(findings: Findings) -> str:
 
 def across(findings: Findings) -> str:
     """Return what the tests across problems do not show."""
-    tests, friedman = findings.wilcoxon, findings.friedman
+    tests, friedman = findings.overall, findings.friedman
     blocks, p = int(tests["blocks"].iloc[0]), friedman["p_iman_davenport"]
     if not findings.levels.across:
         few = f"{count(blocks, 'independent problem')} and {count(len(tests), 'pair')} of optimizers"
-        return f"Nothing is tested across problems: {few} leave no test that could be significant beside the others."
+        return f"Nothing is tested over all problems: {few} leave no test that could be significant beside the others."
+    apart = tests[~tests["significant"]]
+    open_pairs = [f"{first} and {second}" for first, second in zip(apart["first"], apart["second"], strict=True)]
+    if not findings.levels.further:
+        shown = f" They show no difference between {listing(open_pairs, at_most=4)}." if open_pairs else ""
+        return (
+            f"Nothing is claimed of further problems: {count(blocks, 'independent problem')} would be too few for a "
+            f"test. The tests over all problems are of the mean over these ones.{shown}"
+        )
     if not friedman["note"] and p > findings.levels.across:
         return f"The tests show no difference across problems (Friedman with Iman-Davenport’s correction, {p_text(p)})."
-    apart = tests[~tests["significant"]]
     if apart.empty:
         return "Every pair of optimizers differs significantly across problems, but not on every problem or trial."
-    open_pairs = [f"{first} and {second}" for first, second in zip(apart["first"], apart["second"], strict=True)]
     return f"The tests show no difference across problems between {listing(open_pairs, at_most=4)} (Wilcoxon, Holm)."
 
 
@@ -282,14 +288,20 @@ def _grounds(findings: Findings) -> str:
     over = [f"for looks at {listing([str(each) for each in looks])} trials"] if looks else []
     over += [f"by Holm’s method over the {count(len(findings.pairs), 'pair')} of all problems"]
     both = levels.problems and levels.across
+    pairs = f"at alpha = {levels.across:g} with Holm’s method over the {comb(len(findings.optimizers), 2)} pairs"
+    over_all = (
+        f"Across problems, Wilcoxon’s signed-rank test compares A12 − 0.5 of a pair, {pairs}; problems of one sweep, "
+        "and one function in several dimensions, count once."
+        if levels.further
+        else f"Over all problems, the hypothesis that the mean of A12 over these problems is 0.5 is tested {pairs}."
+    )
+    over_all = over_all if levels.across else "Over all problems nothing is tested, as nothing could be significant."
     return (
         "On a problem, optimizers rank by the number of rivals that they beat: more than half of the pairs of a trial "
         "of one and a trial of the other end lower with it (A12 > 0.5). One is separably lower than another if a test "
         "of A12 = 0.5, which allows that they differ in spread (Schüürhuis, Konietschke and Brunner 2025), rejects at "
         f"alpha = {levels.problems or ALPHA:g}, adjusted {' and '.join(over)}. The order over all problems is that of "
-        "the mean ranks. Across problems, Wilcoxon’s signed-rank test compares A12 − 0.5 of a pair, at "
-        f"alpha = {levels.across or ALPHA:g} with Holm’s method over the {comb(len(findings.optimizers), 2)} pairs; "
-        "problems of one sweep, and one function in several dimensions, count once. "
+        f"the mean ranks. {over_all} "
         + ("Both levels together are 0.05. " if both else "")
         + f"{WINNER_RULE} The counts are over the problems on which every optimizer has a trial. Smaller budgets are "
         "the points of the figure of mean ranks; those at which the first one shares the lowest are not named."
