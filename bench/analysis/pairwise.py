@@ -20,8 +20,8 @@ CUTOFFS = {"large": 0.71, "medium": 0.64, "small": 0.56}  # Vargha and Delaney 2
 AT_ONCE = 2_000  # pairs of samples in memory
 
 COLUMNS = (
-    "problem", "first", "second", "n_first", "n_second", "a12", "ratio", "a12_low", "a12_high", "joint_low", "joint_high",
-    "p", "p_holm", "significant", "lower", "testable", "separated", "cliffs_delta", "ks_distance", "ks_p", "ks_tied",
+    "problem", "first", "second", "n_first", "n_second", "a12", "ratio", "a12_low", "a12_high", "joint_low",
+    "joint_high", "p", "p_holm", "significant", "lower", "testable", "separated", "cliffs_delta", "ks_distance", "ks_p", "ks_tied",
 )  # fmt: skip
 
 
