@@ -21,7 +21,8 @@ AT_ONCE = 2_000  # pairs of samples in memory
 
 COLUMNS = (
     "problem", "first", "second", "n_first", "n_second", "a12", "ratio", "a12_low", "a12_high", "joint_low",
-    "joint_high", "p", "p_holm", "significant", "lower", "testable", "separated", "cliffs_delta", "ks_distance", "ks_p", "ks_tied",
+    "joint_high", "p", "p_holm", "significant", "lower", "testable", "separated", "cliffs_delta", "ks_distance",
+    "ks_p", "ks_tied",
 )  # fmt: skip
 
 

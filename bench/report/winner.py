@@ -128,7 +128,8 @@ class Standing:
     def ordered(self) -> list[str]:
         """The optimizers by mean rank, and by the mean chance to beat another where they tie."""
         labels = list(self.ranking["optimizer"])
-        against = {one: sum(self.across[one, other].chance for other in labels if other != one) for one in labels}
+        chances = {pair: 0.5 if math.isnan(each.chance) else each.chance for pair, each in self.across.items()}
+        against = {one: sum(chances[one, other] for other in labels if other != one) for one in labels}
         ranks = dict(zip(labels, self.ranking["mean_rank"].round(9), strict=True))
         return sorted(labels, key=lambda each: (ranks[each], -round(float(against[each]), 9)))
 
@@ -209,13 +210,10 @@ def _headline(known: Standing, leader: str) -> str:
             f"No winner can be named at {known.budget}: with {few} no test can be significant. {under}{lead}, which "
             "may be chance."
         )
+    start = f"No single winner at {known.budget}: {under[:1].lower()}{under[1:]}{lead}"
     if len(known.level) > 1:
-        return f"No single winner at {known.budget}: {under}{lead}."
-    return f"No single winner at {known.budget}: {under}{lead}, but is not shown to be lower than {_open(known)}."
-
-
-def _open(known: Standing) -> str:
-    return listing(known.open, NAMED)
+        return f"{start}."
+    return f"{start}, but is not shown to be lower than {listing(known.open, NAMED)}."
 
 
 def _shown(known: Standing, leader: str) -> str:
@@ -284,8 +282,9 @@ def _sure(known: Standing, leader: str) -> str:
         parts.append(f"Mean rank {row['mean_rank']:.2f}{interval} of {len(known.ranking)}.")
     if known.sweep:
         parts.append(known.sweep)
-    elif not known.problem and not known.levels.across:
-        parts.append(f"This holds for these {known.problems} problems only: the design leaves no test across problems.")
+    elif not known.problem and not (known.levels.further and known.levels.across):
+        few = f"{count(known.blocks, 'independent problem')} {'is' if known.blocks == 1 else 'are'} too few"
+        parts.append(f"This holds for these {known.problems} problems only: {few} for a test of others.")
     if not known.problem and not known.levels.problems and known.levels.across:
         parts.append(f"With {known.trials} a cell no test on a single problem can be significant.")
     if known.conditions:

@@ -1,4 +1,4 @@
-"""The paragraph on the winner: margin, certainty and budget, and the sentences where there is no winner."""
+"""The verdict: headline and lines of a winner, of conditions that differ, and where there is no winner."""
 
 from dataclasses import replace
 from itertools import permutations
@@ -6,36 +6,46 @@ from itertools import permutations
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import wilcoxon
 
-from bench.report.winner import Stage, Standing, paragraph, percent, too_few_problems
+from bench.analysis import Levels
+from bench.report.winner import Across, Stage, Standing, verdict
+from bench.report.wording import percent
 
 NAN = float("nan")
+BOTH, ON_PROBLEMS, ACROSS, THESE, NONE = (
+    Levels(0.025, 0.025), Levels(0.05, 0.0), Levels(0.0, 0.05), Levels(0.025, 0.025, False), Levels(0.0, 0.0),
+)  # fmt: skip
 
 
-def standing(ranks, *, beaten=(), problems=18, first=(15, 13, 17), separable=14, worse=0, leads=1.0, **more):
-    """Return the standing of optimizers by mean rank; the first has the numbers given, the others have none."""
+def standing(ranks, *, beaten=(), lower=(), problems=18, first=15, separable=14, worse=0, **more):
+    """Return the standing of optimizers by mean rank; the first has the numbers given, the others have none.
+
+    ``lower`` are the pairs of which the test over all problems shows the first one to be lower.
+    """
     labels = list(ranks)
     ranking = pd.DataFrame(
         {
             "optimizer": labels,
             "problems": problems,
-            "first": [first[0], *[0] * (len(labels) - 1)],
+            "first": [first, *[0] * (len(labels) - 1)],
             "separable": [separable, *[0] * (len(labels) - 1)],
             "worse": [worse, *[problems] * (len(labels) - 1)],
             "mean_rank": list(ranks.values()),
-            "first_low": [float(first[1]), *[0.0] * (len(labels) - 1)],
-            "first_high": [float(first[2]), *[0.0] * (len(labels) - 1)],
-            "leads": [leads, *[0.0] * (len(labels) - 1)],
+            "rank_low": [each - 0.1 for each in ranks.values()],
+            "rank_high": [each + 0.1 for each in ranks.values()],
         }
     )
-    chances = {
-        (one, other): (0.75, 0.72, 0.78) if ranks[one] < ranks[other] else (0.25, 0.22, 0.28)
-        for one, other in permutations(labels, 2)
-    }
-    chances |= {pair: (0.5, 0.5, 0.5) for pair in chances if ranks[pair[0]] == ranks[pair[1]]}
-    known = {"testable": True, "budget": "60,000 evaluations", "near": "within 1% of the optimum"} | more
-    return Standing(ranking, dict(beaten), chances, **known)
+    across = {}
+    for one, other in permutations(labels, 2):
+        ends = (0.75, 0.72, 0.78, (0.66, 0.82)) if ranks[one] < ranks[other] else (0.25, 0.22, 0.28, (0.18, 0.34))
+        ends = (0.5, 0.5, 0.5, (0.4, 0.6)) if ranks[one] == ranks[other] else ends
+        across[one, other] = Across(*ends, p=0.004, lower=(one, other) in lower)
+    known = {"levels": BOTH, "blocks": problems, "budget": "60,000 evaluations", "near": "within 1% of the optimum"}
+    return Standing(ranking, dict(beaten), across, **(known | more))
+
+
+def lines(known):
+    return dict(verdict(known).lines)
 
 
 THREE = {"cma-es": 1.2, "gwo": 2.0, "alo": 2.8}
@@ -44,75 +54,124 @@ CLEAR = {("cma-es", "gwo"): 15, ("cma-es", "alo"): 18}
 
 def test_a_winner_as_a_paper_prints_it():
     known = standing(
-        THREE, beaten=CLEAR, found=pd.Series({"cma-es": 0.43, "gwo": 0.2, "alo": 0.0}),
+        THREE, beaten=CLEAR, lower=CLEAR, found=pd.Series({"cma-es": 0.43, "gwo": 0.2, "alo": 0.0}),
         course=[Stage("600", ("gwo",)), Stage("6,000", ("gwo",)), Stage("60,000", ("cma-es",))],
+        size="Its median is 12% lower.", clock="gwo is faster by the clock.",
     )  # fmt: skip
-    assert paragraph(known) == (
-        "cma-es is best at 60,000 evaluations: separably lower than all 2 others on 14 of 18 problems, and "
-        "significantly worse on none. It is ranked first on 15 [13, 17] of 18, and would lead in practically every "
-        "repetition of these trials. A run of it beats a run of gwo, the second in rank, with probability 0.75 "
-        "[0.72, 0.78]. 43% of its runs come within 1% of the optimum (gwo 20%). At smaller budgets the lowest "
-        "mean rank is that of gwo from 600 to 6,000 evaluations."
+    said = verdict(known)
+    assert said.clear
+    assert said.headline == (
+        "cma-es is best at 60,000 evaluations: separably lower than all 2 others on 14 of 18 problems, and lower than "
+        "all 2 others across problems (p = 0.004 against each)."
     )
+    assert lines(known) == {
+        "Where": "cma-es: ranked first on 15 of 18; no rival is separably lower on any.",
+        "By how much": "A run of cma-es beats a run of gwo, the second in rank, with probability 0.75 [0.72, 0.78] on "
+        "these problems, [0.66, 0.82] on further ones like them. Its median is 12% lower. 43% of its runs come within "
+        "1% of the optimum (gwo 20%).",
+        "How sure": "Mean rank 1.20 [1.10, 1.30] of 3.",
+        "At what budget": "At smaller budgets the lowest mean rank is that of gwo from 600 to 6,000 evaluations. gwo "
+        "is faster by the clock.",
+    }
 
 
-def test_a_winner_that_loses_somewhere_and_seldom_wins_at_once():
-    text = paragraph(standing(THREE, beaten=CLEAR, separable=5, worse=2, leads=0.81))
-    assert text.startswith(
-        "cma-es is best at 60,000 evaluations: separably lower than each other optimizer on more than half of 18 "
-        "problems, than all 2 others at once on 5, and significantly worse than another on 2."
+def test_one_kind_of_evidence_is_enough_and_the_headline_names_it():
+    on_problems = verdict(standing(THREE, beaten=CLEAR, levels=ON_PROBLEMS, worse=2))
+    assert on_problems.headline.endswith("separably lower than all 2 others on 14 of 18 problems.")
+    assert dict(on_problems.lines)["Where"].endswith("a rival is separably lower on 2.")
+    suite = standing(THREE, lower=CLEAR, levels=ACROSS, problems=72, blocks=24, separable=0, trials="5 trials")
+    assert verdict(suite).headline == (
+        "cma-es is best at 60,000 evaluations: lower than all 2 others across problems (p = 0.004 against each)."
     )
-    assert "would lead in 81% of repetitions of these trials" in text
+    assert "With 5 trials a cell no test on a single problem can be significant." in lines(suite)["How sure"]
+    few = standing(THREE, lower=CLEAR, levels=THESE, problems=3, blocks=3, first=3, separable=1)
+    assert "lower than all 2 others in the mean over these 3 problems" in verdict(few).headline
+    assert "This holds for these 3 problems only: 3 independent problems are too few" in lines(few)["How sure"]
+
+
+def test_evidence_against_every_rival_is_of_one_kind():
+    mixed = standing(THREE, beaten={("cma-es", "gwo"): 15}, lower={("cma-es", "alo")})
+    assert not verdict(mixed).clear
+    assert verdict(mixed).headline.endswith("but is not shown to be lower than alo.")
+
+
+def test_a_winner_that_seldom_wins_at_once():
+    said = verdict(standing(THREE, beaten=CLEAR, separable=5))
+    assert "separably lower than each other optimizer on more than half of 18 problems." in said.headline
+
+
+@pytest.mark.parametrize("evidence", [{"beaten": CLEAR, "lower": CLEAR}, {"levels": NONE, "trials": "1 trial"}, {}])
+def test_conditions_come_before_the_verb_and_withhold_best(evidence):
+    known = standing(
+        THREE, conditions="handling is box for cma-es", matched="Controls would add 90 trials.", **evidence
+    )
+    said = verdict(known)
+    assert not said.clear
+    assert " best " not in said.headline
+    assert said.headline.index("(handling is box for cma-es)") < said.headline.index(
+        "cma-es ends" if evidence.get("lower") else "cma-es has"
+    )
+    assert "The lead may come from the conditions. Controls would add 90 trials." in lines(known)["How sure"]
 
 
 def test_two_optimizers_on_one_problem():
     known = standing(
-        {"a": 1.0, "b": 2.0}, beaten={("a", "b"): 1}, problems=1, separable=1, first=(1, 1, 1), problem="p"
+        {"a": 1.0, "b": 2.0}, beaten={("a", "b"): 1}, problems=1, separable=1, first=1, problem="p", levels=ON_PROBLEMS
     )
-    assert paragraph(known) == (
-        "a is best on p at 60,000 evaluations: its results are separably lower than those of b. This holds for this "
-        "problem only. A run of it beats a run of b with probability 0.75 [0.72, 0.78]."
-    )
-    assert paragraph(replace(known, beaten={})).startswith(
-        "No single winner at 60,000 evaluations: a ranks first on p, but is not separably lower than b. This"
+    said = verdict(known)
+    assert said.headline == "a is best on p at 60,000 evaluations: its results are separably lower than those of b."
+    assert lines(known)["Where"] == "This holds for this problem only."
+    assert lines(known)["By how much"].startswith("A run of a beats a run of b with probability 0.75 [0.72, 0.78]")
+    assert verdict(replace(known, beaten={})).headline == (
+        "No single winner at 60,000 evaluations: a ranks first on p, but is not shown to be lower than b."
     )
 
 
-def test_no_winner_without_a_majority_of_separable_problems():
-    text = paragraph(standing(THREE, beaten={("cma-es", "gwo"): 9, ("cma-es", "alo"): 18}, worse=3))
-    assert text.startswith(
-        "No single winner at 60,000 evaluations: cma-es has the lowest mean rank over 18 problems (1.20 of 3), but is "
-        "separably lower on at most half of the problems than gwo (9). On 3 problems another one is separably lower "
-        "than it. It is ranked first"
+def test_no_single_winner_counts_rivals_problem_by_problem():
+    known = standing(THREE, beaten={("cma-es", "gwo"): 9, ("cma-es", "alo"): 18}, worse=3)
+    assert verdict(known).headline == (
+        "No single winner at 60,000 evaluations: cma-es has the lowest mean rank over 18 problems, but is not shown to "
+        "be lower than gwo."
+    )
+    assert lines(known)["Where"] == (
+        "cma-es: ranked first on 15 of 18; separably lower than gwo 9 and alo 18; a rival is separably lower on 3."
     )
 
 
 def test_too_few_trials_for_any_test():
-    known = standing(THREE, testable=False, trials="1 trial", found=pd.Series({"cma-es": 1.0, "gwo": 0.0, "alo": 0.0}))
-    text = paragraph(replace(known, ranking=known.ranking.assign(first_low=NAN)))
-    assert text == (
-        "No winner can be named at 60,000 evaluations: with 1 trial a cell no test can be significant. cma-es has the "
-        "lowest mean rank over 18 problems (1.20 of 3), which may be chance. A run of it beats a run of gwo, the "
-        "second in rank, with probability 0.75 [0.72, 0.78]."
+    known = standing(
+        THREE, levels=NONE, trials="1 trial", blocks=1, found=pd.Series({"cma-es": 1.0, "gwo": 0.0, "alo": 0.0})
     )
+    across = {pair: each._replace(low=NAN, high=NAN) for pair, each in known.across.items()}
+    known = replace(known, ranking=known.ranking.assign(rank_low=NAN), across=across)
+    assert verdict(known).headline == (
+        "No winner can be named at 60,000 evaluations: with 1 trial a cell on 1 independent problem no test can be "
+        "significant. cma-es has the lowest mean rank over 18 problems, which may be chance."
+    )
+    assert "By how much" not in lines(known)
+    assert "At what budget" not in lines(known)
+    assert lines(known)["How sure"].startswith("Mean rank 1.20 of 3.")
 
 
 def test_several_share_the_lead():
-    text = paragraph(standing({"a": 1.5, "b": 1.5, "c": 3.0}, beaten={("a", "c"): 18}))
-    assert text == "No single winner at 60,000 evaluations: a and b share the lowest mean rank over 18 problems."
+    said = verdict(standing({"a": 1.5, "b": 1.5, "c": 3.0}, beaten={("a", "c"): 18}))
+    assert (
+        said.headline == "No single winner at 60,000 evaluations: a and b share the lowest mean rank over 18 problems."
+    )
+    assert "By how much" not in dict(said.lines)
 
 
 def test_all_are_level():
     tied = standing({"a": 1.5, "b": 1.5}, separable=0)
-    said = "No optimizer leads at 60,000 evaluations: all have the same mean rank over 18 problems."
-    assert paragraph(tied) == said
+    headline = "No optimizer leads at 60,000 evaluations: all have the same mean rank over 18 problems."
+    assert verdict(tied) == (headline, (), False)
     conflict = replace(tied, ranking=tied.ranking.assign(separable=[9, 9]))
-    assert paragraph(conflict) == f"{said} But problems differ: separably lower than every rival is a on 9 and b on 9."
+    assert lines(conflict) == {"Where": "Problems differ: separably lower than every rival is a on 9 and b on 9."}
 
 
 def test_runs_near_the_optimum():
     def said(*shares):
-        return paragraph(standing(THREE, beaten=CLEAR, found=pd.Series(dict(zip(THREE, shares, strict=True)))))
+        return lines(standing(THREE, found=pd.Series(dict(zip(THREE, shares, strict=True)))))["By how much"]
 
     assert "None of its runs comes within 1% of the optimum, but 30% of gwo’s do." in said(0.0, 0.3, 0.1)
     assert "<1% of its runs come within 1% of the optimum (no other run does)." in said(0.001, 0.0, 0.0)
@@ -133,51 +192,45 @@ def stages(*lowest):
         (["cma-es gwo", *["cma-es"] * 5], "From 1% of the budget on, no other has a lower mean rank."),
         (
             ["gwo", "gwo cma-es", "alo", "alo", "cma-es", "cma-es"],
-            "the lowest mean rank is that of gwo at 1% and alo from 10% to 30% of the budget.",
+            "At smaller budgets the lowest mean rank is that of gwo at 1% and alo from 10% to 30% of the budget.",
         ),
         (
             ["cma-es", "alo gwo", "alo", "cma-es", "alo", "cma-es"],
-            "that of alo and gwo at 3%, alo at 10% and alo at 60% of the budget.",
+            (
+                "At smaller budgets the lowest mean rank is that of alo and gwo at 3%, alo at 10% and alo at 60% of the "
+                "budget."
+            ),
         ),
-        (["cma-es"] * 5 + ["gwo"], ""),
+        (["cma-es"] * 5 + ["gwo"], None),
     ],
 )
 def test_who_is_ahead_at_smaller_budgets(lowest, said):
-    text = paragraph(standing(THREE, beaten=CLEAR, course=stages(*lowest), unit="of the budget"))
-    assert text.endswith(said)
-    assert ("lowe" in text.rpartition("probability")[2]) == bool(said)
+    known = standing(THREE, beaten=CLEAR, course=stages(*lowest), unit="of the budget")
+    assert lines(known).get("At what budget") == said
 
 
 def test_optimizers_that_share_the_second_rank_are_all_named():
-    tied = standing(
-        {"a": 1.0, "goa": 2.5, "de": 2.5, "gwo": 4.0}, beaten={("a", each): 18 for each in ("goa", "de", "gwo")}
-    )
+    tied = standing({"a": 1.0, "goa": 2.5, "de": 2.5, "gwo": 4.0})
     for second, other in (("goa", "de"), ("de", "goa")):
-        ahead = replace(tied, chances=tied.chances | {(second, "gwo"): (0.9, 0.8, 1.0)})
-        assert f"beats a run of {second}, which shares the second rank with {other}, with" in paragraph(ahead)
+        pair = tied.across[second, "gwo"]._replace(chance=0.9)
+        ahead = replace(tied, across=tied.across | {(second, "gwo"): pair})
+        said = lines(ahead)["By how much"]
+        assert f"beats a run of {second}, which shares the second rank with {other}, with" in said
 
 
-def test_few_problems_limit_the_claim_in_the_paragraph_itself():
-    limit = "This holds for these {} problems only: they are too few for a test across problems to distinguish any two"
-    for count in (2, 5, 6, 18):
-        text = paragraph(standing(THREE, beaten=dict.fromkeys(CLEAR, count), problems=count, separable=count))
-        assert (limit.format(count) in text) == (count <= 6)
-        assert " is best " in text
-    assert limit.format(2) in paragraph(standing(THREE, problems=2, testable=False, trials="2 trials"))
-
-
-@pytest.mark.parametrize("pairs", [1, 3, 10])
-def test_problems_are_too_few_where_differences_of_one_sign_are_not_significant(pairs):
-    for problems in range(1, 14):
-        p = wilcoxon(np.arange(1.0, problems + 1), method="exact").pvalue
-        assert too_few_problems(problems, pairs) == (p * pairs > 0.05)
+def test_a_sweep_speaks_for_no_further_problems():
+    known = standing(THREE, beaten=CLEAR, sweep="18 of 18 problems are steps of one sweep.", blocks=1, levels=THESE)
+    assert lines(known)["How sure"] == "Mean rank 1.20 [1.10, 1.30] of 3. 18 of 18 problems are steps of one sweep."
 
 
 def test_a_percentage_is_none_or_all_only_where_it_is():
     assert [percent(share) for share in (0.0, 0.001, 0.5, 0.999, 1.0)] == ["0%", "<1%", "50%", ">99%", "100%"]
 
 
-def test_a_single_trial_leaves_no_interval():
+def test_effects_that_looks_biased_are_not_given():
     known = standing(THREE, beaten=CLEAR)
-    chances = {pair: (chance, np.nan, np.nan) for pair, (chance, _, _) in known.chances.items()}
-    assert "with probability 0.75." in paragraph(replace(known, chances=chances))
+    across = {pair: Across(NAN, NAN, NAN, (NAN, NAN), each.p, each.lower) for pair, each in known.across.items()}
+    said = verdict(replace(known, across=across))
+    assert "By how much" not in dict(said.lines)
+    assert said.headline.startswith("cma-es is best")
+    assert np.isfinite(known.across["cma-es", "gwo"].chance)
