@@ -8,30 +8,39 @@ a trial is described by numbers on results, trajectory and population in each ei
 
 The distance of two optimizers is the Kolmogorov-Smirnov distance between their trials in each of these numbers,
 averaged over numbers and problems: 0 alike, 1 nothing in common. Two samples of one optimizer are a positive distance
-apart, the noise floor. Shuffling the trials of a pair between the two shows how far chance moves it.
+apart, the noise floor: the mean distance over divisions of the trials of a pair into two halves.
+
+The p of a pair is the share of the divisions whose distance is at least the one found (Fisher 1935, The Design of
+Experiments): of all divisions where they are few, else of random ones, the division found counted among them. Such a p
+is never 0 and exceeds the level no more often than it should, whatever the distribution (Phipson and Smyth 2010,
+Statistical Applications in Genetics and Molecular Biology 9). With few trials it cannot be small: of 5 against 5 trials
+there are 126 divisions, so p is at least 1 / 126.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations, pairwise
+from itertools import combinations, count, pairwise
+from math import ceil, comb
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.linalg import eigh
 from scipy.spatial.distance import squareform
-from scipy.stats import norm
 
-from bench.analysis.pairwise import ALPHA, holm, ks_distance
+from bench.analysis.pairwise import ALPHA, holm
 from bench.errors import BenchError
 from bench.problem import Floats
 
 STAGES = 8  # equal parts of the budget
 LEAST = 1e-12  # of logarithms: below it, differences are rounding
 ON_BOUND = 1e-9  # of the box
-SHUFFLES = 200
+SHUFFLES = 1_999  # at least; their p is a multiple of 1 / 2,000
+MARGIN = 2  # times the shuffles that Holm's first step needs
+AT_ONCE = 1_000  # divisions in memory
 TRAITS = ("best", "median", "spread", "movement", "distance to best", "on bounds")
 """The numbers of a stage: log10 of the precision reached, of the median precision of the points evaluated, of their
 spread, of the movement of their centre, and of their mean distance to the best point so far; and the share of
@@ -44,8 +53,10 @@ class Similarity:
 
     Attributes:
         distances: mean KS distances, optimizers by optimizers; on the diagonal, each one against itself.
-        pairs: first, second, distance, ``floor`` (the mean over shuffles), p, p_holm, adjusted over the pairs (Holm
+        pairs: first, second, distance, ``floor`` (the mean over divisions), p, p_holm, adjusted over the pairs (Holm
             1979), and alike: not separable at the level.
+        least: the least p that a pair can have with so many trials.
+        needed: the trials from which on a pair can be separable at the level; with fewer, every pair is alike.
         clusters: the number of the cluster of each optimizer, from 1 in their order: groups of which no two are
             separable (complete linkage).
         tree: the average linkage of :mod:`scipy.cluster.hierarchy`, over distances less their floors.
@@ -55,6 +66,8 @@ class Similarity:
 
     distances: pd.DataFrame
     pairs: pd.DataFrame
+    least: float
+    needed: int
     clusters: pd.Series[int]
     tree: Floats
     places: pd.DataFrame
@@ -96,7 +109,7 @@ def similarity(behaviours: Mapping[str, Sequence[Floats]], alpha: float = ALPHA,
         behaviours: by optimizer, an array of (trials, numbers) for each problem, in the same order of problems. The
             first half of the trials is compared with those of others, the second half with the first.
         alpha: the level of the tests.
-        seed: repeats the shuffles.
+        seed: repeats the random divisions.
 
     Raises:
         BenchError: for fewer than two optimizers or problems, or fewer than ten trials.
@@ -111,28 +124,29 @@ def similarity(behaviours: Mapping[str, Sequence[Floats]], alpha: float = ALPHA,
         )
     half = trials // 2
     stacked = {name: np.concatenate([own[:trials].T for own in each]) for name, each in behaviours.items()}
-    first = {name: own[:, :half] for name, own in stacked.items()}
     distances = pd.DataFrame(0.0, index=names, columns=names)
+    itself = np.arange(2 * half)[np.newaxis] < half
     for name, own in stacked.items():
-        distances.loc[name, name] = _distance(own[:, :half], own[:, half : 2 * half])
-    rng, rows = np.random.default_rng(seed), []
+        distances.loc[name, name] = _distances(own[:, : 2 * half], itself)[0]
+    number = len(names) * (len(names) - 1) // 2
+    divided = _divisions(half, max(SHUFFLES, ceil(MARGIN * number / alpha) - 1), np.random.default_rng(seed))
+    rows = []
     for one, other in combinations(names, 2):
-        found = _distance(first[one], first[other])
-        distances.loc[one, other] = distances.loc[other, one] = found
-        rows.append((one, other, found, *_chance(first[one], first[other], rng)))
-    pairs = pd.DataFrame(rows, columns=["first", "second", "distance", "floor", "deviation"])
-    distance, floor, deviation = (pairs[each].to_numpy(dtype=float) for each in ("distance", "floor", "deviation"))
-    sizes = (distance - floor) / np.where(deviation > 0, deviation, np.inf)
-    pairs = pairs.assign(p=norm.sf(sizes))
+        found = _distances(np.concatenate((stacked[one][:, :half], stacked[other][:, :half]), axis=1), divided)
+        distances.loc[one, other] = distances.loc[other, one] = found[0]
+        rows.append((one, other, found[0], found.mean(), (found >= found[0]).mean()))
+    pairs = pd.DataFrame(rows, columns=["first", "second", "distance", "floor", "p"])
     pairs["p_holm"] = holm(pairs["p"].to_numpy(dtype=float))
     pairs["alike"] = pairs["p_holm"] > alpha
-    apart = pairs["p_holm"].rank(ascending=False, method="min").to_numpy(dtype=float) + len(pairs) * ~pairs["alike"]
+    apart = pairs["p"].rank(ascending=False, method="min").to_numpy(dtype=float) + len(pairs) * ~pairs["alike"]
     groups = fcluster(linkage(apart, method="complete"), len(pairs), criterion="distance")
-    excess = np.maximum(distance - floor, 0.0)
+    excess = np.maximum((pairs["distance"] - pairs["floor"]).to_numpy(dtype=float), 0.0)
     places, stress = _map(squareform(excess))
     return Similarity(
         distances=distances,
-        pairs=pairs.drop(columns="deviation"),
+        pairs=pairs,
+        least=1 / len(divided),
+        needed=2 * next(size for size in count(5) if number <= alpha * comb(2 * size, size) / 2),
         clusters=_renumbered(pd.Series(groups, index=names)),
         tree=linkage(excess, method="average"),
         places=pd.DataFrame(places, index=names, columns=["x", "y"]),
@@ -140,19 +154,49 @@ def similarity(behaviours: Mapping[str, Sequence[Floats]], alpha: float = ALPHA,
     )
 
 
-def _distance(one: Floats, other: Floats) -> float:
-    """Return the mean KS distance over the rows of two arrays of (numbers, trials)."""
-    return float(ks_distance(one, other).mean())
+def _divisions(half: int, most: int, rng: np.random.Generator) -> NDArray[np.bool_]:
+    """Return divisions of twice ``half`` trials into two halves, (divisions, 2 * half), the given one first.
+
+    They are all divisions where these are no more than ``most``, and else so many random ones beside the given one. The
+    halves have no order: which of them is true means nothing.
+    """
+    if comb(2 * half, half) // 2 > most:
+        ranks = rng.random((most, 2 * half)).argsort(axis=1)
+        return np.concatenate((np.arange(2 * half)[np.newaxis], ranks)) < half
+    others = np.array(list(combinations(range(1, 2 * half), half - 1)))  # of the half that holds the first trial
+    divided = np.zeros((len(others), 2 * half), dtype=bool)
+    divided[:, 0] = True
+    np.put_along_axis(divided, others, True, axis=1)
+    return divided
 
 
-def _chance(one: Floats, other: Floats, rng: np.random.Generator) -> tuple[float, float]:
-    """Return mean and standard deviation of the distance when the trials are shuffled, problem by problem alike."""
-    both = np.concatenate((one, other), axis=1)
-    found = []
-    for _ in range(SHUFFLES):
-        order = rng.permutation(both.shape[1])
-        found.append(_distance(both[:, order[: one.shape[1]]], both[:, order[one.shape[1] :]]))
-    return float(np.mean(found)), float(np.std(found, ddof=1))
+def _distances(values: Floats, divided: NDArray[np.bool_]) -> Floats:
+    """Return the mean KS distance between two halves of the trials for each division, (divisions,).
+
+    The mean is over whole numbers, so that equal distances are equal to the last bit.
+
+    Args:
+        values: (numbers, trials).
+        divided: (divisions, trials), which trials are of the first half.
+    """
+    order = values.argsort(axis=1)
+    values = np.take_along_axis(values, order, axis=1)
+    last = np.pad(values[:, 1:] != values[:, :-1], ((0, 0), (0, 1)), constant_values=True)  # tied values are one step
+    half = values.shape[1] // 2
+    kind = np.int8 if half <= np.iinfo(np.int8).max else np.int32  # small numbers are several times as fast
+    found = np.empty(len(divided))
+    for start in range(0, len(divided), AT_ONCE):
+        steps = np.where(divided[start : start + AT_ONCE].T, 1, -1).astype(kind)
+        above = np.zeros((len(values), steps.shape[1]), dtype=kind)  # trials of the first half less those of the other
+        furthest, reached = above.copy(), above.copy()
+        for place, ends in zip(order.T, last.T, strict=True):
+            above += np.take(steps, place, axis=0, out=reached, mode="clip")
+            np.abs(above, out=reached)
+            if not ends.all():
+                reached *= ends[:, np.newaxis]
+            np.maximum(furthest, reached, out=furthest)
+        found[start : start + AT_ONCE] = furthest.sum(axis=0, dtype=np.int64) / (half * len(values))
+    return found
 
 
 def _map(distances: Floats) -> tuple[Floats, float]:

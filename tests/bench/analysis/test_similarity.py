@@ -1,5 +1,7 @@
 """Similarity of search: the numbers of a trial by hand, and optimizers that are the same or apart."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
@@ -57,11 +59,51 @@ def test_twins_are_one_cluster_and_strangers_are_not():
     assert apart[0] < 0.1 < 0.5 < apart[1]
 
 
-def test_false_separations_are_rare():
-    separated = sum(
-        similarity({"a": made(2 * seed), "b": made(2 * seed + 1)}).pairs["p"][0] < 0.05 for seed in range(60)
-    )
-    assert separated <= 9  # of 60 at 5 %: a binomial exceeds this in 0.2 % of cases
+def walks(rng, trials, problems=2, numbers=8):
+    """Return what one optimizer does: numbers that depend on those before them, with ties."""
+    return [rng.standard_normal((trials, numbers)).cumsum(axis=1).round() for _ in range(problems)]
+
+
+@pytest.mark.parametrize(("optimizers", "trials", "repeats"), [(2, 10, 200), (4, 14, 60)])
+def test_false_separations_are_rare(optimizers, trials, repeats):
+    rng = np.random.default_rng(1)
+    behaviours = ({str(i): walks(rng, trials) for i in range(optimizers)} for _ in range(repeats))
+    wrong = sum(not similarity(each).pairs["alike"].all() for each in behaviours)
+    assert wrong <= 0.05 * repeats + 3 * (0.05 * 0.95 * repeats) ** 0.5
+
+
+def test_p_is_the_share_of_all_divisions_that_are_as_far_apart():
+    found = similarity({"a": made(1, trials=10), "b": made(2, trials=10, shift=9.0)})
+    assert found.pairs["p"][0] == found.least == 1 / 126  # 5 against 5 separated trials; never "< 0.001"
+    one, other = (walks(np.random.default_rng(seed), 10, problems=1, numbers=3) for seed in (3, 4))
+    both = np.concatenate((one[0][:5], other[0][:5]))
+    halves = [list(each) for each in combinations(range(10), 5)]
+    far = [
+        sum(round(5 * ks_2samp(both[own, i], np.delete(both[:, i], own), method="asymp").statistic) for i in range(3))
+        for own in halves
+    ]
+    assert similarity({"a": one, "b": other}).pairs["p"][0] == pytest.approx(np.mean(np.array(far) >= far[0]))
+    assert 0.05 < np.mean(np.array(far) >= far[0]) < 0.95
+
+
+def test_many_trials_are_divided_at_random_often_enough_for_every_pair_to_count():
+    behaviours = {str(i): made(i, shift=5.0 * i, trials=20, problems=1, numbers=3) for i in range(15)}
+    found = similarity(behaviours)
+    assert found.least == pytest.approx(0.05 / 105 / 2)
+    assert (found.pairs["p"] == found.least).all()
+    assert not found.pairs["alike"].any()
+    assert found.clusters.is_unique
+    assert (found.pairs["p"] < 0.01).all()
+    assert similarity(behaviours).pairs.equals(found.pairs)
+
+
+def test_so_few_trials_that_no_pair_can_be_separated_are_said_to_be_few():
+    far = {str(i): made(i, shift=9.0 * i, trials=14) for i in range(5)}
+    few = similarity({name: [own[:10] for own in each] for name, each in far.items()})
+    assert few.least * len(few.pairs) > 0.05
+    assert (few.needed, few.pairs["alike"].all()) == (12, True)
+    enough = similarity({name: [own[:12] for own in each] for name, each in far.items()})
+    assert not enough.pairs["alike"].any()
 
 
 def test_identical_behaviour_is_alike():

@@ -20,6 +20,20 @@ def test_it_prints_clusters_and_draws_a_map(bench_here, tmp_path):
     assert float(row["distance"]) > float(row["floor"])
 
 
+def test_it_prints_how_many_trials_could_distinguish_any_pair(bench_here, tmp_path):
+    done = bench_here(
+        "similar", "hill-climber", "scatter", "early", "random-search", "gwo", "--problem", "sphere-2",
+        "--trials", "10", "--budget", "60", "--figure", tmp_path / "map.svg",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert (
+        "5 against 5 trials can distinguish none of 10 pairs: p is at least 0.0079 before Holm's adjustment; take "
+        "--trials 12 or more" in " ".join(done.stdout.split())
+    )
+    assert "alike, as far as" not in done.stdout
+    assert "Every optimizer differs" not in done.stdout
+
+
 @pytest.mark.slow
 def test_the_compiled_cma_es_is_the_same_optimizer(bench_here, tmp_path):
     done = bench_here(
