@@ -53,9 +53,9 @@ def repeated(rng: np.random.Generator, trials: int) -> np.ndarray:
 
 
 def rate(found: list[bool]) -> str:
-    """Return a share with its standard error."""
-    share = np.mean(found)
-    return f"{100 * share:.1f}% +- {100 * np.sqrt(share * (1 - share) / len(found)):.1f}"
+    """Return a share with its standard error, that of two more cases of either kind: none seen is not none at all."""
+    adjusted = (np.sum(found) + 2) / (len(found) + 4)  # Agresti and Coull 1998, The American Statistician 52
+    return f"{100 * np.mean(found):.1f}% +- {100 * np.sqrt(adjusted * (1 - adjusted) / (len(found) + 4)):.1f}"
 
 
 if __name__ == "__main__":

@@ -7,6 +7,12 @@ Two claims can be shown, and often neither is (Wellek 2010, Testing Statistical 
 Noninferiority, chapter 6; Piaggio et al. 2012, JAMA 308): that A12 is above 0.5 + margin (worse), or that it is below
 (not worse). A test that merely fails to reject shows nothing.
 
+Both are asked of the mean of A12 over problems, and a mean hides a loss on one of them: with A12 = 0.7 on one of twelve
+and 0.5 on the others it is 0.517. So each problem is tested, too. To be not worse on every problem is the claim of an
+intersection-union test (Berger 1982, Technometrics 24; Berger and Hsu 1996, Statistical Science 11): it is made where
+each problem's own test rejects at the level. No adjustment is needed, since one problem that is worse must be missed
+for the claim to be false.
+
 The interval of A12 is that of DeLong, DeLong and Clarke-Pearson (1988, Biometrics 44) and Brunner and Munzel (2000,
 Biometrical Journal 42), on the logit scale: the variance of each sample's placements in the other one, and Student's t
 with Satterthwaite's degrees of freedom. That variance is 0 where all trials tie or are separated, as if so few trials
@@ -36,7 +42,7 @@ Outcome = Literal["pass", "worse", "undecided"]
 MARGIN = 0.05  # of A12
 LARGEST_MARGIN = 0.5
 POWER = 0.8  # of the number of trials that would decide
-COLUMNS = ("problem", "n_old", "n_new", "a12", "low", "high", "p", "p_holm", "worse")
+COLUMNS = ("problem", "n_old", "n_new", "a12", "low", "high", "p", "p_holm", "worse", "not_worse")
 
 
 @dataclass(frozen=True)
@@ -44,22 +50,26 @@ class Noninferiority:
     """The comparison of a new version with an old one.
 
     Attributes:
-        outcome: "pass" where the new version is shown to be not worse, "worse" where it is shown to be worse by more
-            than the margin, over all problems or on any, else "undecided".
+        outcome: "pass" where the new version is shown to be not worse, on average over the problems or on ``every``
+            one of them, "worse" where it is shown to be worse by more than the margin, on average or on any problem,
+            else "undecided".
         margin: by which A12 may exceed 0.5.
         alpha: the chance of the outcome "worse" where no problem exceeds the margin, at most.
+        every: whether a pass needs every problem to be shown to be not worse.
         a12: the mean over problems of the chance that a trial of the old version ends lower, ties counted half.
         low: the lower end of its interval of the level 1 - ``alpha``.
         high: the upper end.
         p: of the test that it is above 0.5 + margin, one-sided; significant at ``alpha`` / 2.
         problems: one row a problem: problem, n_old, n_new, a12, its interval low to high, the p of the same test,
-            p_holm adjusted over the problems, and worse (p_holm <= ``alpha`` / 2).
-        needed: about how many trials a problem would show equal versions to be not worse with a power of 80 %.
+            p_holm adjusted over the problems, worse (p_holm <= ``alpha`` / 2), and not_worse (high is no more than
+            0.5 + margin).
+        needed: about how many trials a problem would make equal versions pass with a power of 80 %.
     """
 
     outcome: Outcome
     margin: float
     alpha: float
+    every: bool
     a12: float
     low: float
     high: float
@@ -79,14 +89,15 @@ class Noninferiority:
 
 
 def noninferiority(
-    frame: pd.DataFrame, old: str, new: str, margin: float = MARGIN, alpha: float = ALPHA
+    frame: pd.DataFrame, old: str, new: str, margin: float = MARGIN, alpha: float = ALPHA, every: bool = False
 ) -> Noninferiority:
     """Compare two optimizers of a frame; see :class:`Noninferiority`.
 
     The new version is "worse" where the mean of A12 over problems is above 0.5 + margin at the level alpha / 2, or
     where it is on any problem at alpha / 2 after Holm's adjustment over the problems: a loss on one of twenty problems
     would not show in the mean. The chance of a false "worse" is thus at most alpha. It is a "pass" where it is not
-    worse and the whole interval of the mean is below 0.5 + margin.
+    worse and the whole interval of the mean is below 0.5 + margin; with ``every``, where the interval of each problem
+    is. The chance of a pass where the mean, or any problem, exceeds the margin is at most alpha / 2.
 
     Trials are independent, and problems are these ones: the interval shows how far other trials would move the mean,
     not other problems. Failed trials count as +inf, near-ties as ties. Problems without a trial of either are left out.
@@ -96,11 +107,13 @@ def noninferiority(
     """
     found = cells(frame, merge=True)
     samples = {each: (found[each, old], found[each, new]) for each in labels(frame, "problem")}
-    return compare_samples({each: both for each, both in samples.items() if min(map(len, both)) > 0}, margin, alpha)
+    return compare_samples(
+        {each: both for each, both in samples.items() if min(map(len, both)) > 0}, margin, alpha, every
+    )
 
 
 def compare_samples(
-    samples: Mapping[str, tuple[Floats, Floats]], margin: float = MARGIN, alpha: float = ALPHA
+    samples: Mapping[str, tuple[Floats, Floats]], margin: float = MARGIN, alpha: float = ALPHA, every: bool = False
 ) -> Noninferiority:
     """Compare scores of the old version, (n,), with those of the new one, (m,), by problem; see :func:`noninferiority`.
 
@@ -119,24 +132,33 @@ def compare_samples(
         chance, spread = a12(this, other), _spread(this, other)
         rows.append((label, len(this), len(other), chance, *_inference(chance, spread, bound, level)))
         spreads.append(spread)
-    problems = pd.DataFrame(rows, columns=[name for name in COLUMNS if name not in ("p_holm", "worse")])
+    problems = pd.DataFrame(rows, columns=[name for name in COLUMNS if name not in ("p_holm", "worse", "not_worse")])
     problems["p_holm"] = holm(problems["p"].to_numpy(dtype=float))
     problems["worse"] = problems["p_holm"] <= alpha / 2
+    problems["not_worse"] = problems["high"] <= bound
     mean, spread = float(problems["a12"].mean()), _mean_spread(spreads)
     low, high, p = _inference(mean, spread, bound, level)
     worse = p <= alpha / 2 or bool(problems["worse"].any())
-    errors = (norm.ppf(level) + norm.ppf(POWER)) * np.sqrt(spread.variance) / margin  # the variance falls as 1 / trials
+    shown = bool(problems["not_worse"].all()) if every else high <= bound
     return Noninferiority(
-        outcome="worse" if worse else "pass" if high <= bound else "undecided",
+        outcome="worse" if worse else "pass" if shown else "undecided",
         margin=margin,
         alpha=alpha,
+        every=every,
         a12=mean,
         low=low,
         high=high,
         p=p,
         problems=problems,
-        needed=ceil(float(np.mean(problems[["n_old", "n_new"]].min(axis=1)) * errors**2)),
+        needed=_needed(problems, [each.variance for each in spreads], margin, level, every),
     )
+
+
+def _needed(problems: pd.DataFrame, variances: list[float], margin: float, level: float, every: bool) -> int:
+    """Return about how many trials a problem make equal versions pass; a variance falls as one over the trials."""
+    each = problems[["n_old", "n_new"]].min(axis=1).to_numpy() * variances
+    variance, power = (each.max(), POWER ** (1 / len(each))) if every else (each.mean() / len(each), POWER)
+    return ceil(float(variance) * float((norm.ppf(level) + norm.ppf(power)) / margin) ** 2)
 
 
 class _Spread(NamedTuple):

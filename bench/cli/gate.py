@@ -41,6 +41,10 @@ def gate(
         typer.Option(help="Compare trials that reach this precision, such as 1e-8, by the evaluations they took."),
     ] = None,
     alpha: Annotated[float, typer.Option(help="The chance of a false alarm over all problems, at most.")] = 0.05,
+    every: Annotated[
+        bool,
+        typer.Option("--every-problem", help="Pass only where each problem, not their average alone, is not worse."),
+    ] = False,
     common: Annotated[bool, typer.Option("--common", help="Leave out problems that one folder lacks.")] = False,
     allow_undecided: Annotated[
         bool, typer.Option("--allow-undecided", help="Exit with 0 where too few trials leave it open.")
@@ -53,13 +57,15 @@ def gate(
 
     A12 is the chance that a trial of the old version ends better than one of the new version. The verdict is "worse"
     where A12 is shown to exceed 50% plus the margin, on average over the problems or on one of them, "pass" where it is
-    shown to stay below, and else "undecided".
+    shown to stay below on average (with --every-problem on each problem), and else "undecided".
     """
     from bench.atomic import replacing
     from bench.report.gate import HEADS
     from bench.report.gate import gate as compare
 
-    verdict = compare(old, new, margin=margin, alpha=alpha, optimizer=optimizer, target=target, common=common)
+    verdict = compare(
+        old, new, margin=margin, alpha=alpha, optimizer=optimizer, target=target, common=common, every=every
+    )
     outcome, console = verdict.found.outcome, Console()
     if markdown is not None:
         with replacing(markdown) as temporary:
@@ -67,7 +73,7 @@ def gate(
     console.print(Panel(Text(verdict.sentence), title=outcome, style=STYLES[outcome]))
     table = Table(*HEADS, box=None, pad_edge=False)
     for row in verdict.rows:
-        table.add_row(*map(Text, row), style="red" if row[-1] else "")
+        table.add_row(*map(Text, row), style="red" if row[-1] == "worse" else "")
     console.print(table)
     for note in verdict.notes:
         print_line(note, console=console)

@@ -23,6 +23,7 @@ from bench.study import Study
 AnyPath = str | PathLike[str]
 
 SHOWN = 12  # problems of a table, the worst first
+NAMED = 4  # problems of a sentence
 HEADS = ("problem", "trials", "old better", "95% interval", "p (Holm)", "")
 
 
@@ -60,6 +61,7 @@ def gate(
     optimizer: str | None = None,
     target: float | None = None,
     common: bool = False,
+    every: bool = False,
 ) -> Gate:
     """Compare one optimizer of the folder ``new`` with one of the folder ``old``; read both, write nothing.
 
@@ -71,6 +73,7 @@ def gate(
         optimizer: the label of the optimizer in both folders; not needed where each holds one only.
         target: a precision: trials that reach it are compared by the evaluations that they took.
         common: whether to leave out problems that one folder lacks; they are refused otherwise.
+        every: whether a pass needs every problem to be shown to be not worse, and not their average alone.
 
     Raises:
         BenchError: where a folder holds no such optimizer, the folders differ in problems, budget or data, or there is
@@ -91,7 +94,7 @@ def gate(
     frame = frame[~frame["problem"].isin(list(missing))]
     if target is not None:
         frame = _by_speed(findings, frame, target)
-    found = noninferiority(frame, *chosen, margin=margin, alpha=alpha)
+    found = noninferiority(frame, *chosen, margin=margin, alpha=alpha, every=every)
     same = _identical(
         findings.results.frame, chosen, [each for label in missing for each in findings.pooled.members[label]]
     )
@@ -152,7 +155,8 @@ def _worded(
 ) -> Gate:
     """Return the gate with its sentences and table."""
     problems, (alike, trials) = found.problems, same
-    if alike == trials:
+    identical = alike == trials
+    if identical:
         found = replace(found, outcome="pass")
     low, high = problems[["n_old", "n_new"]].to_numpy().min(), problems[["n_old", "n_new"]].to_numpy().max()
     measure = "final values" if target is None else f"evaluations to the precision {target:g}, else final values"
@@ -161,9 +165,14 @@ def _worded(
     meaning = "Old better: the chance that a trial of the old version ends better, ties counted half (A12)"
     allowed = f"the margin allows {found.bound:.1%}. A false alarm has a chance of at most {found.alpha:g}"
     notes = [f"{chosen[1]} against {chosen[0]}: {conditions}.", f"{meaning}; {allowed}, over all problems."]
+    if found.every:
+        notes.append(
+            f"A pass needs every problem, each tested at {found.alpha / 2:g} without adjustment: the chance of a pass "
+            "where the new version is worse on any is no more than that (intersection-union test)."
+        )
     if found.outcome == "undecided":
         most = f"{found.needed:,}" if found.needed < 100_000 else "more than 100,000"
-        notes.append(f"If the versions are equal, about {most} trials a problem would show it with a chance of 80%.")
+        notes.append(f"If the versions are equal, about {most} trials a problem would pass with a chance of 80%.")
     if 0 < alike < trials:
         notes.append(f"{alike:,} of {count(trials, 'trial')} are identical, as their seeds are.")
     if missing:
@@ -174,17 +183,19 @@ def _worded(
             notes.append(f"{lost:,} of {count(len(own), 'trial')} of {each} failed, and count as the worst.")
     notes += findings.results.damage
     ordered = problems.sort_values(["worse", "low", "a12"], ascending=False, kind="stable")
-    rows = [_row("all problems", found.a12, found.low, found.high, "", found.worse_overall, "")]
+    shown = _shown(found.worse_overall, found.high <= found.bound or identical)
+    rows = [("all problems", "", *_measured(found.a12, found.low, found.high), "", shown)]
     rows += [
-        _row(
-            each["problem"], each["a12"], each["low"], each["high"], p_text(each["p_holm"])[2:].removeprefix("= "),
-            each["worse"], " / ".join(dict.fromkeys(f"{each[size]:,}" for size in ("n_old", "n_new"))),
+        (
+            each["problem"], " / ".join(dict.fromkeys(f"{each[size]:,}" for size in ("n_old", "n_new"))),
+            *_measured(each["a12"], each["low"], each["high"]), p_text(each["p_holm"])[2:].removeprefix("= "),
+            _shown(each["worse"], each["not_worse"] or identical),
         )
         for each in ordered.iloc[:SHOWN].to_dict("records")
     ]  # fmt: skip
     if len(ordered) > SHOWN:
         notes.append(f"The table shows {SHOWN} of {len(ordered):,} problems, those with the largest lower ends first.")
-    return Gate(found, _sentence(found, alike == trials), tuple(notes), tuple(rows))
+    return Gate(found, _sentence(found, identical), tuple(notes), tuple(rows))
 
 
 def _sentence(found: Noninferiority, identical: bool) -> str:
@@ -192,19 +203,45 @@ def _sentence(found: Noninferiority, identical: bool) -> str:
     if identical:
         return "The new version is not worse: every trial is identical with that of the old version."
     worse = [str(label) for label in found.problems.loc[found.problems["worse"], "problem"]]
+    several, allowed = len(found.problems) > 1, f"and {found.bound:.1%} are allowed"
     seen = (
         f"the old version ends better in {found.a12:.1%} of the pairs of trials ({found.low:.1%} to {found.high:.1%})"
     )
+    if found.outcome == "pass" and found.every and several:
+        most = found.problems["high"].max()
+        return (
+            "The new version is not worse by more than the margin on any problem: the old version ends better in at "
+            f"most {most:.1%} of the pairs of trials on each, {allowed}."
+        )
     if found.outcome == "pass":
-        return f"The new version is not worse by more than the margin: {seen}, and {found.bound:.1%} are allowed."
+        average = " on average" if several else ""
+        return f"The new version is not worse{average} by more than the margin: {seen}, {allowed}.{_not_shown(found)}"
     if found.outcome == "undecided":
-        return f"Undecided: {seen}, and {found.bound:.1%} are allowed, which shows neither."
-    where = f" on {listing(worse, at_most=4)}" if worse else ""
+        missing = _not_shown(found) if found.every else ""
+        return f"Undecided: {seen}, {allowed}, which shows {'too little' if missing else 'neither'}.{missing}"
+    where = f" on {listing(worse, at_most=NAMED)}" if worse else ""
     if found.worse_overall:
         also = f", and so it is{where} alone" if worse else ""
         return f"The new version is worse by more than the margin over all problems: {seen}{also}."
     return f"The new version is worse by more than the margin{where}, though not shown so over all problems: {seen}."
 
 
-def _row(name: str, a12: float, low: float, high: float, p: str, worse: bool, trials: str) -> tuple[str, ...]:
-    return name, trials, f"{a12:.1%}", f"{low:.1%} to {high:.1%}", p, "worse" if worse else ""
+def _not_shown(found: Noninferiority) -> str:
+    """Return a sentence on the problems on which the new version may still be worse, the worst first; "" for none."""
+    missing = found.problems[~found.problems["not_worse"]].sort_values(["high", "a12"], ascending=False, kind="stable")
+    named = [f"{each['problem']} (up to {each['high']:.1%})" for each in missing.to_dict("records")]
+    if not named:
+        return ""
+    if len(named) > NAMED:
+        where = f"{len(named):,} of {len(found.problems):,} problems, the worst of them {named[0]}"
+    else:
+        where = listing(named)
+    return f" It is not shown to be not worse on {where}."
+
+
+def _measured(a12: float, low: float, high: float) -> tuple[str, str]:
+    return f"{a12:.1%}", f"{low:.1%} to {high:.1%}"
+
+
+def _shown(worse: bool, not_worse: bool) -> str:
+    return "worse" if worse else "not worse" if not_worse else "not shown"

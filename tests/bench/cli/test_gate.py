@@ -43,6 +43,9 @@ def folders(tmp_path_factory, testing_plugins):
     write(place, "two", optimizers=("mine", "scatter"))
     write(place, "short", budget=30)
     write(place, "fewer", problems=("sphere-2",), seed=3, shift=-3.0)
+    several = tuple(f"p{number}" for number in range(8))
+    write(place, "before", problems=several, trials=40)
+    write(place, "after", problems=several, seed=5, trials=40, shift=-0.4)
     write(place, "elsewhere", problems=("sphere-4",))
     write(place, "unknown", problems=("p",))
     write(place, "unknown-too", problems=("p",))
@@ -64,10 +67,26 @@ def test_a_worse_version_fails_and_the_markdown_says_so(bench_here, folders, tmp
     assert bench_here("gate", "worse", "old", cwd=folders).returncode == 0
 
 
+def test_a_pass_is_one_on_average_and_names_the_problems_that_are_open(bench_here, folders):
+    done = bench_here("gate", "before", "after", cwd=folders)
+    assert done.returncode == 0
+    text = " ".join(done.stdout.replace("│", " ").split())
+    assert "The new version is not worse on average by more than the margin: the old version ends better in 3" in text
+    assert "It is not shown to be not worse on p" in text
+    assert "(up to 6" in text
+    assert "not shown" in text.split("95% interval")[1]
+    strict = bench_here("gate", "before", "after", "--every-problem", cwd=folders)
+    assert strict.returncode == CODES["undecided"]
+    assert "A pass needs every problem, each tested at 0.025 without adjustment" in " ".join(strict.stdout.split())
+    wide = bench_here("gate", "before", "after", "--every-problem", "--not-worse-than", "0.3", cwd=folders)
+    assert wide.returncode == 0
+    assert "not worse by more than the margin on any problem" in " ".join(wide.stdout.replace("│", " ").split())
+
+
 def test_too_few_trials_are_undecided(bench_here, folders):
     done = bench_here("gate", "old", "other", cwd=folders)
     assert done.returncode == CODES["undecided"] == 3
-    assert "trials a problem would show it with a chance of 80%" in done.stdout
+    assert "trials a problem would pass with a chance of 80%" in done.stdout
     assert "4 to 12 trials" in done.stdout
     assert bench_here("gate", "old", "other", "--allow-undecided", cwd=folders).returncode == 0
 
