@@ -1,8 +1,14 @@
-"""The record of a tuning, as the table ``[tuning]`` of a study: what was tuned, on what, and at what cost."""
+"""The record of a tuning, as the table ``[tuning]`` of a study: what was tuned, on what, and at what cost.
+
+Whether test problems were trained on cannot be seen in the trials; only the record shows it. So it holds a hash of its
+content, and what was edited afterwards supports no claim. The hash protects from mistakes, and not from forgery.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+import hashlib
+import json
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
@@ -71,6 +77,7 @@ class Tuning:
         left_out: the group of functions whose problems are the test problems; "" without one.
         method: the sampler and the pruner, with the version of their library.
         optimizers: the tuning of each optimizer.
+        sha256: the hash of all of this as ``bench tune`` wrote it; "" in records of versions that wrote none.
     """
 
     objective: str
@@ -82,6 +89,31 @@ class Tuning:
     left_out: str
     method: str
     optimizers: tuple[Tuned, ...]
+    sha256: str = ""
+
+    def sealed(self) -> Tuning:
+        """Return the record with the hash of its content."""
+        return dataclasses.replace(self, sha256=self._hash())
+
+    def _hash(self) -> str:
+        """Return the SHA-256 of the content but the hash itself, as JSON with sorted keys."""
+        content = {key: value for key, value in self.as_dict().items() if key != "sha256"}
+        return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+    @property
+    def doubt(self) -> str:
+        """A sentence on why the record supports no claim; "" where its content fits its hash."""
+        if self.sha256 == self._hash():
+            return ""
+        why = "does not fit its hash: it was edited" if self.sha256 else "has no hash: an earlier version wrote it"
+        return (
+            f"The record of the tuning {why}, so it does not show on which problems the optimizers were tuned; repeat "
+            "'bench tune', or restore what it wrote."
+        )
+
+    def is_apart(self, problems: Iterable[str]) -> bool:
+        """Return whether the record shows that none of the problems of these names was trained on."""
+        return not self.doubt and not set(self.train) & set(problems)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as a table of a study file."""
@@ -101,7 +133,7 @@ def checked(given: Any, what: str) -> Tuning:
     """Return the record that a table holds; raises BenchError, naming the key, for what ``bench tune`` never writes."""
     if isinstance(given, Tuning):
         return given
-    own = _typed(Tuning, given, what)
+    own = _typed(Tuning, {"sha256": ""} | given if isinstance(given, dict) else given, what)
     entries = own.pop("optimizers")
     tuned = tuple(Tuned(**_typed(Tuned, each, f"{what}, optimizers")) for each in entries)
     if not all(isinstance(name, str) for name in own["train"]):

@@ -38,6 +38,10 @@ def tune(
     seed: Annotated[int, typer.Option(help="Seed of the tuning, and of the study that it writes.")] = 0,
     jobs: Jobs = -1,
     set_: Parameters = None,
+    condition: Annotated[
+        list[str] | None,
+        typer.Option(help="Tune a condition of the comparison, too: agents, handling or start; repeatable."),
+    ] = None,
     timeout: Annotated[
         float | None, typer.Option(metavar="SECONDS", help="Wall-clock limit of a run; one that exceeds it failed.")
     ] = None,
@@ -48,7 +52,8 @@ def tune(
     """Tune optimizers at the same budget each, and write a study of their default and tuned parameters.
 
     Training and test problems must differ. The same command continues a tuning that was interrupted, and ends with the
-    same study. Parameters of --set are fixed for all optimizers.
+    same study. Parameters of --set are fixed for all optimizers. The conditions of a comparison, agents, handling and
+    start, keep their defaults but for those of --condition.
     """
     from bench.atomic import replacing
     from bench.budget import checked, evaluations
@@ -78,7 +83,7 @@ def tune(
     setting = Setting(objective, trials, runs, checked(budget, "--budget"), seed, tuple(training), pairs(set_), timeout)
     _refuse_others(output, setting)
     least = min(evaluations(setting.budget, each.dimension) for each in problems.values())
-    axes = spaces(names, setting.fixed, least)
+    axes = spaces(names, setting.fixed, least, condition or ())
     studies.untuned(output.stem, testing, names, setting)
     console = Console()
     words = OBJECTIVES[objective]

@@ -185,7 +185,7 @@ def _plan(study: Study, folder: Folder, shard: Shard | None, damage: str) -> Pla
 
     Its notes describe the store's damage, and what changed in the environment since the last run.
     """
-    notes = [damage] if damage else []
+    notes = [each for each in (damage, study.tuning.doubt if study.tuning else "") if each]
     if changed := folder.differences(provenance.machine()):
         notes.append(
             f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "

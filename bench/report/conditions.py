@@ -53,8 +53,9 @@ class Conditions(NamedTuple):
 def sentences(study: Study, descriptions: Mapping[str, Description]) -> Conditions:
     """Return what differs besides the algorithm, and which options are not the optimizers' own defaults."""
     table = conditions(study, descriptions)
+    apart = study.tuning is not None and study.tuning.is_apart(entry.name for entry in study.problems)
     tuned = "how some of them were tuned, on other problems, is stated below"
-    source = tuned if study.tuning else "whether they were tuned on these problems is not recorded"
+    source = tuned if apart else "whether they were tuned on these problems is not recorded"
     differing, alike = _differences(table)
     changed, usual = _changes(table, source)
     return Conditions(tuple(filter(None, (differing, changed))), tuple(filter(None, (alike, usual))))

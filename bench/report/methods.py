@@ -75,7 +75,7 @@ class MethodsFacts:
         planned: whether the number of trials was planned, of every optimizer.
         best2009: problems on which the best of 2009 stands beside the optimizers.
         sweeps: sweeps whose parameters' contributions are given.
-        tuning: how the optimizers were tuned, where this harness did.
+        tuning: how the optimizers were tuned, where this harness did and the record is as it was written.
         stopped: cells that a declared look stopped.
         extensions: the trials of each cell that were complete, and those then asked for without declared looks.
         needed: how the trials that would separate more pairs were estimated, "simulation" or "formula"; "" where none.

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from bench.errors import BenchError
-from bench.optimizer import Optimizer
+from bench.optimizer import CONDITIONS, Optimizer
 
 AGENTS = 5, 300
 """What is tried of a population size that declares no range, on a logarithmic scale: below 5 a generation hardly shows
@@ -53,29 +53,37 @@ class Axis:
         return f"{self.name} {self.low:g} to {self.high:g}{' (log)' if self.log else ''}"
 
 
-def space(name: str, optimizer: Optimizer, fixed: Collection[str], budget: int) -> list[Axis]:
+def space(
+    name: str, optimizer: Optimizer, fixed: Collection[str], budget: int, conditions: Collection[str] = ()
+) -> list[Axis]:
     """Return what is tried of each parameter of an optimizer but those ``fixed``.
+
+    The conditions of a comparison (:data:`bench.optimizer.CONDITIONS`) are tried only where ``conditions`` names them:
+    an optimizer that is tuned in them meets the others under conditions of its own.
 
     Args:
         name: the optimizer's name in messages.
         optimizer: its defaults.
         fixed: the parameters that keep the value they were given.
         budget: the smallest budget of a run, which no population may exceed.
+        conditions: the conditions that are tuned, too.
 
     Raises:
         BenchError: where a range is none or leaves what the optimizer accepts, and where nothing can be tuned.
     """
     hints = get_type_hints(type(optimizer))
-    found = []
+    found: list[Axis] = []
+    left: list[Axis] = []  # conditions that nobody asked for
     for each in dataclasses.fields(optimizer):  # type: ignore[arg-type]
         if each.name in fixed or not each.init:
             continue
         axis = _axis(f"parameter {each.name!r} of {name!r}", each, list(_kinds(hints[each.name])), budget)
         if axis is not None:
-            found.append(axis)
+            (left if each.name in CONDITIONS and each.name not in conditions else found).append(axis)
     if not found:
+        more = f", or ask for a condition, as in --condition {left[0].name}" if left else ""
         raise BenchError(
-            f"{name!r} has no parameter to tune; declare a range, as in bench.parameter(0.5, tune=(0.1, 1))"
+            f"{name!r} has no parameter to tune; declare a range, as in bench.parameter(0.5, tune=(0.1, 1)){more}"
         )
     return found
 

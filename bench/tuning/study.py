@@ -88,11 +88,11 @@ def tuned(name: str, test: Sequence[str], found: Sequence[Best], setting: Settin
         setting.objective, setting.trials, setting.runs, setting.budget, setting.seed, list(setting.train),
         optimizers=tuple(each.record for each in found), **about,
     )  # fmt: skip
-    return Study.from_dict(_head(name, test, setting) | {"optimizers": entries, "tuning": record}, repr(name))
+    return Study.from_dict(_head(name, test, setting) | {"optimizers": entries, "tuning": record.sealed()}, repr(name))
 
 
 def _head(name: str, test: Sequence[str], setting: Setting) -> dict[str, Any]:
     return {
-        "name": name, "title": "Default and tuned parameters on problems that were not tuned on",
-        "seed": setting.seed, "budget": setting.budget, "problems": [{"names": list(test)}],
+        "name": name, "title": "Default and tuned parameters", "seed": setting.seed,
+        "budget": setting.budget, "problems": [{"names": list(test)}],
     }  # fmt: skip

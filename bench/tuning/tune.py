@@ -24,6 +24,7 @@ from bench.analysis.target_sets import aocc
 from bench.budget import Budget, evaluations
 from bench.errors import BenchError, require
 from bench.objective import Trace
+from bench.optimizer import CONDITIONS
 from bench.plugins import loading
 from bench.problem import Problem
 from bench.sandbox.crew import Crew
@@ -97,17 +98,27 @@ class Best:
     options: dict[str, Any]
 
 
-def spaces(names: Sequence[str], fixed: Mapping[str, Any], least: int) -> dict[str, list[Axis]]:
+def spaces(
+    names: Sequence[str], fixed: Mapping[str, Any], least: int, conditions: Sequence[str] = ()
+) -> dict[str, list[Axis]]:
     """Return what is tried of each optimizer; ``least`` is the smallest budget of a run.
 
+    ``conditions`` are those of :data:`bench.optimizer.CONDITIONS` that are tuned, too.
+
     Raises:
-        BenchError: for an unknown optimizer or parameter, a budget below a generation, and what :func:`space` refuses.
+        BenchError: for an unknown optimizer or parameter, a budget below a generation, a condition that no optimizer
+            has as a parameter to tune, and what :func:`space` refuses.
     """
+    if unknown := [each for each in conditions if each not in CONDITIONS]:
+        raise BenchError(f"{unknown[0]!r} is no condition; the conditions are {', '.join(CONDITIONS)}")
     found = {}
     for name in names:
         optimizer = loading.load_optimizer(name, **fixed)
         optimizer.check_budget(least, name)
-        found[name] = space(name, optimizer, fixed.keys(), least)
+        found[name] = space(name, optimizer, fixed.keys(), least, conditions)
+    for condition in conditions:
+        if not any(axis.name == condition for own in found.values() for axis in own):
+            raise BenchError(f"no optimizer here has the condition {condition!r} as a parameter to tune; leave it out")
     return found
 
 

@@ -1,6 +1,7 @@
 """The record of a tuning in a study: it survives its TOML, changes no identity, and keeps training problems away."""
 
 import copy
+import tomllib
 
 import pytest
 
@@ -30,6 +31,25 @@ def test_a_record_survives_the_toml_and_is_no_part_of_the_identity(tmp_path):
     assert given.identity() == Study.from_dict(STUDY).identity()
     assert given.tuning.optimizers[0].best == 0.4
     assert "tuning" not in Study.from_dict(STUDY).to_toml()
+
+
+def test_an_edited_record_is_doubted_and_one_that_was_only_written_and_read_is_not(tmp_path):
+    tuning = study(RECORD | {"budget": {"2": 60, "10": 300}}).tuning
+    assert "has no hash: an earlier version wrote it" in tuning.doubt
+    sealed = study(tuning.sealed())
+    (tmp_path / "s.toml").write_text(sealed.to_toml())
+    read = Study.load(tmp_path / "s.toml")
+    assert read.tuning.doubt == ""
+    assert read.tuning.is_apart(["sphere-2"])
+    assert not read.tuning.is_apart(["sphere-2", "sphere-3"])
+    text = sealed.to_toml()
+    for old, new in (('"sphere-3"', '"sphere-4"'), ("seed = 4", "seed = 5"), ("0.4", "0.3"), ("10 = 300", "10 = 3")):
+        assert old in text
+        edited = Study.from_dict(tomllib.loads(text.replace(old, new)))
+        assert "does not fit its hash: it was edited" in edited.tuning.doubt
+        assert not edited.tuning.is_apart(["sphere-2"])
+        again = Study.from_dict(tomllib.loads(edited.to_toml()))  # as a run freezes it
+        assert again.tuning.doubt
 
 
 def test_stopped_configurations_are_not_the_best():

@@ -93,7 +93,7 @@ class Findings(Anytime):
                 budgets={label: described(each) for label, each in self.results.budgets.items()},
                 planned=min(self.results.planned.values()) > 0,
                 best2009=self.best_times.dropna()["problem"].nunique(),
-                tuning=self.study.tuning,
+                tuning=self.study.tuning if self.study.tuning and not self.study.tuning.doubt else None,
                 sweeps=sum(not each.levels.empty for each in self.contributions.values()),
                 stopped=len(self.decisions.stopped),
                 extensions=undeclared(self.extensions),

@@ -8,6 +8,7 @@ from typing import Any
 import pandas as pd
 
 from bench.budget import described
+from bench.optimizer import CONDITIONS
 from bench.plots import style
 from bench.plots.tuning import sensitivity
 from bench.report.findings import Findings
@@ -32,22 +33,27 @@ def section(findings: Findings) -> Section | None:
     if tuning is None or not known:
         return None
     gains = {each.name: _gain(findings, each) for each in known if each.tuned in findings.optimizers}
-    text = [_what(tuning, known), _cost(known), *(_gained(findings, each, gains.get(each.name)) for each in known)]
+    text = [
+        _what(findings, tuning, known),
+        _cost(known),
+        *(_gained(findings, each, gains.get(each.name)) for each in known),
+    ]
     items: list[Part] = [_results(known, gains), _parameters(known)]
     if panels := _panels(known):
         items.append(_figure(panels))
     return Section(TITLE, tuple(text), tuple(items), tuple(_warnings(findings, tuning, known)))
 
 
-def _what(tuning: Tuning, known: list[Tuned]) -> str:
+def _what(findings: Findings, tuning: Tuning, known: list[Tuned]) -> str:
     apart = f", all but the group {tuning.left_out!r}" if tuning.left_out else ""
     score = OBJECTIVES.get(tuning.objective, tuning.objective)
+    tested = tuning.is_apart(entry.name for entry in findings.results.study.problems)
     return (
         f"{listing([each.name for each in known])} {'was' if len(known) == 1 else 'were'} tuned by {tuning.method}: "
         f"{count(tuning.trials, 'configuration')}{' each' if len(known) > 1 else ''}, the defaults first, with "
         f"{count(tuning.runs, 'run')} of {described(tuning.budget)} on each of "
         f"{count(len(tuning.train), 'training problem')}{apart}. The score is {score}, the mean over the training "
-        "problems; lower is better."
+        f"problems; lower is better.{' No problem of this report was tuned on.' if tested else ''}"
     )
 
 
@@ -108,7 +114,12 @@ def _gained(findings: Findings, own: Tuned, gain: dict[str, Any] | None) -> str:
 
 
 def _warnings(findings: Findings, tuning: Tuning, known: list[Tuned]) -> list[str]:
-    found = []
+    found = [tuning.doubt] if tuning.doubt else []
+    if conditions := [name for name in CONDITIONS if any(name in each.parameters for each in known)]:
+        found.append(
+            f"{listing(conditions).capitalize()} {'was' if len(conditions) == 1 else 'were'} tuned: tuned parameters "
+            "meet the other optimizers under conditions of their own."
+        )
     named = {label for each in known for label in (each.default, each.tuned)}
     others = [label for label in findings.optimizers if label not in named]
     if others:

@@ -4,11 +4,12 @@ import tomllib
 
 import pytest
 
+AGENTS = ("--condition", "agents")
 TRAIN = ("--train", "sphere-3", "--test", "sphere-2")
 
 
 def test_it_writes_a_study_that_runs_and_reports_what_tuning_gained(bench_here, tmp_path):
-    command = ("tune", "scatter", *TRAIN, "--trials", "4", "--runs", "1", "--budget", "60", "--jobs", "1")
+    command = ("tune", "scatter", *TRAIN, *AGENTS, "--trials", "4", "--runs", "1", "--budget", "60", "--jobs", "1")
     first = bench_here(*command, cwd=tmp_path)
     assert first.returncode == 0, first.stderr
     assert "scatter: agents 5 to 60 (log)" in first.stdout
@@ -24,6 +25,22 @@ def test_it_writes_a_study_that_runs_and_reports_what_tuning_gained(bench_here, 
     page = (tmp_path / "results/runs/tuned/report.html").read_text()
     assert "What tuning gained" in page
     assert "Akiba et al., 2019" in page
+    assert "No problem of this report was tuned on." in page
+    (tmp_path / "tuned.toml").write_text(written.replace('train = [\n    "sphere-3"', 'train = [\n    "sphere-4"'))
+    edited = bench_here("run", "tuned.toml", "--trials", "6", "--jobs", "1", "--output", "edited", cwd=tmp_path)
+    assert edited.returncode == 0, edited.stderr
+    assert "does not fit its hash: it was edited" in " ".join((edited.stdout + edited.stderr).split())
+    page = (tmp_path / "edited/report.html").read_text()
+    assert "not tuned on" not in page
+    assert "was tuned on." not in page
+    assert "The record of the tuning does not fit its hash" in page
+    (tmp_path / "tuned.toml").write_text(written[: written.index("[tuning]")])
+    deleted = bench_here("run", "tuned.toml", "--trials", "6", "--jobs", "1", "--output", "deleted", cwd=tmp_path)
+    assert deleted.returncode == 0, deleted.stderr
+    page = (tmp_path / "deleted/report.html").read_text()
+    assert "not tuned on" not in page
+    assert "was tuned on." not in page
+    (tmp_path / "tuned.toml").write_text(written)
     refused = bench_here("run", "tuned.toml", "--problem", "sphere-3", cwd=tmp_path)
     assert refused.returncode == 2
     assert "were tuned on 'sphere-3', so it cannot be a test problem" in refused.stderr
@@ -38,9 +55,24 @@ def test_it_writes_a_study_that_runs_and_reports_what_tuning_gained(bench_here, 
         (("scatter", *TRAIN, "--jobs", "0"), "--jobs must be a whole number of at least 1, or -1 for every core"),
         (("scatter", *TRAIN, "--timeout", "0"), "--timeout must be a positive number of seconds"),
         (("scatter", *TRAIN, "--objective", "mean"), "--objective must be aocc or regret, not 'mean'"),
+        (
+            ("scatter", *TRAIN),
+            "'scatter' has no parameter to tune; declare a range, as in bench.parameter(0.5, tune=(0",
+        ),
+        (
+            ("scatter", *TRAIN, "--condition", "weather"),
+            "'weather' is no condition; the conditions are agents, handling",
+        ),
+        (
+            ("cma-es", *TRAIN, "--set", "agents=9", "--condition", "agents"),
+            "no optimizer here has the condition 'agents'",
+        ),
         (("scatter", *TRAIN, "--budget", "5"), "a budget of 5 evaluations is below one generation of 'scatter'"),
         (("scatter", *TRAIN, "--output", "mine.txt"), "must end with .toml"),
-        (("scatter", *TRAIN, "--output", "own.toml"), "is no study that 'bench tune' wrote; give another --output"),
+        (
+            ("scatter", *TRAIN, *AGENTS, "--output", "own.toml"),
+            "is no study that 'bench tune' wrote; give another --output",
+        ),
         (("hill-climber", *TRAIN), "'hill-climber' has no parameter to tune"),
         (("scater", *TRAIN), "unknown optimizer 'scater'; did you mean 'scatter'?"),
         (("scatter", *TRAIN, "--set", "wings=2"), "has no parameter 'wings'"),

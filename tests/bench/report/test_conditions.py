@@ -36,8 +36,10 @@ def test_the_thesis_s_study_differs_in_handling_and_start():
 
 def test_a_study_that_was_tuned_points_to_its_tuning():
     own = study({"name": "gwo", "label": "gwo-tuned", "agents": 9})
-    record = Tuning("aocc", 1, 1, 100, 0, ["sphere"], "", "optuna", ())
-    for tuning, words in ((record, "on other problems, is stated below"), (None, "on these problems is not recorded")):
+    record = Tuning("aocc", 1, 1, 100, 0, ["sphere"], "", "optuna", ()).sealed()
+    edited, trained = replace(record, seed=1), replace(record, train=[own.problems[0].name]).sealed()
+    unknown = ((each, "on these problems is not recorded") for each in (None, edited, trained))
+    for tuning, words in ((record, "on other problems, is stated below"), *unknown):
         (changed,) = [
             each for each in sentences(replace(own, tuning=tuning), describe(own)).limits if "agents = 9" in each
         ]

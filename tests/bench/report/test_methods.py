@@ -53,9 +53,9 @@ def full(**changes):
     return replace(facts, **changes)
 
 
-TUNING = Tuning("aocc", 20, 3, "100 * d", 0, ["r", "s"], "", "optuna 5, TPESampler and WilcoxonPruner", (
+TUNING = Tuning("aocc", 20, 3, "100 * d", 0, ["s", "t"], "", "optuna 5, TPESampler and WilcoxonPruner", (
     Tuned("gwo", "gwo", "gwo-tuned", {}, {}, [0.5], [2], 0, 9_000, 1.0, {"agents": 1.0}),
-))  # fmt: skip
+)).sealed()  # fmt: skip
 
 
 def said(facts):
@@ -136,6 +136,9 @@ class TestMethods:
         assert (
             "20 configurations, the defaults first, 3 runs of 100 d evaluations on each of 2 training problems" in text
         )
+        assert "training problems that are not among the test problems, with optuna 5" in text
+        trained = replace(TUNING, train=[full().study.problems[0].name]).sealed()
+        assert "not among the test problems" not in said(full(tuning=trained))
         assert "for the area over the convergence curve (van Stein et al., 2024); this took 9,000 evaluations." in text
         assert "for the mean logarithm of the median regret" in said(full(tuning=replace(TUNING, objective="regret")))
         assert "that of PED-ANOVA (Watanabe et al., 2023)." in text

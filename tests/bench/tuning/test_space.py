@@ -6,6 +6,7 @@ from typing import Any, Literal
 import pytest
 
 from bench import BenchError, Optimizer, load_optimizer, parameter
+from bench.optimizer import CONDITIONS
 from bench.tuning.space import Axis, space
 
 
@@ -13,7 +14,7 @@ def axes(**fields):
     """Return the axes, by name, of an optimizer with fields of these (type, default)."""
     own = {"__annotations__": {name: kind for name, (kind, _) in fields.items()}}
     kind = type("Made", (Optimizer,), own | {name: each for name, (_, each) in fields.items()} | {"minimize": None})
-    return {axis.name: axis for axis in space("made", dataclass(frozen=True)(kind)(), (), 1000)}
+    return {axis.name: axis for axis in space("made", dataclass(frozen=True)(kind)(), (), 1000, CONDITIONS)}
 
 
 def test_ranges_and_choices_follow_declarations_and_types():
@@ -44,7 +45,7 @@ def test_ranges_and_choices_follow_declarations_and_types():
 def test_a_population_has_a_range_without_a_declaration_and_no_more_than_the_budget():
     assert axes(agents=(int, parameter(30, minimum=7)))["agents"] == Axis("agents", 30, True, 7, 300, True)
     assert axes(agents=(int | None, None))["agents"] == Axis("agents", None, True, 5, 300, True)
-    (axis,) = space("scatter", load_optimizer("scatter"), (), 60)
+    (axis,) = space("scatter", load_optimizer("scatter"), (), 60, ["agents"])
     assert (axis.low, axis.high) == (5, 60)
 
 
@@ -54,7 +55,20 @@ def test_the_defaults_lie_in_the_space_and_limit_nothing_else():
 
 
 def test_fixed_parameters_are_left_out():
-    assert [axis.name for axis in space("gwo", load_optimizer("gwo"), ["agents"], 900)] == ["handling", "variant"]
+    found = space("gwo", load_optimizer("gwo"), ["agents"], 900, CONDITIONS)
+    assert [axis.name for axis in found] == ["handling", "variant"]
+
+
+def test_conditions_are_tuned_only_where_they_are_asked_for():
+    def names(*conditions):
+        return [axis.name for axis in space("cma-es", load_optimizer("cma-es"), (), 900, conditions)]
+
+    assert names() == ["sigma", "active"]
+    assert names("start") == ["start", "sigma", "active"]
+    with pytest.raises(
+        BenchError, match=r"'da' has no parameter to tune; .* or ask for a condition, as in --condition"
+    ):
+        space("da", load_optimizer("da"), (), 900)
 
 
 @pytest.mark.parametrize(
@@ -83,7 +97,7 @@ def test_what_cannot_be_searched_costs_one_sentence(declared, said):
      "scipy:differential_evolution", "scipy:dual_annealing", "scipy:direct", "scipy:basinhopping"],
 )  # fmt: skip
 def test_both_ends_of_every_declared_range_are_accepted(name):
-    found = space(name, load_optimizer(name), (), 10_000)
+    found = space(name, load_optimizer(name), (), 10_000, CONDITIONS)
     assert found
     for axis in found:
         for value in axis.choices or (axis.low, axis.high):

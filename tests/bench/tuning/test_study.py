@@ -79,6 +79,8 @@ def test_the_study_has_defaults_and_tuned_parameters_and_the_record():
         ("scatter-tuned", {"agents": 9}),
     ]
     assert study.tuning.train == ["sphere-3"]
+    assert study.tuning.is_apart(["sphere-2"])
+    assert "not tuned on" not in study.title  # the record says so, and only where it is there and unchanged
     assert (study.budget, study.seed) == ("20 * d", 7)
     same = tuned("mine", ["sphere-2"], [Best(record("scatter"), {})], SETTING, left_out="", method="optuna")
     assert len(same.optimizers) == 1

@@ -15,7 +15,7 @@ SETTING = Setting("regret", 8, 2, 60, 3, ("sphere-2", "sphere-3"), {})
 
 
 def tuned(folder, setting=SETTING, optimizers=("scatter",), n_jobs=1):
-    axes = spaces(optimizers, setting.fixed, 60)
+    axes = spaces(optimizers, setting.fixed, 60, ["agents"])
     problems = {name: loading.load_problem(name) for name in setting.train}
     return tune(axes, problems, setting, folder / "t.journal", n_jobs)
 
@@ -139,7 +139,7 @@ def test_a_worse_configuration_is_stopped_early(tmp_path):
     fixed = {"handling": "box", "variant": "code"}
     setting = replace(SETTING, trials=12, runs=1, budget=300, train=tuple(known), fixed=fixed)
     problems = {name: loading.load_problem(name) for name in known}
-    (best,) = tune(spaces(["gwo"], fixed, 300), problems, setting, tmp_path / "t.journal", 1)
+    (best,) = tune(spaces(["gwo"], fixed, 300, ["agents"]), problems, setting, tmp_path / "t.journal", 1)
     stopped = [number for number, all_of in zip(best.record.problems, best.record.whole, strict=True) if not all_of]
     assert stopped
     assert min(stopped) >= 4  # fewer pairs cannot reach p < 0.1

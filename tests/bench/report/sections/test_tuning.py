@@ -19,6 +19,7 @@ OWN = Tuned(
     problems=[6, 6, 2, 6], importance={"agents": 0.9, "kind": 0.1},
 )  # fmt: skip
 TUNED = Tuning("aocc", 4, 2, 100, 1, ["f-i1", "g-i1"], "", "optuna 5, TPESampler and WilcoxonPruner", (OWN,))
+SEALED = TUNED.sealed()
 
 
 @pytest.fixture
@@ -27,7 +28,7 @@ def section(make, tmp_path):
 
     numbers = count()
 
-    def build(record=TUNED, **options):
+    def build(record=SEALED, **options):
         folder = make(tmp_path / f"s{next(numbers)}", **{"problems": SEVEN, "optimizers": ("a", "b")} | options)
         study = replace(Folder(folder).study(), tuning=record)
         (folder / "study.toml").write_text(study.to_toml(), encoding="utf-8")
@@ -46,12 +47,22 @@ def test_what_was_tuned_what_it_cost_and_what_it_gained_is_stated(section):
     what, cost, gained = found.text
     assert "any was tuned by optuna 5, TPESampler and WilcoxonPruner: 4 configurations, the defaults first" in what
     assert "with 2 runs of 100 evaluations on each of 2 training problems." in what
+    assert what.endswith("lower is better. No problem of this report was tuned on.")
     assert cost.startswith("The tuning cost 4,000 evaluations and 12.5 s of runs; 1 of 4 configurations were stopped")
     assert "1 run failed and scored worst." in cost
     assert "ends lower than one with the defaults is 1.00, in the mean over 7 problems (0.5: no gain)." in gained
     assert "separably lower on 7 and separably higher on 0 of 7 problems" in gained
     assert "the tuned parameters are lower on most (Wilcoxon’s test, p = 0.016, adjusted)." in gained
-    assert not found.warnings
+    (warning,) = found.warnings
+    assert warning.startswith("Agents was tuned: tuned parameters meet the other optimizers under conditions of their")
+
+
+@pytest.mark.parametrize("record", [TUNED, replace(SEALED, train=["f-i1"]), replace(SEALED, seed=2)])
+def test_an_edited_record_or_one_without_a_hash_is_reported_and_claims_nothing_of_the_problems(section, record):
+    found = section(record)
+    assert "was tuned on" not in found.text[0]
+    assert found.warnings[0].startswith("The record of the tuning ")
+    assert "so it does not show on which problems the optimizers were tuned" in found.warnings[0]
 
 
 def test_the_tables_and_the_figure_show_whole_configurations(section):
@@ -87,8 +98,8 @@ def test_failed_cells_leave_a_sentence(section):
 
 
 def test_it_warns_of_untuned_optimizers_other_budgets_and_common_functions(section):
-    record = replace(TUNED, budget=7, train=["any-i1"])  # "any" is the name of all
-    untuned, budget, common = section(record, optimizers=("a", "b", "c")).warnings
+    record = replace(TUNED, budget=7, train=["any-i1"]).sealed()  # "any" is the name of all
+    _, untuned, budget, common = section(record, optimizers=("a", "b", "c")).warnings
     assert untuned.startswith("c was not tuned.")
     assert "had 100 evaluations, the tuning 7 evaluations" in budget
     assert common.startswith("Training and test problems are different instances of 1 common function")
