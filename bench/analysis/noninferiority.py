@@ -13,27 +13,26 @@ intersection-union test (Berger 1982, Technometrics 24; Berger and Hsu 1996, Sta
 each problem's own test rejects at the level. No adjustment is needed, since one problem that is worse must be missed
 for the claim to be false.
 
-The interval of A12 is that of DeLong, DeLong and Clarke-Pearson (1988, Biometrics 44) and Brunner and Munzel (2000,
-Biometrical Journal 42), on the logit scale: the variance of each sample's placements in the other one, and Student's t
-with Satterthwaite's degrees of freedom. That variance is 0 where all trials tie or are separated, as if so few trials
-were certain. So it is computed a second time with a trial added to each sample that is better, and one that is worse,
-than all others, in the way of Agresti and Caffo (2000, The American Statistician 54), and the larger one counts.
+Tests and intervals of A12 on a problem are those of :mod:`bench.analysis.direction`, one-sided and with 0.5 + margin in
+the place of 0.5. The mean over problems has the same form: its variance is that of independent estimates, and where all
+pairs of trials on all problems are won, the chance of that is at most the mean to the power of all of them (the
+geometric mean is never above the arithmetic one).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 import pandas as pd
-from scipy.special import expit, logit
-from scipy.stats import norm, rankdata, t
+from scipy.stats import norm
 
 from bench.analysis.cells import cells, labels
-from bench.analysis.pairwise import ALPHA, a12, holm, wins
+from bench.analysis.direction import ALPHA, Effects, effects, intervals
+from bench.analysis.pairwise import holm
 from bench.errors import BenchError
 from bench.problem import Floats
 
@@ -127,17 +126,16 @@ def compare_samples(
     if not samples or min(min(map(len, both)) for both in samples.values()) < 2:
         raise BenchError("there is too little to compare: every problem needs at least two trials of both versions")
     bound, level = 0.5 + margin, 1 - alpha / 2
-    rows, spreads = [], []
-    for label, (this, other) in samples.items():
-        chance, spread = a12(this, other), _spread(this, other)
-        rows.append((label, len(this), len(other), chance, *_inference(chance, spread, bound, level)))
-        spreads.append(spread)
+    own = [effects(this[np.newaxis], other[np.newaxis]) for this, other in samples.values()]
+    rows = [
+        (label, len(this), len(other), *_inference(found, bound, level))
+        for (label, (this, other)), found in zip(samples.items(), own, strict=True)
+    ]
     problems = pd.DataFrame(rows, columns=[name for name in COLUMNS if name not in ("p_holm", "worse", "not_worse")])
     problems["p_holm"] = holm(problems["p"].to_numpy(dtype=float))
     problems["worse"] = problems["p_holm"] <= alpha / 2
     problems["not_worse"] = problems["high"] <= bound
-    mean, spread = float(problems["a12"].mean()), _mean_spread(spreads)
-    low, high, p = _inference(mean, spread, bound, level)
+    mean, low, high, p = _inference(_mean(own), bound, level)
     worse = p <= alpha / 2 or bool(problems["worse"].any())
     shown = bool(problems["not_worse"].all()) if every else high <= bound
     return Noninferiority(
@@ -150,62 +148,29 @@ def compare_samples(
         high=high,
         p=p,
         problems=problems,
-        needed=_needed(problems, [each.variance for each in spreads], margin, level, every),
+        needed=_needed(own, margin, level, every),
     )
 
 
-def _needed(problems: pd.DataFrame, variances: list[float], margin: float, level: float, every: bool) -> int:
+def _mean(own: Sequence[Effects]) -> Effects:
+    """Return the mean of independent estimates, one of each problem."""
+    inside = float(np.mean([found.inside for found in own]))
+    variance = float(np.sum([found.variance for found in own])) / len(own) ** 2
+    smaller = len(own) * min(found.smaller for found in own)
+    return Effects(
+        np.mean([found.a12 for found in own], axis=0), np.array([variance / (inside * (1 - inside))]), smaller
+    )
+
+
+def _inference(found: Effects, bound: float, level: float) -> tuple[float, float, float, float]:
+    """Return A12, both ends of its interval, each at the one-sided ``level``, and the p of a value above the bound."""
+    (low,), (high,) = intervals(found, 2 * level - 1)
+    size = (found.a12[0] - bound) / np.sqrt(found.ratio[0] * bound * (1 - bound))
+    return float(found.a12[0]), float(low), float(high), max(float(norm.sf(size)), bound**found.smaller)
+
+
+def _needed(own: Sequence[Effects], margin: float, level: float, every: bool) -> int:
     """Return about how many trials a problem make equal versions pass; a variance falls as one over the trials."""
-    each = problems[["n_old", "n_new"]].min(axis=1).to_numpy() * variances
-    variance, power = (each.max(), POWER ** (1 / len(each))) if every else (each.mean() / len(each), POWER)
+    each = np.array([0.25 * found.ratio[0] * found.smaller for found in own])
+    variance, power = (each.max(), POWER ** (1 / len(own))) if every else (each.mean() / len(own), POWER)
     return ceil(float(variance) * float((norm.ppf(level) + norm.ppf(power)) / margin) ** 2)
-
-
-class _Spread(NamedTuple):
-    """The spread of an estimate of A12.
-
-    Attributes:
-        variance: the variance.
-        squares: the sum of its squared parts over their degrees of freedom (Satterthwaite 1946).
-        edge: how close to 0 or 1 the estimate counts as being; that of separated samples with the trials added.
-    """
-
-    variance: float
-    squares: float
-    edge: float
-
-
-def _spread(this: Floats, other: Floats) -> _Spread:
-    """Return the spread of A12, the larger one of the trials as they are and with a best and a worst one added."""
-    ranks = rankdata(np.concatenate((this, other)), method="dense")
-    ends = [0.0, ranks.max() + 1]
-    first, second = ranks[: len(this)], ranks[len(this) :]
-    plain, (n, m) = _placements(first, second), (len(first), len(second))
-    added = _placements(np.append(first, ends), np.append(second, ends))
-    edge = (n + m + 2) / ((n + 2) * (m + 2))
-    return _Spread(*max(plain, added), edge)
-
-
-def _placements(first: Floats, second: Floats) -> tuple[float, float]:
-    """Return variance and squares of A12, from the variance of the placements of each sample in the other."""
-    won = wins(first, second)
-    parts = [(won.mean(axis=axis).var(ddof=1) / won.shape[1 - axis], won.shape[1 - axis] - 1) for axis in (1, 0)]
-    return float(sum(part for part, _ in parts)), float(sum(part**2 / freedom for part, freedom in parts))
-
-
-def _mean_spread(spreads: list[_Spread]) -> _Spread:
-    """Return the spread of the mean of independent estimates."""
-    variance, squares, edge = np.sum(spreads, axis=0)
-    number = len(spreads)
-    return _Spread(float(variance) / number**2, float(squares) / number**4, float(edge) / number)
-
-
-def _inference(chance: float, spread: _Spread, bound: float, level: float) -> tuple[float, float, float]:
-    """Return both ends of the interval, each at the one-sided ``level``, and the p of a value above the bound."""
-    freedom = spread.variance**2 / spread.squares
-    inside = min(max(chance, spread.edge), 1 - spread.edge)  # the logit of 0 and of 1 is infinite
-    error = spread.variance**0.5 / (inside * (1 - inside))
-    reach = float(t.ppf(level, freedom)) * error
-    low, high = (float(expit(logit(inside) + side * reach)) for side in (-1, 1))
-    p = float(t.sf((logit(inside) - logit(bound)) / error, freedom))
-    return min(low, chance), max(high, chance), p

@@ -31,7 +31,8 @@ from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.linalg import eigh
 from scipy.spatial.distance import squareform
 
-from bench.analysis.pairwise import ALPHA, holm
+from bench.analysis.direction import ALPHA
+from bench.analysis.pairwise import holm
 from bench.errors import BenchError
 from bench.problem import Floats
 

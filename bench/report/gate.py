@@ -9,9 +9,9 @@ from os import PathLike
 import pandas as pd
 
 from bench.analysis import labels
+from bench.analysis.direction import ALPHA
 from bench.analysis.dominance import ordered_trials
 from bench.analysis.noninferiority import MARGIN, Noninferiority, noninferiority
-from bench.analysis.pairwise import ALPHA
 from bench.budget import described
 from bench.errors import BenchError, nearest
 from bench.report.findings import Findings

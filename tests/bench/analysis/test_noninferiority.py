@@ -1,11 +1,11 @@
-"""The gate's test: by hand, against brunnermunzel of scipy, at the margin, and for small, tied and failed samples."""
+"""The gate: its interval and its test, at the margin, on every problem, and for small, tied and failed samples."""
 
 import numpy as np
 import pytest
-from scipy.stats import brunnermunzel, norm, t
+from scipy.stats import norm
 
 from bench import BenchError
-from bench.analysis.noninferiority import _placements, compare_samples, noninferiority
+from bench.analysis.noninferiority import compare_samples, noninferiority
 
 
 def normal(seed, problems=6, n=30, shift=0.0):
@@ -13,12 +13,24 @@ def normal(seed, problems=6, n=30, shift=0.0):
     return {str(i): (rng.standard_normal(n), rng.standard_normal(n) + shift) for i in range(problems)}
 
 
-def test_the_variance_is_that_of_brunner_and_munzel():
-    ((this, other),) = normal(1, problems=1, n=12, shift=0.5).values()
-    variance, squares = _placements(this, other)
-    a12 = np.mean(np.less.outer(this, other))
-    p = brunnermunzel(this, other).pvalue
-    assert 2 * t.sf(abs(a12 - 0.5) / variance**0.5, variance**2 / squares) == pytest.approx(p)
+def test_tests_and_intervals_agree_and_one_problem_is_its_own_mean():
+    ((this, other),) = normal(1, problems=1, n=30, shift=1.5).values()
+    found = compare_samples({"p": (this, other)})
+    (row,) = found.problems.to_dict("records")
+    assert found.a12 == np.mean(np.less.outer(this, other))
+    assert [row[each] for each in ("a12", "low", "high", "p")] == pytest.approx(
+        [found.a12, found.low, found.high, found.p]
+    )
+    at_low = compare_samples({"p": (this, other)}, margin=found.low - 0.5)  # where the interval begins, p is its level
+    assert at_low.p == pytest.approx(0.025)
+
+
+def test_the_mean_is_as_sure_as_independent_problems_make_it():
+    samples = normal(8, problems=4, n=40)
+    found = compare_samples(samples)
+    widths = (found.problems["high"] - found.problems["low"]).to_numpy()
+    assert found.high - found.low == pytest.approx(np.sqrt((widths**2).sum()) / 4, rel=0.05)
+    assert found.a12 == pytest.approx(found.problems["a12"].mean())
 
 
 def test_a_version_that_is_clearly_worse_is_named_with_its_problems():
