@@ -166,7 +166,7 @@ def _inference(found: Effects, bound: float, level: float) -> tuple[float, float
     """Return A12, both ends of its interval, each at the one-sided ``level``, and the p of a value above the bound."""
     (low,), (high,) = intervals(found, 2 * level - 1)
     size = (found.a12[0] - bound) / np.sqrt(found.ratio[0] * bound * (1 - bound))
-    return float(found.a12[0]), float(low), float(high), max(float(norm.sf(size)), bound**found.smaller)
+    return float(found.a12[0]), float(low), float(high), max(float(norm.sf(size)), float(bound**found.smaller))
 
 
 def _needed(own: Sequence[Effects], margin: float, level: float, every: bool) -> int:
