@@ -142,12 +142,14 @@ class Results:
         return self._parts[1]
 
     @property
-    def everything(self) -> tuple[pd.DataFrame, pd.Series]:
-        """The trials of optimizers and controls, and the number (from 1) of the environment of each.
+    def everything(self) -> pd.DataFrame:
+        """The trials of optimizers and controls in one frame."""
+        return self._frame_and_origins[0]
 
-        The number is not a column, as it is no result.
-        """
-        return self._frame_and_origins
+    @property
+    def origins(self) -> pd.Series:
+        """The number (from 1) of the environment of each row of ``everything``; not a column, as it is no result."""
+        return self._frame_and_origins[1]
 
     @property
     def stores(self) -> list[StoreCheck]:
@@ -173,7 +175,7 @@ class Results:
     @cached_property
     def _parts(self) -> tuple[pd.DataFrame, pd.DataFrame]:
         """The frame of the optimizers, and that of the controls."""
-        frame, controls = self.everything[0], [entry.label for entry in self.study.controls]
+        frame, controls = self.everything, [entry.label for entry in self.study.controls]
         if not controls:
             return frame, frame.iloc[:0]
         apart = frame["optimizer"].isin(controls)

@@ -40,7 +40,7 @@ def section(findings: Findings) -> Section:
         items.append(Table("data", "The hash of each problem’s data when its trials ran.", hashes))
     if not results.environments:
         return Section(TITLE, tuple(text), tuple(items), ("The folder has no record of the machine that ran it.",))
-    origins = _Origins(results.environments, *results.everything)
+    origins = _Origins(results.environments, results.everything, results.origins)
     items += [*origins.environments(), origins.runs()]
     if origins.known and len(origins.groups) > 1:
         items.append(origins.trials())
