@@ -114,7 +114,10 @@ def run(
 
         chosen = with_controls(chosen, sandbox)
         if not chosen.controls:
-            print_line("the conditions of all optimizers are the same, so that no control is missing", console=console)
+            print_line(
+                "no control is missing: no optimizer can run under a condition of another one that it does not have",
+                console=console,
+            )
     beside, reference = published(against)  # before the run, which may take long
     if reference:
         from bench.importing.best2009 import best2009  # which imports pandas and scipy.stats

@@ -39,8 +39,10 @@ def test_the_chances_are_those_of_the_trials(trials, compared):
     assert len(compared) == 12
     for swarm, row in compared.iterrows():
         assert row["first"] == f"cma-es {swarm.split()[1]}"
-        pairs = [np.subtract.outer(*each) for each in zip(runs[row["first"]], runs[swarm], strict=True)]
-        by_hand = np.mean([0.5 + 0.5 * (-np.sign(pair.round(8))).mean() for pair in pairs])  # near-ties are ties
+        pairs = [np.meshgrid(*each) for each in zip(runs[row["first"]], runs[swarm], strict=True)]
+        ties = [np.isclose(*pair, rtol=1e-10, atol=0) for pair in pairs]
+        wins = [np.where(tie, 0.5, one < other) for tie, (one, other) in zip(ties, pairs, strict=True)]
+        by_hand = np.mean(wins)
         assert row["probability"] == pytest.approx(by_hand)
 
 
