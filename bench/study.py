@@ -87,6 +87,8 @@ class Study:
             this harness. It decides no trial's result.
         looks: the numbers of trials at which a run compares the optimizers and stops cells that are decided
             (:mod:`bench.analysis.looks`), the last of them ``trials``; empty: every cell gets all trials.
+        controls: optimizers that run beside the others and are not compared with them, such as the same ones under
+            other conditions (:mod:`bench.execution.matched`). They decide no other trial's result.
     """
 
     name: str
@@ -101,6 +103,7 @@ class Study:
     rope: Rope | None = None
     tuning: Tuning | None = None
     looks: Looks = ()
+    controls: tuple[Entry, ...] = ()
 
     @classmethod
     def load(cls, source: str | os.PathLike[str]) -> Study:
@@ -136,10 +139,12 @@ class Study:
                 f"study {where}: the name {data['name']!r} must be up to 100 letters, digits, '.', '_' or '-', "
                 "as it names a folder"
             )
-        lists = {key: _entries(data.get(key), key, where) for key in ("problems", "optimizers")}
+        keys = ("problems", "optimizers", *(["controls"] if "controls" in data else []))
+        lists = {key: _entries(data.get(key), key, where) for key in keys}
         study = cls(**data | lists)
         if not study.title.isprintable():
             raise BenchError(f"study {where}: the title holds a control character or a line break")
+        _refuse_duplicates(study.with_controls, "optimizers and controls", where)
         study._require_apart(f"study {where}")
         study.check_looks(f"study {where}: ")
         return study
@@ -150,6 +155,19 @@ class Study:
         study = dataclasses.replace(self, **given | _checked(given, ""))
         study.check_looks()
         return study
+
+    def joined(self, other: Study) -> Study:
+        """Return a copy with the larger number of trials, and with the controls, of this study and an equal one.
+
+        Raises:
+            BenchError: where a control of one label has two meanings.
+        """
+        controls = {entry.label: entry for entry in self.controls}
+        for entry in other.controls:
+            if controls.setdefault(entry.label, entry) != entry:
+                raise BenchError(f"the control {entry.label!r} of study {self.name!r} has two sets of options")
+        study = dataclasses.replace(self, controls=tuple(controls.values()))
+        return study.override(trials=max(self.trials, other.trials))
 
     def check_looks(self, where: str = "") -> None:
         """Raise BenchError where declared looks do not suit the trials, the optimizers or the problems."""
@@ -177,6 +195,7 @@ class Study:
             both[key] = (*getattr(self, key), *added)
             _refuse_duplicates(both[key], key, repr(self.name))
         study = dataclasses.replace(self, **both)
+        _refuse_duplicates(study.with_controls, "optimizers and controls", repr(self.name))
         study._require_apart(f"study {self.name!r}")
         return study
 
@@ -186,21 +205,26 @@ class Study:
 
     def problem(self, label: str) -> Problem:
         """Load the problem of that label, scored under the study's handling of its constraints where it has any."""
-        entry = self._named("problem", label)
+        entry = self._named("problem", self.problems, label)
         return scored(loading.load_problem(entry.name, **entry.options), self.constraints)
 
     def optimizer(self, label: str) -> Optimizer:
         """Load the optimizer of that label."""
-        entry = self._named("optimizer", label)
+        entry = self._named("optimizer", self.with_controls, label)
         return loading.load_optimizer(entry.name, **entry.options)
 
-    def packages(self) -> dict[str, list[str]]:
-        """Return the optimizers' labels by the file, family or package that each comes from; nothing is loaded.
+    @property
+    def with_controls(self) -> tuple[Entry, ...]:
+        """The optimizers, and after them the controls: all that is run."""
+        return (*self.optimizers, *self.controls)
 
-        Those whose results were imported come from none.
+    def packages(self) -> dict[str, list[str]]:
+        """Return the labels of optimizers and controls by the file, family or package that each comes from.
+
+        Nothing is loaded. Those whose results were imported come from none.
         """
         found: dict[str, list[str]] = {}
-        for entry in self.optimizers:
+        for entry in self.with_controls:
             if not loading.is_imported(entry.name):
                 found.setdefault(loading.package(entry.name), []).append(entry.label)
         return found
@@ -215,8 +239,8 @@ class Study:
         """The labels of the optimizers whose results were imported, and which cannot be run here."""
         return [entry.label for entry in self.optimizers if loading.is_imported(entry.name)]
 
-    def _named(self, kind: str, label: str) -> Entry:
-        found: dict[str, Entry] = {entry.label: entry for entry in getattr(self, f"{kind}s")}
+    def _named(self, kind: str, entries: Iterable[Entry], label: str) -> Entry:
+        found = {entry.label: entry for entry in entries}
         if label not in found:
             raise BenchError(f"study {self.name!r} has no {kind} {label!r}{nearest(label, found)}")
         return found[label]
@@ -229,7 +253,7 @@ class Study:
                 problem has.
         """
         data, least = self.data()
-        return Fingerprints(data, self.code((entry.label for entry in self.optimizers), least))
+        return Fingerprints(data, self.code((entry.label for entry in self.with_controls), least))
 
     def data(self, load: Callable[[str], Problem] | None = None) -> tuple[dict[str, str], int]:
         """Load every problem; return the hashes of their data and the smallest budget; raises as :meth:`check`.
@@ -262,14 +286,15 @@ class Study:
         hashes, so that it is random and stays the same when trials are added.
         """
         for number in range(self.trials):
-            cells = [(problem.label, optimizer.label) for problem in self.problems for optimizer in self.optimizers]
+            cells = [(problem.label, each.label) for problem in self.problems for each in self.with_controls]
             block = [Trial(*cell, number, trial_seed(self.seed, *cell, number)) for cell in cells]
             yield from sorted(block, key=lambda trial: trial.seed)
 
     def to_toml(self) -> str:
         """Return the study as a TOML document that loads back as an equal study."""
         head = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
-        lists = {key: [entry.as_dict() for entry in getattr(self, key)] for key in ("problems", "optimizers")}
+        keys = ("problems", "optimizers", *(["controls"] if self.controls else []))
+        lists = {key: [entry.as_dict() for entry in getattr(self, key)] for key in keys}
         targets = {} if self.targets is None else {"targets": self.targets}
         rope = {} if self.rope is None else {"rope": self.rope}
         tuning = {} if self.tuning is None else {"tuning": self.tuning.as_dict()}
@@ -292,10 +317,11 @@ class Study:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
         Targets, rope, tuning and the default handling of constraints are no part of it: older studies do not name them.
-        Looks are, where there are any: they decide which trials are made, and must be declared before the first one.
+        Neither are controls, which change no other trial and may be added to a folder. Looks are, where there are any:
+        they decide which trials are made, and must be declared before the first one.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None}
-        left_out = ("constraints", "targets", "rope", "tuning", "looks")
+        left_out = ("constraints", "targets", "rope", "tuning", "looks", "controls")
         content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
         if self.looks:
             content["looks"] = self.looks
@@ -390,11 +416,11 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
             options["names"] = selection.selected(*(options.pop(each, None) for each in selection.KEYS))
         names = options.pop("names") if "names" in options else [options.pop("name", None)]
         label = options.pop("label", None)
-        swept = _swept(options, where) if key == "optimizers" else {}
+        swept = {} if key == "problems" else _swept(options, where)
         texts = isinstance(names, list) and names and all(isinstance(name, str) and name.strip() for name in names)
         if not texts or not (label is None or (isinstance(label, str) and label.strip())):
             raise BenchError(f"study {where}: a [[{key}]] table needs a name (or a list of names), all of them texts")
-        expand = loading.matching if key == "optimizers" else selection.matching
+        expand = selection.matching if key == "problems" else loading.matching
         names = [each for name in names for each in expand(name)]
         entries += [
             Entry(name, own, each)

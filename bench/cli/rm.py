@@ -36,7 +36,10 @@ def remove(
         raise BenchError("name what to remove: --optimizer NAME, --problem NAME, both for one cell, or --failed")
     chosen = [
         _labels(wanted, [entry.label for entry in entries], kind)
-        for wanted, entries, kind in ((problem, study.problems, "problem"), (optimizer, study.optimizers, "optimizer"))
+        for wanted, entries, kind in (
+            (problem, study.problems, "problem"),
+            (optimizer, study.with_controls, "optimizer"),
+        )
     ]
     if dry_run:
         cells = [cell for cell in folder.store.cells() if cell.problem in chosen[0] and cell.optimizer in chosen[1]]

@@ -64,6 +64,10 @@ def run(
             autocompletion=completion.problems,
         ),
     ] = None,
+    matched: Annotated[
+        bool,
+        typer.Option("--matched", help="Also run each optimizer under the conditions of the others, as controls."),
+    ] = False,
     timeout: Annotated[
         float | None,
         typer.Option(metavar="SECONDS", help="Wall-clock limit of a trial; a trial that exceeds it is stopped."),
@@ -105,6 +109,15 @@ def run(
     console = Console()
     settings = {"trials": trials, "budget": budget, "seed": seed, "constraints": constraints, "targets": targets}
     chosen = Study.load(study).override(**settings, rope=rope).beside(optimizer or [], problem or [])
+    if matched:
+        from bench.execution.matched import with_controls
+
+        chosen = with_controls(chosen, sandbox)
+        if not chosen.controls:
+            print_line(
+                "no control is missing: no optimizer can run under a condition of another one that it does not have",
+                console=console,
+            )
     beside, reference = published(against)  # before the run, which may take long
     if reference:
         from bench.importing.best2009 import best2009  # which imports pandas and scipy.stats
@@ -158,7 +171,7 @@ def _show_estimate(plan: Plan, jobs: int, console: Console) -> None:
 
     counts = plan.counts()
     show_plan(plan, counts, console)
-    for entry in plan.study.optimizers:
+    for entry in plan.study.with_controls:
         mine = [planned - done for (_, label), (planned, done) in counts.items() if label == entry.label]
         print_line(f"  {entry.label}: {sum(mine)} to run", console=console)
     seconds, workers = plan.seconds(), cpu_count() if jobs == -1 else jobs

@@ -72,10 +72,10 @@ def summary(folder: Folder) -> Group:
     most = {
         (problem.label, entry.label): stopped.get((problem.label, entry.label), study.trials)
         for problem in study.problems
-        for entry in study.optimizers
+        for entry in study.with_controls
     }
     table = Table("optimizer", "done", "failed", "of", "s a trial", box=None, pad_edge=False)
-    for entry in study.optimizers:
+    for entry in study.with_controls:
         mine = [cell for cell in cells if cell.optimizer == entry.label]
         done, lost = sum(cell.done for cell in mine), sum(cell.failed for cell in mine)
         seconds = sum(cell.wall_s for cell in mine)  # 0 of imported trials, whose times are unknown

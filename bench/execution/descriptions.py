@@ -37,7 +37,7 @@ class Description:
 
 
 def describe(study: Study, sandbox: str | None = None) -> dict[str, Description]:
-    """Return the description of each optimizer by label.
+    """Return the description of each optimizer and control by label.
 
     Only the optimizers that come with the harness are imported here.
 
@@ -45,9 +45,9 @@ def describe(study: Study, sandbox: str | None = None) -> dict[str, Description]
         study: whose optimizers are meant.
         sandbox: in which the study was run; where it cannot be used here, strangers' optimizers are not read.
     """
-    built_in = [entry.label for entry in study.optimizers if loading.is_built_in(entry.name)]
+    built_in = [entry.label for entry in study.with_controls if loading.is_built_in(entry.name)]
     strange = [labels for labels in study.packages().values() if not {*labels} & {*built_in}]
-    found = {entry.label: Description() for entry in study.optimizers}
+    found = {entry.label: Description() for entry in study.with_controls}
     found |= _read(trial_process.descriptions_of(study, built_in), built_in)
     if strange:
         with suppress(BenchError, *_LOSSES):

@@ -33,5 +33,6 @@ def stopped_cells(study: Study, store: Store) -> dict[tuple[str, str], int]:
     from bench.analysis.cells import in_study_order
     from bench.analysis.looks import decide
 
-    rows = [tuple(row[name] for name in _COLUMNS) for row in store.rows()]
+    compared = {entry.label for entry in study.optimizers}
+    rows = [tuple(row[name] for name in _COLUMNS) for row in store.rows() if row["optimizer"] in compared]
     return dict(decide(in_study_order(pd.DataFrame(rows, columns=list(_COLUMNS)), study), study.looks).stopped)

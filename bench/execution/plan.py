@@ -62,7 +62,7 @@ class Plan:
     def counts(self) -> dict[tuple[str, str], tuple[int, int]]:
         """Return for each cell (problem, optimizer) the number of trials, and of those finished."""
         if self.shard is None:  # without a step for each trial
-            cells = product(self.study.problems, self.study.optimizers)
+            cells = product(self.study.problems, self.study.with_controls)
             labels = ((problem.label, optimizer.label) for problem, optimizer in cells)
             return {cell: (most := self.most(*cell), self.finished.count(*cell, most)) for cell in labels}
         counts: dict[tuple[str, str], tuple[int, int]] = {}

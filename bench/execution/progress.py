@@ -56,7 +56,7 @@ class Display:
         self._left = total - present
         self._started = monotonic()
         self._bars["all"] = self._progress.add_task("all", total=total, completed=present)
-        for entry in plan.study.optimizers:
+        for entry in plan.study.with_controls:
             mine = [count for (_, label), count in counts.items() if label == entry.label]
             total, present = (sum(each) for each in zip(*mine, strict=True)) if mine else (0, 0)
             self._bars[f"of {entry.label}"] = self._progress.add_task(entry.label, total=total, completed=present)
@@ -67,7 +67,7 @@ class Display:
         print_line(f"look at {look} trials: {_decided(now, plan, look)}", console=self._console)
         counts = plan.counts()
         self._left = self._made + sum(planned - done for planned, done in counts.values())
-        for entry in plan.study.optimizers:
+        for entry in plan.study.with_controls:
             total = sum(planned for (_, label), (planned, _) in counts.items() if label == entry.label)
             self._progress.update(self._bars[f"of {entry.label}"], total=total)
         self._progress.update(self._bars["all"], total=sum(planned for planned, _ in counts.values()))
@@ -107,7 +107,8 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
     """Print the size of a plan, how much of it is done, and its notes."""
     study = plan.study
     total, present = (sum(each) for each in zip(*counts.values(), strict=True))
-    size = f"{len(study.problems)} problems x {len(study.optimizers)} optimizers x "
+    controls = f" and {len(study.controls)} controls" if study.controls else ""
+    size = f"{len(study.problems)} problems x {len(study.optimizers)} optimizers{controls} x "
     size += f"{'at most ' if study.looks else ''}{study.trials} trials"
     part = f"; shard {plan.shard} of them: {total} runs" if plan.shard else f" = {total} runs"
     done = f", {present} of them already done" if present else ""

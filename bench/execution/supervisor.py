@@ -143,7 +143,7 @@ def _checked(root: Process, task: Task) -> Checked:
         process = problems.fork() if FORKS else problems
         hashes, found = ask(process, labels, trial_process.check_optimizers, labels, least)
         code, machine = code | hashes, provenance.united(machine, dict(found["machine"]))
-    files = {each.label: from_file.fingerprint(each.name) for each in study.optimizers if from_file.split(each.name)}
+    files = {each.label: from_file.fingerprint(each.name) for each in study.with_controls if from_file.split(each.name)}
     return Checked(Fingerprints(data, code | files), json.dumps(machine))
 
 

@@ -77,7 +77,7 @@ class Templates:
         self._loading = None if timeout is None else timeout + LOADING
         self._silence = None if timeout is None else max(timeout, SILENCE)
         self._families = {entry.label: loading.family(entry.name) for entry in study.problems}
-        self._sources = {entry.label: loading.package(entry.name) for entry in study.optimizers}
+        self._sources = {entry.label: loading.package(entry.name) for entry in study.with_controls}
         self._root = Process(hash_seed, forks=True, command=command)
         try:
             self._root.call(trial_process.begin, study.to_toml())

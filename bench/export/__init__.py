@@ -20,6 +20,7 @@ from bench.errors import BenchError, nearest
 from bench.export import coco, ioh, tabular
 from bench.export.trials import omission_notes
 from bench.storage.results import Results
+from bench.text import listed
 
 __all__ = ["FORMATS", "Format", "export"]
 
@@ -66,7 +67,7 @@ def export(results: Results, kind: str, folder: Path) -> list[str]:
         raise BenchError("; ".join(results.damage) or f"{results.paths[0]} holds no trials yet; run the study first")
     chosen = FORMATS[kind]
     files = chosen.files(results)
-    notes = results.damage + ([] if chosen.holds_failures else omission_notes(results.frame))
+    notes = results.damage + _controls(results) + ([] if chosen.holds_failures else omission_notes(results.frame))
     title = f"An export in the format {kind}. The next export into this folder replaces everything in it."
     readme = f"{title}\n\nStudy: {results.study.title or results.study.name}\n\n{chosen.about(results)}"
     try:
@@ -78,6 +79,15 @@ def export(results: Results, kind: str, folder: Path) -> list[str]:
     except OSError as error:
         raise BenchError(f"the export cannot be written into {folder}: {error.strerror}") from error
     return notes
+
+
+def _controls(results: Results) -> list[str]:
+    """Return the sentence on the trials of controls, which are in no export; none without any."""
+    left = len(results.controls)
+    names = listed([entry.label for entry in results.study.controls])
+    return [f"Left out, because controls are not compared with the optimizers: {left:,} trials of {names}."] * bool(
+        left
+    )
 
 
 def _empty(folder: Path, title: str) -> None:

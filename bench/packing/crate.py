@@ -70,13 +70,14 @@ def describe(
     found = list(_software(environments))
     software = [entity for entity, _ in found]
     actions = [_action(number, each, software, authors) for number, each in enumerate(environments, start=1)]
+    controls = f" and {len(study.controls):,} controls" if study.controls else ""
     root = {
         "@id": "./",
         "@type": "Dataset",
         "name": study.title or study.name,
         "description": (
-            f"Results of the study {study.name!r}: {trials:,} trials of {len(study.optimizers):,} optimizers on "
-            f"{len(study.problems):,} problems, {described(study.budget)} a trial."
+            f"Results of the study {study.name!r}: {trials:,} trials of {len(study.optimizers):,} optimizers{controls} "
+            f"on {len(study.problems):,} problems, {described(study.budget)} a trial."
         ),
         "identifier": study.identity(),
         "dateCreated": dates[0],

@@ -197,7 +197,7 @@ def _checked(temporary: Path, source: Path) -> tuple[int, str]:
         raise BenchError(f"{source}: {_local(error, temporary)}") from error
     if not found.sound:
         raise BenchError(f"{source}: {found.sentence}")
-    known = {entry.label for entry in study.problems}, {entry.label for entry in study.optimizers}
+    known = {entry.label for entry in study.problems}, {entry.label for entry in study.with_controls}
     if strange := [cell for cell in cells if cell.problem not in known[0] or cell.optimizer not in known[1]]:
         where = printable(f"{strange[0].optimizer} on {strange[0].problem}", LONGEST)
         raise BenchError(f"{source}: it holds trials of {where}, which its study does not name")

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 
 from bench.execution.descriptions import Description
 from bench.optimizer import CONDITIONS
+from bench.report.findings import Findings
 from bench.report.parts import Table
 from bench.report.wording import MISSING, listing
 from bench.study import Study
 from bench.text import option
 
 UNKNOWN, NONE = "not known", "null"
+UNUSED = 0.01  # of the budget, on average, that an optimizer may leave as others do
 MOST_VALUES, MOST_LABELS, MOST_OPTIONS = 4, 5, 6  # that a sentence names
 
 
@@ -56,25 +58,53 @@ def sentences(study: Study, descriptions: Mapping[str, Description]) -> Conditio
     apart = study.tuning is not None and study.tuning.is_apart(entry.name for entry in study.problems)
     tuned = "how some of them were tuned, on other problems, is stated below"
     source = tuned if apart else "whether they were tuned on these problems is not recorded"
-    differing, alike = _differences(table)
+    limits, alike = _differences(table)
     changed, usual = _changes(table, source)
-    return Conditions(tuple(filter(None, (differing, changed))), tuple(filter(None, (alike, usual))))
+    return Conditions(tuple(filter(None, (limits, changed))), tuple(filter(None, (alike, usual))))
+
+
+def differing(findings: Findings) -> str:
+    """Return what differs between the optimizers besides their algorithms as a clause; "" where nothing is known to.
+
+    Such as ``"handling and start are box, midpoint for cma-es and repair, random for the 4 others, cma-es stopped after
+    72% of the budget"``. An optimizer without an option, such as a search without a population, does not differ in it.
+    """
+    table = conditions(findings.study, findings.descriptions)
+    alike: dict[tuple[tuple[str, ...], ...], dict[str, list[str]]] = {}  # conditions and values, by who has the same
+    for name in CONDITIONS:
+        groups = _groups(table[name].dropna())
+        if len(groups) > 1:
+            alike.setdefault(tuple(map(tuple, groups.values())), {})[name] = [*groups]
+    clauses = []
+    for owners, values in alike.items():
+        together = {", ".join(own): [*labels] for *own, labels in zip(*values.values(), owners, strict=True)}
+        clauses.append(f"{listing([*values])} {'is' if len(values) == 1 else 'are'} {_grouped(together)}")
+    spent = 1 - findings.unused.set_index("optimizer")["unused"].astype(float)
+    early = [f"{label} stopped after {share:.0%}" for label, share in spent[spent < 1 - UNUSED].sort_values().items()]
+    stopped = [f"{listing(early, at_most=MOST_LABELS)} of the budget"] if early else []
+    return ", ".join([*clauses, *stopped])
+
+
+def _groups(values: pd.Series[Any]) -> dict[str, list[str]]:
+    """Return the labels of the optimizers by what is said of their value, without those whose value is not known."""
+    groups: dict[str, list[str]] = {}
+    for label, value in values[values != UNKNOWN].items():
+        groups.setdefault(_said(value), []).append(str(label))
+    return groups
 
 
 def _differences(table: pd.DataFrame) -> tuple[str, str]:
     """Return the sentence on what differs, and that on what is the same where nothing differs."""
-    differing, alike = [], []
+    apart, alike = [], []
     for name in CONDITIONS:
-        groups: dict[str, list[str]] = {}
-        for label, value in table.loc[table[name] != UNKNOWN, name].items():
-            groups.setdefault(_said(value), []).append(str(label))
+        groups = _groups(table[name])
         if len(groups) > 1:
-            differing.append(f"{name} is {_grouped(groups)}")
+            apart.append(f"{name} is {_grouped(groups)}")
         elif groups and None not in table[name].tolist():
             alike.append(f"{name} ({next(iter(groups))})")
-    if differing:
+    if apart:
         text = (
-            f"The optimizers differ in more than their algorithms: {'; '.join(differing)}. A difference in rank may "
+            f"The optimizers differ in more than their algorithms: {'; '.join(apart)}. A difference in rank may "
             "come from this."
         )
         return text, ""

@@ -44,6 +44,7 @@ WHOLE = {
     "trials": "All trials, one row a trial.",
     "cells": "All cells: trials, failures and statistics of the objective value.",
     "tests": f"The tests of every pair of optimizers, at most of the {CROWD} best, on every problem.",
+    "controls": "The trials of controls, which no other table, figure or test has but that of the same conditions.",
     "running-times": "The expected running times (ERT) of every optimizer on every problem, with their spread.",
 }
 """The tables of a whole study, by name, with their descriptions; no other part has these names."""
@@ -224,10 +225,12 @@ class _Report:
         """Add the last part, the list of all files."""
         (self.folder / TABLES).mkdir(exist_ok=True)
         findings = self.findings
-        frames = (self.results.frame, findings.summary, findings.written_pairs, findings.running_times)
+        frames = (
+            self.results.frame, findings.summary, findings.written_pairs, self.results.controls, findings.running_times,
+        )  # fmt: skip
         for (name, about), frame in zip(WHOLE.items(), frames, strict=True):
-            if name == "running-times" and not len(frame):
-                continue  # no trial left a trace
+            if name in ("controls", "running-times") and not len(frame):
+                continue  # no control was run, or no trial left a trace
             path = f"{TABLES}/{name}.csv"
             save_csv(frame, self.folder / path, index=False)
             self.files[path] = about

@@ -76,7 +76,7 @@ class Folder:
         return provenance.differences(noted[-1], machine) if noted else []
 
     def extended(self, study: Study) -> Study:
-        """Return the study with the larger of its and the folder's numbers of trials; refuse another study."""
+        """Return the study joined with the folder's (:meth:`bench.Study.joined`); refuse another study."""
         if not self._begun:
             return study
         present = self.study()
@@ -90,7 +90,7 @@ class Folder:
             named = " or the study another name" if self.path == default_path(study) else ""
             how = listed(study.differences(present), between="; ")
             raise BenchError(f"{self.path} holds another study ({how}); give another --output{named}")
-        return study.override(trials=max(study.trials, present.trials))
+        return study.joined(present)
 
     def trials_asked(self) -> int:
         """Return the largest number of trials of each cell that a run here was asked for, 0 before the first trial."""
@@ -101,7 +101,7 @@ class Folder:
     def claim(self, study: Study) -> Study:
         """Freeze ``study`` in the folder, which must be locked, and return the frozen study.
 
-        A folder of the same study is continued; more trials than before extend it, fewer do not shrink it.
+        A folder of the same study is continued; more trials or controls than before extend it, fewer do not shrink it.
 
         Raises:
             BenchError: when the folder holds another study or cannot be written.

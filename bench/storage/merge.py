@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -64,7 +63,7 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
 
 
 def _common(studies: list[tuple[Folder, Study]]) -> Study:
-    """Return the study of all folders, with the largest number of trials."""
+    """Return the study of all folders, with the largest number of trials and the controls of all."""
     first, study = studies[0]
     for folder, other in studies[1:]:
         if other.identity() != study.identity():
@@ -72,7 +71,8 @@ def _common(studies: list[tuple[Folder, Study]]) -> Study:
             raise BenchError(
                 f"{folder.path} holds another study than {first.path} ({how}); only parts of one study can be merged"
             )
-    return dataclasses.replace(study, trials=max(other.trials for _, other in studies))
+        study = study.joined(other)
+    return study
 
 
 def copy(

@@ -118,7 +118,7 @@ class Results:
 
     def _repr_html_(self) -> str:
         """Return the numbers of trials as a table, for a notebook; damaged trials are counted as they are stored."""
-        counts: dict[str, Counter[str]] = {entry.label: Counter() for entry in self.study.optimizers}
+        counts: dict[str, Counter[str]] = {entry.label: Counter() for entry in self.study.with_controls}
         for source in self._sources:
             for cell in source.folder.store.cells() if source.folder.store.exists else ():
                 counts[source.shown.get(cell.optimizer, cell.optimizer)].update(cell.status)
@@ -134,11 +134,21 @@ class Results:
     @property
     def frame(self) -> pd.DataFrame:
         """The tidy frame, one row a sound trial; see :func:`load_results`."""
+        return self._parts[0]
+
+    @property
+    def controls(self) -> pd.DataFrame:
+        """The trials of the study's controls, which are not in the frame, as such a frame."""
+        return self._parts[1]
+
+    @property
+    def everything(self) -> pd.DataFrame:
+        """The trials of optimizers and controls in one frame."""
         return self._frame_and_origins[0]
 
     @property
     def origins(self) -> pd.Series:
-        """The number (from 1) of the environment of each row of the frame; not a column, as it is no result."""
+        """The number (from 1) of the environment of each row of ``everything``; not a column, as it is no result."""
         return self._frame_and_origins[1]
 
     @property
@@ -163,6 +173,15 @@ class Results:
         return self._sources
 
     @cached_property
+    def _parts(self) -> tuple[pd.DataFrame, pd.DataFrame]:
+        """The frame of the optimizers, and that of the controls."""
+        frame, controls = self.everything, [entry.label for entry in self.study.controls]
+        if not controls:
+            return frame, frame.iloc[:0]
+        apart = frame["optimizer"].isin(controls)
+        return frame[~apart].reset_index(drop=True), frame[apart].reset_index(drop=True)
+
+    @cached_property
     def _frame_and_origins(self) -> tuple[pd.DataFrame, pd.Series]:
         try:
             return self._read(several=True)
@@ -180,21 +199,22 @@ class Results:
             ),
             sum(trials),
             [entry.label for entry in self.study.problems],
-            [entry.label for entry in self.study.optimizers],
+            [entry.label for entry in self.study.with_controls],
         )
         origins = frame.pop("environment")
         return _with_precision(frame, self._suite_optima()), origins
 
     @cached_property
     def traces(self) -> Traces:
-        """The anytime traces of sound trials by (problem, optimizer, trial); failed trials have none."""
+        """The anytime traces of the frame's trials by (problem, optimizer, trial); failed trials have none."""
         shared = {entry.label for entry in self.study.problems}
+        controls = {entry.label for entry in self.study.controls}
         return Traces(
             {
                 (problem, source.shown[optimizer]): cell
                 for source in self._read_sources
                 for (problem, optimizer), cell in source.folder.store.traces(source.found).cells.items()
-                if problem in shared
+                if problem in shared and source.shown[optimizer] not in controls
             }
         )
 
@@ -309,22 +329,25 @@ def _sources(folders: list[Folder]) -> list[_Source]:
     """Read the folders' studies and environments; make folder names and optimizer labels distinct."""
     studies = [folder.study() for folder in folders]
     names = _short_names([folder.path for folder in folders])
-    labels = Counter(entry.label for study in studies for entry in study.optimizers)
+    labels = Counter(entry.label for study in studies for entry in study.with_controls)
     every = [
         f"{entry.label} ({name})" if labels[entry.label] > 1 else entry.label
         for study, name in zip(studies, names, strict=True)
-        for entry in study.optimizers
+        for entry in study.with_controls
     ]
     distinct = iter(unique(every))  # a label may already equal another one with its folder
     sources: list[_Source] = []
     for folder, study, name in zip(folders, studies, names, strict=True):
-        shown = {entry.label: next(distinct) for entry in study.optimizers}
-        optimizers = tuple(dataclasses.replace(entry, label=shown[entry.label]) for entry in study.optimizers)
+        shown = {entry.label: next(distinct) for entry in study.with_controls}
+        optimizers, controls = (
+            tuple(dataclasses.replace(entry, label=shown[entry.label]) for entry in entries)
+            for entries in (study.optimizers, study.controls)
+        )
         noted = folder.store.environments()
         environments = [{"folder": name} | record if len(folders) > 1 else record for record in noted.values()]
         before = sum(len(source.environments) for source in sources)
         places = {number: before + place for place, number in enumerate(noted, start=1)}
-        own = dataclasses.replace(study, optimizers=optimizers)
+        own = dataclasses.replace(study, optimizers=optimizers, controls=controls)
         sources.append(_Source(folder, name, own, shown, environments, places))
     return sources
 

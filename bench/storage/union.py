@@ -51,6 +51,7 @@ def united(studies: Sequence[Study], names: Sequence[str]) -> Study:
         budget=_largest(studies, problems),
         problems=tuple(problems.values()),
         optimizers=tuple(entry for study in studies for entry in study.optimizers),
+        controls=tuple(entry for study in studies for entry in study.controls),
         looks=(),  # each folder was stopped by its own pairs
     )
 

@@ -13,6 +13,7 @@ from bench import analysis
 from bench.analysis.integrity import undeclared
 from bench.budget import described
 from bench.execution.descriptions import Description, describe
+from bench.execution.matched import Matched, matched
 from bench.report.findings.anytime import Anytime
 from bench.report.findings.final import COLOURED, CROWD, MANY_OPTIMIZERS
 from bench.report.findings.trials import MANY_PROBLEMS
@@ -55,9 +56,18 @@ class Findings(Anytime):
 
     @cached_property
     def descriptions(self) -> dict[str, Description]:
-        """The optimizers as their plug-ins describe them here, by label."""
-        sandboxes = (record.get("sandbox") for record in self.results.environments)
-        return describe(self.study, next(filter(None, sandboxes), None))
+        """The optimizers and controls as their plug-ins describe them here, by label."""
+        return describe(self.study, self._sandbox)
+
+    @cached_property
+    def matched(self) -> list[Matched]:
+        """The conditions that optimizers of the study have, each with all algorithms; none of several folders."""
+        return [] if len(self.results.paths) > 1 else matched(self.study, self.descriptions, self._sandbox)
+
+    @property
+    def _sandbox(self) -> str | None:
+        """The sandbox in which the study was run."""
+        return next(filter(None, (record.get("sandbox") for record in self.results.environments)), None)
 
     @cached_property
     def methods(self) -> Methods:

@@ -31,11 +31,19 @@ class Trials:
     @cached_property
     def pooled(self) -> analysis.Pooled:
         """The trials with the instances of each function pooled; a study without instances stays as it is."""
+        return self._pool(self.results.frame, self.results.traces)
+
+    @cached_property
+    def controls(self) -> pd.DataFrame:
+        """The trials of the study's controls with instances pooled, which no other frame has."""
+        return self._pool(self.results.controls, {}).frame
+
+    def _pool(self, frame: pd.DataFrame, traces: analysis.Traces) -> analysis.Pooled:
         names = [entry.label for entry in self.results.study.problems]
         known = {label: self.results.facts(label) for label in names}
         optima = {label: each.optimum for label, each in known.items() if each.optimum is not None}
         features = {label: each.features for label, each in known.items()}
-        return analysis.pool_instances(self.results.frame, self.results.traces, names, features, optima)
+        return analysis.pool_instances(frame, traces, names, features, optima)
 
     @cached_property
     def planned(self) -> dict[str, int]:

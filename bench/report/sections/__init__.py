@@ -13,6 +13,7 @@ from bench.report.sections import (
     equivalence,
     integrity,
     landscape,
+    matched,
     methods,
     power,
     suite,
@@ -22,7 +23,7 @@ from bench.report.sections import (
     verdict,
 )
 
-OPENING = (verdict, beside, suite, dominance, integrity, comparison)
+OPENING = (verdict, matched, beside, suite, dominance, integrity, comparison)
 """The parts before the plug-ins' sections."""
 
 CLOSING = (

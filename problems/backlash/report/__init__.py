@@ -3,7 +3,7 @@
 from bench import Results
 from bench.analysis import in_study_order
 from bench.report import Section
-from problems.backlash.report import amplitudes, equal, fits, fitting_errors, levels, noise, reference, resources
+from problems.backlash.report import amplitudes, fits, fitting_errors, levels, noise, reference, resources
 from problems.backlash.report.accuracy import expected_values
 
 
@@ -17,7 +17,6 @@ def sections(results: Results) -> list[Section]:
         *levels.sections(frame, truths, unknown),
         *fits.sections(results, frame),
         *fitting_errors.sections(frame, results.study),
-        *equal.sections(frame, results.study),
         *reference.sections(results, frame),
         *amplitudes.sections(frame, truths, results.study),
         *noise.sections(results, frame, truths),

@@ -218,8 +218,8 @@ def unequal(study: Study) -> tuple[str, ...]:
     if len({(options.get("handling", "repair"), options.get("start", "random")) for options in given}) < 2:
         return ()
     text = (
-        "As in the thesis, these algorithms do not run under equal conditions. The study thesis-equal compares them "
-        "under the same handling and start, with several populations."
+        "As in the thesis, these algorithms do not run under equal conditions. 'bench run STUDY --matched' adds what "
+        "compares them under the same handling and start; the study thesis-equal does so with several populations."
     )
     return (text,)
 

@@ -1,4 +1,4 @@
-"""The fits drawn over their recordings, equal conditions, and the memory of a search, for studies of any shape."""
+"""The fits drawn over their recordings, unequal conditions, and the memory of a search, for studies of any shape."""
 
 import subprocess
 import sys
@@ -9,10 +9,10 @@ import pytest
 
 from bench import Results, Study, Trace, load_problem
 from bench.analysis import in_study_order
-from bench.report.write import save_figure, save_table
+from bench.report.write import save_figure
 from bench.storage.folder import Folder
 from bench.study import Entry
-from problems.backlash.report import equal, fits, fitting_errors, resources
+from problems.backlash.report import fits, fitting_errors, resources
 from problems.backlash.signature.model import VARIABLES
 
 X = np.array([-20.0, 0.05, 15.0, 130.0, 0.0, 0.005, 0.15])
@@ -112,49 +112,6 @@ def test_many_optimizers_and_recordings_are_split_and_counted(tmp_path, monkeypa
     assert list(section.items[0].shown) == [f"RMSE of best: gwo {number}" for number in range(3, 11)]
 
 
-def test_only_what_ran_under_equal_conditions_is_compared():
-    assert equal.equal_groups(Study.load("thesis")) == {}
-    sizes = equal.equal_groups(Study.load("thesis-equal"))
-    assert list(sizes) == [30, 100, 300]
-    assert sizes[100] == {name: f"{name} 100" for name in ("cma-es", "alo", "goa", "gwo", "da")}
-
-
-def test_wins_are_counted_by_population(tmp_path):
-    optimizers = [alike(name, agents) for agents in (300, 30) for name in ("cma-es", "gwo", "alo")]
-
-    def values(problem, optimizer, trial):
-        name, agents = optimizer.split()
-        place = {"cma-es": 0, "gwo": 0.001, "alo": 50}[name] * (1 if agents == "300" else -1)
-        return 100.0 + place + (trial if name != "alo" else trial / 10) + 20 * (problem == "signature-12")
-
-    results, frame = make(tmp_path / "s", optimizers, values, trials=9)
-    (section,) = equal.sections(frame, results.study)
-    (table,) = section.items
-    assert table.frame.index.tolist() == [(30, "alo 30"), (30, "gwo 30"), (300, "alo 300"), (300, "gwo 300")]
-    counts = table.frame[["lower median on", "tests: lower on", "tests: higher on"]]
-    assert counts.to_numpy().tolist() == [[0, 0, 2], [0, 0, 0], [2, 2, 0], [2, 0, 0]]
-    chances = table.frame["P(CMA-ES lower)"].round(3).tolist()
-    assert chances[::2] == [0.0, 1.0]
-    assert chances[1] + chances[3] == pytest.approx(1, abs=0.15)
-    text = " ".join(section.text)
-    assert (
-        "With 300 agents cma-es 300 had the lowest median on 2 of 2 problems. By the tests, cma-es 300 is lower" in text
-    )
-    assert "alo 300 on 2 (higher on 0) and gwo 300 on 0 (higher on 0)" in text
-    assert "cma-es 300 made 400 evaluations on average, a run of a swarm 1,000" in text
-    save_table(table, tmp_path, "equal")
-
-
-def test_one_trial_failures_and_missing_cells_need_no_test(tmp_path):
-    results, frame = make(tmp_path / "a", BOTH, lambda *_: 2.0, datasets=(3,), trials=1)
-    (section,) = equal.sections(frame, results.study)
-    assert section.items[0].frame["95% interval"].tolist() == ["–"]
-    assert "a tie counts for each" in " ".join(section.text)
-    results, frame = make(tmp_path / "b", BOTH, lambda *_: None, trials=2)
-    equal.sections(frame, results.study)
-    assert equal.sections(frame[frame["optimizer"] == "gwo 30"], results.study) == []
-
-
 def test_table_7_2_takes_the_thesis_s_population_of_several():
     labels = fitting_errors.algorithms(Study.load("thesis-equal"))
     assert labels == {name: f"{name} 300" for name in ("alo", "goa", "da", "gwo", "cma-es")}
@@ -182,5 +139,5 @@ def test_the_memory_that_reports_print_is_what_is_measured(name):
 
 
 def test_a_study_of_unequal_conditions_names_the_one_of_equal_ones():
-    assert "The study thesis-equal compares them" in fitting_errors.unequal(Study.load("thesis"))[0]
+    assert "the study thesis-equal does so with several populations" in fitting_errors.unequal(Study.load("thesis"))[0]
     assert fitting_errors.unequal(Study.load("thesis-equal")) == ()

@@ -1,0 +1,60 @@
+"""The leader and its rivals under the same conditions, where the optimizers of the study run under several."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from bench.report.conditions import differing
+from bench.report.findings import Findings
+from bench.report.matched import REPORTED, chances, cost
+from bench.report.parts import Section, Table
+from bench.report.wording import MISSING, count, listing, options
+
+TITLE = "Under the same conditions"
+
+
+def section(findings: Findings) -> Section | None:
+    """Return the table of the leader against its rivals, None where nothing differs or nothing ran under the same."""
+    found = chances(findings)
+    reported = found.loc[found["conditions"] == REPORTED, ["first", "second"]]
+    if found[["first", "second"]].drop_duplicates().shape[0] <= len(reported):
+        return None
+    leader, conditions = str(reported["first"].iloc[0]), list(found["conditions"].unique())
+    counts = [
+        f"{int((own['low'] > 0.5).sum())} of {count(len(own), 'rival')} {'' if name == REPORTED else 'with '}{name!s}"
+        for name, own in found.groupby("conditions", sort=False)
+    ]
+    meaning = (
+        f"The optimizers differ in more than their algorithms: {differing(findings)}. The table compares {leader} with "
+        "its rivals as they ran, and where both have the conditions of a column."
+    )
+    text = [meaning, f"The 95% interval of the probability lies above 0.5 against {'; '.join(counts)}."]
+    if controls := [entry.label for entry in findings.study.controls]:
+        text.append(
+            f"The controls, {listing(controls)}, were run for this table alone: no rank, test or figure has them."
+        )
+    if missing := cost(findings):
+        text.append(f"The table is not complete: {missing}.")
+    return Section(TITLE, tuple(text), (_table(findings, found, leader, conditions),))
+
+
+def _table(findings: Findings, found: pd.DataFrame, leader: str, conditions: list[str]) -> Table:
+    cells = [
+        f"{chance:.2f}" + ("" if pd.isna(low) else f" [{low:.2f}, {high:.2f}]")
+        for chance, low, high in zip(found["probability"], found["low"], found["high"], strict=True)
+    ]
+    shown = found.assign(cell=cells).pivot(index="rival", columns="conditions", values="cell")
+    shown = shown.reindex(index=found["rival"].unique(), columns=conditions).fillna(MISSING).rename_axis(columns=None)
+    apart = [
+        f"{listing(labels)} {'has' if len(labels) == 1 else 'have'} no such option as {options({name: value})}"
+        for each in findings.matched
+        for name, value in each.values.items()
+        if (labels := [label for label, names in each.apart.items() if name in names])
+    ]
+    return Table(
+        "same-conditions",
+        f"The probability that a run of {leader} beats one of each rival, with its 95% interval.",
+        shown,
+        note="; ".join(["The mean over problems of A12", *apart]) + ".",
+        data=found,
+    )
