@@ -18,7 +18,6 @@ from bench.analysis.across import FEWER, MANY
 from bench.analysis.cells import NEAR
 from bench.analysis.equivalence import RESAMPLES as EQUIVALENCE_RESAMPLES
 from bench.analysis.instances import SOLVED
-from bench.analysis.running_time import RESAMPLES as ERT_RESAMPLES
 from bench.bibtex import Work, parse, read
 from bench.budget import described
 from bench.constraints import COEFFICIENT
@@ -173,7 +172,6 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         "fewer": len(facts.study.optimizers) > MANY,
         "winner_rule": WINNER_RULE,
         "fewer_resamples": FEWER,
-        "ert_resamples": ERT_RESAMPLES,
         "equivalence_resamples": EQUIVALENCE_RESAMPLES,
         "coefficient": COEFFICIENT,
         "given": [f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text],

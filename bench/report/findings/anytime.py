@@ -88,7 +88,7 @@ class Anytime(Final):
         tabled = np.isclose(taus[:, np.newaxis], self.words.tabled, rtol=1e-9, atol=0)
         kept = tabled.any(axis=1)[codes]
         rounded = np.array(self.words.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
-        own = hits[kept].assign(tau=rounded[codes[kept]])
+        own = hits[kept].assign(tau=rounded[codes[kept]], budget=lambda rows: analysis.budgets(rows, self.allowed))
         table = analysis.running_times(own)
         times = analysis.running_times(analysis.in_seconds(own, self.frame))
         names = ["ert", "low", "high", "p10", "p90"]
