@@ -10,6 +10,7 @@ import numpy as np
 from bench import analysis
 from bench.analysis import ALPHA
 from bench.budget import described
+from bench.report import clock
 from bench.report.conditions import sentences
 from bench.report.findings import Findings
 from bench.report.parts import Card, Part, Section
@@ -18,7 +19,6 @@ from bench.report.ranking import rank_map, ranking_table
 from bench.report.sections import integrity
 from bench.report.sections.power import error_text
 from bench.report.sections.trials import NOT_ADJUSTED, extension_text
-from bench.report.target_words import TargetWords
 from bench.report.winner import TIED, WINNER_RULE, Across, Stage, Standing, verdict
 from bench.report.wording import count, listing, p_text, unfinished_trials
 
@@ -78,7 +78,7 @@ def standing(findings: Findings) -> Standing:
         near=f"within {analysis.SOLVED:g} of {best}" if precise else f"within {NEAR:.0%} of {best}",
         course=_course(findings),
         unit="of the budget" if findings.scaled else "evaluations",
-        clock=_clock(findings),
+        clock=clock.sentence(findings),
         sweep=dependent(findings),
     )  # fmt: skip
 
@@ -160,37 +160,6 @@ def _course(findings: Findings) -> list[Stage]:
         text = f"{float(str(share)):.0%}" if findings.scaled else f"{evaluations:,}"
         course.append(Stage(text, tuple(map(str, lowest))))
     return course
-
-
-def _clock(findings: Findings) -> str:
-    """Return who reaches the targets first in seconds, where that is another one than in evaluations; else ""."""
-    words, table = findings.words, findings.running_times
-    if table.empty:
-        return ""
-    solved = table.loc[table["successes"] > 0, words.unit].unique().tolist()
-    level = words.level if words.level in solved else min(solved, default=np.nan)
-    own = table[table[words.unit] == level]
-    if own.empty:
-        return ""
-    first = []
-    for name in ("ert", "ert_s"):
-        reached = analysis.table(own, name).astype(float).replace(np.inf, np.nan)
-        first.append(reached.eq(reached.min(axis=1), axis=0).sum())
-    evaluations, seconds = first
-    leader, fastest = str(evaluations.idxmax()), str(seconds.idxmax())
-    problems = own["problem"].nunique()
-    if leader == fastest or 2 * min(evaluations[leader], seconds[fastest]) <= problems:
-        return ""  # an order is turned round only where there is one, on most problems
-    return (
-        f"By the clock the order turns round: to the target {_target(words, level)}, {leader} has the lowest expected "
-        f"running time in evaluations on {evaluations[leader]} of {count(problems, 'problem')}, but {fastest} has the "
-        f"lowest in seconds on {seconds[fastest]} ({leader} on {seconds[leader]})."
-    )
-
-
-def _target(words: TargetWords, level: float) -> str:
-    share = f" ({100 * level:g}% of the first distance)" if words.kind == "relative" else ""
-    return f"{words.at(level)}{share}"
 
 
 def _evidence(findings: Findings) -> str:
