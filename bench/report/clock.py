@@ -29,7 +29,7 @@ def sentence(findings: Findings) -> str:
     problems = own["problem"].nunique()
     if leader == fastest or 2 * min(first[leader], fast[fastest]) <= problems:
         return ""  # an order is turned round only where there is one, on most problems
-    costs = break_even(ert, overhead(findings.frame), leader, fastest).dropna()
+    costs = break_even(ert, overhead(findings.whole), leader, fastest).dropna()
     if costs.empty:
         return ""
     return (
@@ -70,10 +70,9 @@ def _spread(costs: pd.Series[float]) -> str:
     """Return seconds as "1.8 us (median of 18 problems; 0.25 to 19 us)"."""
     middle = float(costs.median())
     factor, unit = next(((size, name) for size, name in UNITS if middle >= size), UNITS[-1])
-    low, middle, high = (f"{value / factor:.2g}" for value in (costs.min(), middle, costs.max()))
-    return f"{middle} {unit}" + (
-        f" (median of {len(costs)} problems; {low} to {high} {unit})" if len(costs) > 1 else ""
-    )
+    low, half, high = (f"{float(f'{value / factor:.2g}'):g}" for value in (costs.min(), middle, costs.max()))
+    several = f" (median of {len(costs)} problems; {low} to {high} {unit})" if len(costs) > 1 else ""
+    return f"{half} {unit}{several}"
 
 
 def _target(words: TargetWords, level: float) -> str:

@@ -9,13 +9,32 @@ import pandas as pd
 
 from bench.execution.descriptions import Description
 from bench.optimizer import CONDITIONS
+from bench.plugins.loading import is_built_in
 from bench.report.parts import Table
 from bench.report.wording import MISSING, listing
-from bench.study import Study
+from bench.study import Entry, Study
 from bench.text import option
 
 UNKNOWN, NONE = "not known", "null"
 MOST_VALUES, MOST_LABELS, MOST_OPTIONS = 4, 5, 6  # that a sentence names
+
+
+def repairing(study: Study) -> dict[str, bool]:
+    """Return by label whether an optimizer repairs its points: not with ``handling="box"``.
+
+    An optimizer without such an option is assumed to repair them. A stranger's is not loaded to look for it.
+    """
+
+    def handling(entry: Entry) -> object:
+        given = entry.options.get("handling")
+        if not is_built_in(entry.name):
+            return given
+        try:
+            return getattr(study.optimizer(entry.label), "handling", given)
+        except Exception:  # its library may be missing, and may raise anything
+            return given
+
+    return {each.label: handling(each) != "box" for each in study.optimizers}
 
 
 def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.DataFrame:

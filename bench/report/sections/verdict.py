@@ -74,7 +74,7 @@ def standing(findings: Findings) -> Standing:
         trials=count(least, "trial") if least == most else f"{least} to {count(most, 'trial')}",
         differing=_dimensions(findings),
         size=_size(findings),
-        found=analysis.near_best(findings.frame, findings.optima, 0.0 if precise else NEAR, analysis.SOLVED),
+        found=analysis.near_best(findings.measured_final, findings.optima, 0.0 if precise else NEAR, analysis.SOLVED),
         near=f"within {analysis.SOLVED:g} of {best}" if precise else f"within {NEAR:.0%} of {best}",
         course=_course(findings),
         unit="of the budget" if findings.scaled else "evaluations",
@@ -195,13 +195,19 @@ def _limits(findings: Findings) -> tuple[str, ...]:
             f"The runs in {listing(looked)} were stopped by declared looks; the tests of this comparison do not "
             "account for these, so their p-values are too small."
         )
-    if findings.allowed != findings.budgets:
-        unequal = (
-            "The optimizers had different budgets, and the ranks of final values favour the larger ones: compare the "
-            "running times to targets instead."
-        )
-        texts.insert(0, unequal)
+    if findings.common:
+        texts.insert(0, unequal_budgets(findings))
     return tuple(filter(None, (*texts, unused(findings))))
+
+
+def unequal_budgets(findings: Findings) -> str:
+    """Return at which budget values are compared where the optimizers had different ones."""
+    left_out = [f"{count(number, 'trial')} of {label}" for label, number in findings.incomparable.items()]
+    return (
+        f"The optimizers had different budgets: ranks, medians and tests compare values {findings.common_words}, and "
+        "running times to targets count all evaluations."
+        + (f" Left out, as it is unknown what they had found by then: {listing(left_out)}." if left_out else "")
+    )
 
 
 def unused(findings: Findings) -> str:

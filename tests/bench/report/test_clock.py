@@ -17,10 +17,10 @@ def findings(make, tmp_path):
 
 def timed(findings, overheads):
     """Set the seconds of each optimizer for an evaluation beside those of the objective, by problem and optimizer."""
-    frame = findings.frame
+    frame = findings.whole
     keys = zip(frame["problem"], frame["optimizer"], strict=True)
     own = pd.Series([overheads[key] for key in keys], index=frame.index)
-    findings.__dict__["frame"] = frame.assign(objective_s=frame["nfev"] * 1e-7, wall_s=frame["nfev"] * (own + 1e-7))
+    findings.__dict__["whole"] = frame.assign(objective_s=frame["nfev"] * 1e-7, wall_s=frame["nfev"] * (own + 1e-7))
     rows = [
         (p, o, 1e-2, 3, ert, ert * (overheads[p, o] + 1e-7))
         for p in "pqr"
@@ -34,7 +34,7 @@ def test_the_break_even_cost_is_that_at_which_both_take_as_long(findings):
     scale = {"p": 1.0, "q": 0.5, "r": 10.0}
     timed(findings, {(p, o): scale[p] * own[o] for p in "pqr" for o in "abc"})
     ert = pd.DataFrame({"a": [10.0] * 3, "b": [20.0] * 3}, index=list("pqr"))
-    costs = clock.break_even(ert, clock.overhead(findings.frame), "a", "b")
+    costs = clock.break_even(ert, clock.overhead(findings.whole), "a", "b")
     for problem, cost in costs.items():  # 10 evaluations of a take as long as 20 of b
         assert 10 * (4e-6 * scale[problem] + cost) == pytest.approx(20 * (1e-6 * scale[problem] + cost))
     assert clock.sentence(findings) == (
