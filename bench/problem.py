@@ -48,6 +48,9 @@ class Problem(ABC):
         lower: (d,) float64, the lower end of the box.
         upper: (d,) float64, the upper end of the box.
         optimum: the best known objective value, or None where none is known.
+        repaired_optimum: the best known value of the points that :meth:`repair` returns, where the optimum itself may
+            be none of them; None (default) where repaired points can reach the optimum. Reports count the regret and
+            the targets of an optimizer that repairs its points from this value.
         expected: the true value and the acceptable error of domain metrics, by their names in :meth:`describe`, such as
             ``{"amplitude_rpm": (140.2, 1.93)}``; reports draw them.
         features: what kind of problem it is, by which reports can group problems, such as ``{"suite": "bbob",
@@ -66,6 +69,7 @@ class Problem(ABC):
     lower: Floats
     upper: Floats
     optimum: float | None = None
+    repaired_optimum: float | None = None
     expected: Mapping[str, tuple[float, float]] = MappingProxyType({})
     features: Mapping[str, str | int] = MappingProxyType({})
     repairs: bool = False

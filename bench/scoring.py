@@ -59,6 +59,8 @@ class Scored(Problem):
         self.lower, self.upper = problem.lower, problem.upper
         self.optimum, self.expected, self.features = problem.optimum, dict(problem.expected), dict(problem.features)
         self.integer = problem.integer
+        if not handling:  # handled constraints confine all optimizers alike
+            self.repaired_optimum = problem.repaired_optimum
 
     def evaluate(self, x: Floats) -> Floats:
         """Return the (n,) values recorded of the (n, d) points ``x``: true ones, and +inf where they are infeasible."""

@@ -9,7 +9,7 @@ import pandas as pd
 
 from bench.analysis.cells import merge_near_ties
 from bench.analysis.direction import ALPHA
-from bench.analysis.standings import mean_ranks, standings
+from bench.analysis.standings import mean_ranks, outstanding, standings
 
 
 def comparison_matrix(
@@ -23,12 +23,12 @@ def comparison_matrix(
     """Return the matrix of a statistic, one row a cell: problem, optimizer, value, best and alike.
 
     ``value`` is the statistic, missing where it is not known. ``best`` marks the first of a problem, each of them where
-    several tie, in problems with at least two optimizers: by "standing", the one that beats the most rivals
-    (:func:`bench.analysis.standings`), unless all of its trials failed; by "value", as in thesis Table 7.2, the one
-    with the lowest finite value. ``alike`` (italics) marks a known value that is not best, where the test cannot
-    separate its cell from a best one: by "standing", no one of the two is separably lower; by "value", as in the
-    thesis, the raw p of the Kolmogorov-Smirnov test is above 0.05. The letters of :func:`compact_letters` summarise all
-    pairs; merge them with this table.
+    several tie, but none where half of the optimizers or more share the first place: by "standing", the one that beats
+    the most rivals (:func:`bench.analysis.standings`), unless all of its trials failed; by "value", as in thesis Table
+    7.2, the one with the lowest finite value. ``alike`` (italics) marks a known value that is not best, where the test
+    cannot separate its cell from a best one: by "standing", no one of the two is separably lower; by "value", as in
+    the thesis, the raw p of the Kolmogorov-Smirnov test is above 0.05. The letters of :func:`compact_letters`
+    summarise all pairs; merge them with this table.
 
     The ``statistic`` is "median", or "mean" as in the thesis, which is missing after a single failed trial. ``pairs``
     hold at least the optimizers of ``summary``. ``standing`` is that of :func:`bench.analysis.standings`, where it is
@@ -38,7 +38,8 @@ def comparison_matrix(
     winners: set[tuple[Any, Any]]
     if by == "value":
         values = table(summary, statistic)
-        best = _lowest(values) & (values.notna().sum(axis=1) > 1).to_numpy()[:, np.newaxis]
+        lowest, known = _lowest(values), values.notna().sum(axis=1)
+        best = lowest.mul(outstanding(lowest.sum(axis=1), known), axis=0)
         winners = {(problem, optimizer) for optimizer in best for problem in best.index[best[optimizer]]}
     else:
         winners = _first(summary, standings(summary, pairs) if standing is None else standing)
@@ -60,12 +61,13 @@ def comparison_matrix(
 
 
 def _first(summary: pd.DataFrame, standing: pd.DataFrame) -> set[tuple[str, str]]:
-    """Return the cells that are ranked first among two or more, and have a trial that did not fail."""
+    """Return the cells that are ranked first, stand out from the others, and have a trial that did not fail."""
     found = summary[["problem", "optimizer", "n", "failed"]].merge(standing, on=["problem", "optimizer"])
     found = found[found["n"] > 0]
     by_problem = found.groupby("problem", sort=False, observed=True)["rank"]
-    first = (found["rank"] == by_problem.transform("min")) & (by_problem.transform("size") > 1)
-    chosen = found[first & (found["failed"] < found["n"])]
+    first = found["rank"] == by_problem.transform("min")
+    sharing = first.groupby(found["problem"], sort=False, observed=True).transform("sum")
+    chosen = found[first & outstanding(sharing, by_problem.transform("size")) & (found["failed"] < found["n"])]
     return set(zip(chosen["problem"], chosen["optimizer"], strict=True))
 
 
@@ -112,7 +114,8 @@ def ranking(summary: pd.DataFrame, pairs: pd.DataFrame, *, standing: pd.DataFram
     """Return one row an optimizer: problems, first, separable, worse and mean_rank.
 
     The unit is the problem, on which every optimizer has a trial. ``first`` counts the problems on which the optimizer
-    is ranked first by :func:`bench.analysis.standings` (a tie counts for each), ``separable`` those on which it is
+    is ranked first by :func:`bench.analysis.standings` (a tie counts for each, but for none where half of the
+    optimizers or more share the first place), ``separable`` those on which it is
     separably lower than every rival, ``worse`` those on which a rival is separably lower than it; ``mean_rank`` is the
     mean of its ranks. ``standing`` is as in :func:`comparison_matrix`.
     """

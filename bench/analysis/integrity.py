@@ -26,7 +26,7 @@ class Trait(NamedTuple):
     trouble: str  # what was observed of the optimizers that have the trait
     meaning: str  # the consequence for conclusions
     shown: Callable[[float], str]  # formats the number that decided about an optimizer
-    well: str  # what no optimizer does where none has the trait
+    well: str  # what was not found, and is not shown to be absent; goes before "any of the 5 optimizers"
 
 
 TRAITS = {
@@ -34,25 +34,25 @@ TRAITS = {
         "Errors are higher when the optimum is moved away from the centre of the box",
         "Results on problems with a central optimum flatter these optimizers.",
         lambda ratio: f"{ratio:.2g} times",
-        "is better where the optimum is at the centre",
+        "A central optimum did not lower the errors beyond the limit of the check for",
     ),
     "structural bias": Trait(  # Kononova et al. 2015
         "On pure noise, where no point is better than another, the best points are not uniform in the box",
         "Results depend on where in the box the optimum lies.",
         lambda p: f"p = {p:.1g}",
-        "favours a part of the box on pure noise",
+        "The tests did not reject uniform best points on pure noise for",
     ),
     "boundary clamping": Trait(
         "Best points have coordinates on a bound of the box where no optimum lies there",
         "Results on problems with an optimum on a bound flatter these optimizers.",
         lambda share: f"{percent(share)} of them",
-        "is drawn to the bounds of the box",
+        "The share of coordinates on a bound of the box was not above the limit for",
     ),
     "starts and seeds": Trait(
         "Starting points are not uniform and independent in the box, or runs with different seeds are equal",
         "Trials may not be independent.",
         lambda p: f"p = {p:.1g}",
-        "repeats a run with another seed or starts elsewhere than uniformly in the box",
+        "No run repeated one with another seed, and the tests did not reject uniform and independent starts for",
     ),
 }
 
@@ -197,6 +197,11 @@ def _trait(name: str, diagnoses: Diagnoses) -> Finding:
         return Finding("not checked", "Run 'bench check' with this folder to check the optimizers for it.")
     numbers = [(label, each.get("figure")) for label, each in found if not each["passed"]]
     if not numbers:
-        return Finding("pass", f"None of {len(found):,} optimizers {trait.well}.")
+        tested = [label for label, each in found if each.get("figure") is not None]
+        other = [label for label, each in found if each.get("figure") is None]
+        whom = f"any of the {len(tested):,} optimizers" if len(tested) > 1 else "".join(tested)
+        said = [f"{trait.well} {whom}."] if tested else []
+        said += [f"There was nothing to test for {listed(other)}."] if other else []
+        return Finding("pass", " ".join(said))
     named = [label if number is None else f"{label} {trait.shown(number)}" for label, number in numbers]
     return Finding("warning", f"{trait.trouble}: {listed(named)}. {trait.meaning}")

@@ -1,4 +1,9 @@
-"""Running times with their spread: bootstrap intervals, simulated restarts, and times in seconds.
+"""Running times with their spread: intervals of the ERT, simulated restarts, and times in seconds.
+
+With p the chance of success, ERT = E[time of a success] + (1 - p) / p E[cost of a failure]. Its interval combines those
+of the three parts by the method of variance estimates recovery (Zou and Donner 2008, Statistics in Medicine 27): of the
+means, Student's; of p, Jeffreys's (Brown, Cai and DasGupta 2001, Statistical Science 16). Where every trial succeeded,
+p may still be below 1, and a failure then costs the whole budget; a bootstrap of such trials cannot see this.
 
 A *simulated restart* draws trials of a cell with replacement until a successful one and adds their times (Hansen,
 Auger, Ros, Mersmann, Tušar and Brockhoff 2021, Optimization Methods and Software 36, section 4); the mean of such sums
@@ -14,12 +19,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.special import betaincinv, stdtrit
 
 from bench.analysis.anytime import Counts
 from bench.analysis.cells import labels
 from bench.problem import Floats
 
-RESAMPLES = 999  # of the bootstrap interval of an ERT
 RESTARTS = 1000  # simulated restarts a target, as in COCO's tables
 DRAWN = 100  # simulated restarts a target of an ECDF
 SEED = 1
@@ -39,6 +44,7 @@ class Batch(NamedTuple):
         tau: (C, T); target: (C, T).
         paid: (C, n, T), the time until the target, or all that was spent where it was not reached.
         reached: (C, n, T).
+        most: (C, T), the most that a trial could have spent.
     """
 
     cells: list[tuple[str, str]]
@@ -46,26 +52,30 @@ class Batch(NamedTuple):
     target: Floats
     paid: Floats
     reached: Flags
+    most: Floats
 
 
 def running_times(hits: pd.DataFrame, restarts: int = RESTARTS) -> pd.DataFrame:
     """Return the ERT of each cell and target with its spread, one row a cell and target.
 
     Columns: problem, optimizer, tau, target, trials, successes, ert (as of
-    :func:`bench.analysis.expected_running_time`); ``low`` and ``high``, its 95 % percentile interval over 999 bootstrap
-    samples of the cell's trials, infinite where too many samples hold no success; ``p10`` and ``p90``, the 10th and
-    90th percentiles of simulated restarts, the dispersion that COCO prints as ratios of the ERT. All four are missing
-    without a success.
+    :func:`bench.analysis.expected_running_time`); ``low`` and ``high``, its 95 % interval; ``p10`` and ``p90``, the
+    10th and 90th percentiles of simulated restarts, the dispersion that COCO prints as ratios of the ERT. All four are
+    missing without a success; one trial alone has no interval.
 
-    ``hits`` are those of :func:`bench.analysis.hitting_times`, in any unit of time. Cells without trials have no row.
+    ``hits`` are those of :func:`bench.analysis.hitting_times`, in any unit of time. Their column ``budget`` is what
+    each trial was allowed, in that unit: a failure may cost as much where none was seen. Without this column it may
+    cost as much as the longest trial on the problem. Cells without trials have no row.
     """
+    if "budget" not in hits:
+        hits = hits.assign(budget=hits.groupby("problem", observed=True)["spent"].transform("max"))
     tables = []
-    for batch in _batches(hits, RESAMPLES + restarts):
+    for batch in _batches(hits, restarts):
         count, trials, targets = batch.paid.shape
         successes = batch.reached.sum(axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             ert = np.where(successes > 0, batch.paid.sum(axis=1) / successes, np.inf)
-        low, high = _bootstrap(batch)
+        low, high = _intervals(batch)
         drawn = _percentiles(simulated_restarts(batch, restarts), (10, 90))
         p10, p90 = (np.where(np.isfinite(ert), each, np.nan) for each in drawn)
         problem, optimizer = np.repeat(np.array(batch.cells, dtype=object), targets, axis=0).T
@@ -80,7 +90,7 @@ def running_times(hits: pd.DataFrame, restarts: int = RESTARTS) -> pd.DataFrame:
 
 
 def in_seconds(hits: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame:
-    """Return hitting times with evaluations and spent in seconds, at each trial's own pace.
+    """Return hitting times with evaluations, spent and, where it is known, budget in seconds, at each trial's own pace.
 
     The pace is the trial's wall time over its evaluations; that of a failed trial is the median of its cell. Without a
     recorded time, times are missing.
@@ -93,7 +103,7 @@ def in_seconds(hits: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame:
     own = pd.MultiIndex.from_arrays([hits[name].astype(object) for name in ("problem", "optimizer", "trial")])
     each = pace.to_numpy()[index.get_indexer(own)] if len(hits) else np.empty(0)
     times = np.where(np.isfinite(hits["evaluations"]), hits["evaluations"] * each, np.inf)
-    return hits.assign(evaluations=times, spent=hits["spent"] * each)
+    return hits.assign(evaluations=times, **{name: hits[name] * each for name in ("spent", "budget") if name in hits})
 
 
 def restart_shares(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None = None) -> pd.DataFrame:
@@ -152,18 +162,41 @@ def simulated_restarts(batch: Batch, samples: int, rng: np.random.Generator | No
     return flat.reshape(count, targets, len(first))
 
 
-def _bootstrap(batch: Batch) -> tuple[Floats, Floats]:
-    """Return the (C, T) ends of the 95 % percentile intervals of the ERT."""
-    trials = batch.paid.shape[1]
-    weights = np.random.default_rng(SEED).multinomial(trials, np.full(trials, 1 / trials), size=RESAMPLES).astype(float)
-    successes = weights @ batch.reached.astype(float)
+def _intervals(batch: Batch) -> tuple[Floats, Floats]:
+    """Return the (C, T) ends of the 95 % intervals of the ERT."""
+    trials, reached, most = batch.paid.shape[1], batch.reached, batch.most
+    successes = reached.sum(axis=1).astype(float)
+    failures = trials - successes
     with np.errstate(divide="ignore", invalid="ignore"):
-        ert = np.where(successes > 0, (weights @ batch.paid) / successes, np.inf)
-    places = round(0.025 * (RESAMPLES + 1)) - 1, round(0.975 * (RESAMPLES + 1)) - 1
-    ends = np.partition(ert, places, axis=1)
-    missing = ~batch.reached.any(axis=1)
-    low, high = (np.where(missing, np.nan, ends[:, place]) for place in places)
-    return low, high
+        odds = failures / successes
+        least, greatest = (1 / betaincinv(successes + 0.5, failures + 0.5, share) - 1 for share in (0.975, 0.025))
+        least = np.where(failures == 0, 0.0, least)
+        time, time_low, time_high = _mean(batch.paid, reached, most)
+        cost, cost_low, cost_high = _mean(batch.paid, ~reached, most)
+        ert = time + odds * cost
+        low = ert - np.sqrt((time - time_low) ** 2 + ((odds - least) * cost) ** 2 + (odds * (cost - cost_low)) ** 2)
+        high = ert + np.sqrt(
+            (time_high - time) ** 2 + ((greatest - odds) * cost) ** 2 + (odds * (cost_high - cost)) ** 2
+        )
+    missing = (successes == 0) | (trials == 1)
+    return np.where(missing, np.nan, np.maximum(low, 0.0)), np.where(missing, np.nan, high)
+
+
+def _mean(paid: Floats, chosen: Flags, most: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return the (C, T) mean of the ``chosen`` ones of the (C, n, T) times, and the ends of its 95 % interval.
+
+    The interval is Student's within 0 and the ``most``; that is all that is known from a single time. Without any, the
+    ``most`` is the mean.
+    """
+    count = chosen.sum(axis=1).astype(float)
+    mean = np.where(chosen, paid, 0.0).sum(axis=1) / count
+    deviations = np.where(chosen, paid - mean[:, np.newaxis], 0.0)
+    error = np.sqrt((deviations**2).sum(axis=1) / (count - 1) / count) * stdtrit(count - 1, 0.975)
+    several = count > 1
+    low = np.where(several, np.maximum(mean - error, 0.0), 0.0)
+    high = np.where(several, np.minimum(mean + error, most), most)
+    none = count == 0
+    return np.where(none, most, mean), np.where(none, most, low), np.where(none, most, high)
 
 
 def _percentiles(drawn: Floats, shares: tuple[float, ...]) -> list[Floats]:
@@ -184,8 +217,9 @@ def _percentiles(drawn: Floats, shares: tuple[float, ...]) -> list[Floats]:
 def _batches(hits: pd.DataFrame, each: int) -> Iterator[Batch]:
     """Yield the cells that have trials, those of one shape together; ``each`` numbers a target are held in memory."""
     groups: dict[Any, Any] = dict(hits.groupby(["problem", "optimizer"], sort=False, observed=True).indices)
-    tau, target, evaluations, spent = (
-        hits[name].to_numpy(dtype=float) for name in ("tau", "target", "evaluations", "spent")
+    tau, target, evaluations, spent, budget = (
+        hits[name].to_numpy(dtype=float)
+        for name in ("tau", "target", "evaluations", "spent", "budget" if "budget" in hits else "spent")
     )
     trial = hits["trial"].to_numpy()
     alike: dict[tuple[int, int], list[tuple[tuple[str, str], Rows]]] = {}
@@ -200,7 +234,8 @@ def _batches(hits: pd.DataFrame, each: int) -> Iterator[Batch]:
             rows = np.array(rows_of).reshape(len(names), trials, targets)
             reached = ~np.isposinf(evaluations[rows])  # a missing time is that of a success at an unknown time
             paid = np.where(reached, evaluations[rows], spent[rows])
-            yield Batch(list(names), tau[rows[:, 0]], target[rows[:, 0]], paid, reached)
+            most = np.maximum(spent[rows], budget[rows]).max(axis=1)
+            yield Batch(list(names), tau[rows[:, 0]], target[rows[:, 0]], paid, reached, most)
 
 
 def _in_order(tables: list[pd.DataFrame], hits: pd.DataFrame, columns: list[str]) -> pd.DataFrame:

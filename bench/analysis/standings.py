@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -158,6 +159,16 @@ def _matrices(pairs: pd.DataFrame, optimizers: Sequence[str]) -> tuple[Floats, N
         wins = lower == known[name].to_numpy(dtype=object)
         separable[one[wins], other[wins]] = True
     return chances, separable
+
+
+def outstanding(sharing: Any, optimizers: Any) -> Any:
+    """Return whether the first ones of a problem stand out: one of several, or fewer than half of the optimizers.
+
+    Args:
+        sharing: the number of optimizers that are first; an array, or a series with one number a problem or cell.
+        optimizers: the number of optimizers with trials, likewise or one number.
+    """
+    return (optimizers > 1) & ((sharing == 1) | (2 * sharing < optimizers))
 
 
 def mean_ranks(standing: pd.DataFrame) -> pd.Series[float]:

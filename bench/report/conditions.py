@@ -9,15 +9,32 @@ import pandas as pd
 
 from bench.execution.descriptions import Description
 from bench.optimizer import CONDITIONS
-from bench.report.findings import Findings
+from bench.plugins.loading import is_built_in
 from bench.report.parts import Table
 from bench.report.wording import MISSING, listing
-from bench.study import Study
+from bench.study import Entry, Study
 from bench.text import option
 
 UNKNOWN, NONE = "not known", "null"
-UNUSED = 0.01  # of the budget, on average, that an optimizer may leave as others do
 MOST_VALUES, MOST_LABELS, MOST_OPTIONS = 4, 5, 6  # that a sentence names
+
+
+def repairing(study: Study) -> dict[str, bool]:
+    """Return by label whether an optimizer repairs its points: not with ``handling="box"``.
+
+    An optimizer without such an option is assumed to repair them. A stranger's is not loaded to look for it.
+    """
+
+    def handling(entry: Entry) -> object:
+        given = entry.options.get("handling")
+        if not is_built_in(entry.name):
+            return given
+        try:
+            return getattr(study.optimizer(entry.label), "handling", given)
+        except Exception:  # its library may be missing, and may raise anything
+            return given
+
+    return {each.label: handling(each) != "box" for each in study.optimizers}
 
 
 def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.DataFrame:
@@ -63,29 +80,7 @@ def sentences(study: Study, descriptions: Mapping[str, Description]) -> Conditio
     return Conditions(tuple(filter(None, (limits, changed))), tuple(filter(None, (alike, usual))))
 
 
-def differing(findings: Findings) -> str:
-    """Return what differs between the optimizers besides their algorithms as a clause; "" where nothing is known to.
-
-    Such as ``"handling and start are box, midpoint for cma-es and repair, random for the 4 others, cma-es stopped after
-    72% of the budget"``. An optimizer without an option, such as a search without a population, does not differ in it.
-    """
-    table = conditions(findings.study, findings.descriptions)
-    alike: dict[tuple[tuple[str, ...], ...], dict[str, list[str]]] = {}  # conditions and values, by who has the same
-    for name in CONDITIONS:
-        groups = _groups(table[name].dropna())
-        if len(groups) > 1:
-            alike.setdefault(tuple(map(tuple, groups.values())), {})[name] = [*groups]
-    clauses = []
-    for owners, values in alike.items():
-        together = {", ".join(own): [*labels] for *own, labels in zip(*values.values(), owners, strict=True)}
-        clauses.append(f"{listing([*values])} {'is' if len(values) == 1 else 'are'} {_grouped(together)}")
-    spent = 1 - findings.unused.set_index("optimizer")["unused"].astype(float)
-    early = [f"{label} stopped after {share:.0%}" for label, share in spent[spent < 1 - UNUSED].sort_values().items()]
-    stopped = [f"{listing(early, at_most=MOST_LABELS)} of the budget"] if early else []
-    return ", ".join([*clauses, *stopped])
-
-
-def _groups(values: pd.Series[Any]) -> dict[str, list[str]]:
+def by_value(values: pd.Series[Any]) -> dict[str, list[str]]:
     """Return the labels of the optimizers by what is said of their value, without those whose value is not known."""
     groups: dict[str, list[str]] = {}
     for label, value in values[values != UNKNOWN].items():
@@ -97,9 +92,9 @@ def _differences(table: pd.DataFrame) -> tuple[str, str]:
     """Return the sentence on what differs, and that on what is the same where nothing differs."""
     apart, alike = [], []
     for name in CONDITIONS:
-        groups = _groups(table[name])
+        groups = by_value(table[name])
         if len(groups) > 1:
-            apart.append(f"{name} is {_grouped(groups)}")
+            apart.append(f"{name} is {grouped(groups)}")
         elif groups and None not in table[name].tolist():
             alike.append(f"{name} ({next(iter(groups))})")
     if apart:
@@ -117,7 +112,7 @@ def _said(value: object) -> str:
     return "no option" if value is None else "automatic" if value == NONE else str(value)
 
 
-def _grouped(groups: Mapping[str, list[str]]) -> str:
+def grouped(groups: Mapping[str, list[str]]) -> str:
     """Return who has which value, the largest group last, such as ``"box for cma-es and repair for the 4 others"``."""
     ordered = sorted(groups.items(), key=lambda each: len(each[1]))
     if len(ordered) > MOST_VALUES:

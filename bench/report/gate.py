@@ -132,7 +132,10 @@ def _by_speed(findings: Findings, frame: pd.DataFrame, target: float) -> pd.Data
             f"no target can be set on {listing(unknown, at_most=3)}, whose optimum is unknown or beaten; leave out "
             "--target"
         )
-    return ordered_trials(frame, findings.traces, {label: findings.unbeaten[label] for label in problems}, target)
+    measured = findings.measured_final.loc[frame.index]
+    return ordered_trials(
+        measured, findings.measured_traces, {label: findings.unbeaten[label] for label in problems}, target
+    )
 
 
 def _identical(frame: pd.DataFrame, chosen: tuple[str, str], missing: list[str]) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""The leader against its rivals under the same conditions, and what the controls that are missing would cost."""
+"""The conditions that differ, the leader against its rivals under the same ones, and what missing controls would cost."""
 
 from __future__ import annotations
 
@@ -9,15 +9,40 @@ import pandas as pd
 from bench import analysis
 from bench.console import duration
 from bench.execution.matched import algorithms
+from bench.optimizer import CONDITIONS
 from bench.plugins import registry
+from bench.report.conditions import MOST_LABELS, by_value, conditions, grouped
 from bench.report.findings import Findings
-from bench.report.wording import count, options
+from bench.report.wording import count, listing, options
 
 REPORTED = "as reported"
+UNUSED = 0.01  # of the budget, on average, that an optimizer may leave as others do
 RIVALS = 5
 """The rivals of the leader that are compared, the best by mean rank."""
 
 COLUMNS = ("conditions", "rival", "first", "second", "problems", "probability", "low", "high")
+
+
+def differing(findings: Findings) -> str:
+    """Return what differs between the optimizers besides their algorithms as a clause; "" where nothing is known to.
+
+    Such as ``"handling and start are box, midpoint for cma-es and repair, random for the 4 others, cma-es stopped after
+    72% of the budget"``. An optimizer without an option, such as a search without a population, does not differ in it.
+    """
+    table = conditions(findings.study, findings.descriptions)
+    alike: dict[tuple[tuple[str, ...], ...], dict[str, list[str]]] = {}  # conditions and values, by who has the same
+    for name in CONDITIONS:
+        groups = by_value(table[name].dropna())
+        if len(groups) > 1:
+            alike.setdefault(tuple(map(tuple, groups.values())), {})[name] = [*groups]
+    clauses = []
+    for owners, values in alike.items():
+        together = {", ".join(own): [*labels] for *own, labels in zip(*values.values(), owners, strict=True)}
+        clauses.append(f"{listing([*values])} {'is' if len(values) == 1 else 'are'} {grouped(together)}")
+    spent = 1 - findings.unused.set_index("optimizer")["unused"].astype(float)
+    early = [f"{label} stopped after {share:.0%}" for label, share in spent[spent < 1 - UNUSED].sort_values().items()]
+    stopped = [f"{listing(early, at_most=MOST_LABELS)} of the budget"] if early else []
+    return ", ".join([*clauses, *stopped])
 
 
 def chances(findings: Findings) -> pd.DataFrame:
@@ -52,7 +77,7 @@ def _row(findings: Findings, first: str, second: str) -> tuple[str, str, int, fl
         problem=pd.Categorical(own["problem"].astype(object), problems),
         optimizer=pd.Categorical(own["optimizer"].astype(object), [first, second]),
     )
-    found = analysis.probability_of_improvement(own).iloc[0]
+    found = analysis.probability_of_improvement(analysis.pairwise_tests(own)).iloc[0]
     return first, second, *(found[name] for name in ("problems", "probability", "low", "high"))
 
 

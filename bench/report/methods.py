@@ -18,7 +18,6 @@ from bench.analysis.across import FEWER, MANY
 from bench.analysis.cells import NEAR
 from bench.analysis.equivalence import RESAMPLES as EQUIVALENCE_RESAMPLES
 from bench.analysis.instances import SOLVED
-from bench.analysis.running_time import RESAMPLES as ERT_RESAMPLES
 from bench.bibtex import Work, parse, read
 from bench.budget import described
 from bench.constraints import COEFFICIENT
@@ -72,6 +71,8 @@ class MethodsFacts:
         target_set: the words for the targets.
         aocc: problems on which the area over the convergence curve is given.
         budgets: the budget of each optimizer in words, by label, where it may not be the study's.
+        common: the words for the budget at which values are compared, where budgets differ.
+        confined: problems whose optimum some optimizers cannot reach.
         planned: whether the number of trials was planned, of every optimizer.
         best2009: problems on which the best of 2009 stands beside the optimizers.
         sweeps: sweeps whose parameters' contributions are given.
@@ -108,6 +109,8 @@ class MethodsFacts:
     target_set: TargetWords = field(default_factory=lambda: target_words("relative"))
     aocc: int = 0
     budgets: Mapping[str, str] = field(default_factory=dict)
+    common: str = ""
+    confined: int = 0
     planned: bool = True
     best2009: int = 0
     sweeps: int = 0
@@ -173,7 +176,6 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         "fewer": len(facts.study.optimizers) > MANY,
         "winner_rule": WINNER_RULE,
         "fewer_resamples": FEWER,
-        "ert_resamples": ERT_RESAMPLES,
         "equivalence_resamples": EQUIVALENCE_RESAMPLES,
         "coefficient": COEFFICIENT,
         "given": [f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text],

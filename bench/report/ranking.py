@@ -123,7 +123,8 @@ def ranking_table(findings: Findings) -> Table:
         shown,
         decimals=2,
         note=("In brackets: a 95% interval of the mean rank that other trials on these problems would give. " * sure)
-        + "First: problems on which it is ranked first; separable: on which it is separably lower than every rival; "
+        + "First: problems on which it is ranked first, unless half of the optimizers or more share that place; "
+        "separable: on which it is separably lower than every rival; "
         "worse: on which a rival is separably lower than it.",
         data=table.reset_index(),
     )

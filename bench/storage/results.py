@@ -51,6 +51,7 @@ class ProblemFacts:
     constraints: str = ""  # how its constraints were handled; "" where it has none
     noisy: bool = False  # whether optimizers saw values with noise
     integers: tuple[str, ...] = ()  # the integer variables
+    repaired_optimum: float | None = None  # the best known objective value of repaired points, where it is another one
     reason: str = ""  # why the problem cannot be loaded, so that no fact is known
 
     @property
@@ -248,9 +249,11 @@ class Results:
     def _look_up(self, label: str) -> ProblemFacts:
         try:
             problem = self.problem(label)
-            optimum = None if problem.optimum is None else float(problem.optimum)
-            if optimum is not None and not math.isfinite(optimum):
-                raise ValueError(f"its optimum is {optimum}")
+            known = [None if each is None else float(each) for each in (problem.optimum, problem.repaired_optimum)]
+            for each in known:
+                if each is not None and not math.isfinite(each):
+                    raise ValueError(f"its optimum is {each}")
+            optimum, repaired = known
             expected = {str(name): (float(true), float(near)) for name, (true, near) in problem.expected.items()}
             box = zip(map(float, problem.lower), map(float, problem.upper), strict=True)
             features = {
@@ -266,6 +269,7 @@ class Results:
                 constraints=problem.handling if isinstance(problem, Scored) and noted else "",
                 noisy=plain(problem).noisy,
                 integers=tuple(compress(problem.variables, integer_flags(problem))),
+                repaired_optimum=repaired if repaired != optimum else None,
             )
         except BenchError as error:
             return ProblemFacts(reason=str(error))

@@ -79,8 +79,8 @@ def differences(studies: Sequence[Study], names: Sequence[str]) -> list[str]:
             for study, name in zip(studies, names, strict=True)
         ]
         sentences.append(
-            f"Budgets differ: {_listed(each)}. Compare running times to targets, which count what each trial spent; "
-            "final values favour the larger budget."
+            f"Budgets differ: {_listed(each)}. Values are compared at the largest budget that all had; running times "
+            "to targets count what each trial spent."
         )
     return sentences
 

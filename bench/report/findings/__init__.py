@@ -101,6 +101,8 @@ class Findings(Anytime):
                 landscapes=len(self.landscapes.table),
                 dominance=self.u_scores["problem"].nunique() if len(self.optimizers) > 1 else 0,
                 budgets={label: described(each) for label, each in self.results.budgets.items()},
+                common=self.common_words,
+                confined=len({problem for (problem, _), by in self.shifts.items() if by}),
                 planned=min(self.results.planned.values()) > 0,
                 best2009=self.best_times.dropna()["problem"].nunique(),
                 tuning=self.study.tuning if self.study.tuning and not self.study.tuning.doubt else None,

@@ -25,12 +25,12 @@ class Anytime(Final):
     @cached_property
     def stages(self) -> pd.DataFrame:
         """The rank of each cell after some shares of the budget."""
-        return analysis.stage_ranks(self.frame, self.traces, self.budgets)
+        return analysis.stage_ranks(self.frame, self.traces, self.common or self.budgets)
 
     @cached_property
     def unused(self) -> pd.DataFrame:
         """The share of the budget that each optimizer left."""
-        return analysis.unused_budget(self.frame, self.allowed)
+        return analysis.unused_budget(self.whole, self.allowed)
 
     @cached_property
     def words(self) -> TargetWords:
@@ -60,7 +60,7 @@ class Anytime(Final):
         return self._hits(self.words)
 
     def _targets(self, words: TargetWords) -> pd.DataFrame:
-        table = analysis.target_table(words.chosen, self.frame, self.traces, self.optima)
+        table = analysis.target_table(words.chosen, self.measured, self.measured_traces, self.optima)
         if words.kind != "tolerance":
             return table
         return table[table["problem"].isin([label for label, each in self.known.items() if each.expected])]
@@ -68,9 +68,9 @@ class Anytime(Final):
     def _hits(self, words: TargetWords) -> pd.DataFrame:
         if words.kind == "tolerance":
             expected = {label: each.expected for label, each in self.known.items()}
-            return analysis.tolerance_times(self.frame, self.traces, expected, self.allowed)
+            return analysis.tolerance_times(self.whole, self.traces, expected, self.allowed)
         targets = self.targets if words == self.words else self._targets(words)
-        return analysis.hitting_times(self.frame, self.traces, targets, self.allowed)
+        return analysis.hitting_times(self.measured, self.measured_traces, targets, self.allowed)
 
     @cached_property
     def success(self) -> pd.DataFrame:
@@ -88,9 +88,9 @@ class Anytime(Final):
         tabled = np.isclose(taus[:, np.newaxis], self.words.tabled, rtol=1e-9, atol=0)
         kept = tabled.any(axis=1)[codes]
         rounded = np.array(self.words.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
-        own = hits[kept].assign(tau=rounded[codes[kept]])
+        own = hits[kept].assign(tau=rounded[codes[kept]], budget=lambda rows: analysis.budgets(rows, self.allowed))
         table = analysis.running_times(own)
-        times = analysis.running_times(analysis.in_seconds(own, self.frame))
+        times = analysis.running_times(analysis.in_seconds(own, self.whole))
         names = ["ert", "low", "high", "p10", "p90"]
         seconds = times[names].add_suffix("_s") if len(times) else pd.DataFrame(columns=[f"{each}_s" for each in names])
         dimension = table["problem"].astype(object).map(self.dimensions).astype(float)
@@ -147,9 +147,9 @@ class Anytime(Final):
             # Problem by problem: the hits of all trials on all targets may take a gigabyte.
             tables = [
                 analysis.target_areas(
-                    analysis.hitting_times(own, self.traces, targets[label], self.allowed), self.budgets
+                    analysis.hitting_times(own, self.measured_traces, targets[label], self.allowed), self.budgets
                 )
-                for label, own in self.frame.groupby("problem", observed=True)
+                for label, own in self.measured.groupby("problem", observed=True)
                 if label in targets
             ]
             areas[each.short] = pd.concat(tables, ignore_index=True) if tables else areas[self.words.short].head(0)
@@ -158,7 +158,7 @@ class Anytime(Final):
     @cached_property
     def aocc(self) -> pd.DataFrame:
         """The area over the convergence curve of each cell on problems whose optimum is known and not beaten."""
-        return analysis.aocc(self.frame, self.traces, self.unbeaten, self.budgets)
+        return analysis.aocc(self.measured, self.measured_traces, self.unbeaten, self.budgets)
 
     @cached_property
     def suite_functions(self) -> list[str]:
@@ -168,8 +168,8 @@ class Anytime(Final):
     @cached_property
     def u_scores(self) -> pd.DataFrame:
         """The U-scores of each cell on functions of suites, by trial-based dominance."""
-        own = self.frame[self.frame["problem"].isin(self.suite_functions)]
-        return analysis.u_scores(own, self.traces, self.unbeaten)
+        own = self.measured[self.measured["problem"].isin(self.suite_functions)]
+        return analysis.u_scores(own, self.measured_traces, self.unbeaten)
 
     @cached_property
     def landscapes(self) -> Landscapes:

@@ -29,12 +29,17 @@ CROWD = 60
 class Final(Trials):
     """What the trials reached in the end."""
 
-    # at the end of the budget, problem by problem
+    # at the end of the budget, or of the largest that all had, problem by problem
 
     @cached_property
     def summary(self) -> pd.DataFrame:
         """The summary of each cell."""
         return analysis.summarise(self.frame)
+
+    @cached_property
+    def measured_summary(self) -> pd.DataFrame:
+        """The summary of each cell with values that count from the optimum that each optimizer can reach."""
+        return analysis.summarise(self.measured_final) if self.shifts else self.summary
 
     @cached_property
     def pairs(self) -> pd.DataFrame:
@@ -186,6 +191,6 @@ class Final(Trials):
     @cached_property
     def unbeaten(self) -> dict[str, float]:
         """The known optima that no trial beat by more than rounding; regret is counted from them."""
-        lowest = self.summary.groupby("problem")["best"].min()
-        found = analysis.reference_values({str(label): best for label, best in lowest.items()}, self.optima)
+        lowest = analysis.scores(self.measured).groupby(self.measured["problem"].astype(object)).min()
+        found = analysis.reference_values({str(label): float(best) for label, best in lowest.items()}, self.optima)
         return {label: reference.value for label, reference in found.items() if reference.known}

@@ -9,7 +9,10 @@ from itertools import product
 import pandas as pd
 
 from bench import analysis
+from bench.analysis.common_budget import at_budget, common_budgets
+from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
 from bench.budget import evaluations
+from bench.report.conditions import repairing
 from bench.rope import Rope
 from bench.storage.results import ProblemFacts, Results
 from bench.study import Entry, Study
@@ -53,7 +56,7 @@ class Trials:
     @cached_property
     def decisions(self) -> analysis.Decisions:
         """The outcome of the study's declared looks at its trials; nothing is decided without looks."""
-        return analysis.decide(self.frame, self.results.study.looks)
+        return analysis.decide(self.whole, self.results.study.looks)
 
     @property
     def extensions(self) -> list[tuple[int, int]]:
@@ -70,9 +73,63 @@ class Trials:
         return replace(self.results.study, problems=problems, trials=max(self.planned.values()))
 
     @cached_property
-    def frame(self) -> pd.DataFrame:
+    def whole(self) -> pd.DataFrame:
         """The tidy frame with problems and optimizers as categories, and instances pooled."""
         return analysis.in_study_order(self.pooled.frame, self.study)
+
+    @cached_property
+    def common(self) -> dict[str, int]:
+        """The largest budget of each problem that all optimizers had, where budgets differ; else none."""
+        return common_budgets(self.whole, self.allowed)
+
+    @cached_property
+    def frame(self) -> pd.DataFrame:
+        """The frame whose values are ranked and tested: the whole one, or that at the common budgets."""
+        return at_budget(self.whole, self.traces, self.common) if self.common else self.whole
+
+    @property
+    def common_words(self) -> str:
+        """The words for the common budgets, for the lead: "" where budgets do not differ."""
+        if not self.common:
+            return ""
+        low, high = min(self.common.values()), max(self.common.values())
+        if low == high:
+            return f"at {low:,} evaluations, the largest budget that all had"
+        return f"at the largest budget of each problem that all had ({low:,} to {high:,} evaluations)"
+
+    @cached_property
+    def incomparable(self) -> dict[str, int]:
+        """How many trials of an optimizer are not compared: they spent more, and what they had before is unknown."""
+        lost = self.whole[~self.whole.index.isin(self.frame.index)]
+        return {str(label): int(number) for label, number in lost["optimizer"].value_counts().items() if number}
+
+    @cached_property
+    def shifts(self) -> Shifts:
+        """How much the best value that an optimizer can reach is above the optimum, by problem and optimizer."""
+        repaired = {
+            label: each.repaired_optimum
+            for label, each in self.known.items()
+            if each.repaired_optimum is not None and label not in self.pooled.functions
+        }
+        if not repaired:
+            return {}
+        confined = [label for label, kept in repairing(self.results.study).items() if kept]
+        return shifts(self.whole, self.optima, repaired, confined)
+
+    @cached_property
+    def measured(self) -> pd.DataFrame:
+        """The whole frame with values that count from the optimum that each optimizer can reach."""
+        return shifted(self.whole, self.shifts)
+
+    @cached_property
+    def measured_final(self) -> pd.DataFrame:
+        """The same of the frame whose values are ranked and tested."""
+        return shifted(self.frame, self.shifts)
+
+    @cached_property
+    def measured_traces(self) -> analysis.Traces:
+        """The traces with such values."""
+        return ShiftedTraces(self.traces, self.shifts) if self.shifts else self.traces
 
     @property
     def traces(self) -> analysis.Traces:
@@ -82,7 +139,7 @@ class Trials:
     @cached_property
     def problems(self) -> list[str]:
         """The labels of the problems that have at least one trial."""
-        return [label for label in analysis.labels(self.frame, "problem") if (self.frame["problem"] == label).any()]
+        return [label for label in analysis.labels(self.whole, "problem") if (self.whole["problem"] == label).any()]
 
     @property
     def many(self) -> bool:
@@ -92,7 +149,7 @@ class Trials:
     @cached_property
     def optimizers(self) -> list[str]:
         """The labels of the study's optimizers."""
-        return analysis.labels(self.frame, "optimizer")
+        return analysis.labels(self.whole, "optimizer")
 
     @cached_property
     def coverage(self) -> pd.DataFrame:
@@ -100,7 +157,7 @@ class Trials:
         members, planned = self.pooled.members, self.results.planned
         cells, stopped = product(members, self.optimizers), self.decisions.stopped
         return analysis.coverage(
-            self.frame, {(p, o): stopped.get((p, o), planned[o] * len(members[p])) for p, o in cells}
+            self.whole, {(p, o): stopped.get((p, o), planned[o] * len(members[p])) for p, o in cells}
         )
 
     @cached_property
@@ -142,7 +199,7 @@ class Trials:
     def dimensions(self) -> dict[str, int]:
         """The number of search variables of each problem, as far as a trial or the problem shows it."""
         shown = {
-            str(label): len(analysis.variables(own)) for label, own in self.frame.groupby("problem", observed=True)
+            str(label): len(analysis.variables(own)) for label, own in self.whole.groupby("problem", observed=True)
         }
         return {
             label: number

@@ -98,7 +98,7 @@ class _Explored:
     @cached_property
     def rows(self) -> dict[tuple[str, str], list[int]]:
         """The numbers of the frame's rows of each cell that has any, in the study's order."""
-        frame, optimizers = self.findings.frame, self.findings.optimizers
+        frame, optimizers = self.findings.whole, self.findings.optimizers
         places = frame["problem"].cat.codes.to_numpy(int) * len(optimizers) + frame["optimizer"].cat.codes.to_numpy(int)
         order = np.argsort(places, kind="stable")
         kinds, starts = np.unique(places[order], return_index=True)
@@ -111,14 +111,14 @@ class _Explored:
     @cached_property
     def columns(self) -> dict[str, list[Any]]:
         """The frame's columns as lists, which are read faster than the frame."""
-        frame = self.findings.frame
+        frame = self.findings.whole
         names = ["trial", "seed", "status", "fun", "nfev", "wall_s", "objective_s", "stop", "error"]
         points = [f"x_{name}" for own in self.variables.values() for name in own] if self.points_too else []
         return {name: frame[name].tolist() for name in dict.fromkeys([*names, *points, *self.metrics])}
 
     @cached_property
     def complete(self) -> bool:
-        return len(self.findings.frame) <= MOST_RUNS
+        return len(self.findings.whole) <= MOST_RUNS
 
     @cached_property
     def kept(self) -> int:
@@ -127,7 +127,7 @@ class _Explored:
 
     @cached_property
     def grid(self) -> NDArray[np.int64]:
-        curves = len(self.findings.frame) if self.complete else (self.kept + 3) * len(self.rows)
+        curves = len(self.findings.whole) if self.complete else (self.kept + 3) * len(self.rows)
         points = min(max(MOST_LEVELS // max(curves, 1), FEWEST_POINTS), MOST_POINTS)
         return analysis.evaluation_grid(max(self.budgets.values()), points)
 
@@ -145,7 +145,8 @@ class _Explored:
 
     @cached_property
     def references(self) -> dict[str, ReferenceValue]:
-        lowest = self.findings.summary.groupby("problem")["best"].min()
+        whole = self.findings.whole
+        lowest = analysis.scores(whole).groupby(whole["problem"].astype(object)).min()
         finite = {str(label): float(best) for label, best in lowest.items() if np.isfinite(best)}
         return analysis.reference_values(finite, self.findings.optima)
 
@@ -218,7 +219,7 @@ class _Explored:
         if self.words == findings.words:
             table = findings.targets
         else:
-            table = analysis.target_table(self.words.chosen, findings.frame, findings.traces, findings.optima)
+            table = analysis.target_table(self.words.chosen, findings.whole, findings.traces, findings.optima)
         found: dict[str, list[list[float | int | None]]] = {}
         for label, level, target in zip(table["problem"], table["tau"], table["target"], strict=True):
             if label in self.references:
@@ -229,13 +230,13 @@ class _Explored:
 
     @cached_property
     def variables(self) -> dict[str, list[str]]:
-        by_problem = self.findings.frame.groupby("problem", observed=True)
+        by_problem = self.findings.whole.groupby("problem", observed=True)
         return {str(label): [name[2:] for name in analysis.variables(own)] for label, own in by_problem}
 
     @cached_property
     def metrics(self) -> list[str]:
         """The domain metrics, columns of numbers."""
-        frame = self.findings.frame
+        frame = self.findings.whole
         others = (*FRAME_COLUMNS, PRECISION, "instance")
         own = [name for name in map(str, frame) if name not in others and not name.startswith("x_")]
         return [name for name in own if pd.api.types.is_numeric_dtype(frame[name])]
@@ -348,7 +349,7 @@ class _Explored:
 
     def notes(self, problems: Sequence[dict[str, Any]]) -> list[str]:
         """Return sentences on what was left out, and on what is not as in the rest of the report."""
-        runs, notes = len(self.findings.frame), []
+        runs, notes = len(self.findings.whole), []
         if not self.complete:
             which = f"the first {self.kept} runs of each cell" if self.kept else "no single runs"
             notes.append(

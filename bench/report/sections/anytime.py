@@ -72,6 +72,9 @@ def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, 
     values = curves[~curves["problem"].isin(precisions)]
     if len(values):
         yield convergence_figure(values, optimizers, suffix)
+    if findings.shifts:
+        own = findings.measured[findings.measured["optimizer"].isin(optimizers)]
+        curves = analysis.convergence(own[own["problem"].isin(labels)], findings.measured_traces, grid)
     above = analysis.regret(curves, unbeaten, ("median", "q1", "q3"))
     if len(above):
         yield regret_figure(above, optimizers, suffix)

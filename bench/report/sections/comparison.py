@@ -47,14 +47,15 @@ def section(findings: Findings) -> Section:
         marks=table(matrix, "letters"),
         lost=_lost(findings, values),
         note="Bold: the first of the row, which beats the most rivals: more than half of the pairs of trials end lower "
-        "with it (A12 > 0.5). Italics: the first one is not separably lower. Letters, in the order of the ranks: "
-        "optimizers of a row that share a letter are not separable. –: no trial; ∞: the median trial failed; in "
-        "red with ✗: a cell with failed trials. Values have four significant digits, or up to six to distinguish those "
-        "of a row." + (OTHER_NOTE if len(odd) and not findings.upright else ""),
+        "with it (A12 > 0.5); none where half of the optimizers or more share the first place. Italics: the first "
+        "one is not separably lower. Letters, in the order of the ranks: optimizers of a row that share a letter are "
+        "not separable. –: no trial; ∞: the median trial failed; in red with ✗: a cell with failed trials. Values have "
+        "four significant digits, or up to six to distinguish those of a row."
+        + (OTHER_NOTE if len(odd) and not findings.upright else ""),
         data=matrix,
     )
     shown = turned(shown, findings)
-    regrets = regret(findings.summary, findings.unbeaten, VALUES)
+    regrets = regret(findings.measured_summary, findings.unbeaten, VALUES)
     items = [shown]
     if len(regrets):
         text.append(_at_optimum(table(regrets, "median")))

@@ -140,9 +140,10 @@ def _running_times(findings: Findings, problem: str) -> Table:
         for column in ("ERT / d", "seconds"):
             lowest[column] = shown[column].eq(shown[column].min()) & np.isfinite(shown[column])
         note += (
-            f" At {words.at(level)}, the hardest target that the most optimizers reached: a 95% bootstrap interval of "
-            "the ERT; the 10th and 90th percentiles of simulated restarts over the ERT, the dispersion that COCO "
-            "prints; and the ERT in evaluations / d and in seconds of wall time, at the pace of each trial."
+            f" At {words.at(level)}, the hardest target that the most optimizers reached: a 95% interval of the "
+            "ERT, in which a failure may cost the whole budget; the 10th and 90th percentiles of simulated restarts "
+            "over the ERT, the dispersion that COCO prints; and the ERT in evaluations / d and in seconds of wall "
+            "time, at the pace of each trial."
         )
     last = own[own[words.unit] == hardest].set_index("optimizer").reindex(findings.optimizers)
     shown["successes"] = [

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from bench.report.conditions import differing
 from bench.report.findings import Findings
-from bench.report.matched import REPORTED, chances, cost
+from bench.report.matched import REPORTED, chances, cost, differing
 from bench.report.parts import Section, Table
 from bench.report.wording import MISSING, count, listing, options
 

@@ -10,15 +10,16 @@ import numpy as np
 from bench import analysis
 from bench.analysis import ALPHA
 from bench.budget import described
+from bench.report import clock
 from bench.report.conditions import sentences
 from bench.report.findings import Findings
+from bench.report.matched import chances, cost, differing
 from bench.report.parts import Card, Part, Section
 from bench.report.plots import course_figure
 from bench.report.ranking import rank_map, ranking_table
 from bench.report.sections import integrity
 from bench.report.sections.power import error_text
 from bench.report.sections.trials import NOT_ADJUSTED, extension_text
-from bench.report.target_words import TargetWords
 from bench.report.winner import TIED, WINNER_RULE, Across, Stage, Standing, verdict
 from bench.report.wording import count, listing, p_text, unfinished_trials
 
@@ -69,18 +70,32 @@ def standing(findings: Findings) -> Standing:
     least, most = findings.trials
     return Standing(
         ranking, beaten, _across(findings), findings.levels, len({findings.blocks[str(each)] for each in complete}),
-        budget=described(findings.study.budget),
+        budget=findings.common_words.removeprefix("at ") or described(findings.study.budget),
         problem=str(complete[0]) if len(complete) == 1 else "",
         trials=count(least, "trial") if least == most else f"{least} to {count(most, 'trial')}",
+        conditions=differing(findings),
+        matched=_controls(findings),
         differing=_dimensions(findings),
         size=_size(findings),
-        found=analysis.near_best(findings.frame, findings.optima, 0.0 if precise else NEAR, analysis.SOLVED),
+        found=analysis.near_best(findings.measured_final, findings.optima, 0.0 if precise else NEAR, analysis.SOLVED),
         near=f"within {analysis.SOLVED:g} of {best}" if precise else f"within {NEAR:.0%} of {best}",
         course=_course(findings),
         unit="of the budget" if findings.scaled else "evaluations",
-        clock=_clock(findings),
+        clock=clock.sentence(findings),
         sweep=dependent(findings),
     )  # fmt: skip
+
+
+def _controls(findings: Findings) -> str:
+    """Return where the optimizers are compared under the same conditions, or what that would cost."""
+    missing = cost(findings)
+    if missing:
+        return f"{missing[0].upper()}{missing[1:]}."
+    return (
+        "The next section compares them under the same conditions."
+        if chances(findings)["conditions"].nunique() > 1
+        else ""
+    )
 
 
 def _across(findings: Findings) -> dict[tuple[str, str], Across]:
@@ -162,37 +177,6 @@ def _course(findings: Findings) -> list[Stage]:
     return course
 
 
-def _clock(findings: Findings) -> str:
-    """Return who reaches the targets first in seconds, where that is another one than in evaluations; else ""."""
-    words, table = findings.words, findings.running_times
-    if table.empty:
-        return ""
-    solved = table.loc[table["successes"] > 0, words.unit].unique().tolist()
-    level = words.level if words.level in solved else min(solved, default=np.nan)
-    own = table[table[words.unit] == level]
-    if own.empty:
-        return ""
-    first = []
-    for name in ("ert", "ert_s"):
-        reached = analysis.table(own, name).astype(float).replace(np.inf, np.nan)
-        first.append(reached.eq(reached.min(axis=1), axis=0).sum())
-    evaluations, seconds = first
-    leader, fastest = str(evaluations.idxmax()), str(seconds.idxmax())
-    problems = own["problem"].nunique()
-    if leader == fastest or 2 * min(evaluations[leader], seconds[fastest]) <= problems:
-        return ""  # an order is turned round only where there is one, on most problems
-    return (
-        f"By the clock the order turns round: to the target {_target(words, level)}, {leader} has the lowest expected "
-        f"running time in evaluations on {evaluations[leader]} of {count(problems, 'problem')}, but {fastest} has the "
-        f"lowest in seconds on {seconds[fastest]} ({leader} on {seconds[leader]})."
-    )
-
-
-def _target(words: TargetWords, level: float) -> str:
-    share = f" ({100 * level:g}% of the first distance)" if words.kind == "relative" else ""
-    return f"{words.at(level)}{share}"
-
-
 def _evidence(findings: Findings) -> str:
     """Return on how much evidence the verdict rests."""
     study, levels = findings.study, findings.levels
@@ -226,13 +210,19 @@ def _limits(findings: Findings) -> tuple[str, ...]:
             f"The runs in {listing(looked)} were stopped by declared looks; the tests of this comparison do not "
             "account for these, so their p-values are too small."
         )
-    if findings.allowed != findings.budgets:
-        unequal = (
-            "The optimizers had different budgets, and the ranks of final values favour the larger ones: compare the "
-            "running times to targets instead."
-        )
-        texts.insert(0, unequal)
+    if findings.common:
+        texts.insert(0, unequal_budgets(findings))
     return tuple(filter(None, (*texts, unused(findings))))
+
+
+def unequal_budgets(findings: Findings) -> str:
+    """Return at which budget values are compared where the optimizers had different ones."""
+    left_out = [f"{count(number, 'trial')} of {label}" for label, number in findings.incomparable.items()]
+    return (
+        f"The optimizers had different budgets: ranks, medians and tests compare values {findings.common_words}, and "
+        "running times to targets count all evaluations."
+        + (f" Left out, as it is unknown what they had found by then: {listing(left_out)}." if left_out else "")
+    )
 
 
 def unused(findings: Findings) -> str:

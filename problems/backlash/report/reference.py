@@ -8,11 +8,10 @@ import pandas as pd
 
 from bench import Results, Study
 from bench.analysis import labels, scores
-from bench.plugins.loading import is_built_in
 from bench.report import Section, Table
+from bench.report.conditions import repairing
 from bench.report.wording import count, listing
 from bench.scoring import plain
-from bench.study import Entry
 from problems.backlash.signature.model import TAU
 from problems.backlash.signature.problem import FOUND, TOLERANCE_RPM, SignatureFit
 
@@ -36,7 +35,7 @@ def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
     if not problems:
         return []
     every = all(problem.constrained for problem in problems.values())
-    constrained = {label: kept or every for label, kept in under_constraints(results.study).items()}
+    constrained = {label: kept or every for label, kept in repairing(results.study).items()}
     fits = reference_fits(problems, constraints=any(constrained.values()))
     trials = beside_reference(frame, fits, constrained)
     if trials.empty:
@@ -51,24 +50,6 @@ def signature_problems(results: Results, frame: pd.DataFrame) -> dict[str, Signa
         label: plain(results.problem(label)) for label in labels(frame, "problem") if not results.facts(label).reason
     }
     return {label: each for label, each in known.items() if isinstance(each, SignatureFit)}
-
-
-def under_constraints(study: Study) -> dict[str, bool]:
-    """Return by label whether an optimizer kept to the constraints: not with ``handling="box"``.
-
-    An optimizer without such an option is assumed to repair its points. A stranger's is not loaded to look for it.
-    """
-
-    def handling(entry: Entry) -> object:
-        given = entry.options.get("handling")
-        if not is_built_in(entry.name):
-            return given
-        try:
-            return getattr(study.optimizer(entry.label), "handling", given)
-        except Exception:  # its library may be missing, and may raise anything
-            return given
-
-    return {each.label: handling(each) != "box" for each in study.optimizers}
 
 
 def reference_fits(problems: dict[str, SignatureFit], *, constraints: bool) -> pd.DataFrame:
@@ -125,8 +106,7 @@ def sentences(trials: pd.DataFrame, fits: pd.DataFrame, constrained: dict[str, b
         text.append(
             f"The constraints of section 7.2.2, under which {listing(limited)} ran, "
             + (raised if len(worse) else "do not raise the best RMSE on any dataset")
-            + ". Here a trial under the constraints is compared with the best fit under them; in all other sections "
-            "regret and targets are counted from the best fit in the box."
+            + ". A trial under the constraints is compared with the best fit under them."
         )
     known = fits.dropna(subset="expected_rpm")
     if len(known):

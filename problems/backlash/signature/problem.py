@@ -127,6 +127,11 @@ class SignatureFit(Problem):
         """The RMSE of the reference fit within the box, in ``unit``; the constraints leave no lower one."""
         return self.reference(constrained=self.constrained).value
 
+    @cached_property
+    def repaired_optimum(self) -> float:  # type: ignore[override] # likewise
+        """The RMSE of the reference fit under the constraints, in ``unit``, which repaired points satisfy."""
+        return self.reference(constrained=True).value
+
     def reference(self, *, constrained: bool = False) -> Fit:
         """Return the reference fit, the best within the box or, with ``constrained``, under the constraints too.
 

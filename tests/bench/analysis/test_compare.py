@@ -70,10 +70,18 @@ class TestMatrix:
         assert not matrix[["best", "alike"]].any(axis=None)
 
     def test_optimizers_that_differ_by_rounding_are_all_best(self, matrix_of):
-        matrix = matrix_of({("p", "a"): [1.0] * 5, ("p", "b"): [1 + 1e-13] * 5, ("p", "c"): FAR})
-        assert row_of(matrix, "best") == [True, True, False]
+        cells = {("p", "a"): [1.0] * 5, ("p", "b"): [1 + 1e-13] * 5} | {("p", each): FAR for each in "cde"}
+        matrix = matrix_of(cells)
+        assert row_of(matrix, "best") == [True, True, False, False, False]
+        assert row_of(matrix_of(cells, by="value"), "best") == [True, True, False, False, False]
         assert not matrix["alike"].any()
         assert row_of(matrix, "value")[1] == 1 + 1e-13
+
+    @pytest.mark.parametrize(("sharing", "others"), [(2, 0), (2, 1), (2, 2), (3, 0), (31, 4)])
+    def test_nobody_is_first_where_half_of_the_optimizers_share_the_first_place(self, matrix_of, sharing, others):
+        cells = {("p", f"{i}"): [1.0] * 5 for i in range(sharing)} | {("p", f"x{i}"): FAR for i in range(others)}
+        for by in ("standing", "value"):
+            assert not matrix_of(cells, by=by)["best"].any()
 
     def test_every_cell_has_a_row_also_without_trials(self, frame_of):
         frame = frame_of({("p", "a"): LOW, ("p", "b"): NEAR, ("q", "a"): FAR})
@@ -135,17 +143,18 @@ class TestRanking:
             "mean_rank": pytest.approx([4 / 3, 5 / 3]),
         }  # fmt: skip
 
-    def test_ties_count_for_each_and_failures_for_none(self, frame_of):
+    def test_ties_of_half_of_the_optimizers_and_failures_count_for_none(self, frame_of):
         cells = {("p", "a"): [1, 1.0], ("p", "b"): [1, 1.0], ("q", "a"): [None, None], ("q", "b"): [None, None]}
         table = self.rank(frame_of(cells))
-        assert table["first"].tolist() == [1, 1]
+        assert table["first"].tolist() == [0, 0]
         assert table["separable"].tolist() == [0, 0]
         assert table["mean_rank"].tolist() == [1.5, 1.5]
 
     def test_optimizers_that_differ_by_rounding_rank_alike(self, frame_of):
-        table = self.rank(frame_of({("p", "a"): [1.0] * 5, ("p", "b"): [1 + 1e-13] * 5, ("p", "c"): FAR}))
-        assert table["first"].tolist() == [1, 1, 0]
-        assert table["mean_rank"].tolist() == [1.5, 1.5, 3.0]
+        cells = {("p", "a"): [1.0] * 5, ("p", "b"): [1 + 1e-13] * 5} | {("p", each): FAR for each in "cde"}
+        table = self.rank(frame_of(cells))
+        assert table["first"].tolist() == [1, 1, 0, 0, 0]  # a tie of fewer than half counts for each
+        assert table["mean_rank"].tolist() == [1.5, 1.5, 4.0, 4.0, 4.0]
 
     def test_one_optimizer_is_separable_from_nobody(self, frame_of):
         table = self.rank(frame_of({("p", "a"): [1.0, 2.0]}))

@@ -8,7 +8,7 @@ import pytest
 
 from bench.analysis.cells import in_study_order
 from bench.analysis.finished_trials import Finding
-from bench.analysis.integrity import TRAITS, _together, integrity
+from bench.analysis.integrity import TRAITS, _together, _trait, integrity
 from bench.objective import Trace
 from bench.storage.reading import StoreCheck
 from bench.study import Entry, Study
@@ -476,3 +476,12 @@ def test_clamping_here_and_in_separate_runs_is_one_finding():
     assert _together(here, unknown) == here
     assert _together(unknown, elsewhere) == elsewhere
     assert _together(unknown, unknown) == unknown
+
+
+def test_a_test_that_did_not_reject_is_no_proof():
+    passed = {"check": "starts and seeds", "passed": True}
+    found = _trait("starts and seeds", {"a": [passed | {"figure": 0.4}], "b": [passed | {"figure": 0.1}]})
+    text = "No run repeated one with another seed, and the tests did not reject uniform and independent starts for "
+    assert found == ("pass", text + "any of the 2 optimizers.", ())
+    at_one_point = {"a": [passed | {"figure": 0.4}], "b": [passed | {"figure": None}]}
+    assert _trait("starts and seeds", at_one_point).text == text + "a. There was nothing to test for b."

@@ -6,6 +6,7 @@ from importlib.util import find_spec
 import numpy as np
 import pandas as pd
 import pytest
+from scipy import stats
 
 from bench.analysis.anytime import ecdf, expected_running_time
 from bench.analysis.running_time import (
@@ -31,7 +32,8 @@ def hits_of(cells, spent=100.0, tau=1.0):
 def batch_of(times, spent):
     reached = np.isfinite(times)
     paid = np.where(reached, times, spent)[np.newaxis, :, np.newaxis]
-    return Batch([("p", "a")], np.ones((1, 1)), np.ones((1, 1)), paid, reached[np.newaxis, :, np.newaxis])
+    one = np.ones((1, 1))
+    return Batch([("p", "a")], one, one, paid, reached[np.newaxis, :, np.newaxis], most=100 * one)
 
 
 MIXED = hits_of({("p", "a"): [10, 20, INF], ("p", "b"): [INF, INF], ("q", "b"): [7.0], ("q", "a"): [3, 5, 4, 8]})
@@ -46,23 +48,52 @@ class TestRunningTimes:
         assert (merged["successes_x"] == merged["successes_y"]).all()
         assert own[["problem", "optimizer"]].to_numpy().tolist() == [list(cell) for cell in ("pa", "pb", "qa", "qb")]
 
-    def test_without_a_success_no_spread_and_with_one_trial_none_but_itself(self):
+    def test_without_a_success_no_spread_and_with_one_trial_no_interval(self):
         table = running_times(MIXED).set_index(["problem", "optimizer"])
         assert table.loc[("p", "b"), ["low", "high", "p10", "p90"]].isna().all()
-        assert table.loc[("q", "b"), ["low", "high", "p10", "p90"]].tolist() == [7.0] * 4
+        assert table.loc[("q", "b"), ["low", "high"]].isna().all()
+        assert table.loc[("q", "b"), ["p10", "p90"]].tolist() == [7.0] * 2
 
-    def test_the_interval_is_that_of_a_plain_bootstrap(self):
-        rng = np.random.default_rng(4)
-        times = np.where(rng.random(15) < 0.7, rng.integers(1, 100, 15), INF)
-        row = running_times(hits_of({("p", "a"): times})).iloc[0]
-        drawn = times[rng.integers(0, 15, (20_000, 15))]
-        plain = np.where(np.isfinite(drawn), drawn, 100).sum(axis=1) / np.isfinite(drawn).sum(axis=1)
-        assert [row.low, row.high] == pytest.approx(np.quantile(plain, [0.025, 0.975]), rel=0.06)
+    def test_the_interval_combines_those_of_its_three_parts(self):
+        times, spent = [10, 30, 35, 45, INF, INF, INF], [100, 100, 100, 100, 80, 100, 90]
+        hits = hits_of({("p", "a"): times}).assign(spent=spent, budget=100.0)
+        row = running_times(hits).iloc[0]
+        ends = []
+        for share, sign in ((0.975, -1), (0.025, 1)):
+            chance = stats.beta.ppf(share, 4.5, 3.5)  # Jeffreys
+            time, time_reach = np.mean(times[:4]), stats.sem(times[:4]) * stats.t.ppf(0.975, 3)
+            cost, cost_reach = np.mean(spent[4:]), stats.sem(spent[4:]) * stats.t.ppf(0.975, 2)
+            cost_reach = min(cost_reach, 100 - cost) if sign > 0 else cost_reach  # a trial costs 100 at most
+            parts = time_reach, cost * ((1 - chance) / chance - 3 / 4), cost_reach * 3 / 4
+            ends.append(time + 3 / 4 * cost + sign * np.sqrt(np.square(parts).sum()))
+        assert [row.low, row.high] == pytest.approx(ends)
 
-    def test_where_many_samples_hold_no_success_the_interval_is_open(self):
-        row = running_times(hits_of({("p", "a"): [10, *[INF] * 9]})).iloc[0]
-        assert row.high == INF
-        assert np.isfinite(row.low)
+    def test_a_failure_may_cost_the_whole_budget_where_none_was_seen(self):
+        hits = hits_of({("p", "a"): [10, 11, 12, 13, 14]}, spent=14.0)
+        row = running_times(hits.assign(budget=1000.0)).iloc[0]
+        share = 1 - stats.beta.ppf(0.025, 5.5, 0.5)
+        assert share == pytest.approx(0.38, abs=0.01)  # this share of trials may fail
+        assert row.high == pytest.approx(row.ert + 1000 * share / (1 - share), rel=0.01)
+        assert 9 < row.low < row.ert == 12
+        assert running_times(hits).iloc[0].high < 14 + 14 * share / (1 - share)  # no trial is known to cost more
+        other = pd.concat([hits, hits_of({("p", "b"): [INF]}, spent=1000.0)])
+        assert running_times(other).iloc[0].high == row.high
+
+    def test_a_single_success_has_an_interval_within_what_its_time_may_be(self):
+        row = running_times(hits_of({("p", "a"): [10, *[INF] * 9]}).assign(budget=100.0)).iloc[0]
+        assert 0 < row.low < row.ert < row.high < INF
+
+    @pytest.mark.parametrize("n", [5, 10, 30])
+    def test_intervals_hold_the_true_value_where_nine_of_ten_trials_succeed(self, n):
+        rng, cells = np.random.default_rng(n), 2000
+        times = rng.exponential(1.0, (cells, n))
+        budget = -np.log(0.1)
+        cells_of = {(f"p{i}", "a"): own for i, own in enumerate(np.where(times <= budget, times, INF))}
+        hits = hits_of(cells_of, spent=budget)
+        table = running_times(hits.assign(budget=budget))
+        true = 1.0  # an exponential time has no memory, so starting again costs nothing
+        # a percentile bootstrap of these cells: 0.77, 0.86, 0.93
+        assert ((table["low"] <= true) & (true <= table["high"])).mean() >= 0.94
 
     def test_the_mean_of_simulated_restarts_is_the_ert(self):
         times = np.array([10, 20, 30, INF, INF])
@@ -95,6 +126,8 @@ class TestSeconds:
         assert times["evaluations"].tolist() == pytest.approx([0.1, 0.6, INF])
         assert times["spent"].tolist() == pytest.approx([1.0, 3.0, 2.0])  # a failed one: the median pace, whole budget
         assert running_times(times)["ert"].tolist() == pytest.approx([2.7 / 2])
+        known = in_seconds(hits_of({("p", "a"): [10, 20, INF]}).assign(budget=200.0), self.frame)
+        assert known["budget"].tolist() == pytest.approx([2.0, 6.0, 4.0])
 
     def test_without_recorded_times_they_are_missing(self):
         times = in_seconds(hits_of({("p", "a"): [10, 20, INF]}), self.frame.assign(wall_s=None))

@@ -78,6 +78,20 @@ class TestUnited:
         frame = pd.DataFrame({"problem": ["box-f01-d2-i1"] * 2, "optimizer": ["own", "archived"]})
         assert analysis.budgets(frame, both.allowed).tolist() == [120.0, 801.0]
 
+    def test_values_are_compared_at_the_largest_budget_that_all_had(self, mine, archive):
+        both = Findings(Results(mine, archive))
+        assert both.common == {"box-f01-d2-i1": 120, "box-f01-d2-i2": 120}
+        assert both.common_words == "at 120 evaluations, the largest budget that all had"
+        whole, compared = both.whole, both.frame
+        for place, row in whole.iterrows():
+            value = both.traces[row["problem"], row["optimizer"], row["trial"]].at(120)
+            assert compared.loc[place, "fun"] == value
+        assert (compared["fun"] > whole["fun"]).any()
+        assert compared.drop(columns="fun").equals(whole.drop(columns="fun"))
+        assert both.incomparable == {}
+        assert both.hits["spent"].max() > 120  # targets count all evaluations
+        assert Findings(Results(mine)).common_words == ""
+
     def test_each_optimizer_has_its_own_plan(self, mine, archive):
         """Two trials of an archived optimizer are not too few beside three of ours."""
         both = Results(mine, archive)
@@ -141,7 +155,7 @@ def test_a_report_says_what_is_unknown_and_what_differs(mine, archive, tmp_path)
     for sentence in (
         "The folders share 2 problems; only those are compared.",
         "The times of archived are unknown, as of imported results.",
-        "The optimizers had different budgets, and the ranks of final values favour the larger ones",
+        "compare values at 120 evaluations, the largest budget that all had, and running times",
         "imported results",
         "runs.csv",
     ):

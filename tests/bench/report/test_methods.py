@@ -49,6 +49,7 @@ def full(**changes):
         environments=[ENVIRONMENT], tests=9, permutation_tests=1, ranked_problems=2, known_optima=1, targets=3,
         early={"cma-es": 3, "gwo": 0}, centre_bias={"gwo": True, "alo": False, "cma-es": False},
         structural_bias={"gwo": True, "alo": True}, constrained=2, dominance=2, landscapes=3, rope="1%",
+        common="at 400 evaluations", confined=2,
     )  # fmt: skip
     return replace(facts, **changes)
 
@@ -180,6 +181,7 @@ class TestMethods:
             ({"study": study(["gwo", "alo"])}, "Holm"), ({"study": study(["gwo", "alo"])}, "Benavoli et al., 2016"),
             ({"study": study(["gwo", "alo"])}, "letter"), ({"known_optima": 3}, "lowest value that any"),
             ({"known_optima": 0}, "the known optimum on"), ({"constrained": 0}, "constraints"),
+            ({"common": ""}, "budgets differ"), ({"confined": 0}, "repaired points"),
             ({"dominance": 0}, "U-scores"), ({"dominance": 3}, "U-scores on"),
         ],
     )  # fmt: skip

@@ -6,6 +6,8 @@ import pandas as pd
 import pytest
 
 from bench import BenchError, Results, Study, load_results, run
+from bench.storage.folder import Folder
+from bench.study import Entry
 from tests.bench.export.made import make, some_fail
 
 
@@ -118,3 +120,12 @@ class TestPrecision:
         results = make(tmp_path / "s", {"sphere-2": 2})
         monkeypatch.setattr(Results, "facts", lambda *_: pytest.fail("loaded"))
         assert len(results.frame)
+
+
+def test_the_facts_hold_the_optimum_of_repaired_points_where_it_is_another_one(tmp_path):
+    entries = [Entry("signature-03", "free"), Entry("signature-03", "bound", {"constrained": True})]
+    Folder(tmp_path).claim(Study("s", tuple(entries), (Entry("gwo", "gwo"),)))
+    free, bound = map(Results(tmp_path).facts, ("free", "bound"))
+    assert free.repaired_optimum > 1.001 * free.optimum
+    assert bound.repaired_optimum is None
+    assert bound.optimum == free.repaired_optimum

@@ -80,21 +80,6 @@ def test_unused_budget_is_said_with_its_share(make, tmp_path):
     assert verdict.unused(Findings(Results(make(tmp_path / "t", trials=4)))) == ""
 
 
-def test_seconds_that_turn_the_order_round(fresh):
-    table = pd.DataFrame(
-        [(p, o, 1e-2, 3, ert, s) for p in "pqr" for o, ert, s in (("a", 10, 9.0), ("b", 20, 1.0), ("c", 30, 2.0))],
-        columns=["problem", "optimizer", "tau", "successes", "ert", "ert_s"],
-    )
-    fresh.__dict__["running_times"] = table
-    said = verdict._clock(fresh)
-    assert "a has the lowest expected running time in evaluations on 3 of 3 problems" in said
-    assert said.endswith("but b has the lowest in seconds on 3 (a on 0).")
-    fresh.__dict__["running_times"] = table.assign(ert_s=table["ert"] * 1e-3)
-    assert verdict._clock(fresh) == ""
-    fresh.__dict__["running_times"] = table.assign(ert_s=float("nan"))
-    assert verdict._clock(fresh) == ""
-
-
 def test_smaller_budgets_are_the_points_of_the_figure(fresh):
     ranks = {"a": (2.0, 1.0, 1.0), "b": (1.0, 1.0, 2.0), "c": (3.0, 3.0, 3.0)}
     rows = [

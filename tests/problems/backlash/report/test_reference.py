@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bench import Results, Study, Trace, load_problem
+from bench.report.conditions import repairing
 from bench.report.write import save_table
 from bench.storage.folder import Folder
 from bench.study import Entry, Fingerprints
@@ -111,7 +112,7 @@ def test_the_authors_own_runs_stand_beside_those_of_cma_es_on_dataset_12(tmp_pat
     ],
 )  # fmt: skip
 def test_who_kept_to_the_constraints_is_told_by_the_handling_also_without_the_plug_in(entry, constrained):
-    assert reference.under_constraints(Study("s", (), (entry,))) == {entry.label: constrained}
+    assert repairing(Study("s", (), (entry,))) == {entry.label: constrained}
 
 
 def test_a_problem_whose_data_changed_is_left_out(tmp_path):

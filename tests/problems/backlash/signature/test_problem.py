@@ -265,6 +265,7 @@ class TestConstrained:
 
     def test_its_optimum_is_the_best_fit_under_them(self):
         free, bound = load_problem("signature-12"), load_problem("signature-12", constrained=True)
+        assert free.repaired_optimum == bound.repaired_optimum == bound.optimum
         assert bound.optimum == free.reference(constrained=True).value > free.optimum
 
 

@@ -1,0 +1,46 @@
+"""Compare final values at the largest budget that all optimizers had, where budgets differ."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from bench.analysis.cells import Budgets, Traces
+
+
+def common_budgets(frame: pd.DataFrame, allowed: Budgets) -> dict[str, int]:
+    """Return the largest budget of each problem that all optimizers with trials on it had.
+
+    Empty where each problem has one budget, as where ``allowed`` does not depend on the optimizer.
+    """
+    if not isinstance(allowed, Mapping) or not any(isinstance(key, tuple) for key in allowed):
+        return {}
+    by_cell = {key: int(most) for key, most in allowed.items() if isinstance(key, tuple)}
+    found: dict[str, list[int]] = {}
+    for problem, optimizer in frame[["problem", "optimizer"]].drop_duplicates().itertuples(index=False, name=None):
+        found.setdefault(str(problem), []).append(by_cell[problem, optimizer])
+    if all(len({*own}) == 1 for own in found.values()):
+        return {}
+    return {problem: min(own) for problem, own in found.items()}
+
+
+def at_budget(frame: pd.DataFrame, traces: Traces, budgets: Mapping[str, int]) -> pd.DataFrame:
+    """Return the frame with the best value that each trial had after the budget of its problem as its value.
+
+    Its other columns stay those of the whole trial. A trial that spent more and has no trace is left out: what it had
+    then is unknown, which is no failure.
+    """
+    spent, values = (pd.to_numeric(frame[name], errors="coerce").to_numpy(float, copy=True) for name in ("nfev", "fun"))
+    budget = frame["problem"].astype(object).map(budgets).to_numpy(float)
+    over = (frame["status"] == "ok").to_numpy() & ~(spent <= budget)
+    unknown = np.zeros(len(frame), dtype=bool)
+    keys = list(zip(frame["problem"], frame["optimizer"], frame["trial"], strict=True))
+    for place in np.flatnonzero(over & np.isfinite(values)):
+        trace = traces.get(keys[place])
+        if trace is None:
+            unknown[place] = True
+        else:
+            values[place] = trace.at(budget[place])
+    return frame.assign(fun=values)[~unknown]

@@ -1,0 +1,51 @@
+"""Statistics of a study in which some optimizers cannot reach the optimum of a problem."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench import Results
+from bench.objective import Trace
+from bench.report.findings import Findings
+from bench.storage.results import ProblemFacts
+
+
+@pytest.fixture
+def findings(make, tmp_path):
+    """Return a study in which a searches the box and b repairs; b ends at the best of the repaired points of p."""
+    changes = {"a": {"fun": 5.0}, "b": {"fun": 6.0}}
+    options = {"a": {"handling": "box"}, "b": {"handling": "repair"}}
+    folder = make(tmp_path / "s", ("p",), ("a", "b"), trials=6, changes=changes, options=options)
+    found = Findings(Results(folder), [0.5, 1e-3])
+    found.results._facts = lambda label: ProblemFacts(5.0, repaired_optimum=6.0)
+    ends = {"a": 5.0, "b": 6.0}
+    traces = {("p", o, i): Trace(np.array([1, 50]), np.array([9.0, ends[o]])) for o in "ab" for i in range(6)}
+    found.__dict__["pooled"] = replace(found.pooled, traces=traces)
+    return found
+
+
+def test_regret_targets_and_running_times_take_the_optimum_that_an_optimizer_can_reach(findings):
+    assert findings.shifts == {("p", "b"): 1.0}
+    assert findings.measured.groupby("optimizer", observed=True)["fun"].max().to_dict() == {"a": 5.0, "b": 5.0}
+    assert findings.unbeaten == {"p": 5.0}
+    last = findings.success[findings.success["tau"] == 1e-3].set_index("optimizer")
+    assert last["rate"].to_dict() == {"a": 1.0, "b": 1.0}
+    assert np.isfinite(findings.running_times["ert"].to_numpy(dtype=float)).all()
+    assert findings.measured_summary["best"].tolist() == [5.0, 5.0]
+
+
+def test_ranks_medians_and_tests_compare_the_values_themselves(findings):
+    assert findings.frame is findings.whole
+    assert findings.summary["median"].tolist() == [5.0, 6.0]
+    assert findings.standings.set_index("optimizer")["rank"].to_dict() == {"a": 1.0, "b": 2.0}
+
+
+def test_without_another_optimum_nothing_changes(findings):
+    findings.results._facts = lambda label: ProblemFacts(5.0)
+    assert findings.shifts == {}
+    assert findings.measured is findings.frame
+    assert findings.measured_traces is findings.traces
+    assert findings.measured_summary is findings.summary
+    last = findings.success[findings.success["tau"] == 1e-3].set_index("optimizer")
+    assert last["rate"].to_dict() == {"a": 1.0, "b": 0.0}
