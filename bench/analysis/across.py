@@ -160,7 +160,9 @@ def _by_problem(pairs: pd.DataFrame, column: str) -> pd.DataFrame:
     order = list(table[names[1:]].drop_duplicates().itertuples(index=False, name=None))
     complete = table["smaller"].gt(0).groupby(table["problem"], sort=False).transform("all")
     wide = table[complete].pivot(index="problem", columns=names[1:], values=column).astype(float)
-    return wide.reindex(index=table.loc[complete, "problem"].unique(), columns=pd.MultiIndex.from_tuples(order, names=names[1:]))
+    return wide.reindex(
+        index=table.loc[complete, "problem"].unique(), columns=pd.MultiIndex.from_tuples(order, names=names[1:])
+    )
 
 
 def _owners(problems: Iterable[Any], blocks: Blocks | None) -> list[str]:
