@@ -29,7 +29,9 @@ def section(make, tmp_path):
     numbers = count()
 
     def build(record=SEALED, **options):
-        folder = make(tmp_path / f"s{next(numbers)}", **{"problems": SEVEN, "optimizers": ("a", "b"), "trials": 10} | options)
+        folder = make(
+            tmp_path / f"s{next(numbers)}", **{"problems": SEVEN, "optimizers": ("a", "b"), "trials": 10} | options
+        )
         study = replace(Folder(folder).study(), tuning=record)
         (folder / "study.toml").write_text(study.to_toml(), encoding="utf-8")
         return tuning.section(Findings(Results(folder)))
