@@ -19,6 +19,7 @@ from bench.report.parts import LIKE_FRAME, Figure, Part, Section, Table, TableCe
 from bench.report.wording import clause
 
 UPRIGHT, WIDE = 12, 50  # columns of a shaded table, and letters of their titles, above which these stand upright
+SIGN = 2  # characters that the sign of sorting takes beside a title
 LONG_TEXT = 30  # characters beyond which a cell may break into lines
 ZOOM = 1.45  # scales a figure's 8 points to the size of the page's text
 
@@ -65,7 +66,7 @@ class Grid:
         header: the columns' titles.
         classes: the types of its columns: ``t2`` for short texts in the second column, ``w3`` for long texts in the
             third; other columns hold numbers. One class of the table replaces a class of every cell.
-        ems: about how wide the table is, in units of its font size; on paper the font shrinks to fit.
+        ems: about how wide the table is, in units of its font size; the font shrinks so that it fits.
         rows: the cells of the rows shown.
         total: the number of rows of the table.
     """
@@ -115,7 +116,7 @@ def grid(table: Table) -> Grid:
     header, rows = shown.header, shown.rows
     lengths = [max((len(row[i].text + row[i].mark) for row in rows), default=0) for i in range(len(header))]
     words = [max(map(len, title.split()), default=0) for title, _ in header]
-    ems = sum(1 + 0.6 * max(min(length, LONG_TEXT), word) for length, word in zip(lengths, words, strict=True))
+    ems = sum(1 + 0.6 * max(min(length, LONG_TEXT), word + SIGN) for length, word in zip(lengths, words, strict=True))
     kinds = ["heat"] if table.shades is not None else []
     wide = len(header) > UPRIGHT or sum(len(title) for title, _ in header) > WIDE
     kinds += ["upright"] if table.shades is not None and wide else []

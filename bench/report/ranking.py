@@ -53,7 +53,10 @@ def rank_map(findings: Findings) -> Table:
     return Table(
         "rank-map",
         f"Rank of each optimizer on each {rows}, by the rivals that it beats.",
-        **arranged,
+        arranged["frame"],
+        bold=arranged["bold"],
+        marks=arranged["marks"],
+        shades=arranged["shades"],
         cells=cells,
         note=f"Bold: ranked first. {NEAR}: no test separates it from the first. Ties share their mean rank; empty: no "
         "trial.",
