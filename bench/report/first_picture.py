@@ -13,7 +13,7 @@ from bench.report.findings import MANY_OPTIMIZERS, Findings
 from bench.report.parts import Figure
 from bench.report.plots import course_figure
 
-PROBLEMS, PROBLEMS_OF_TWO = 6, 12  # of which all trials are drawn, of two optimizers and of more
+PROBLEMS, PROBLEMS_OF_TWO = 6, 12  # at most, of which all trials are drawn; the second of two optimizers
 ONE_ROW = 4  # panels beside each other
 
 
@@ -51,9 +51,11 @@ def trials_figure(
     """
     optimizers = labels(frame, "optimizer")
     drawn = frame[frame["problem"].isin(problems)]
-    noted = not style.drawable(analysis.scores(drawn)).all() or len(analysis.summarise(drawn).query("n == 0")) > 0
+    summary = analysis.summarise(drawn)
+    summary = summary[summary["problem"].isin(problems)].set_index(["problem", "optimizer"])
+    noted = not style.drawable(analysis.scores(drawn)).all() or bool((summary["n"] == 0).any())
     beside = 0.7 if noted else 0.1  # for the number of failed trials
-    columns = len(problems) if len(problems) <= ONE_ROW else ONE_ROW if len(problems) > PROBLEMS else PROBLEMS // 2
+    columns = {5: 3, 6: 3}.get(len(problems), ONE_ROW)
     figure, axes = style.grid(
         len(problems), columns=columns, width=style.COLUMN if len(problems) == 1 else style.TEXT,
         height=style.rows_height(len(optimizers)), bottom=0.36, top=0.3, right=beside, across=beside + 0.08, down=0.5,
@@ -77,6 +79,5 @@ def trials_figure(
         f"better.{line}{floor} Failed trials are counted, not drawn."
     )
     data = drawn[["problem", "optimizer", "trial", "seed", "status", "fun"]]
-    summary = analysis.summarise(drawn)
-    shown = summary[summary["problem"].isin(problems)].set_index(["problem", "optimizer"])
-    return Figure("every-trial", caption, figure, data, shown[["n", "failed", "best", "q1", "median", "q3", "worst"]])
+    shown = summary[["n", "failed", "best", "q1", "median", "q3", "worst"]]
+    return Figure("every-trial", caption, figure, data, shown)
