@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from bench.plots import style
 from bench.plots.ranks import forest_names
 
-PARTS = {"first_better": "#0072B2", "equal": "#DDDDDD", "second_better": "#E69F00"}
+PARTS = {"first_better": "#0072B2", "equal": "#D5D5D5", "second_better": "#E69F00"}
 LEGIBLE = 0.08  # of a bar: a smaller part has no number
 
 
@@ -22,10 +22,8 @@ def equivalence_bars(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
         ax.barh(at, share, left=start, color=colour, height=0.7, edgecolor="white", linewidth=0.5)
         for row, (begin, part) in enumerate(zip(start, share, strict=True)):
             if part >= LEGIBLE:
-                white = colour == PARTS["first_better"]
-                ax.text(
-                    begin + part / 2, row, f"{part:.2f}", ha="center", va="center", color="white" if white else "black"
-                )
+                ink = style.BRIGHT if colour == PARTS["first_better"] else style.DARK
+                ax.text(begin + part / 2, row, f"{part:.2f}", ha="center", va="center", color=ink)
         start = start + share
     style.name_rows(ax, forest_names(table))
     ax.set_xlim(0, 1)

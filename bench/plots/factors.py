@@ -44,7 +44,7 @@ def share_map(shares: pd.Series[float], factors: Sequence[str], *, ax: Axes | No
     for row, column in zip(*np.nonzero(np.isfinite(grid)), strict=True):
         share = grid[row, column]
         dark = share > 0.6 * max(float(drawn.max()), 0.01)
-        ax.text(column, row, f"{share:.0%}", ha="center", va="center", color="white" if dark else "black")
+        ax.text(column, row, f"{share:.0%}", ha="center", va="center", color=style.BRIGHT if dark else style.DARK)
     names = list(style.names(factors, at_most=14).values())
     ax.set_xticks(range(size), names)
     ax.set_yticks(range(size), names)

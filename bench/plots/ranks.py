@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from math import log
 
 import numpy as np
 import pandas as pd
@@ -16,6 +17,7 @@ from bench.plots import style
 MOST_NAMES = 60  # names in a critical-difference diagram; more would not fit on a page
 RANK_NAME = 20  # characters of a name there
 LINE, BAR = 0.15, 0.09  # inches between its names, and between its bars
+LEADER = 0.14  # inches between the end of a curve and its name
 AXES = {"evaluations": "evaluations", "trials": "trials", "share": "share of the budget"}  # of ranks, with their names
 EFFECTS = [bound for cutoff in CUTOFFS.values() for bound in (1 - cutoff, cutoff)]  # on both sides of 0.5
 
@@ -128,43 +130,56 @@ def rank_course(ranks: pd.DataFrame, *, looks: style.Looks | None = None, ax: Ax
     ax.yaxis.set_major_locator(MaxNLocator(6, integer=True))
     style.log_scale(ax, "x")
     stages = sorted(ranks[along].unique())
-    ax.set_xticks(stages, [f"{each:.0%}" if along == "share" else f"{each:,.0f}" for each in stages])
+    panel = ax.get_window_extent()
+    width, height = panel.width / ax.figure.dpi, panel.height / ax.figure.dpi
+    ax.set_xticks(
+        stages, _legible([f"{each:.0%}" if along == "share" else f"{each:,.0f}" for each in stages], stages, width)
+    )
     ax.set_xlim(stages[0], stages[-1])
-    if along == "evaluations":
-        ax.tick_params(axis="x", rotation=30)
-    gap = 1.1 * room * LINE / (ax.get_window_extent().height / ax.figure.dpi)
-    for optimizer, place in _apart(last, gap, least).items():
+    beside = ax.get_yaxis_transform()
+    for optimizer, place in _apart(last, 1.1 * room * LINE / height, least).items():
         color = looks[optimizer].color
-        ax.annotate(
-            shown[optimizer], (1.0, last[optimizer]), (1.04, place), xycoords=ax.get_yaxis_transform(), va="center",
-            textcoords=ax.get_yaxis_transform(), color=color, annotation_clip=False,
-            arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 0},
+        ax.plot(
+            [1.0, 1.0 + LEADER / width], [last[optimizer], place], color=color, linewidth=0.7, transform=beside,
+            clip_on=False,
         )  # fmt: skip
+        ax.text(1.0 + (LEADER + 0.03) / width, place, shown[optimizer], transform=beside, va="center", color=color)
     ax.set_ylabel("mean rank")
     ax.set_xlabel(AXES[along])
     return ax
 
 
+def _legible(texts: Sequence[str], stages: Sequence[float], width: float) -> list[str]:
+    """Return the texts of ticks on a log axis of a width in inches, "" for those that would touch the next one."""
+    shown: list[str] = []
+    free = float("inf")
+    for text, stage in reversed(list(zip(texts, stages, strict=True))):
+        at = width * log(stage / stages[0]) / (log(stages[-1] / stages[0]) or 1.0)
+        half = style.text_width([text], style.SMALL) / 2
+        fits = at + half + 0.06 <= free
+        shown.append(text if fits else "")
+        free = at - half if fits else free
+    return shown[::-1]
+
+
 def _apart(places: Mapping[str, float], gap: float, least: float) -> dict[str, float]:
-    """Return places at least a gap apart and none below the least, as near to their own as a single pass allows."""
-    found: dict[str, float] = {}
-    group: list[tuple[str, float]] = []
-    for name, place in sorted(places.items(), key=lambda item: item[1]):
-        if group and place < _center(group) + gap * (len(group) / 2 + 0.5):
-            group.append((name, place))
-        else:
-            found |= _spaced(group, gap, least)
-            group = [(name, place)]
-    return found | _spaced(group, gap, least)
+    """Return places at least a gap apart and none below the least; those that are too near are spread evenly."""
+    groups: list[list[tuple[str, float]]] = []
+    for item in sorted(places.items(), key=lambda item: item[1]):
+        groups.append([item])
+        while len(groups) > 1 and _start(groups[-1], gap, least) < _start(groups[-2], gap, least) + gap * len(
+            groups[-2]
+        ):
+            groups[-2:] = [groups[-2] + groups[-1]]
+    return {
+        name: _start(group, gap, least) + gap * number for group in groups for number, (name, _) in enumerate(group)
+    }
 
 
-def _center(group: Sequence[tuple[str, float]]) -> float:
-    return sum(place for _, place in group) / max(len(group), 1)
-
-
-def _spaced(group: Sequence[tuple[str, float]], gap: float, least: float) -> dict[str, float]:
-    start = max(_center(group) - gap * (len(group) - 1) / 2, least)
-    return {name: start + gap * number for number, (name, _) in enumerate(group)}
+def _start(group: Sequence[tuple[str, float]], gap: float, least: float) -> float:
+    """Return the place of the first of a group about the mean of its places."""
+    mean = sum(place for _, place in group) / len(group)
+    return max(mean - gap * (len(group) - 1) / 2, least)
 
 
 def a12_forest(pairs: pd.DataFrame, problem: str | None = None, *, ax: Axes | None = None) -> Axes:

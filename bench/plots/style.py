@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
+from hashlib import blake2b
 from math import ceil
 from os.path import commonprefix
 from pathlib import Path
@@ -36,16 +37,18 @@ RC = matplotlib.rc_params_from_file(Path(__file__).with_name("report.mplstyle"),
 COLUMN, TEXT = 3.5, 7.16  # inches: one column and the whole width of a two-column page
 TALLEST = 8.0  # inches that the rows of a figure may take together: a page
 ROW = 0.2  # inches, a row of a figure with a label on its left
+TICK = 0.36  # inches that a number below an axis takes
 LEGEND_ROW = 0.145  # inches, a row of a legend
 POINTS, SMALL = float(RC["font.size"]), 6.67  # of text, and of numbers on axes ("small" is 0.833 of the size)
 
-# Okabe and Ito (2008), safe for colour-blind readers; yellow last, as it is faint on white.
-PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000", "#F0E442")
+# Okabe and Ito (2008), safe for colour-blind readers, with brown for their yellow, which is faint on white.
+PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000", "#8C6D31")
 GREY = "#BDBDBD"  # of optimizers in the background
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 LINES = ("-", "--", "-.", ":", (0, (5, 1)))
 HATCHES = ("", "///")
 REFERENCE = "#D55E00"  # expected values and limits
+DARK, BRIGHT = "#111111", "#FEFEFE"  # of text on colours, which a dark page leaves as it is, unlike black and white
 BAND = "#EAAE80"  # bands about them: a paler shade, as SVG and PDF render transparent hatches differently
 
 MANY_POINTS = 20_000  # a plot with more markers keeps them as an image, or the page would not load
@@ -76,21 +79,45 @@ def context() -> AbstractContextManager[None]:
     return matplotlib.rc_context(settings)
 
 
-def looks(labels: Iterable[str], best: Collection[str] | None = None) -> Looks:
-    """Return a look for each label; the cycles have coprime lengths, so the first 280 all differ.
+def looks(labels: Iterable[str], best: Collection[str] | None = None, *, grey: bool = True) -> Looks:
+    """Return a look for each label, which depends on the labels but not on their order; the first 280 all differ.
 
-    With ``best``, only these have a look of their own; the others are drawn in grey, behind them. Looks stay what they
-    are.
+    An optimizer keeps its colour from report to report as far as colours suffice: hashes of a label and a colour
+    (BLAKE2b) are the order in which labels take colours, each the first one that nobody has. So another label seldom
+    changes a look. Labels beyond the eight colours take them again, with other markers and lines.
+
+    With ``best``, only these have a look of their own; the others are drawn in grey, behind them, or without ``grey``
+    take their colours after them. Looks stay what they are.
     """
     if isinstance(labels, Mapping):
         return labels
     known = list(labels)
-    chosen = known if best is None else [label for label in known if label in best]
-    own = {
-        label: Look(PALETTE[i % len(PALETTE)], MARKERS[i % len(MARKERS)], LINES[i % len(LINES)])
-        for i, label in enumerate(chosen)
-    }
+    first = known if best is None else [label for label in known if label in best]
+    own: dict[str, Look] = {}
+    turn = 0
+    for left in (first, [] if grey else [label for label in known if label not in first]):
+        while left:
+            colours = _colours(left)
+            for label, colour in colours.items():
+                place = colour + turn
+                own[label] = Look(PALETTE[colour], MARKERS[place % len(MARKERS)], LINES[place % len(LINES)])
+            left = [label for label in left if label not in colours]
+            turn += 1
     return {label: own.get(label, Look(GREY, "", "-", background=True)) for label in known}
+
+
+def _colours(labels: Sequence[str]) -> dict[str, int]:
+    """Return the colour, by number, of as many of the labels as there are colours."""
+    wishes = sorted(
+        (blake2b(f"{colour} {label}".encode(), digest_size=8).digest(), label, colour)
+        for label in labels
+        for colour in range(len(PALETTE))
+    )
+    found: dict[str, int] = {}
+    for _, label, colour in wishes:
+        if label not in found and colour not in found.values():
+            found[label] = colour
+    return found
 
 
 def behind_first(looks: Looks) -> list[tuple[str, Look]]:
@@ -241,7 +268,9 @@ def log_scale(ax: Axes, which: Literal["x", "y"]) -> None:
     if low <= 0:  # the limits around curves without any point, which a log axis cannot draw
         low, high = getattr(ax, f"set_{which}lim")(1.0, 10.0)
     axis = ax.xaxis if which == "x" else ax.yaxis
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,), numticks=6))
+    inches = ax.get_window_extent().width / ax.figure.dpi if which == "x" else TALLEST
+    most = max(min(int(inches / TICK), 6), 2)
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,), numticks=most))
     axis.set_major_formatter(FuncFormatter(partial(_number, largest=high)))
     axis.set_minor_locator(NullLocator())
 

@@ -1,4 +1,4 @@
-"""The conditions that differ, the leader against its rivals under the same ones, and what missing controls would cost."""
+"""The conditions that differ, the leader against its rivals under the same ones, and what controls would cost."""
 
 from __future__ import annotations
 

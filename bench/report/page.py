@@ -16,8 +16,10 @@ from markupsafe import Markup
 
 from bench.report.interactive.part import Interactive, digest
 from bench.report.parts import LIKE_FRAME, Figure, Part, Section, Table, TableCell
+from bench.report.wording import clause
 
-UPRIGHT, WIDE = 12, 80  # columns of a shaded table, and letters of their titles, above which these stand upright
+UPRIGHT, WIDE = 12, 50  # columns of a shaded table, and letters of their titles, above which these stand upright
+SIGN = 2  # characters that the sign of sorting takes beside a title
 LONG_TEXT = 30  # characters beyond which a cell may break into lines
 ZOOM = 1.45  # scales a figure's 8 points to the size of the page's text
 
@@ -25,6 +27,8 @@ SVG = "{http://www.w3.org/2000/svg}"
 HREF = "{http://www.w3.org/1999/xlink}href"
 COORDINATES = {"d", "points", "x", "y", "x1", "x2", "y1", "y2", "cx", "cy", "width", "height"}
 TEXTS = {"text", "tspan"}
+PAGE_COLOURS = {"#000000": "currentColor", "#ffffff": "var(--page)", "#dddddd": "var(--grid)"}
+"""The colours of a figure's ink, paper and grid, and those of the page, light or dark, that replace them there."""
 UNTURNED = re.compile(r"rotate\(-?0( [-\d. ]+)?\)")
 
 
@@ -62,7 +66,7 @@ class Grid:
         header: the columns' titles.
         classes: the types of its columns: ``t2`` for short texts in the second column, ``w3`` for long texts in the
             third; other columns hold numbers. One class of the table replaces a class of every cell.
-        ems: about how wide the table is, in units of its font size; on paper the font shrinks to fit.
+        ems: about how wide the table is, in units of its font size; the font shrinks so that it fits.
         rows: the cells of the rows shown.
         total: the number of rows of the table.
     """
@@ -93,7 +97,7 @@ def render(
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters["by_folder"] = by_folder
+    environment.filters |= {"by_folder": by_folder, "clause": clause}
     style, script = _asset("page.css"), _asset("page.js")
     return environment.get_template("page.html.j2").render(
         title=title, lead=lead, views=views, style=style, script=script, script_hash=digest(script),
@@ -112,7 +116,7 @@ def grid(table: Table) -> Grid:
     header, rows = shown.header, shown.rows
     lengths = [max((len(row[i].text + row[i].mark) for row in rows), default=0) for i in range(len(header))]
     words = [max(map(len, title.split()), default=0) for title, _ in header]
-    ems = sum(1 + 0.6 * max(min(length, LONG_TEXT), word) for length, word in zip(lengths, words, strict=True))
+    ems = sum(1 + 0.6 * max(min(length, LONG_TEXT), word + SIGN) for length, word in zip(lengths, words, strict=True))
     kinds = ["heat"] if table.shades is not None else []
     wide = len(header) > UPRIGHT or sum(len(title) for title, _ in header) > WIDE
     kinds += ["upright"] if table.shades is not None and wide else []
@@ -141,7 +145,8 @@ def inline(svg: str, name: str, caption: str) -> Markup:
 
     Invisible parts are removed: metadata, ids that nothing refers to, groups without attributes, a style repeated by a
     whole group, by the texts or by the marks of one shape, turns by 0 degrees, decimals beyond 0.01 points.
-    Matplotlib's style sheet, which would affect the whole page, is part of the page's own.
+    Matplotlib's style sheet, which would affect the whole page, is part of the page's own. Black, white and the grey of
+    the grid become the colours of the page, light or dark; the files keep theirs.
     """
     root = ElementTree.fromstring(svg)
     font = _common_font(root)
@@ -205,6 +210,7 @@ def _attribute(tag: str, key: str, value: str, ids: dict[str, str]) -> str:
         return re.sub(r"\s*([A-Za-z])\s*", r"\1", " ".join(short.split())) if key == "d" else short
     if key == "style":
         value = re.sub(r"([:;]) +", r"\1", value)
+        value = re.sub(r"#(000000|ffffff|dddddd)\b", lambda found: PAGE_COLOURS[found[0]], value)
     return re.sub(r"(^|url\()#([^)]+)", lambda found: f"{found[1]}#{ids.get(found[2], found[2])}", value)
 
 

@@ -12,7 +12,6 @@ from pandas.api.types import is_bool_dtype, is_numeric_dtype
 
 from bench.report.wording import cell_text, usual_decimals
 
-Axis = Literal["problem", "optimizer"]
 SHADES = 8  # steps of a table's background
 LIKE_FRAME = ("frame", "texts", "bold", "italic", "marks", "lost", "shades")
 """The attributes of a table that have a row and a column for each of its frame's."""
@@ -53,8 +52,8 @@ class Table:
         note: the explanation of the marks, below the table.
         data: the content of the CSV file where ``frame`` is abridged for reading; ``frame`` itself by default.
         shades: how dark the background of a value is, from 0 to 1: numbers like ``frame``; missing for none.
-        axes: what rows and columns are, ("problem", "optimizer") or the reverse, where each value belongs to a cell of
-            the study: the page then marks it with the names of both.
+        cells: the cell of the study, (problem, optimizer), that a value belongs to, by (row, column): the page marks it
+            with the names of both.
         most_rows: rows that the page shows, the first ones; the files have all.
     """
 
@@ -70,7 +69,7 @@ class Table:
     note: str = ""
     data: pd.DataFrame | None = None
     shades: pd.DataFrame | None = None
-    axes: tuple[Axis, Axis] | None = None
+    cells: Mapping[tuple[Any, Any], tuple[str, str]] | None = None
     most_rows: int = MOST_ROWS
 
     @property
@@ -88,13 +87,14 @@ class Table:
     def rows(self) -> list[list[TableCell]]:
         """The cells row by row, those of the index first."""
         keys = self.frame.index.to_frame().itertuples(index=False) if self.has_index else [()] * len(self.frame)
+        cells = self.cells or {}
         looks = (self.texts, self.bold, self.italic, self.marks, self.lost, self.shades)
         columns = [
             [
                 TableCell(
                     text or cell_text(value, decimals), bool(bold), bool(italic), mark=mark or "", lost=bool(lost),
                     shade=None if shade is None or pd.isna(shade) else min(int(shade * SHADES), SHADES - 1),
-                    problem=self._of("problem", label, name), optimizer=self._of("optimizer", label, name),
+                    problem=cells.get((label, name), ("", ""))[0], optimizer=cells.get((label, name), ("", ""))[1],
                 )
                 for label, value, text, bold, italic, mark, lost, shade in zip(
                     self.frame.index, values, *styles, strict=True
@@ -106,10 +106,6 @@ class Table:
         ]  # fmt: skip
         heads = [[TableCell(cell_text(value), heads_row=True) for value in key] for key in keys]
         return [[*head, *(column[i] for column in columns)] for i, head in enumerate(heads)]
-
-    def _of(self, axis: Axis, row: Any, column: Any) -> str:
-        """Return the problem or the optimizer of a value, "" where the table has no axes."""
-        return "" if self.axes is None else str((row, column)[self.axes.index(axis)])
 
     def _decimals(self, column: Any, values: pd.Series[Any]) -> int | None:
         given = self.decimals.get(column) if isinstance(self.decimals, Mapping) else self.decimals

@@ -246,8 +246,8 @@ def course_figure(stages: pd.DataFrame, looks: style.Looks) -> Figure:
     along = "evaluations" if (stages.groupby("share")["evaluations"].nunique() == 1).all() else "share"
     means = stages.groupby([along, "optimizer"], sort=False, observed=True)["rank"].mean().reset_index()
     named = [label for label, look in looks.items() if not look.background]
-    right = style.text_width(style.names(named, RANK_NAME).values()) + 0.25
-    figure, (ax,) = style.grid(1, width=_width(right), height=1.9, left=0.45, right=right, bottom=0.55, top=0.08)
+    right = style.text_width(style.names(named, RANK_NAME).values()) + 0.3
+    figure, (ax,) = style.grid(1, width=_width(right), height=1.9, left=0.45, right=right, bottom=0.4, top=0.08)
     rank_course(means, looks=looks, ax=ax)
     problems = stages["problem"].nunique()
     caption = (
@@ -261,7 +261,7 @@ def course_figure(stages: pd.DataFrame, looks: style.Looks) -> Figure:
 def stability_figure(stability: pd.DataFrame, looks: style.Looks) -> Figure:
     """Return the mean rank of each optimizer over the number of trials that count, with the range over subsets."""
     named = [label for label, look in looks.items() if not look.background]
-    right = style.text_width(style.names(named, RANK_NAME).values()) + 0.25
+    right = style.text_width(style.names(named, RANK_NAME).values()) + 0.3
     figure, (ax,) = style.grid(1, width=_width(right), height=1.9, left=0.45, right=right, bottom=0.4, top=0.08)
     rank_course(stability, looks=looks, ax=ax)
     caption = (
@@ -273,19 +273,19 @@ def stability_figure(stability: pd.DataFrame, looks: style.Looks) -> Figure:
     return Figure("stability", caption, figure, stability, shown)
 
 
-def rank_figure(average_ranks: pd.Series[float], cliques: Collection[Sequence[str]]) -> Figure:
-    """Return the critical-difference diagram of average ranks over problems; a bar joins those of a clique."""
-    side = style.text_width(style.names(average_ranks.index, RANK_NAME).values()) + 0.5
+def rank_figure(mean_ranks: pd.Series[float], cliques: Collection[Sequence[str]]) -> Figure:
+    """Return the critical-difference diagram of mean ranks over problems; a bar joins those of a clique."""
+    side = style.text_width(style.names(mean_ranks.index, RANK_NAME).values()) + 0.5
     figure, (ax,) = style.grid(
         1, width=_width(2 * side),
-        height=cd_height(average_ranks.count(), len(cliques)), left=side, right=side, bottom=0.05, top=0.3,
+        height=cd_height(mean_ranks.count(), len(cliques)), left=side, right=side, bottom=0.05, top=0.3,
     )  # fmt: skip
-    cd_diagram(average_ranks, cliques, ax=ax)
+    cd_diagram(mean_ranks, cliques, ax=ax)
     caption = (
-        "Critical-difference diagram: mean ranks over problems, the best at the left. A bar joins "
+        "Critical-difference diagram: mean ranks over problems by the rivals beaten, the best at the left. A bar joins "
         "optimizers no pair of which differs significantly (Wilcoxon, Holm)."
     )
-    return Figure("ranks", caption, figure, average_ranks.rename_axis("optimizer").reset_index(name="average_rank"))
+    return Figure("ranks", caption, figure, mean_ranks.rename_axis("optimizer").reset_index(name="mean_rank"))
 
 
 def forest_figure(pairs: pd.DataFrame) -> Figure:

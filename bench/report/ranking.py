@@ -2,44 +2,110 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
 import pandas as pd
 
 from bench import analysis
+from bench.plots import style
 from bench.report.findings import Findings
 from bench.report.parts import LIKE_FRAME, Table
 from bench.report.wording import count
 
 MOST_PAIRED = 30  # optimizers of a matrix of pairs
+MOST_BLOCKS = 20  # columns of the map of a suite: optimizers times dimensions
+HEAD = 20  # letters of an optimizer or a problem there
+Frames = dict[str, pd.DataFrame]
 NEAR = "≈"  # beside the rank of an optimizer that no test separates from the first
 
 
 def rank_map(findings: Findings) -> Table:
     """Return the rank of each optimizer on each problem, darker for a better one; optimizers in order of mean rank.
 
-    Many optimizers, or those of long names, are the rows, as they do not fit beside each other.
+    Many optimizers, or those of long names, are the rows, as they do not fit beside each other. A suite of many
+    problems has a row for each function and, for each optimizer, a column for each dimension.
     """
     order = findings.ranked
     ranks = analysis.table(findings.standings, "rank")[order]
-    texts = ranks.map(lambda rank: "" if pd.isna(rank) else f"{rank:g}").astype(object)
     best = analysis.table(findings.matrix, "best").astype(bool)[order]
-    marks = (_beside_first(findings)[order] & ~best).map(lambda near: NEAR if near else "")
-    shades = (ranks - 1) / max(len(order) - 1, 1)
-    note = (
-        f"Bold: ranked first. {NEAR}: no test separates it from the first. Ties share their mean rank; empty: no trial."
-    )
-    caption = "Rank of each optimizer on each problem, by the rivals that it beats."
-    if not findings.upright:
-        return Table(
-            "rank-map", caption, texts.rename_axis("problem"), bold=best, marks=marks, shades=shades,
-            axes=("problem", "optimizer"), note=note, data=findings.standings,
-        )  # fmt: skip
+    frames: Frames = {
+        "frame": ranks.map(lambda rank: "" if pd.isna(rank) else f"{rank:g}").astype(object),
+        "bold": best,
+        "marks": (_beside_first(findings)[order] & ~best).map(lambda near: NEAR if near else ""),
+        "shades": (ranks - 1) / max(len(order) - 1, 1),
+    }
+    names = style.names(order, HEAD)
+    if places := _functions(findings, ranks.index, len(order)):
+        arranged, cells = _by_function(frames, places, names)
+        rows = "function, a column for each dimension d"
+    else:
+        short = {label: label for label in ranks.index} if not findings.upright else style.names(ranks.index, HEAD)
+        cells = {(short[problem], names[each]): (problem, each) for problem in ranks.index for each in order}
+        arranged = {name: frame.rename(index=short, columns=names) for name, frame in frames.items()}
+        arranged["frame"] = arranged["frame"].rename_axis("problem")
+        if findings.upright:
+            arranged = {name: frame.T for name, frame in arranged.items()}
+            arranged["frame"] = arranged["frame"].rename_axis(index="optimizer", columns=None)
+            cells = {(column, row): cell for (row, column), cell in cells.items()}
+        rows = "problem"
     return Table(
-        "rank-map", caption, texts.T.rename_axis("optimizer"), bold=best.T, marks=marks.T, shades=shades.T,
-        axes=("optimizer", "problem"), note=note, data=findings.standings,
-    )  # fmt: skip
+        "rank-map",
+        f"Rank of each optimizer on each {rows}, by the rivals that it beats.",
+        arranged["frame"],
+        bold=arranged["bold"],
+        marks=arranged["marks"],
+        shades=arranged["shades"],
+        cells=cells,
+        note=f"Bold: ranked first. {NEAR}: no test separates it from the first. Ties share their mean rank; empty: no "
+        "trial.",
+        data=findings.standings,
+    )
+
+
+def _functions(findings: Findings, problems: Iterable[str], optimizers: int) -> dict[tuple[str, int], str]:
+    """Return the problem of each function and dimension of a suite whose map has a row a function; {} for any other."""
+    known = {label: findings.known[label].features for label in problems}
+    suites = {str(each.get("suite", "")) for each in known.values()}
+    places = {
+        (f"{each.get('suite', '')} {each.get('function', '')}" if len(suites) > 1 else str(each.get("function", "")),
+         findings.dimensions.get(label, 0)): label
+        for label, each in known.items()
+    }  # fmt: skip
+    dimensions = {dimension for _, dimension in places}
+    whole = len(places) == len(known) and all("function" in each for each in known.values()) and 0 not in dimensions
+    fits = len(dimensions) > 1 and optimizers * len(dimensions) <= MOST_BLOCKS
+    return places if findings.many and whole and fits else {}
+
+
+def _by_function(
+    frames: Frames, places: Mapping[tuple[str, int], str], names: Mapping[str, str]
+) -> tuple[Frames, dict[tuple[Any, Any], tuple[str, str]]]:
+    """Return frames of problems by optimizers as functions by optimizers and dimensions, and the cells they show."""
+    functions, dimensions = list(dict.fromkeys(name for name, _ in places)), sorted({each for _, each in places})
+    heads = {(label, each): f"{name}, d = {each}" for label, name in names.items() for each in dimensions}
+    missing = {"frame": "", "bold": False, "marks": "", "shades": float("nan")}
+    arranged = {
+        kind: pd.DataFrame(
+            {
+                head: [
+                    frame.at[places[function, each], label] if (function, each) in places else missing[kind]
+                    for function in functions
+                ]
+                for (label, each), head in heads.items()
+            },
+            index=pd.Index(functions, name="function"),
+        )
+        for kind, frame in frames.items()
+    }
+    cells = {
+        (function, head): (places[function, each], label)
+        for (label, each), head in heads.items()
+        for function in functions
+        if (function, each) in places
+    }
+    return arranged, cells
 
 
 def pair_matrix(findings: Findings) -> Table:

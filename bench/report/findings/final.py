@@ -163,8 +163,12 @@ class Final(Trials):
     @cached_property
     def looks(self) -> style.Looks:
         """The look of each optimizer in every figure: of many, only the best have one of their own."""
-        best = self.ranked[:COLOURED] if len(self.optimizers) > MANY_OPTIMIZERS else None
-        return style.looks(self.optimizers, best)
+        return style.looks(self.optimizers, self.coloured)
+
+    @property
+    def coloured(self) -> list[str] | None:
+        """The optimizers that alone have a colour of their own, of many the best; None for all."""
+        return self.ranked[:COLOURED] if len(self.optimizers) > MANY_OPTIMIZERS else None
 
     @property
     def upright(self) -> bool:

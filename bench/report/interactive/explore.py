@@ -171,7 +171,7 @@ class _Explored:
 
     def optimizers(self) -> list[dict[str, Any]]:
         entries = {entry.label: entry for entry in self.findings.study.optimizers}
-        looks = style.looks(self.findings.optimizers)
+        looks = style.looks(self.findings.optimizers, self.findings.coloured, grey=False)
         return [
             {
                 "label": label,
@@ -299,6 +299,8 @@ class _Explored:
             "stop": packed([self.text(each) for each in own["stop"]]),
             "curve": coded(distances[: len(shown)]),
         }
+        if self.complete:
+            cell["place"] = [self.finals[row] for row in shown]
         numbers = [trial % self.stride for trial in own["trial"]]
         if numbers != list(range(len(shown))):
             cell["number"] = numbers
@@ -312,6 +314,11 @@ class _Explored:
         if self.metrics:
             cell["metrics"] = _joined([own[name] for name in self.metrics])
         return cell
+
+    @cached_property
+    def finals(self) -> list[int]:
+        """The place of each row's final value among those of its problem, near-ties as ties, failed trials last."""
+        return final_places(self.findings.frame)
 
     @cached_property
     def stride(self) -> int:
@@ -367,6 +374,12 @@ class _Explored:
         if cut:
             notes.append(f"Of longer signals, the first {MOST_SAMPLES:,} samples are here.")
         return notes
+
+
+def final_places(frame: pd.DataFrame) -> list[int]:
+    """Return the place of each trial's score among those of its problem; equal scores, also nearly, share a place."""
+    final = analysis.scores(frame, merge=True)
+    return list(final.groupby(frame["problem"].astype(object)).rank("dense").astype(int))
 
 
 def _quartiles(values: Floats) -> Floats:

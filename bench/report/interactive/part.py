@@ -16,7 +16,7 @@ from bench.report.interactive.library import available, library
 
 TITLE = "Look further"
 ANCHOR = "look-further"  # of the part; a state of the part follows it in a link, after "?"
-SCRIPT = ("data", "state", "views", "run", "controls")  # the files of the script, which share one scope
+SCRIPT = ("standing", "data", "state", "views", "run", "controls")  # the files of the script, which share one scope
 EXTRA = "pip install 'backlash-bench[interactive]'"
 
 

@@ -75,7 +75,7 @@ def _panels(members: pd.DataFrame) -> list[tuple[str, int, list[str]]]:
 
 
 def _ranks(findings: Findings, members: pd.DataFrame) -> Table:
-    ranks, panels = findings.medians.rank(axis=1), _panels(members)
+    ranks, panels = analysis.table(findings.standings, "rank").dropna(), _panels(members)
     rows = {
         f"{group}, d = {dimension}": ranks[ranks.index.isin(problems)].mean() for group, dimension, problems in panels
     }
@@ -83,12 +83,12 @@ def _ranks(findings: Findings, members: pd.DataFrame) -> Table:
     problems = [len(problems) for _, _, problems in panels]
     return Table(
         "ranks-by-group",
-        "Average rank of the median by group of functions and dimension, 1 for the lowest; ties share their mean rank.",
+        "Mean rank by the rivals beaten, by group of functions and dimension, 1 for the best.",
         shown.assign(problems=problems)[["problems", *shown]],
         bold=shown.eq(shown.min(axis=1), axis=0).mul(shown.min(axis=1) < shown.max(axis=1), axis=0),
         decimals=dict.fromkeys(map(str, shown.columns), 2),
-        note="Bold: the lowest of a row, unless all are equal. Problems on which an optimizer has no trial do not "
-        "count.",
+        note="Bold: the lowest of a row, unless all are equal. Ties share their mean rank. Problems on which an "
+        "optimizer has no trial do not count.",
     )
 
 

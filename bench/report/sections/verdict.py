@@ -13,9 +13,9 @@ from bench.budget import described
 from bench.report import clock
 from bench.report.conditions import sentences
 from bench.report.findings import Findings
+from bench.report.first_picture import first_picture
 from bench.report.matched import chances, cost, differing
 from bench.report.parts import Card, Part, Section
-from bench.report.plots import course_figure
 from bench.report.ranking import rank_map, ranking_table
 from bench.report.sections import integrity
 from bench.report.sections.power import error_text
@@ -49,10 +49,7 @@ def section(findings: Findings) -> Section:
         Card("What may not be claimed", (*_limits(findings), *conditions.limits), "limit", folded=True),
         Card("How this is decided", (_grounds(findings), *conditions.others), "limit", folded=True),
     )  # fmt: skip
-    items: list[Part] = [rank_map(findings)]
-    if findings.traces and len(findings.stages):
-        items.append(course_figure(findings.stages, findings.looks))
-    items.append(ranking_table(findings))
+    items: list[Part] = [rank_map(findings), *first_picture(findings), ranking_table(findings)]
     return Section(TITLE, (), tuple(items), warnings, cards=cards, lost=lost)
 
 

@@ -43,12 +43,14 @@ def test_axe_finds_nothing(browser, file, axe, width, dark):
     assert [(each["id"], each["impact"], each["nodes"][0]["html"]) for each in found["violations"]] == []
 
 
-def test_dark_is_dark_and_figures_stay_on_white(browser, file):
+def test_dark_is_dark_and_figures_follow(browser, file):
     colours = {}
     for dark in (False, True):
         browser.open(file, dark=dark)
         colours[dark] = browser.run("getComputedStyle(document.body).backgroundColor")
-        assert browser.run("getComputedStyle(document.querySelector('.plot')).backgroundColor") == "rgb(255, 255, 255)"
+        assert browser.run("getComputedStyle(document.querySelector('.plot')).backgroundColor") == "rgba(0, 0, 0, 0)"
+        ink = browser.run("getComputedStyle(document.body).color")
+        assert browser.run("getComputedStyle(document.querySelector('.plot text')).fill") == ink
     assert colours == {False: "rgb(255, 255, 255)", True: "rgb(20, 23, 27)"}
 
 

@@ -1,9 +1,9 @@
 // Draw: charts, controls, zoom, and what follows from a change of the state.
 
-const CONFIG = {
-  background: "#ffffff", font: "system-ui, 'DejaVu Sans', sans-serif",
-  view: { stroke: null },
-  axis: { labelFontSize: 12, titleFontSize: 12, titleFontWeight: "normal", labelColor: "#1b1f24", titleColor: "#1b1f24", gridColor: "#dddddd", domainColor: "#57606a", tickColor: "#57606a" },
+const config = () => {
+  const [text, soft, gridColor] = ["--text", "--soft", "--grid"].map(pageColor);
+  const axis = { labelFontSize: 12, titleFontSize: 12, titleFontWeight: "normal", labelColor: text, titleColor: text, gridColor, domainColor: soft, tickColor: soft };
+  return { background: "transparent", font: "system-ui, 'DejaVu Sans', sans-serif", view: { stroke: null }, axis };
 };
 const drawn = new Map(); // the chart of each place, so that an older one ends
 const embed = async (place, spec) => {
@@ -14,7 +14,7 @@ const embed = async (place, spec) => {
   const canvas = make("div", { ariaHidden: "true" }); // the place has a label, and the page a table of its values
   try {
     const marks = spec.data.values.length > 4000 && !spec.vconcat;
-    const made = await vegaEmbed(canvas, { config: CONFIG, ...(spec.vconcat ? {} : { autosize: { type: "fit-x", contains: "padding" } }), ...spec }, { mode: "vega-lite", ast: true, actions: false, defaultStyle: false, renderer: marks ? "canvas" : "svg" });
+    const made = await vegaEmbed(canvas, { config: config(), ...(spec.vconcat ? {} : { autosize: { type: "fit-x", contains: "padding" } }), ...spec }, { mode: "vega-lite", ast: true, actions: false, defaultStyle: false, renderer: marks ? "canvas" : "svg" });
     if (drawn.get(place).number !== number) return made.finalize();
     drawn.get(place).made?.finalize();
     drawn.set(place, { number, made });
@@ -120,11 +120,11 @@ const fillKey = () => {
   const own = state.view === "curves" ? chosenOptimizers() : [];
   key.hidden = !own.length;
   key.replaceChildren(...own.map((o) => {
-    const { color, dash, label } = optimizers[o];
+    const { dash, label } = optimizers[o];
     const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     for (const [name, value] of [["width", 34], ["height", 10], ["aria-hidden", "true"]]) svg.setAttribute(name, value);
     const line = document.createElementNS("http://www.w3.org/2000/svg", "path");
-    for (const [name, value] of [["d", "M0 5H34"], ["stroke", color], ["stroke-width", 3], ["stroke-dasharray", dash.join(" ")]]) line.setAttribute(name, value);
+    for (const [name, value] of [["d", "M0 5H34"], ["stroke", colorOf(o)], ["stroke-width", 3], ["stroke-dasharray", dash.join(" ")]]) line.setAttribute(name, value);
     svg.append(line);
     return make("li", {}, svg, ` ${label}`);
   }));
@@ -293,6 +293,7 @@ addEventListener("hashchange", () => {
     part.scrollIntoView();
   }
 });
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => show());
 const asked = read();
 show();
 if (asked) part.scrollIntoView();

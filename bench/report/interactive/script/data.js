@@ -22,6 +22,8 @@ const text = (value) => {
   return size >= 1e6 || size < 1e-3 ? value.toExponential(3) : String(Number(value.toPrecision(6)));
 };
 const percent = (share) => (Number.isNaN(share) ? "–" : `${Number((100 * share).toPrecision(3))} %`);
+const pageColor = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim(); // light or dark
+const colorOf = (o) => (optimizers[o].color === "#000000" ? pageColor("--text") : optimizers[o].color);
 const one = (values, k) => (Array.isArray(values) ? values[k] : values); // a column may hold one value for all runs
 
 // Data: every curve holds distances from the problem's reference, at the budgets of the grid.
@@ -76,43 +78,15 @@ const [commonUnit, common] = sameBudget
     ? ["evaluations / dimension", (i) => (grid[i] / grid[last]) * perDimension[0]]
     : ["% of the budget", (i) => (100 * grid[i]) / grid[last]];
 
-// The share of a cell's runs that are better than a run of another optimizer, of whom all are taken together; a tie
-// counts half (Mann-Whitney). Of medians where not all runs are here.
-const superiority = (p, chosen, i) => {
-  const own = chosen.filter((o) => cells[p][o]);
-  const pool = own.flatMap((o) => {
-    const values = data.complete ? curves(cells[p][o]).map((curve) => curve[i]) : [quartiles(cells[p][o])[1][i]];
-    return values.map((value) => ({ o, value }));
-  });
-  pool.sort((a, b) => (a.value < b.value ? -1 : a.value > b.value ? 1 : 0));
-  const sums = new Map(own.map((o) => [o, { above: 0, n: 0 }]));
-  for (let start = 0; start < pool.length; ) {
-    let end = start;
-    while (end < pool.length && pool[end].value === pool[start].value) end++;
-    const middle = (start + 1 + end) / 2;
-    for (; start < end; start++) {
-      const sum = sums.get(pool[start].o);
-      sum.above += pool.length - middle;
-      sum.n++;
-    }
-  }
-  return new Map(
-    [...sums].map(([o, { above, n }]) => [o, n < pool.length ? (above - (n * (n - 1)) / 2) / (n * (pool.length - n)) : NaN]),
-  );
-};
+// The values by which runs are compared: at the whole budget their places among all runs of the problem, which are
+// exact; before, values rounded to 0.12 %. Of medians where not all runs are here.
+const compared = (cell, i) =>
+  !data.complete ? [quartiles(cell)[1][i]] : i === last ? cell.place : curves(cell).map((curve) => curve[i]);
 
 const ranks = (p, chosen, i) => {
-  const better = superiority(p, chosen, i);
-  const order = [...better].sort((a, b) => b[1] - a[1]);
-  const found = new Map();
-  for (let start = 0; start < order.length; ) {
-    let end = start;
-    do end++;
-    while (end < order.length && order[start][1] - order[end][1] < 1e-9);
-    const rank = (start + 1 + end) / 2;
-    for (; start < end; start++) found.set(order[start][0], { rank, better: order[start][1] });
-  }
-  return found;
+  const own = chosen.filter((o) => cells[p][o]);
+  const found = standing(own.map((o) => compared(cells[p][o], i)));
+  return new Map(own.map((o, at) => [o, found[at]]));
 };
 
 // Features by which problems are chosen, and the levels of the targets

@@ -41,8 +41,8 @@ const runSpec = (p, o, k) => {
   return {
     data: { values: rows }, width: width(), height: 220,
     layer: [
-      { transform: [{ filter: `datum.k !== ${k}` }], mark: { type: "line", interpolate: "step-after", color: "#b8bec5", strokeWidth: 0.8 }, encoding },
-      { transform: [{ filter: `datum.k === ${k}` }], mark: { type: "line", interpolate: "step-after", color: optimizers[o].color, strokeWidth: 2.5 }, encoding: { ...encoding, tooltip: [{ field: "x", title: "evaluations", format: "," }, { field: "shown", title: "value" }] } },
+      { transform: [{ filter: `datum.k !== ${k}` }], mark: { type: "line", interpolate: "step-after", color: pageColor("--line"), strokeWidth: 0.8 }, encoding },
+      { transform: [{ filter: `datum.k === ${k}` }], mark: { type: "line", interpolate: "step-after", color: colorOf(o), strokeWidth: 2.5 }, encoding: { ...encoding, tooltip: [{ field: "x", title: "evaluations", format: "," }, { field: "shown", title: "value" }] } },
     ],
   };
 };
@@ -81,11 +81,11 @@ const fitSpec = (p, o, k) => {
       {
         width: width() - AXIS, height: 220,
         layer: [
-          { mark: { type: "point", filled: true, size: 12, color: "#8a939d", clip: true }, encoding: { x, y: y("value", title), tooltip } },
-          { mark: { type: "line", color: optimizers[o].color, strokeWidth: 1.8, clip: true }, encoding: { x, y: y("fit", title) } },
+          { mark: { type: "point", filled: true, size: 12, color: pageColor("--soft"), clip: true }, encoding: { x, y: y("value", title), tooltip } },
+          { mark: { type: "line", color: colorOf(o), strokeWidth: 1.8, clip: true }, encoding: { x, y: y("fit", title) } },
         ],
       },
-      { width: width() - AXIS, height: 110, mark: { type: "line", color: "#57606a", strokeWidth: 1, clip: true }, encoding: { x, y: y("residual", "residual"), tooltip } },
+      { width: width() - AXIS, height: 110, mark: { type: "line", color: pageColor("--soft"), strokeWidth: 1, clip: true }, encoding: { x, y: y("residual", "residual"), tooltip } },
     ],
   };
 };

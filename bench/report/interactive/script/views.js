@@ -36,7 +36,7 @@ const back = (scale, domain) => (scale.log ? domain.map(Math.exp) : domain);
 
 const look = (chosen, field = "o") => {
   const domain = chosen.map((o) => optimizers[o].label);
-  const range = (name) => chosen.map((o) => optimizers[o][name]);
+  const range = (name) => chosen.map((o) => (name === "color" ? colorOf(o) : optimizers[o][name]));
   const legend = null; // the page has one, of text
   return {
     color: { field, type: "nominal", sort: null, scale: { domain, range: range("color") }, legend },
@@ -62,11 +62,11 @@ const lines = ({ rows, chosen, xTitle, yTitle, x, y, format, band, under, marks 
   ];
   const layer = [
     { mark: { type: "line", interpolate: "step-after", strokeWidth: 2, clip: true }, encoding: { ...position, color: styles.color, strokeDash: styles.strokeDash } },
-    ...marks.map((mark) => ({ data: { values: [mark] }, mark: { type: "rule", color: "#57606a", strokeDash: [4, 4], clip: true }, encoding: "x" in mark ? { x: position.x } : { y: position.y } })),
+    ...marks.map((mark) => ({ data: { values: [mark] }, mark: { type: "rule", color: pageColor("--soft"), strokeDash: [4, 4], clip: true }, encoding: "x" in mark ? { x: position.x } : { y: position.y } })),
     {
       data: { values: shown },
       params: [{ name: "hover", select: { type: "point", fields: ["x"], nearest: true, on: "pointermove", clear: "pointerout" } }],
-      mark: { type: "rule", color: "#1b1f24", strokeWidth: 1, clip: true },
+      mark: { type: "rule", color: pageColor("--text"), strokeWidth: 1, clip: true },
       encoding: { x: position.x, opacity: { condition: { param: "hover", empty: false, value: 0.6 }, value: 0 }, tooltip },
     },
   ];
@@ -189,7 +189,7 @@ const runView = () => {
   const at = (value) => (value <= 0 && x.log ? x.floor : value);
   for (const row of rows) Object.assign(row, { x: at(row.value), low: at(row.low), high: at(row.high ?? x.full[1]) });
   const labels = [...names.values()];
-  const range = (name) => [...names.keys()].map((o) => optimizers[o][name]);
+  const range = (name) => [...names.keys()].map((o) => (name === "color" ? colorOf(o) : optimizers[o][name]));
   const faint = state.cell !== null && chosen.includes(state.cell) ? `datum.o !== ${state.cell}` : "false";
   const isRun = state.run ? `datum.o === ${state.run.o} && datum.k === ${state.run.k}` : "false";
   const y = { field: "name", type: "nominal", sort: null, scale: { domain: labels }, title: null, axis: { labelLimit: Math.min(width() / 3, 240), grid: false } };
@@ -201,12 +201,12 @@ const runView = () => {
       layer: [
         {
           transform: [{ filter: "datum.middle" }],
-          mark: { type: "rule", strokeWidth: 2, color: "#8a939d", clip: true },
+          mark: { type: "rule", strokeWidth: 2, color: pageColor("--soft"), clip: true },
           encoding: { x: { ...position.x, field: "low" }, x2: { field: "high" }, y },
         },
         {
           transform: [{ filter: "datum.middle" }],
-          mark: { type: "tick", thickness: 3, size: 34, color: "#1b1f24", opacity: 0.7, clip: true },
+          mark: { type: "tick", thickness: 3, size: 34, color: pageColor("--text"), opacity: 0.7, clip: true },
           encoding: position,
         },
         {
@@ -217,7 +217,7 @@ const runView = () => {
             yOffset: { field: "j", type: "quantitative", scale: { domain: [-0.75, 0.75], nice: false, zero: false } },
             shape: { field: "name", type: "nominal", sort: null, scale: { domain: labels, range: range("shape") }, legend: null },
             opacity: { condition: { test: faint, value: 0.15 }, value: 0.75 },
-            stroke: { condition: { test: isRun, value: "#000000" }, value: "transparent" },
+            stroke: { condition: { test: isRun, value: pageColor("--text") }, value: "transparent" },
             strokeWidth: { value: 2 },
             size: { condition: { test: isRun, value: 220 }, value: 50 },
             tooltip: [{ field: "name", title: "optimizer" }, { field: "run", title: "run" }, { field: "shown", title: "value" }],
@@ -241,11 +241,11 @@ const rankView = () => {
   const sums = new Map(chosen.map((o) => [o, []]));
   for (const p of own) {
     const found = ranks(p, chosen, state.budget);
-    for (const [o, { rank, better }] of found) {
+    for (const [o, { rank, chance }] of found) {
       sums.get(o).push(rank);
       rows.push({
         p, o, problem: problems[p].label, optimizer: optimizers[o].label, rank, shown: text(rank),
-        median: text(valueOf(p, quartiles(cells[p][o])[1][state.budget])), better: percent(better),
+        median: text(valueOf(p, quartiles(cells[p][o])[1][state.budget])), chance: percent(chance),
       });
     }
     table.push([problems[p].label, ...chosen.map((o) => text(found.get(o)?.rank))]);
@@ -258,15 +258,15 @@ const rankView = () => {
   };
   const n = Math.max(chosen.length, 2);
   const few = rows.length <= 1500 && width() / n > 26;
-  const how = data.complete ? "by the runs that beat those of the others" : "by the median";
+  const how = data.complete ? "by the rivals beaten" : "by the median";
   const layer = [
     {
-      mark: { type: "rect", stroke: "#ffffff", strokeWidth: 1, cursor: "pointer" },
+      mark: { type: "rect", stroke: pageColor("--page"), strokeWidth: 1, cursor: "pointer" },
       encoding: {
         ...position,
         color: { field: "rank", type: "quantitative", scale: { domain: [1, n], range: ["#08306b", "#eaf2fb"] }, legend: null },
         tooltip: [{ field: "problem" }, { field: "optimizer" }, { field: "shown", title: "rank" }, { field: "median", title: "median" },
-          ...(data.complete ? [{ field: "better", title: "beats a run of the others" }] : [])],
+          ...(data.complete ? [{ field: "chance", title: "beats a run of the others" }] : [])],
       },
     },
   ];

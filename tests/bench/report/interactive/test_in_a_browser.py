@@ -24,7 +24,7 @@ ABOUT = "document.querySelector('.about').textContent"
 def file(findings, tmp_path_factory):
     path = tmp_path_factory.mktemp("further") / "report.html"
     ranks = pd.DataFrame({"a": [1], "b": [2]}, index=pd.Index(["p"], name="problem"))
-    ranking = Table("rank-map", "Ranks.", ranks, axes=("problem", "optimizer"))
+    ranking = Table("rank-map", "Ranks.", ranks, cells={("p", "a"): ("p", "a"), ("p", "b"): ("p", "b")})
     views = [
         View("part.1", Section("Verdict", items=(ranking,)), [Item("rank-map", [], ranking)], [], []),
         View("part.2", Section("More", ("A sentence.",)), [], [], []),

@@ -5,7 +5,9 @@ import pytest
 
 from bench import Results, Study, run
 from bench.analysis import PRECISIONS
+from bench.analysis import table as table_of
 from bench.report.findings import Findings
+from bench.report.ranking import rank_map
 from bench.report.sections import anytime, comparison, datasets, suite
 
 
@@ -84,11 +86,34 @@ def test_shares_of_the_budget_are_compared_where_budgets_differ(findings):
 
 def test_ranks_are_given_by_group_and_dimension(findings, items):
     table = items["ranks-by-group"].frame
-    ranks = findings.medians.rank(axis=1)
+    ranks = table_of(findings.standings, "rank")
     assert table["problems"].tolist() == [2, 2, 1, 1, 1, 1]
     assert table.loc["all functions, d = 5", "cma-es-fast"] == pytest.approx(
         ranks.loc[["classical-sphere-d5", "classical-rastrigin-d5"], "cma-es-fast"].mean()
     )
+
+
+def test_one_rule_ranks_everywhere(findings, items):
+    """The ranks by group were those of medians, and differed from the figure and the ranking of the same page."""
+    by_group, of_all = items["ranks-by-group"].frame, findings.ranking.set_index("optimizer")["mean_rank"]
+    overall = by_group.loc[["all functions, d = 2", "all functions, d = 5"], list(of_all.index)]
+    assert overall.mean().to_dict() == pytest.approx(of_all.to_dict())
+    last = findings.stages[findings.stages["share"] == 1.0].groupby("optimizer", observed=True)["rank"].mean()
+    assert last.to_dict() == pytest.approx(of_all.to_dict())
+
+
+def test_the_map_of_a_suite_has_a_row_a_function(findings, monkeypatch):
+    monkeypatch.setattr("bench.report.findings.trials.MANY_PROBLEMS", 3)
+    found = rank_map(findings)
+    first, second = findings.ranked
+    assert list(found.frame) == [f"{name}, d = {d}" for name in (first, second) for d in (2, 5)]
+    assert list(found.frame.index) == ["sphere", "rastrigin"]
+    assert found.cells["rastrigin", f"{second}, d = 5"] == ("classical-rastrigin-d5", second)
+    ranks = table_of(findings.standings, "rank")
+    for (row, column), (problem, optimizer) in found.cells.items():
+        assert float(found.frame.at[row, column]) == ranks.at[problem, optimizer]
+    assert len(found.cells) == 8
+    assert (found.bold.shape, found.shades.shape, found.marks.shape) == ((2, 4),) * 3
 
 
 def test_targets_are_shown_for_the_groups_over_evaluations_by_dimension(items):

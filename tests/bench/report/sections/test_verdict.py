@@ -28,9 +28,9 @@ def test_the_first_screen(findings):
         "How this is decided",
     ]
     assert [card.folded for card in shown.cards] == [False, True, True]
-    assert [item.name for item in shown.items] == ["rank-map", "ranks-over-budget", "ranking"]
+    assert [item.name for item in shown.items] == ["rank-map", "every-trial", "ranking"]
     ranks, _, ranking = shown.items
-    assert ranks.axes == ("problem", "optimizer")
+    assert ranks.cells["p", "b"] == ("p", "b")
     assert ranks.frame.to_numpy().tolist() == [["1", "2", "3"]] * 3
     assert ranks.shades.iloc[0].tolist() == [0.0, 0.5, 1.0]
     assert ranking.frame["first"].tolist() == ["3 [3, 3]", "0 [0, 0]", "0 [0, 0]"]

@@ -1,0 +1,84 @@
+"""The picture beside the verdict: the trials where they fit, the ranks over the budget elsewhere."""
+
+import pandas as pd
+import pytest
+
+from bench import Results
+from bench.plots import style
+from bench.report.findings import Findings
+from bench.report.first_picture import first_picture, shows_trials, trials_figure
+from bench.report.page import inline
+from bench.report.sections import anytime
+from tests.bench.plots.frames import strict, svg, trials
+
+
+@pytest.fixture(autouse=True)
+def strictly():
+    with strict():
+        yield
+
+
+@pytest.mark.parametrize(
+    ("problems", "optimizers", "picture"),
+    [(1, 3, "every-trial"), (6, 3, "every-trial"), (7, 3, "ranks-over-budget"), (12, 2, "every-trial"),
+     (13, 2, "ranks-over-budget"), (2, 11, "ranks-over-budget")],
+)  # fmt: skip
+def test_trials_are_shown_of_few_problems_or_of_two_optimizers(make, tmp_path, problems, optimizers, picture):
+    labels = (tuple(f"{kind}{i}" for i in range(number)) for kind, number in (("p", problems), ("o", optimizers)))
+    findings = Findings(Results(make(tmp_path / "s", *labels, trials=2)))
+    (figure,) = first_picture(findings)
+    assert figure.name == picture
+    if picture == "every-trial":  # the ranks over the budget are then further down, once
+        assert [item.name for item in anytime.section(findings).items].count("ranks-over-budget") == 1
+    assert shows_trials(findings) == (picture == "every-trial")
+
+
+def drawn(cells, solved=()):
+    frame = trials(cells)
+    problems = list(dict.fromkeys(frame["problem"]))
+    return trials_figure(
+        frame, problems, dict.fromkeys(problems, 0.5), set(solved), style.looks(frame["optimizer"].unique())
+    )
+
+
+def test_every_trial_is_a_point_and_failed_ones_are_counted():
+    figure = drawn({("p", "a"): [1.0, 2.0, float("inf")], ("p", "b"): [3.0], ("q", "a"): [4.0], ("q", "b"): [5.0, 6.0]})
+    panels = figure.figure.axes
+    assert [ax.get_title(loc="left") for ax in panels] == ["p", "q"]
+    assert [sum(len(line.get_xdata()) for line in ax.lines if line.get_marker() != "None") for ax in panels] == [3, 3]
+    assert panels[0].texts[0].get_text() == "1 failed"
+    assert len(figure.data) == 7
+    assert figure.shown.loc[("p", "b"), "median"] == 3.0
+    svg(figure.figure)
+
+
+@pytest.mark.parametrize("count", [1, 2, 4, 5, 6, 12])
+def test_the_picture_is_as_wide_as_a_page_and_no_text_is_cut(count):
+    figure = drawn({(f"problem-{i}", name): [1.0, 20.0, 1e6] for i in range(count) for name in ("a", "random-search")})
+    width, height = figure.figure.get_size_inches()
+    box = figure.figure.get_tightbbox()
+    assert width in (style.COLUMN, style.TEXT)
+    assert height < 4
+    assert (box.x0 >= -0.01, box.y0 >= -0.01, box.x1 <= width + 0.01, box.y1 <= height + 0.01) == (True,) * 4
+
+
+def test_precisions_are_drawn_from_the_solved_one_on():
+    figure = drawn({("p", "a"): [0.0, 1e-3]}, solved="p")
+    assert figure.figure.axes[0].lines[0].get_xdata().min() == 1e-8
+    assert "Precisions below 1e-08" in figure.caption
+    assert "the optimum" not in figure.caption
+
+
+def test_a_page_draws_in_its_own_ink_and_the_files_keep_theirs():
+    text = svg(drawn({("p", "a"): [1.0, 2.0]}).figure)
+    shown = str(inline(text, "f", "A figure."))
+    for old, new in (("#000000", "currentColor"), ("#ffffff", "var(--page)"), ("#dddddd", "var(--grid)")):
+        assert old in text
+        assert old not in shown
+        assert new in shown
+
+
+def test_the_data_are_those_of_the_drawn_problems():
+    frame = trials({("p", "a"): [1.0], ("q", "a"): [2.0]})
+    figure = trials_figure(frame, ["q"], {}, set(), style.looks(["a"]))
+    pd.testing.assert_series_equal(figure.data["fun"].reset_index(drop=True), pd.Series([2.0], name="fun"))
