@@ -10,6 +10,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.budget import evaluations
+from bench.report.replication import Replication, replications
 from bench.rope import Rope
 from bench.storage.results import ProblemFacts, Results
 from bench.study import Entry, Study
@@ -37,10 +38,15 @@ class Trials:
         features = {label: each.features for label, each in known.items()}
         return analysis.pool_instances(self.results.frame, self.results.traces, names, features, optima)
 
+    @property
+    def precisions(self) -> list[str]:
+        """The problems with pooled instances, whose values are precisions; those of all others are objective values."""
+        return self.pooled.functions
+
     @cached_property
-    def planned(self) -> dict[str, int]:
-        """The trials that a cell should hold at most, by problem."""
-        return {label: self.results.study.trials * len(own) for label, own in self.pooled.members.items()}
+    def replications(self) -> list[Replication]:
+        """The trials of the cells, by the number of instances that a problem stands for."""
+        return replications(self.coverage, self.pooled.members, self.results.planned)
 
     @cached_property
     def decisions(self) -> analysis.Decisions:
@@ -56,10 +62,10 @@ class Trials:
 
     @cached_property
     def study(self) -> Study:
-        """The study as it is compared: a function in a dimension is one problem, whatever its instances."""
+        """The study as it is compared: a function in a dimension is one problem, whose trials are by instance."""
         entries = {entry.label: entry for entry in self.results.study.problems}
         problems = tuple(entries.get(label) or Entry(label, label) for label in self.pooled.members)
-        return replace(self.results.study, problems=problems, trials=max(self.planned.values()))
+        return replace(self.results.study, problems=problems)
 
     @cached_property
     def frame(self) -> pd.DataFrame:
