@@ -48,6 +48,8 @@ class Problem(ABC):
         lower: (d,) float64, the lower end of the box.
         upper: (d,) float64, the upper end of the box.
         optimum: the best known objective value, or None where none is known.
+        optimum_source: where it is from, as the methods of a report say it, such as ``"an exhaustive search"``.
+        measure: what the objective value is, with its unit, likewise, such as ``"the RMSE of the fit in rpm"``.
         expected: the true value and the acceptable error of domain metrics, by their names in :meth:`describe`, such as
             ``{"amplitude_rpm": (140.2, 1.93)}``; reports draw them.
         features: what kind of problem it is, by which reports can group problems, such as ``{"suite": "bbob",
@@ -66,6 +68,8 @@ class Problem(ABC):
     lower: Floats
     upper: Floats
     optimum: float | None = None
+    optimum_source: str = ""
+    measure: str = ""
     expected: Mapping[str, tuple[float, float]] = MappingProxyType({})
     features: Mapping[str, str | int] = MappingProxyType({})
     repairs: bool = False

@@ -51,6 +51,8 @@ class ProblemFacts:
     constraints: str = ""  # how its constraints were handled; "" where it has none
     noisy: bool = False  # whether optimizers saw values with noise
     integers: tuple[str, ...] = ()  # the integer variables
+    optimum_source: str = ""  # where the optimum is from, in words
+    measure: str = ""  # what the objective value is, with its unit, in words
     reason: str = ""  # why the problem cannot be loaded, so that no fact is known
 
     @property
@@ -246,6 +248,8 @@ class Results:
                 constraints=problem.handling if isinstance(problem, Scored) and noted else "",
                 noisy=plain(problem).noisy,
                 integers=tuple(compress(problem.variables, integer_flags(problem))),
+                optimum_source=str(plain(problem).optimum_source),
+                measure=str(plain(problem).measure),
             )
         except BenchError as error:
             return ProblemFacts(reason=str(error))

@@ -10,6 +10,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.budget import evaluations
+from bench.report.problem_words import sweeps
 from bench.report.replication import Replication, replications
 from bench.rope import Rope
 from bench.storage.results import ProblemFacts, Results
@@ -195,8 +196,4 @@ class Trials:
     @cached_property
     def sweeps(self) -> dict[str, list[str]]:
         """The problems, three or more, that are steps of one sweep, by its name."""
-        found: dict[str, list[str]] = {}
-        for label, each in self.known.items():
-            if name := str(each.features.get("sweep", "")):
-                found.setdefault(name, []).append(label)
-        return {name: own for name, own in found.items() if len(own) > 2}
+        return sweeps(self.known)

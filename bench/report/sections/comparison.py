@@ -14,6 +14,9 @@ from bench.report.wording import count, leaders, listing, row_texts
 TITLE = "Comparison"
 OTHER = "lowest by"  # the column of those that are best by the median or the mean
 OTHER_NOTE = (
+    " Lowest by: the optimizer with the lowest median or mean of the row, where that is another one than the first."
+)
+NOTE = (
     "Bold: the first of the row, which beats the most rivals: more than half of the pairs of trials end lower with it "
     "(A12 > 0.5). Italics: the first one is not separably lower. Letters, in the order of the ranks: optimizers of a "
     "row that share a letter are not separable. –: no trial; ∞: the median trial failed; in red with ✗: a cell with "

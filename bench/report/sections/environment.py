@@ -54,10 +54,14 @@ def _entries(study: Study) -> Table:
             {"kind": kind, "label": entry.label, "plug-in": entry.name, "options": options(entry.options)}
             for kind, group in (("optimizer", study.optimizers), ("problem", study.problems))
             for entry in group
+            if kind == "optimizer" or entry.options or entry.label != entry.name  # the label says all of the others
         ]
     )
     return Table(
-        "entries", "What was compared, with the options that the study sets; all others are the defaults.", entries
+        "entries",
+        "The optimizers, and the problems with options or a label of their own, with the options that the study sets; "
+        "all others are the defaults.",
+        entries,
     )
 
 
