@@ -257,7 +257,7 @@ class TestMethods:
         assert "is the RMSE in rpm on p." in text
         assert "tables/problems.csv on p and q and [-5, 5]^d on r; the dimension d is 1 or 2." in text
         assert "from a fit on p and q; of 1 problem it is not known, and the best value found" in text
-        assert "sweep" not in text
+        assert "are steps of one sweep, the gap" not in text
 
     def test_box_and_repair_are_explained_where_they_are_used(self):
         values = {"gwo": {"handling": "box"}, "alo": {"handling": "repair"}, "cma-es": {}}
