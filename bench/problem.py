@@ -51,6 +51,8 @@ class Problem(ABC):
         repaired_optimum: the best known value of the points that :meth:`repair` returns, where the optimum itself may
             be none of them; None (default) where repaired points can reach the optimum. Reports count the regret and
             the targets of an optimizer that repairs its points from this value.
+        optimum_source: where it is from, as the methods of a report say it, such as ``"an exhaustive search"``.
+        measure: what the objective value is, with its unit, likewise, such as ``"the RMSE of the fit in rpm"``.
         expected: the true value and the acceptable error of domain metrics, by their names in :meth:`describe`, such as
             ``{"amplitude_rpm": (140.2, 1.93)}``; reports draw them.
         features: what kind of problem it is, by which reports can group problems, such as ``{"suite": "bbob",
@@ -70,6 +72,8 @@ class Problem(ABC):
     upper: Floats
     optimum: float | None = None
     repaired_optimum: float | None = None
+    optimum_source: str = ""
+    measure: str = ""
     expected: Mapping[str, tuple[float, float]] = MappingProxyType({})
     features: Mapping[str, str | int] = MappingProxyType({})
     repairs: bool = False

@@ -15,6 +15,8 @@ from bench.grid import Grid, Member
 class SuiteProblem(FunctionProblem):
     """A function of a suite; it is pickled as name and options, because compiled objects cannot be pickled."""
 
+    optimum_source = "the definition of the suite"
+
     def __init__(self, *arguments: Any, options: Mapping[str, Any] | None = None, **naming: Any) -> None:
         super().__init__(*arguments, **naming)
         self._load = partial(load_problem, self.name, **(options or {}))

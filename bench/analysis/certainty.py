@@ -40,12 +40,12 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     sizes = [len(found[each, one]) for each in problems for one in optimizers]
     if not problems or min(sizes) < 2:
         return pd.DataFrame({"optimizer": optimizers, "problems": len(problems)}, columns=list(COLUMNS))
-    resamples = next((drawn for most, drawn in RESAMPLES.items() if len(optimizers) <= most), FEWEST)
+    drawn = resamples(len(optimizers))
     rng = np.random.default_rng(seed)
-    total = np.zeros((len(optimizers), 1 + resamples))  # the first column is that of the values themselves
+    total = np.zeros((len(optimizers), 1 + drawn))  # the first column is that of the values themselves
     for problem in problems:
         values = [found[problem, each] for each in optimizers]
-        total += ranks_of_draws(values, [_times_drawn(len(each), resamples, rng) for each in values])
+        total += ranks_of_draws(values, [_times_drawn(len(each), drawn, rng) for each in values])
     mean = total / len(problems)
     reach = TWO_SIDED * mean[:, 1:].std(axis=1, ddof=1) * (min(sizes) / (min(sizes) - 1)) ** 0.5
     low, high = np.array([percentile_interval(own[1:]) for own in mean]).T
@@ -57,6 +57,11 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
             "rank_high": np.minimum(np.maximum(high, mean[:, 0] + reach), float(len(optimizers))),
         }
     )
+
+
+def resamples(optimizers: int) -> int:
+    """Return how often the trials of so many optimizers are drawn again."""
+    return next((drawn for most, drawn in RESAMPLES.items() if optimizers <= most), FEWEST)
 
 
 def ranks_of_draws(values: Sequence[Floats], drawn: Sequence[Floats]) -> Floats:

@@ -16,17 +16,24 @@ from markupsafe import Markup
 from bench.analysis import ALPHA, TIED, Levels
 from bench.analysis.across import FEWER, MANY
 from bench.analysis.cells import NEAR
+from bench.analysis.certainty import resamples as rank_resamples
 from bench.analysis.equivalence import RESAMPLES as EQUIVALENCE_RESAMPLES
 from bench.analysis.instances import SOLVED
+from bench.analysis.pairwise import RESAMPLES
 from bench.bibtex import Work, parse, read
 from bench.budget import described
 from bench.constraints import COEFFICIENT
 from bench.errors import BenchError
+from bench.execution.descriptions import Description
+from bench.report import problem_words
+from bench.report.conditions import conditions
 from bench.report.latex import escape
+from bench.report.replication import Replication, each_problem
 from bench.report.target_words import TargetWords, target_words
 from bench.report.winner import WINNER_RULE
 from bench.report.wording import count, listing, options
 from bench.rope import Rope
+from bench.storage.results import ProblemFacts
 from bench.study import Study
 from bench.tuned import Tuning
 
@@ -46,10 +53,11 @@ class MethodsFacts:
 
     Attributes:
         study: the study as planned.
-        trials: the fewest and the most trials of a cell (problem and optimizer), of those that have any.
+        replications: the trials of the cells (problem and optimizer), by the instances that a problem stands for.
+        known: the facts of the problems, by label.
         empty: cells without any trial.
         failed: trials that failed, of all.
-        bibtex: each optimizer's BibTeX by label; an optimizer without any is not cited.
+        descriptions: each optimizer as its plug-in describes it, by label; one without BibTeX is not cited.
         environments: what each run recorded of itself and its machine (:mod:`bench.storage.provenance`).
         tests: tests of pairs of optimizers on problems, 0 where none can be significant.
         pairs: the pairs of optimizers over all problems.
@@ -60,11 +68,7 @@ class MethodsFacts:
         known_optima: problems whose optimum is known.
         targets: problems that have targets.
         early: trials that stopped by a criterion of their own before their budget was spent, by optimizer.
-        centre_bias: whether each tested optimizer has a bias towards the centre of the box, by label.
-        structural_bias: likewise for a preference for parts of the box on pure noise.
-        constrained: problems whose constraints were handled.
-        noisy: problems whose values optimizers saw with noise.
-        mixed: problems with integer variables.
+        checks: what ``bench check`` found of each optimizer, by label; the methods say what it looked for.
         rope: the region of practical equivalence, where a report has one.
         landscapes: problems whose landscapes were described by features.
         dominance: problems on which U-scores compare the optimizers.
@@ -73,7 +77,6 @@ class MethodsFacts:
         budgets: the budget of each optimizer in words, by label, where it may not be the study's.
         common: the words for the budget at which values are compared, where budgets differ.
         confined: problems whose optimum some optimizers cannot reach.
-        planned: whether the number of trials was planned, of every optimizer.
         best2009: problems on which the best of 2009 stands beside the optimizers.
         sweeps: sweeps whose parameters' contributions are given.
         tuning: how the optimizers were tuned, where this harness did and the record is as it was written.
@@ -84,10 +87,11 @@ class MethodsFacts:
     """
 
     study: Study
-    trials: tuple[int, int]
+    replications: Sequence[Replication]
+    known: Mapping[str, ProblemFacts] = field(default_factory=dict)
     empty: int = 0
     failed: int = 0
-    bibtex: Mapping[str, str] = field(default_factory=dict)
+    descriptions: Mapping[str, Description] = field(default_factory=dict)
     environments: Sequence[Mapping[str, Any]] = ()
     tests: int = 0
     pairs: int = 0
@@ -98,11 +102,7 @@ class MethodsFacts:
     known_optima: int = 0
     targets: int = 0
     early: Mapping[str, int] = field(default_factory=dict)
-    centre_bias: Mapping[str, bool] = field(default_factory=dict)
-    structural_bias: Mapping[str, bool] = field(default_factory=dict)
-    constrained: int = 0
-    noisy: int = 0
-    mixed: int = 0
+    checks: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     rope: Rope | None = None
     landscapes: int = 0
     dominance: int = 0
@@ -111,7 +111,6 @@ class MethodsFacts:
     budgets: Mapping[str, str] = field(default_factory=dict)
     common: str = ""
     confined: int = 0
-    planned: bool = True
     best2009: int = 0
     sweeps: int = 0
     tuning: Tuning | None = None
@@ -164,7 +163,25 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
     budgets: dict[str, list[str]] = {}
     for label, words in facts.budgets.items():
         budgets.setdefault(words, []).append(label)
+    known = facts.known
+    pooled = [own for own in facts.replications if own.instances > 1]
     return vars(facts) | {
+        "pooled": sum(own.problems for own in pooled),
+        "instances": listing([f"{own.instances}" for own in pooled]) if pooled else "",
+        "fewest": min((own.fewest for own in facts.replications), default=0),
+        "most": max((own.most for own in facts.replications), default=0),
+        "made": _made(facts),
+        "constrained": sum(bool(each.constraints) for each in known.values()),
+        "noisy": sum(each.noisy for each in known.values()),
+        "mixed": sum(bool(each.integers) for each in known.values()),
+        "dimensions": problem_words.dimensions(known),
+        "boxes": problem_words.boxes(known),
+        "optima": problem_words.optima(known),
+        "unknown_optima": sum(each.optimum is None for each in known.values()),
+        "measures": problem_words.measures(known),
+        "steps": problem_words.sweeps(known),
+        "handling": _handling(facts),
+        "tested": {name: _tested(facts, name) for name in ("centre bias", "structural bias")},
         "budgets": [f"{words} for {listing(labels)}" for words, labels in budgets.items()],
         "count": count,
         "described": described,
@@ -176,6 +193,8 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         "fewer": len(facts.study.optimizers) > MANY,
         "winner_rule": WINNER_RULE,
         "fewer_resamples": FEWER,
+        "resamples": RESAMPLES,
+        "rank_resamples": rank_resamples(len(facts.study.optimizers)),
         "equivalence_resamples": EQUIVALENCE_RESAMPLES,
         "coefficient": COEFFICIENT,
         "given": [f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text],
@@ -184,6 +203,27 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         "commits": _commits(facts.environments),
         "processors": _distinct(environment.get("processor") for environment in facts.environments),
     }
+
+
+def _made(facts: MethodsFacts) -> str:
+    """Return how many independent trials were made of an optimizer on a problem."""
+    noun = "independent trial"
+    if len(facts.replications) > 1:
+        return each_problem(facts.replications, noun)
+    at_most = facts.study.trials if facts.study.looks else 0
+    return "".join(own.words(noun, at_most) for own in facts.replications)
+
+
+def _handling(facts: MethodsFacts) -> dict[str, str]:
+    """Return who has which of the values ``box`` and ``repair`` of the option ``handling``, in words; "" for none."""
+    found = conditions(facts.study, facts.descriptions)["handling"]
+    owners = {value: [str(label) for label in found.index[found == value]] for value in ("box", "repair")}
+    return {value: listing(labels) if labels else "" for value, labels in owners.items()}
+
+
+def _tested(facts: MethodsFacts, check: str) -> list[str]:
+    """Return the optimizers that ``bench check`` tested for a bias."""
+    return [label for label, found in facts.checks.items() if any(each["check"] == check for each in found)]
 
 
 def _versions(environments: Sequence[Mapping[str, Any]]) -> dict[str, list[str]]:
@@ -224,7 +264,7 @@ def _bibliography(facts: MethodsFacts) -> tuple[dict[str, Work], dict[str, list[
     works, own, warnings = list(library().values()), {}, []
     for entry in facts.study.optimizers:
         try:
-            references = parse(facts.bibtex.get(entry.label, ""))
+            references = parse(facts.descriptions.get(entry.label, Description()).bibtex)
         except BenchError as error:
             references = []
             warnings.append(f"{entry.label} is not cited: {error}.")

@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from bench.analysis import SOLVED
 from bench.analysis.cells import NEAR, labels, scores
 from bench.plots import (
     a12_forest,
@@ -92,6 +93,8 @@ def distribution_figure(
         f"lengths; the line in a box is the median. {truth}{solved}Failed trials are counted, not drawn."
     )
     data = own[["problem", "optimizer", "trial", "seed", "status", "fun", *known]]
+    if least is not None:
+        data = data.rename(columns={"fun": "precision"})
     return Figure(f"distribution-{problem}", caption, figure, data, data.drop(columns=["problem", "seed"]))
 
 
@@ -107,15 +110,23 @@ def convergence_figure(curves: pd.DataFrame, optimizers: Iterable[str], suffix: 
     return _over_evaluations(f"convergence{suffix}", caption, convergence, curves, optimizers)
 
 
-def regret_figure(curves: pd.DataFrame, optimizers: Iterable[str], suffix: str = "") -> Figure:
+def regret_figure(
+    curves: pd.DataFrame, optimizers: Iterable[str], suffix: str = "", *, precisions: Collection[str] = ()
+) -> Figure:
     """Return the median regret over evaluations with its quartiles, a panel a problem whose optimum is known.
 
-    ``suffix`` ends the figure's name, where there are several of the kind.
+    ``suffix`` ends the figure's name, where there are several of the kind. On the problems ``precisions``, the regret
+    is the precision of pooled instances.
     """
+    pooled = curves["problem"].isin(precisions)
+    own = [] if pooled.all() else [("problem", f"a relative {NEAR:g}")]
+    own += [("instance", f"{SOLVED:g}")] if pooled.any() else []
+    whose, near = (" or ".join(words) for words in zip(*own, strict=True))
+    where = " where instances are pooled" if len(own) > 1 else ""
     caption = (
-        "Median regret, the best-so-far objective value less the optimum of the problem, over "
-        f"evaluations{_banded(optimizers)} (log axes). A curve ends where its median reaches the optimum, to a "
-        f"relative {NEAR:g}."
+        f"Median regret, the best-so-far objective value less the optimum of the {whose}, over "
+        f"evaluations{_banded(optimizers)} (log axes). A curve ends where its median reaches the optimum, to {near}"
+        f"{where}."
     )
     return _over_evaluations(f"regret-curves{suffix}", caption, regret, curves, optimizers)
 

@@ -28,6 +28,7 @@ from bench.report.interactive import interactive
 from bench.report.latex import to_latex
 from bench.report.page import Item, View, inline, render
 from bench.report.parts import Figure, Part, Section, Table
+from bench.report.replication import each_problem
 from bench.report.sections import CLOSING, OPENING
 from bench.report.wording import count
 from bench.storage.results import Results
@@ -167,7 +168,7 @@ class _Report:
         lead = (
             f"Study {study.name}: {count(len(study.optimizers), 'optimizer')} on "
             f"{count(len(study.problems), 'problem')}, "
-            f"{'at most ' if study.looks else ''}{count(study.trials, 'trial')} each, "
+            f"{each_problem(self.findings.replications, at_most=study.trials if study.looks else 0)}, "
             f"{described(study.budget)} a trial."
         )
         further = interactive(self.findings)
@@ -233,7 +234,8 @@ class _Report:
                 continue  # no control was run, or no trial left a trace
             path = f"{TABLES}/{name}.csv"
             save_csv(frame, self.folder / path, index=False)
-            self.files[path] = about
+            pooled = name == "cells" and findings.precisions
+            self.files[path] = f"{about[:-1]}, precisions where instances are pooled." if pooled else about
         if len(self.results.frame):
             methods = self.findings.methods
             self.save("methods.md", methods.markdown, "The methods as Markdown.")

@@ -52,6 +52,8 @@ class ProblemFacts:
     noisy: bool = False  # whether optimizers saw values with noise
     integers: tuple[str, ...] = ()  # the integer variables
     repaired_optimum: float | None = None  # the best known objective value of repaired points, where it is another one
+    optimum_source: str = ""  # where the optimum is from, in words
+    measure: str = ""  # what the objective value is, with its unit, in words
     reason: str = ""  # why the problem cannot be loaded, so that no fact is known
 
     @property
@@ -270,6 +272,8 @@ class Results:
                 noisy=plain(problem).noisy,
                 integers=tuple(compress(problem.variables, integer_flags(problem))),
                 repaired_optimum=repaired if repaired != optimum else None,
+                optimum_source=str(plain(problem).optimum_source),
+                measure=str(plain(problem).measure),
             )
         except BenchError as error:
             return ProblemFacts(reason=str(error))

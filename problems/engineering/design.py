@@ -47,6 +47,8 @@ class DesignProblem(Problem):
         best: (d,) the best-known design, which is feasible; ``optimum`` is its objective.
     """
 
+    optimum_source = "the best known design"
+
     def __init__(self, name: str, design: Design) -> None:
         self.name = name
         self.variables = tuple(design.box)

@@ -76,10 +76,11 @@ class Findings(Anytime):
         return methods(
             MethodsFacts(
                 study=study,
-                trials=self.trials,
+                replications=self.replications,
+                known=self.known,
                 empty=int((self.coverage["stored"] == 0).sum()),
                 failed=int(self.coverage["failed"].sum()),
-                bibtex={label: each.bibtex for label, each in self.descriptions.items()},
+                descriptions=self.descriptions,
                 environments=self.results.environments,
                 tests=len(pairs) if self.levels.problems else 0,
                 pairs=len(pairs),
@@ -92,18 +93,13 @@ class Findings(Anytime):
                 target_set=self.words,
                 aocc=self.aocc["problem"].nunique() if self.words.kind == "precisions" else 0,
                 early={label: int((early & (self.frame["optimizer"] == label)).sum()) for label in self.optimizers},
-                centre_bias=self._biased("centre bias"),
-                structural_bias=self._biased("structural bias"),
-                constrained=len(self.constrained),
-                noisy=len(self.noisy),
-                mixed=len(self.mixed),
+                checks=self.results.checks,
                 rope=self.rope if len(self.equivalence) else None,
                 landscapes=len(self.landscapes.table),
                 dominance=self.u_scores["problem"].nunique() if len(self.optimizers) > 1 else 0,
                 budgets={label: described(each) for label, each in self.results.budgets.items()},
                 common=self.common_words,
                 confined=len({problem for (problem, _), by in self.shifts.items() if by}),
-                planned=min(self.results.planned.values()) > 0,
                 best2009=self.best_times.dropna()["problem"].nunique(),
                 tuning=self.study.tuning if self.study.tuning and not self.study.tuning.doubt else None,
                 sweeps=sum(not each.levels.empty for each in self.contributions.values()),
@@ -113,12 +109,3 @@ class Findings(Anytime):
                 stability=len(self.stability) > 0,
             )
         )
-
-    def _biased(self, check: str) -> dict[str, bool]:
-        """Return whether ``bench check`` found a bias in each optimizer that it tested, by label."""
-        return {
-            label: not each["passed"]
-            for label, checks in self.results.checks.items()
-            for each in checks
-            if each["check"] == check
-        }

@@ -35,7 +35,7 @@ class Anytime(Final):
     @cached_property
     def words(self) -> TargetWords:
         """The words for the targets: those asked for, the study's own, or the usual ones of its problems."""
-        usual = default_targets(self.known, self.pooled.functions)
+        usual = default_targets(self.known, self.precisions)
         return target_words(self.asked or self.results.study.targets or usual)
 
     def check_targets(self) -> None:

@@ -13,6 +13,8 @@ from bench.analysis.common_budget import at_budget, common_budgets
 from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
 from bench.budget import evaluations
 from bench.report.conditions import repairing
+from bench.report.problem_words import sweeps
+from bench.report.replication import Replication, replications
 from bench.rope import Rope
 from bench.storage.results import ProblemFacts, Results
 from bench.study import Entry, Study
@@ -48,10 +50,15 @@ class Trials:
         features = {label: each.features for label, each in known.items()}
         return analysis.pool_instances(frame, traces, names, features, optima)
 
+    @property
+    def precisions(self) -> list[str]:
+        """The problems with pooled instances, whose values are precisions; those of all others are objective values."""
+        return self.pooled.functions
+
     @cached_property
-    def planned(self) -> dict[str, int]:
-        """The trials that a cell should hold at most, by problem."""
-        return {label: self.results.study.trials * len(own) for label, own in self.pooled.members.items()}
+    def replications(self) -> list[Replication]:
+        """The trials of the cells, by the number of instances that a problem stands for."""
+        return replications(self.coverage, self.pooled.members, self.results.planned)
 
     @cached_property
     def decisions(self) -> analysis.Decisions:
@@ -67,10 +74,10 @@ class Trials:
 
     @cached_property
     def study(self) -> Study:
-        """The study as it is compared: a function in a dimension is one problem, whatever its instances."""
+        """The study as it is compared: a function in a dimension is one problem, whose trials are by instance."""
         entries = {entry.label: entry for entry in self.results.study.problems}
         problems = tuple(entries.get(label) or Entry(label, label) for label in self.pooled.members)
-        return replace(self.results.study, problems=problems, trials=max(self.planned.values()))
+        return replace(self.results.study, problems=problems)
 
     @cached_property
     def whole(self) -> pd.DataFrame:
@@ -254,8 +261,4 @@ class Trials:
     @cached_property
     def sweeps(self) -> dict[str, list[str]]:
         """The problems, three or more, that are steps of one sweep, by its name."""
-        found: dict[str, list[str]] = {}
-        for label, each in self.known.items():
-            if name := str(each.features.get("sweep", "")):
-                found.setdefault(name, []).append(label)
-        return {name: own for name, own in found.items() if len(own) > 2}
+        return sweeps(self.known)

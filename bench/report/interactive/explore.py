@@ -197,7 +197,7 @@ class _Explored:
             "budget": self.budgets[label],
             "reference": None if reference is None else short(reference.value, 10),
             "known": reference is not None and reference.known,
-            "precision": label in findings.pooled.functions,
+            "precision": label in findings.precisions,
             "targets": self.targets.get(label, []),
             "members": [] if members == [label] else members,
             "options": _options(entries[members[0]]),

@@ -70,7 +70,7 @@ def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, 
     frame, times = (each[each["optimizer"].isin(optimizers)] for each in (frame, times))
     grid = analysis.evaluation_grid(max(findings.budgets[label] for label in labels))
     curves = analysis.convergence(frame[frame["problem"].isin(labels)], findings.traces, grid)
-    precisions = set(findings.pooled.functions) & unbeaten.keys()
+    precisions = set(findings.precisions) & unbeaten.keys()
     values = curves[~curves["problem"].isin(precisions)]
     if len(values):
         yield convergence_figure(values, optimizers, suffix)
@@ -79,7 +79,7 @@ def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, 
         curves = analysis.convergence(own[own["problem"].isin(labels)], findings.measured_traces, grid)
     above = analysis.regret(curves, unbeaten, ("median", "q1", "q3"))
     if len(above):
-        yield regret_figure(above, optimizers, suffix)
+        yield regret_figure(above, optimizers, suffix, precisions=findings.precisions)
     yield ert_figure(times[times["problem"].isin(labels)], optimizers, suffix, unit=findings.words.unit)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from bench.analysis import NEAR, regret, table
+from bench.analysis import NEAR, SOLVED, regret, table
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
 from bench.report.ranking import turned
@@ -15,6 +15,13 @@ TITLE = "Comparison"
 OTHER = "lowest by"  # the column of those that are best by the median or the mean
 OTHER_NOTE = (
     " Lowest by: the optimizer with the lowest median or mean of the row, where that is another one than the first."
+)
+NOTE = (
+    "Bold: the first of the row, which beats the most rivals: more than half of the pairs of trials end lower with it "
+    "(A12 > 0.5); none where half of the optimizers or more share the first place. Italics: the first one is not "
+    "separably lower. Letters, in the order of the ranks: optimizers of a row that share a letter are not separable. –: "
+    "no trial; ∞: the median trial failed; in red with ✗: a cell with failed trials. Values have four significant "
+    "digits, or up to six to distinguish those of a row."
 )
 VALUES = ("mean", "median", "median_low", "median_high", "q1", "q3", "best", "worst")
 
@@ -34,38 +41,55 @@ def section(findings: Findings) -> Section:
             else "The first optimizers are separably lower than all others on each of these problems."
         )
         text = [f"{leaders(best, 'the first rank')}. {test}", *filter(None, (_odd(odd), _gaps(findings)))]
-    values = table(matrix, "value")
-    other = _other_best(odd).reindex(values.index, fill_value="")
-    shown = Table(
-        "comparison",
-        "Median of the best objective value over the trials of each cell (lower is better), and who beats the most "
-        "rivals.",
-        values.assign(**{OTHER: other}) if len(odd) else values,
-        texts=_texts(values),
-        bold=best,
-        italic=alike,
-        marks=table(matrix, "letters"),
-        lost=_lost(findings, values),
-        note="Bold: the first of the row, which beats the most rivals: more than half of the pairs of trials end lower "
-        "with it (A12 > 0.5); none where half of the optimizers or more share the first place. Italics: the first "
-        "one is not separably lower. Letters, in the order of the ranks: optimizers of a row that share a letter are "
-        "not separable. –: no trial; ∞: the median trial failed; in red with ✗: a cell with failed trials. Values have "
-        "four significant digits, or up to six to distinguish those of a row."
-        + (OTHER_NOTE if len(odd) and not findings.upright else ""),
-        data=matrix,
-    )
-    shown = turned(shown, findings)
+    items = _medians(findings)
     regrets = regret(findings.measured_summary, findings.unbeaten, VALUES)
-    items = [shown]
     if len(regrets):
-        text.append(_at_optimum(table(regrets, "median")))
-        above = regrets[~regrets["problem"].isin(findings.pooled.functions)]  # their values are regrets already
+        text.append(_at_optimum(findings, table(regrets, "median")))
+        above = regrets[~regrets["problem"].isin(findings.precisions)]  # their values are regrets already
         items += [_regret(findings, above)] if len(above) else []
     feasible = feasibility.sections(findings)
     if findings.many:
         each = Section("Each problem", items=tuple(items), folded=True)
         return Section(TITLE, tuple(text), sections=(each, *feasible))
     return Section(TITLE, tuple(text), tuple(items), sections=feasible)
+
+
+def _medians(findings: Findings) -> list[Table]:
+    """Return the matrix of medians: a table of objective values, and one of the precisions of pooled instances."""
+    precise = findings.matrix["problem"].isin(findings.precisions)
+    caption = "over the trials of each cell (lower is better), and who beats the most rivals."
+    tables = []
+    if not precise.all():
+        values = findings.matrix[~precise]
+        tables.append(_matrix(findings, "comparison", f"Median of the best objective value {caption}", values, NOTE))
+    if precise.any():
+        name = "comparison-precisions" if tables else "comparison"
+        what = f"Median precision, the best objective value less the optimum of the instance, {caption}"
+        made = listing([own.words() for own in findings.replications if own.instances > 1])
+        marked = "Marked as the comparison of objective values." if tables else NOTE
+        how = f" A cell holds the trials of all instances, {made}; a precision of at most {SOLVED:g} counts as 0."
+        tables.append(_matrix(findings, name, what, findings.matrix[precise], marked + how))
+    return tables
+
+
+def _matrix(findings: Findings, name: str, caption: str, matrix: pd.DataFrame, note: str) -> Table:
+    """Return the medians of some problems by optimizers, with the first of each row and letters."""
+    values, odd = table(matrix, "value"), findings.disagreements
+    odd = odd[odd["problem"].isin(values.index)]
+    other = _other_best(odd).reindex(values.index, fill_value="")
+    shown = Table(
+        name,
+        caption,
+        values.assign(**{OTHER: other}) if len(odd) else values,
+        texts=_texts(values),
+        bold=table(matrix, "best").astype(bool),
+        italic=table(matrix, "alike").astype(bool),
+        marks=table(matrix, "letters"),
+        lost=_lost(findings, values),
+        note=note + (OTHER_NOTE if len(odd) and not findings.upright else ""),
+        data=matrix,
+    )
+    return turned(shown, findings)
 
 
 def _texts(values: pd.DataFrame) -> pd.DataFrame:
@@ -79,11 +103,12 @@ def _lost(findings: Findings, shown: pd.DataFrame) -> pd.DataFrame:
     return (table(findings.coverage, "failed") > 0).reindex_like(shown)
 
 
-def _at_optimum(medians: pd.DataFrame) -> str:
+def _at_optimum(findings: Findings, medians: pd.DataFrame) -> str:
     """Return on how many problems the median trial of each optimizer reached the known optimum."""
     reached = [f"on {number} with {label}" for label, number in medians.eq(0).sum().items() if number]
     outcome = f"The median trial reached it {listing(reached)}" if reached else "No optimizer’s median trial reached it"
-    return f"The optimum is known on {count(len(medians), 'problem')}. {outcome}."
+    within = f" (on pooled instances, to {SOLVED:g})" if findings.precisions and reached else ""
+    return f"The optimum is known on {count(len(medians), 'problem')}. {outcome}{within}."
 
 
 def _regret(findings: Findings, regrets: pd.DataFrame) -> Table:

@@ -49,7 +49,7 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
             problem,
             findings.optima.get(problem),
             findings.known[problem].expected,
-            SOLVED if problem in findings.pooled.functions else None,
+            SOLVED if problem in findings.precisions else None,
             _best(findings, problem),
         ),
         _abridged(findings, problem, _cells(findings, problem, rates)),
@@ -58,6 +58,12 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
         items.append(_abridged(findings, problem, _running_times(findings, problem)))
     pairs = findings.pairs[findings.pairs["problem"] == problem]
     text = []
+    if problem in findings.precisions:
+        instances = len(findings.pooled.members[problem])
+        text.append(
+            f"A cell holds the trials of {instances} instances, and a value is a precision, the best objective value "
+            "less the optimum of the instance."
+        )
     if len(pairs):
         items.append(_pairs(findings, problem, pairs))
         text.append(
@@ -107,9 +113,10 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
         )
         shown["success %"] = 100 * reached["rate"]
         shown["success 95%"] = _intervals(100 * reached["low"], 100 * reached["high"], 0)
+    value = "precision" if problem in findings.precisions else "best objective value"
     return Table(
         f"cells-{problem}",
-        f"{problem}: trials, failures, and the best objective value over trials.",
+        f"{problem}: trials, failures, and the {value} over trials.",
         shown,
         lost=shown[["failed"]] > 0,
         decimals={"success %": 0},

@@ -23,10 +23,11 @@ COLUMNS = 12  # environments with a column of their own; the others share one
 def section(findings: Findings) -> Section:
     """Return the entries with their options, the hashes of study and data, the runs and their environments."""
     results = findings.results
+    instance = " with its instance" if findings.precisions else ""
     seeds = (
         f"The seed of the study is {results.study.seed}. The seed of a trial is a hash of the study’s seed, the "
-        "problem, the optimizer and the trial’s number; trials.csv lists it. bench.solve with that seed and the same "
-        "options and budget repeats the trial."
+        f"problem{instance}, the optimizer and the trial’s number; trials.csv lists it. bench.solve with that seed and "
+        "the same options and budget repeats the trial."
     )
     text = [seeds]
     if len(results.names) == 1:
@@ -57,10 +58,14 @@ def _entries(study: Study) -> Table:
                 ("problem", study.problems),
             )
             for entry in group
+            if kind == "optimizer" or entry.options or entry.label != entry.name  # the label says all of the others
         ]
     )
     return Table(
-        "entries", "What was compared, with the options that the study sets; all others are the defaults.", entries
+        "entries",
+        "The optimizers, and the problems with options or a label of their own, with the options that the study sets; "
+        "all others are the defaults.",
+        entries,
     )
 
 

@@ -36,9 +36,10 @@ def section(findings: Findings) -> Section:
         f"These results cannot show some traits of an optimizer ({listing([*TRAITS])}): 'bench check' makes separate "
         "runs to look for these. 'bench verify' repeats stored trials."
     )
+    apart = ("In these checks every instance is a problem of its own.",) if findings.precisions else ()
     return Section(
         TITLE,
-        (text, unseen),
+        (text, *apart, unseen),
         (table, *_incomplete(findings)),
         on_demand=True,  # the verdict has the warnings
     )

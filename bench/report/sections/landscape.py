@@ -37,7 +37,7 @@ def section(findings: Findings) -> Section | None:
     if found.table.empty:
         return None
     table = found.table
-    text = [MEANING]
+    text = [MEANING + (" Of pooled instances, the first is described." if findings.precisions else "")]
     if found.left_out:
         text.append(
             f"Not described: {listing(sorted(found.left_out))}, which cannot be loaded or sampled here in time."

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bench.report.conditions import conditions_table
 from bench.report.findings import Findings
 from bench.report.parts import Section
+from bench.report.problem_words import problems_table
 
 TITLE = "Methods"
 
@@ -14,5 +15,8 @@ def section(findings: Findings) -> Section:
     if findings.frame.empty:
         return Section(TITLE, ("The study has no trial yet, so there are no methods to describe.",))
     methods = findings.methods
-    table = conditions_table(findings.study, findings.descriptions)
-    return Section(TITLE, methods.text, (table,), methods.warnings, code=methods.bibtex)
+    tables = (
+        problems_table(findings.known, findings.pooled.members),
+        conditions_table(findings.study, findings.descriptions),
+    )
+    return Section(TITLE, methods.text, tables, methods.warnings, code=methods.bibtex)

@@ -55,10 +55,13 @@ def _meaning(findings: Findings, members: pd.DataFrame) -> str:
     )
     pools = [own for own in findings.pooled.members.values() if len(own) > 1]
     if pools:
+        each = f"instances ({listing(sorted({f'{len(own)}' for own in pools}, key=int))} each)"
+        some = len(pools) < len(members)
         text += (
-            f" Its instances ({listing(sorted({f'{len(own)}' for own in pools}, key=int))} each) are pooled, as COCO "
-            "does: all their trials are trials of the problem, and its values are precisions, the best objective "
-            f"value less the optimum of the instance, taken as 0 from {analysis.SOLVED:g} on."
+            f" {f'On {len(pools)} of {len(members)} problems, the' if some else 'Its'} {each} are pooled, as COCO "
+            f"does: all their trials are trials of the problem, and {'the' if some else 'its'} values are precisions, "
+            f"the best objective value less the optimum of the instance, taken as 0 from {analysis.SOLVED:g} on."
+            + (" The values of the others are objective values." if some else "")
         )
     return text
 

@@ -31,6 +31,8 @@ def section(findings: Findings) -> Section:
     if findings.frame.empty or len(findings.optimizers) < 2 or not len(findings.medians):
         return Section(TITLE, ("There is nothing to compare, so no number of trials can be judged.",), on_demand=True)
     text = [*looks_text(findings), *extension_text(findings), *summary(findings.needed, len(findings.pairs))]
+    if findings.precisions:
+        text.append("Where instances are pooled, the trials of all of them count, one of each instance in turn.")
     items: list[Part] = []
     if findings.results.study.looks:
         items.append(_looks(findings))

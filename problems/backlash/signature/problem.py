@@ -64,6 +64,7 @@ class SignatureFit(Problem):
 
     variables = VARIABLES
     repairs = True
+    optimum_source = "a reference fit, found by an exhaustive search"
 
     def __init__(
         self,
@@ -82,6 +83,7 @@ class SignatureFit(Problem):
         self._references: dict[bool, Fit] = {}
         self.name = name
         self.unit = unit
+        self.measure = f"the RMSE of the fitted signature in {unit}"
         self.constrained = constrained
         self.period = float(period)
         self.time = recording.time

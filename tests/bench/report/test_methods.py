@@ -10,11 +10,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from bench.bibtex import parse
+from bench.execution.descriptions import Description
 from bench.plugins import registry
 from bench.report.methods import (
     LATEX,
     MARKDOWN,
-    SCALES,
     TEXT,
     MethodsFacts,
     cited_keys,
@@ -24,7 +24,10 @@ from bench.report.methods import (
     paragraphs,
     templates,
 )
+from bench.report.replication import Replication
 from bench.report.target_words import target_words
+from bench.report.winner import WINNER_RULE
+from bench.storage.results import ProblemFacts
 from bench.study import Entry, Study
 from bench.tuned import Tuned, Tuning
 
@@ -41,14 +44,24 @@ def study(optimizers=("gwo", "alo", "cma-es"), problems=("p", "q", "r"), **optio
     return Study("s", *map(tuple, entries), **options)
 
 
+KNOWN = {label: ProblemFacts(constraints="lexicographic") for label in ("p", "q")} | {"r": ProblemFacts()}
+CENTRE, STRUCTURE = ({"check": name, "passed": False} for name in ("centre bias", "structural bias"))
+ONE = [Replication(3, 1, 30, 30, 30)]
+
+
+def described(*names):
+    return {name: Description(registry.load("optimizers", name).bibtex) for name in names}
+
+
 def full(**changes):
     """Return facts of which every sentence can be said."""
     facts = MethodsFacts(
-        study(optimizers=[Entry("gwo", "gwo", {"agents": 7, "handling": "box"}), "alo", "cma-es"]), (28, 30), failed=2,
-        bibtex={name: registry.load("optimizers", name).bibtex for name in ("gwo", "alo", "cma-es")},
+        study(optimizers=[Entry("gwo", "gwo", {"agents": 7, "handling": "box"}), "alo", "cma-es"]),
+        [Replication(3, 1, 28, 30, 30)], known=KNOWN, failed=2, descriptions=described("gwo", "alo", "cma-es"),
         environments=[ENVIRONMENT], tests=9, permutation_tests=1, ranked_problems=2, known_optima=1, targets=3,
-        early={"cma-es": 3, "gwo": 0}, centre_bias={"gwo": True, "alo": False, "cma-es": False},
-        structural_bias={"gwo": True, "alo": True}, constrained=2, dominance=2, landscapes=3, rope="1%",
+        early={"cma-es": 3, "gwo": 0},
+        checks={"gwo": [CENTRE, STRUCTURE], "alo": [CENTRE, STRUCTURE], "cma-es": [CENTRE]},
+        dominance=2, landscapes=3, rope="1%",
         common="at 400 evaluations", confined=2,
     )  # fmt: skip
     return replace(facts, **changes)
@@ -156,9 +169,9 @@ class TestMethods:
             "2 problems have constraints (Coello Coello, 2002): only values at feasible points count, and infeasible",
             "as worse than all feasible ones, in the order of their total violation (Deb, 2000).",
             "2 trials failed or found no finite value;",
-            "We tested the optimizers for a bias towards the centre of the search space (Kudela, 2022) and found it",
-            "of the search space (Kudela, 2022) and found it in gwo.",
-            "We tested gwo and alo for structural bias,", "Vermetten et al., 2022), and found it in gwo and alo.",
+            "We tested the optimizers for a bias towards the centre of the search space, by errors with the optimum at",
+            "at the centre and away from it (Kudela, 2022).",
+            "We tested gwo and alo for structural bias, by tests of whether best points on pure noise are uniform in",
             "Python 3.11.7, backlash-bench 0.1.0, numpy 2.4.6 (", "commit 0123456789)",
             "on A & B processor.",
             "every pair of optimizers", "In 1 of 9 tests, where more than 10% of the values are tied",
@@ -173,14 +186,14 @@ class TestMethods:
         ("changes", "gone"),
         [
             ({"failed": 0}, "failed"), ({"permutation_tests": 0}, "permutation"), ({"targets": 0}, "running time"),
-            ({"centre_bias": {}}, "Kudela"), ({"structural_bias": {}}, "pure noise"),
-            ({"early": {"gwo": 0}}, "stopping"), ({"environments": ()}, "used"), ({"bibtex": {}}, "Mirjalili"),
-            ({"ranked_problems": 1}, "Friedman"), ({"ranked_problems": 3}, "of 3,"), ({"trials": (30, 30)}, "planned"),
+            ({"checks": {"gwo": [STRUCTURE]}}, "Kudela"), ({"checks": {"gwo": [CENTRE]}}, "pure noise"),
+            ({"early": {"gwo": 0}}, "stopping"), ({"environments": ()}, "used"), ({"descriptions": {}}, "Mirjalili"),
+            ({"ranked_problems": 1}, "Friedman"), ({"ranked_problems": 3}, "of 3,"), ({"replications": ONE}, "planned"),
             ({"tests": 0, "permutation_tests": 0}, "Kolmogorov"), ({"study": study()}, "handling"),
             ({"study": study(problems=["p"]), "ranked_problems": 1}, "Benjamini"),
             ({"study": study(["gwo", "alo"])}, "Holm"), ({"study": study(["gwo", "alo"])}, "Benavoli et al., 2016"),
             ({"study": study(["gwo", "alo"])}, "letter"), ({"known_optima": 3}, "lowest value that any"),
-            ({"known_optima": 0}, "the known optimum on"), ({"constrained": 0}, "constraints"),
+            ({"known_optima": 0}, "the known optimum on"), ({"known": {}}, "constraints"),
             ({"common": ""}, "budgets differ"), ({"confined": 0}, "repaired points"),
             ({"dominance": 0}, "U-scores"), ({"dominance": 3}, "U-scores on"),
         ],
@@ -202,15 +215,74 @@ class TestMethods:
     def test_the_handling_of_constraints(self, handling, words):
         assert words in said(full(study=study(constraints=handling)))
         assert "Deb, 2000" not in said(full(study=study(constraints=handling)))
-        assert "All problems have constraints" in said(full(study=study(constraints=handling), constrained=3))
+        assert "All problems have constraints" in said(
+            full(study=study(constraints=handling), known=dict.fromkeys("pqr", KNOWN["p"]))
+        )
 
-    @pytest.mark.parametrize("scale", SCALES)
-    def test_the_scale_of_the_paired_tests(self, scale):
-        assert SCALES[scale] in said(full(scale=scale))
-        assert sum(words + "," in said(full(scale=scale)) for words in SCALES.values()) == 1
+    def test_pooled_instances_have_precisions_and_trials_by_instance(self):
+        facts = ProblemFacts(0.0, box={"x1": (-5, 5), "x2": (-5, 5)}, optimum_source="the definition of the suite")
+        known = dict.fromkeys("pqr", facts)
+        text = said(full(known=known, replications=[Replication(3, 3, 9, 9, 3)]))
+        assert "A problem is a function in one dimension whose 3 instances are pooled (Hansen et al., 2021)." in text
+        assert "We ran 9 independent trials (3 on each of 3 instances) of each optimizer on each problem, each" in text
+        assert (
+            "The score of a trial is its precision, the lowest objective value that it found less the optimum of the"
+            in text
+        )
+        assert "The optimum of the instances is from the definition of the suite." in text
+        assert "the problem with its instance, the optimizer and the number of the trial." in text
+        assert "planned" not in text
+
+    def test_problems_with_and_without_instances_have_their_own_scores_and_trials(self):
+        text = said(full(replications=[Replication(2, 3, 15, 15, 5), Replication(1, 1, 5, 5, 5)]))
+        assert "Each of 2 problems is a function in one dimension whose 3 instances are pooled" in text
+        assert (
+            "Of each optimizer we ran 15 independent trials (5 on each of 3 instances) on each of 2 problems and "
+            "5 independent trials on each of 1 problem, each with a budget of"
+        ) in text
+        assert "the lowest objective value that it found; where instances are pooled it is the precision" in text
+        assert "of 15 planned" not in text
+
+    def test_objective_box_optimum_and_sweep_are_stated(self):
+        box = {"A": (-1.0, 1.0), "t0": (0.0, 4.0)}
+        fit = ProblemFacts(
+            2.0, box=box, features={"sweep": "the gap"}, measure="the RMSE in rpm", optimum_source="a fit"
+        )
+        text = said(full(known=dict.fromkeys("pqr", fit)))
+        for words in (
+            "The objective, which is minimised, is the RMSE in rpm.",
+            "The search space is the box with the bounds of each variable in tables/problems.csv; the dimension d",
+            "The problems are steps of one sweep, the gap, and therefore no independent sample.",
+            "The score of a trial is the lowest objective value that it found. The optimum is from a fit.",
+        ):
+            assert words in text
+        assert "No optimum is known" in said(full())
+        known = {"p": fit, "q": replace(fit, features={}, measure=""), "r": ProblemFacts(box={"x": (-5, 5)})}
+        text = said(full(known=known))
+        assert "is the RMSE in rpm on p." in text
+        assert "tables/problems.csv on p and q and [-5, 5]^d on r; the dimension d is 1 or 2." in text
+        assert "from a fit on p and q; of 1 problem it is not known, and the best value found" in text
+        assert "are steps of one sweep, the gap" not in text
+
+    def test_box_and_repair_are_explained_where_they_are_used(self):
+        values = {"gwo": {"handling": "box"}, "alo": {"handling": "repair"}, "cma-es": {}}
+        text = said(full(descriptions={name: Description("", own, {}) for name, own in values.items()}))
+        assert "Points outside the box that gwo proposed were taken into the box (handling = box)" in text
+        assert "Points that alo proposed were taken into the box and then, by the problem’s own rule" in text
+        assert "(handling = repair)" not in said(full())
+
+    def test_the_resamples_of_the_bootstrap_and_the_rule_for_a_winner_are_stated(self):
+        text = said(full())
+        assert "Mean ranks have 95 % intervals from 999 bootstrap resamples of the trials of each cell" in text
+        assert "stratified by problem and optimizer (Agarwal et al., 2021) of 9,999 resamples." in text
+        assert WINNER_RULE in text
+        many = said(full(study=study([f"o{place}" for place in range(33)])))
+        assert "from 199 bootstrap resamples" in many
+        assert "(Agarwal et al., 2021) of 999 resamples." in many
+        assert "Mean ranks have" not in said(full(replications=[Replication(3, 1, 1, 30, 30)]))
 
     def test_one_optimizer_one_problem_one_trial(self):
-        facts = MethodsFacts(study([Entry("gwo", "wolf")], ["p"], trials=1), (1, 1))
+        facts = MethodsFacts(study([Entry("gwo", "wolf")], ["p"], trials=1), [Replication(1, 1, 1, 1, 1)])
         (paragraph,) = methods(facts).text
         assert paragraph.startswith(
             "We ran wolf (the optimizer gwo) on 1 problem (p). All parameters have their default"
@@ -230,7 +302,7 @@ class TestMethods:
         assert "(source code at commit 0123456789; mine at commit cccccccccc, with local changes) on A & B" in text
 
     def test_unreadable_bibtex_is_told_and_costs_nothing_else(self):
-        found = methods(full(bibtex={"alo": "@misc{a, title={", "gwo": full().bibtex["gwo"]}))
+        found = methods(full(descriptions=described("gwo") | {"alo": Description("@misc{a, title={")}))
         assert len(found.warnings) == 1
         assert found.warnings[0].startswith("alo is not cited: ")
         assert "gwo (Mirjalili et al., 2014), alo and cma-es." in found.text[0]
@@ -238,7 +310,9 @@ class TestMethods:
     @settings(max_examples=30)
     @given(st.text())
     def test_any_label_leaves_the_rest_as_it_is(self, label):
-        hostile = replace(full(), study=study([Entry("x", label, {"o": label}), "b"], [label]), bibtex={}, tests=1)
+        entries = study([Entry("x", label, {"o": label}), "b"], [label])
+        known = {label: ProblemFacts(measure=label, optimum_source=label, optimum=0.0, box={label: (0, 1)})}
+        hostile = replace(full(), study=entries, known=known, descriptions={}, tests=1)
         found = methods(hostile)
         assert cited(found) == {work.key for work in parse(found.bibtex)}
         assert found.latex.replace("\n", "").isascii()
@@ -299,8 +373,7 @@ def run(folder, *command):
 @pytest.mark.skipif(not (shutil.which("pdflatex") and shutil.which("bibtex")), reason="pdflatex or bibtex is missing")
 def test_latex_and_bibtex_compile_without_a_warning(tmp_path):
     names = [Entry("gwo", "50% of_$wölves$ & 日本 #1 {~^\\}", {"agents": "[x]"}), "alo", "cma-es", "da", "goa"]
-    bibtex = {name: registry.load("optimizers", name).bibtex for name in ("alo", "cma-es", "da", "goa")}
-    found = methods(full(study=study(names), bibtex=bibtex))
+    found = methods(full(study=study(names), descriptions=described("alo", "cma-es", "da", "goa")))
     (tmp_path / "methods.tex").write_text(found.latex, encoding="utf-8")
     (tmp_path / "references.bib").write_text(found.bibtex, encoding="utf-8")
     body = "\\input{methods}\n\\bibliographystyle{plain}\n\\bibliography{references}"

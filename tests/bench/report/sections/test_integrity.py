@@ -38,9 +38,9 @@ def test_the_biases_that_a_check_noted_are_warned_of(make, tmp_path):
     assert "not uniform in the box: a p = 5e-10." in warnings[1]
     verdicts = findings.integrity.set_index("check")["verdict"]
     assert set(verdicts[["boundary clamping", "starts and seeds"]]) == {"pass"}
-    paragraph = findings.methods.text[0]
-    assert (
-        "We tested a and b for a bias towards the centre of the search space (Kudela, 2022) and found it in a."
-        in paragraph
-    )
+    paragraph = findings.methods.text[0]  # what was tested; what was found is a result
+    assert "We tested a and b for a bias towards the centre of the search space, by errors" in paragraph
     assert "We tested a and b for structural bias" in paragraph
+    assert "found" not in paragraph.partition("We tested")[2]
+    table = next(item for item in integrity.section(findings).items if item.name == "integrity")
+    assert "a 4e+05 times" in table.frame.at["centre bias", "finding"]

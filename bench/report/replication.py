@@ -1,0 +1,74 @@
+"""How many trials the cells of a study hold, in words: of problems, and of functions whose instances are pooled."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import pandas as pd
+
+from bench.report.wording import count, listing
+
+
+@dataclass(frozen=True)
+class Replication:
+    """The trials of the cells on problems that stand for equally many instances.
+
+    Attributes:
+        problems: the number of these problems.
+        instances: of each problem; 1 where a problem stands for itself.
+        fewest: trials of a cell, of those that have any; 0 where none has.
+        most: likewise.
+        planned: trials of an optimizer on an instance; 0 where no plan is known.
+    """
+
+    problems: int
+    instances: int
+    fewest: int
+    most: int
+    planned: int = 0
+
+    def words(self, noun: str = "trial", at_most: int = 0) -> str:
+        """Return ``"5 trials"``, ``"15 trials (5 on each of 3 instances)"`` or ``"4 to 5 trials (of 5 planned)"``.
+
+        ``at_most`` is the largest number of trials where declared looks may stop a cell before it.
+        """
+        planned, pooled = self.planned * self.instances, self.instances > 1
+        made = count(self.most, noun) if self.fewest == self.most else f"{self.fewest:,} to {count(self.most, noun)}"
+        each = f"{self.planned:,} on each of {self.instances:,} instances" if self.planned and pooled else ""
+        if at_most:
+            return f"{made} (at most {at_most:,}, by declared looks)"
+        if self.planned and not self.fewest == self.most == planned:
+            return f"{made} (of {planned:,} planned{f', {each}' if each else ''})"
+        each = each or (f"on {self.instances:,} instances" if pooled else "")
+        return f"{made} ({each})" if each else made
+
+
+def replications(
+    coverage: pd.DataFrame, members: Mapping[str, Sequence[str]], planned: Mapping[str, int]
+) -> list[Replication]:
+    """Return the trials of the cells by the number of instances of their problem, most problems first.
+
+    Args:
+        coverage: stored trials by problem and optimizer (:func:`bench.analysis.coverage`).
+        members: the instances that each problem stands for, by label.
+        planned: trials of each optimizer on an instance, 0 where no plan is known.
+    """
+    stored = coverage[coverage["stored"] > 0]
+    instances = stored["problem"].astype(object).map({label: len(own) for label, own in members.items()})
+    plans = set(planned.values())
+    plan = plans.pop() if len(plans) == 1 else 0
+    found = [
+        Replication(own["problem"].nunique(), int(number), int(own["stored"].min()), int(own["stored"].max()), plan)
+        for number, own in stored.groupby(instances.astype(int))
+    ]
+    return sorted(found, key=lambda each: -each.problems)
+
+
+def each_problem(found: Sequence[Replication], noun: str = "trial", at_most: int = 0) -> str:
+    """Return how many trials an optimizer has on a problem: ``"5 trials each"``, or by problem where that differs."""
+    if not found:
+        return "no trial yet"
+    if len(found) == 1:
+        return f"{found[0].words(noun, at_most)} each"
+    return listing([f"{own.words(noun)} on each of {count(own.problems, 'problem')}" for own in found])
