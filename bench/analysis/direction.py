@@ -137,7 +137,7 @@ def _compiled_placements() -> Callable[..., None]:
 def p_values(found: Effects) -> Floats:
     """Return the two-sided p-values of A12 = 0.5, (g,), never below :func:`least_p`."""
     size = np.abs(found.a12 - 0.5) / (0.5 * np.sqrt(found.ratio))
-    return np.maximum(2 * norm.sf(size), least_p(found.smaller))
+    return np.asarray(np.maximum(2 * norm.sf(size), least_p(found.smaller)), dtype=np.float64)
 
 
 def least_p(smaller: ArrayLike) -> Any:

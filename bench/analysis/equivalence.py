@@ -26,7 +26,8 @@ import pandas as pd
 from scipy.stats import norm
 
 from bench.analysis.cells import cells, labels
-from bench.analysis.pairwise import ALPHA, percentile_interval
+from bench.analysis.direction import ALPHA
+from bench.analysis.pairwise import percentile_interval
 from bench.problem import Floats
 from bench.rope import Rope, share
 

@@ -152,7 +152,7 @@ def _across(means: Floats, level: float) -> bool:
     """Return whether any pair differs across blocks; ``means`` are A12 - 0.5, (blocks, pairs)."""
     if level <= 0:
         return False
-    return min(signed_ranks(own, level)["p"] for own in means.T) * means.shape[1] <= level
+    return bool(min(signed_ranks(own, level)["p"] for own in means.T) * means.shape[1] <= level)
 
 
 @lru_cache

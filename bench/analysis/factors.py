@@ -24,7 +24,8 @@ from scipy.stats import chi2, rankdata
 
 from bench.analysis.across import friedman, signed_ranks
 from bench.analysis.cells import cells, labels
-from bench.analysis.pairwise import ALPHA, holm
+from bench.analysis.direction import ALPHA
+from bench.analysis.pairwise import holm
 from bench.problem import Floats
 from bench.sweep import Levels, Sweep
 

@@ -25,7 +25,8 @@ import pandas as pd
 from scipy.spatial.distance import cdist, pdist
 from scipy.stats import gaussian_kde, kurtosis, pearsonr, qmc, rankdata, skew
 
-from bench.analysis.pairwise import ALPHA, holm
+from bench.analysis.direction import ALPHA
+from bench.analysis.pairwise import holm
 from bench.errors import BenchError
 from bench.problem import Floats, Problem
 

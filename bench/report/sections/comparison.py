@@ -19,8 +19,8 @@ OTHER_NOTE = (
 NOTE = (
     "Bold: the first of the row, which beats the most rivals: more than half of the pairs of trials end lower with it "
     "(A12 > 0.5); none where half of the optimizers or more share the first place. Italics: the first one is not "
-    "separably lower. Letters, in the order of the ranks: optimizers of a row that share a letter are not separable. –: "
-    "no trial; ∞: the median trial failed; in red with ✗: a cell with failed trials. Values have four significant "
+    "separably lower. Letters, in the order of the ranks: optimizers of a row that share a letter are not separable. "
+    "–: no trial; ∞: the median trial failed; in red with ✗: a cell with failed trials. Values have four significant "
     "digits, or up to six to distinguish those of a row."
 )
 VALUES = ("mean", "median", "median_low", "median_high", "q1", "q3", "best", "worst")

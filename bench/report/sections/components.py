@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
+from bench.analysis.direction import ALPHA
 from bench.analysis.factors import FEWEST, HIGHER, TRIALS, Contributions, level_tests, mean_shares
-from bench.analysis.pairwise import ALPHA, holm
+from bench.analysis.pairwise import holm
 from bench.plots import style
 from bench.plots.factors import main_effect, share_map
 from bench.report.findings import Findings

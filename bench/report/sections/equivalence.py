@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
+from bench.analysis.direction import ALPHA
 from bench.analysis.equivalence import FEWEST, probabilities
-from bench.analysis.pairwise import ALPHA
 from bench.plots import style
 from bench.plots.equivalence import equivalence_bars
 from bench.plots.ranks import forest_names

@@ -197,8 +197,8 @@ def stages(*lowest):
         (
             ["cma-es", "alo gwo", "alo", "cma-es", "alo", "cma-es"],
             (
-                "At smaller budgets the lowest mean rank is that of alo and gwo at 3%, alo at 10% and alo at 60% of the "
-                "budget."
+                "At smaller budgets the lowest mean rank is that of alo and gwo at 3%, alo at 10% and alo at 60% of "
+                "the budget."
             ),
         ),
         (["cma-es"] * 5 + ["gwo"], None),
