@@ -7,6 +7,7 @@ import math
 import pandas as pd
 
 from bench import analysis
+from bench.analysis.cells import complete_problems
 from bench.console import duration
 from bench.execution.matched import algorithms
 from bench.optimizer import CONDITIONS
@@ -77,8 +78,10 @@ def _row(findings: Findings, first: str, second: str) -> tuple[str, str, int, fl
         problem=pd.Categorical(own["problem"].astype(object), problems),
         optimizer=pd.Categorical(own["optimizer"].astype(object), [first, second]),
     )
+    if not complete_problems(own):
+        return first, second, 0, math.nan, math.nan, math.nan
     found = analysis.probability_of_improvement(analysis.pairwise_tests(own)).iloc[0]
-    return first, second, *(found[name] for name in ("problems", "probability", "low", "high"))
+    return first, second, *(found[name] for name in COLUMNS[4:])
 
 
 def cost(findings: Findings) -> str:

@@ -15,7 +15,7 @@ CONTROLS = [
     {"name": "gwo", "label": "gwo (box)", "agents": 9, "handling": "box"},
     {"name": "cma-es", "label": "cma-es (repair, random)", "agents": 9, "handling": "repair", "start": "random"},
 ]
-LEVELS = {"cma-es": 0.0, "gwo": 2.5, "random-search": 40.0, "gwo (box)": 1.5, "cma-es (repair, random)": 4.0}
+LEVELS = {"cma-es": 0.0, "gwo": 2.5, "random-search": 40.0, "gwo (box)": 3.5, "cma-es (repair, random)": 4.0}
 
 
 @pytest.fixture
