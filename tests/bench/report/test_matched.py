@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from bench import Results, Study, Trace
-from bench.report.conditions import differing
 from bench.report.findings import Findings
-from bench.report.matched import chances, cost
+from bench.report.matched import chances, cost, differing
 from bench.report.sections import matched
 from bench.report.write import write_report
 from bench.storage.folder import Folder
