@@ -95,7 +95,7 @@ def wilcoxon_tests(pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: flo
     wide = _by_problem(pairs, "a12")
     means = (wide - 0.5).groupby(_owners(wide.index, blocks), sort=False).mean().round(12)  # opposite values are 0
     rows: list[dict[str, Any]] = []
-    for first, second in means.columns.tolist():
+    for first, second in zip(*(means.columns.get_level_values(level) for level in (0, 1)), strict=True):
         found = signed_ranks(means[first, second].to_numpy(dtype=float), alpha)
         rows.append({"first": first, "second": second, "problems": len(wide), "blocks": len(means), **found})
     tests = pd.DataFrame(rows, columns=["first", "second", "problems", "blocks", "statistic", "p", "lower", "note"])

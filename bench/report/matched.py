@@ -32,9 +32,11 @@ def differing(findings: Findings) -> str:
     """
     table = conditions(findings.study, findings.descriptions)
     alike: dict[tuple[tuple[str, ...], ...], dict[str, list[str]]] = {}  # conditions and values, by who has the same
+    set_here = {name for entry in findings.study.optimizers for name in entry.options}
     for name in CONDITIONS:
         groups = by_value(table[name].dropna())
-        if len(groups) > 1:
+        # The population that an algorithm takes of its own accord is a part of it.
+        if len(groups) > 1 and (name != "agents" or name in set_here):
             alike.setdefault(tuple(map(tuple, groups.values())), {})[name] = [*groups]
     clauses = []
     for owners, values in alike.items():

@@ -73,7 +73,7 @@ def error_text(findings: Findings) -> tuple[str, ...]:
     """Return how often this page would claim a difference where there is none, simulated for its design."""
     complete = [str(label) for label in findings.medians.index]
     scores = analysis.scores(findings.frame, merge=True)
-    pools = [scores[findings.frame["problem"] == label].to_numpy(dtype=np.float64) for label in complete]
+    pools = [np.asarray(scores[findings.frame["problem"] == label], dtype=np.float64) for label in complete]
     blocks, optimizers = [findings.blocks[label] for label in complete], len(findings.optimizers)
     trials = findings.trials[0]
     if trials < 2:

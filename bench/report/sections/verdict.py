@@ -45,8 +45,8 @@ def section(findings: Findings) -> Section:
             "What may be claimed", (said.headline, _evidence(findings)), "claim" if said.clear else "open",
             lines=said.lines,
         ),
-        Card("How often would this page be wrong?", error_text(findings), "limit", folded=True),
         Card("What may not be claimed", (*_limits(findings), *conditions.limits), "limit", folded=True),
+        Card("How often would this page be wrong?", error_text(findings), "limit", folded=True),
         Card("How this is decided", (_grounds(findings), *conditions.others), "limit", folded=True),
     )  # fmt: skip
     items: list[Part] = [rank_map(findings), *first_picture(findings), ranking_table(findings)]

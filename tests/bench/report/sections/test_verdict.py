@@ -1,5 +1,6 @@
 """What the verdict says of budgets, clocks, sweeps and tests across problems, in studies made for it."""
 
+import re
 from dataclasses import replace
 
 import pandas as pd
@@ -7,6 +8,7 @@ import pytest
 
 from bench import Results
 from bench.report.findings import Findings
+from bench.report.first_picture import course
 from bench.report.sections import across, verdict
 
 
@@ -25,15 +27,18 @@ def test_the_first_screen(findings):
     assert [card.title for card in shown.cards] == [
         "What may be claimed",
         "What may not be claimed",
+        "How often would this page be wrong?",
         "How this is decided",
     ]
-    assert [card.folded for card in shown.cards] == [False, True, True]
+    assert [card.folded for card in shown.cards] == [False, True, True, True]
+    assert [label for label, _ in shown.cards[0].lines][:3] == ["Where", "By how much", "How sure"]
     assert [item.name for item in shown.items] == ["rank-map", "every-trial", "ranking"]
     ranks, _, ranking = shown.items
     assert ranks.cells["p", "b"] == ("p", "b")
     assert ranks.frame.to_numpy().tolist() == [["1", "2", "3"]] * 3
     assert ranks.shades.iloc[0].tolist() == [0.0, 0.5, 1.0]
-    assert ranking.frame["first"].tolist() == ["3 [3, 3]", "0 [0, 0]", "0 [0, 0]"]
+    assert ranking.frame["first"].tolist() == [3, 0, 0]
+    assert ranking.frame["mean rank"].tolist() == ["1.00 [1.00, 1.00]", "2.00 [2.00, 2.00]", "3.00 [3.00, 3.00]"]
 
 
 def test_ranks_that_no_test_separates_from_the_first_are_marked(make, tmp_path):
@@ -52,25 +57,35 @@ def test_one_trial_has_no_intervals_and_no_winner(make, tmp_path):
 
 def test_steps_of_one_sweep_are_no_independent_sample(fresh):
     assert verdict.dependent(fresh) == ""
-    del fresh.__dict__["sweeps"]
+    fresh.__dict__.pop("sweeps"), fresh.__dict__.pop("blocks", None)
     fresh.__dict__["known"] = {
         label: replace(each, features={"sweep": "the load"}) for label, each in fresh.known.items()
     }
     said = verdict.dependent(fresh)
-    assert said.startswith(
-        "The problems are not independent samples: 3 of 3 problems are steps of one sweep, the load. Neighbouring"
+    assert said == (
+        "3 of 3 problems are steps of one sweep, the load: they are 1 independent problem, so the counts describe this "
+        "sweep and no further problems."
     )
-    assert said in verdict.section(fresh).cards[1].text
+    assert said in dict(verdict.section(fresh).cards[0].lines)["How sure"]
     assert said in across.section(fresh).text
 
 
-def test_friedman_and_wilcoxon_are_said_together(fresh):
-    assert "no pair can be distinguished: too few problems (3 in all)" in verdict.across(fresh)
-    fresh.__dict__["friedman"] = fresh.friedman | {"p_iman_davenport": 1e-9, "note": ""}
+def test_too_few_problems_for_a_claim_of_others(fresh):
     said = verdict.across(fresh)
-    assert said.startswith("Some optimizers differ across problems (Friedman, p < 0.001), but no pair can be disting")
+    assert said.startswith(
+        "Nothing is claimed of further problems: 3 independent problems would be too few for a test. The tests over "
+        "all problems are of the mean over these ones."
+    )
     assert said in across.section(fresh).text[0]
     assert said in verdict.section(fresh).cards[1].text
+
+
+def test_the_page_prints_how_often_it_would_be_wrong(fresh):
+    text = verdict.section(fresh).cards[2].text
+    assert text[0].startswith("How often a page of this design (3 optimizers, 3 problems, 8 trials a cell) claims any")
+    for sentence in text[1:3]:
+        assert float(re.search(r": <?(\d+)% of 1,000 simulated studies", sentence)[1]) <= 7
+    assert "would often miss an A12 below" in text[3]
 
 
 def test_unused_budget_is_said_with_its_share(make, tmp_path):
@@ -89,8 +104,8 @@ def test_smaller_budgets_are_the_points_of_the_figure(fresh):
         for optimizer, own in ranks.items()
     ]
     fresh.__dict__["stages"] = pd.DataFrame(rows, columns=["problem", "optimizer", "share", "evaluations", "rank"])
-    claim, figure = verdict.section(fresh).cards[0].text[0], verdict.section(fresh).items[1]
-    assert claim.endswith("At smaller budgets the lowest mean rank is that of b at 80 evaluations.")
+    claim, (figure,) = dict(verdict.section(fresh).cards[0].lines)["At what budget"], course(fresh)
+    assert claim == "At smaller budgets the lowest mean rank is that of b at 80 evaluations."
     lowest = figure.shown.eq(figure.shown.min(axis=1), axis=0)
     assert {at: [*own.index[own]] for at, own in lowest.iterrows()} == {80: ["b"], 240: ["a", "b"], 8000: ["a"]}
     assert [(each.spent, each.lowest) for each in verdict._course(fresh)] == [
