@@ -3,10 +3,10 @@
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import ks_2samp
 
+from bench.analysis.direction import effects, least_p, p_values
 from bench.analysis.looks import at_looks, blind_looks, decide
-from bench.analysis.pairwise import holm, ks_tests, pairwise_tests
+from bench.analysis.pairwise import holm, pairwise_tests
 from bench.analysis.sequential import levels, repeated_p
 
 LOOKS = (8, 12, 20)
@@ -20,9 +20,7 @@ def test_separated_cells_stop_at_the_first_look_that_can_see_it(frame_of):
     # a and b never differ; c is separated from both, which 12 trials can show at the level of that look and 8 cannot
     frame = frame_of({("p", "a"): cell(0, 20, 1), ("p", "b"): cell(0, 20, 2), ("p", "c"): cell(5, 20, 3)})
     found = decide(frame, LOOKS)
-    first, second = (
-        3 * repeated_p(ks_2samp(range(n), range(50, 50 + n)).pvalue, LOOKS, i) for i, n in enumerate((8, 12))
-    )
+    first, second = (3 * repeated_p(least_p(n), LOOKS, i) for i, n in enumerate((8, 12)))
     assert first > 0.05 > second
     assert found.stopped == {("p", "c"): 12}
     assert found.reached == {"p": 20}
@@ -32,12 +30,25 @@ def test_separated_cells_stop_at_the_first_look_that_can_see_it(frame_of):
     tested = at_looks(pairwise_tests(frame), found)
     assert tested["significant"].tolist() == [False, True, True]
     np.testing.assert_allclose(tested["p_holm"], holm(tested["p"].to_numpy()))
-    assert tested["a12"].tolist() == pairwise_tests(frame)["a12"].tolist()
+    assert tested["stopped"].tolist() == [False, True, True]
+    before = pairwise_tests(frame)
+    assert tested["a12"].tolist() == before["a12"].tolist()
+    for end in ("a12_low", "a12_high", "joint_low", "joint_high"):
+        assert tested[end].isna().tolist() == [False, True, True]
+        assert tested[end].iloc[0] == before[end].iloc[0]
+
+
+def test_the_level_is_divided_between_the_problems(frame_of):
+    apart = {("p0", "a"): cell(0, 8, 1), ("p0", "b"): cell(5, 8, 2)}  # p = 1/128, between 0.05 / 7 and 0.05 / 6
+    for problems, stopped in ((1, True), (6, True), (7, False)):
+        others = {(f"p{i}", name): cell(0, 8, i) for i in range(1, problems) for name in "ab"}
+        found = decide(frame_of(apart | others), (8,))
+        assert set(found.stopped) == ({("p0", "a"), ("p0", "b")} if stopped else set())
 
 
 def test_decisions_follow_from_the_trials_before_a_look_alone(frame_of):
     rng = np.random.default_rng(4)
-    values = {(f"p{i}", f"o{j}"): rng.normal(3.0 * (j // 2) + 0.5 * i * j, 1, 20) for i in range(4) for j in range(4)}
+    values = {(f"p{i}", f"o{j}"): rng.normal(6.0 * (j // 2) + 1.0 * i * j, 1, 20) for i in range(4) for j in range(4)}
     frame = frame_of({key: [None if i == 5 else each for i, each in enumerate(own)] for key, own in values.items()})
     whole = decide(frame, LOOKS)
     assert set(whole.stopped.values()) <= set(LOOKS)
@@ -58,7 +69,7 @@ def test_a_look_counts_once_all_its_trials_are_there(frame_of):
     frame = frame_of(
         {("p", "a"): cell(0, 12, 1), ("p", "b"): cell(5, 12, 2), ("q", "a"): cell(0, 3), ("q", "b"): cell(0, 3)}
     )
-    assert decide(frame, LOOKS).stopped == {("p", "a"): 8, ("p", "b"): 8}
+    assert decide(frame, LOOKS).stopped == {("p", "a"): 12, ("p", "b"): 12}
     gap = frame[~((frame["problem"] == "p") & (frame["optimizer"] == "b") & (frame["trial"] == 5))]
     found = decide(gap, LOOKS)
     assert found.stopped == {}
@@ -79,10 +90,14 @@ def test_nothing_is_decided_without_looks(frame_of):
 
 
 def test_looks_that_are_blind():
-    # complete separation of 10 trials has p = 2 / C(20, 10) = 1.1e-5; of 20 it has 1.5e-11
-    assert blind_looks((10, 20, 30, 60)) == [10]
-    assert blind_looks((10, 20, 30)) == []
-    assert levels((10, 20, 30, 60), 0.05)[0] < 2 / 184_756 < levels((10, 20, 30), 0.05)[0]
+    looks = (10, 20, 30)  # complete separation of 10 trials has p = 1/512
+    assert levels(looks, 0.05)[0] < least_p(10)
+    assert levels(looks, 0.05)[1] > least_p(20)
+    assert blind_looks(looks) == [10]
+    assert blind_looks((15, 30)) == []
+    assert blind_looks((15, 30), tests=50) == [15]
+    assert blind_looks(looks, tests=100_000) == [10, 20]
+    assert blind_looks((3, 5), alpha=0.05) == [3, 5]
 
 
 def rejected(looks, values):
@@ -91,7 +106,7 @@ def rejected(looks, values):
     p, naive = np.ones((len(values), len(one))), np.ones((len(values), len(one)))
     for place, look in enumerate(looks):
         for pair, (i, j) in enumerate(zip(one, other, strict=True)):
-            now = ks_tests(values[:, i, :look], values[:, j, :look])["p"]
+            now = p_values(effects(values[:, i, :look], values[:, j, :look]))
             naive[:, pair] = np.minimum(naive[:, pair], now)
             p[:, pair] = np.minimum(p[:, pair], repeated_p(now, looks, place))
     return (np.array(list(map(holm, each))) <= 0.05 for each in (p, naive))
@@ -101,8 +116,9 @@ def test_the_simulated_rule_is_that_of_decide(frame_of):
     values = np.random.default_rng(9).normal([[[0.0], [0.5], [1.5]]], 1, (12, 3, 20))
     frame = frame_of({(f"p{s}", f"o{i}"): own for s, study in enumerate(values) for i, own in enumerate(study)})
     kept, _ = rejected(LOOKS, values)
-    found = decide(frame, LOOKS)
-    significant = at_looks(found.pairs, found)["significant"].to_numpy().reshape(12, 3)
+    found = decide(frame, LOOKS, alpha=12 * 0.05)  # 0.05 for each of 12 problems
+    p = found.pairs["p"].to_numpy().reshape(12, 3)
+    significant = np.array(list(map(holm, p))) <= 0.05
     assert 0 < kept.sum() < kept.size
     assert (significant == kept).all()
 

@@ -13,8 +13,8 @@ from bench.analysis.standings import COLUMNS, disagreements, mean_ranks, standin
 
 pytestmark = pytest.mark.filterwarnings("error")
 THESIS = Path(__file__).parents[3] / "results" / "thesis" / "trials.csv"
-LOW, NEAR = [1.0, 2.0, 3.0, 4.0, 5.0], [1.05, 2.05, 3.05, 4.05, 5.05]
-FAR = [11.0, 12.0, 13.0, 14.0, 15.0]
+LOW = [float(i) for i in range(1, 11)]  # complete separation of ten trials is significant beside 25 tests
+NEAR, FAR = [i + 0.05 for i in LOW], [i + 20 for i in LOW]
 
 
 @pytest.fixture
@@ -38,7 +38,7 @@ def test_by_hand(standing_of):
 
 
 def test_ties_share_a_rank_and_failures_lose(standing_of):
-    found = standing_of({("p", "a"): LOW, ("p", "b"): LOW, ("p", "c"): [None] * 5, ("p", "d"): [None] * 5})
+    found = standing_of({("p", "a"): LOW, ("p", "b"): LOW, ("p", "c"): [None] * 10, ("p", "d"): [None] * 10})
     assert found["rank"].to_dict() == {"a": 1.5, "b": 1.5, "c": 3.5, "d": 3.5}
 
 
@@ -88,8 +88,8 @@ def test_properties(random_frame, seed):
         assert own["lower"].sum() == (own_pairs["significant"] & (own_pairs["lower"] != "")).sum()
 
 
-def test_the_lowest_median_of_two_basins_may_lose_by_the_tests(frame_of):
-    """As on signature-12 in one run: the median of ALO was the lowest, but A12 of CMA-ES was .68, with p = .006."""
+def test_the_lowest_median_of_two_basins_may_lose_by_trials(frame_of):
+    """As on signature-12 in one run: the median of ALO was the lowest, but trials of CMA-ES mostly end lower."""
     rng = np.random.default_rng(1)
     cma_es = np.append(rng.normal(5.0, 0.1, 14), rng.normal(13.0, 0.1, 16))  # the second basin holds one trial more
     frame = frame_of({("p", "cma-es"): cma_es, ("p", "alo"): rng.normal(12.5, 1.0, 30), ("p", "goa"): [20.0] * 30})
@@ -97,7 +97,7 @@ def test_the_lowest_median_of_two_basins_may_lose_by_the_tests(frame_of):
     alo = np.sort(frame.loc[frame["optimizer"] == "alo", "fun"].to_numpy(dtype=float))
     assert alo[14] < np.median(cma_es)
     pair = pairs.iloc[0]
-    assert (pair["first"], pair["second"], pair["significant"]) == ("cma-es", "alo", True)
+    assert (pair["first"], pair["second"]) == ("cma-es", "alo")
     assert pair["a12"] > 0.5
     assert table(comparison_matrix(summary, pairs, by="value"), "best").loc["p"].idxmax() == "alo"
     assert table(comparison_matrix(summary, pairs), "best").loc["p"].idxmax() == "cma-es"
@@ -117,6 +117,6 @@ def test_the_lowest_median_may_belong_to_another(problem):
 
 
 def test_nobody_disagrees_where_one_is_best_by_all(frame_of):
-    frame = frame_of({("p", "a"): LOW, ("p", "b"): FAR, ("q", "a"): LOW, ("q", "b"): [1.0, 2.0, 3.0, None, None]})
+    frame = frame_of({("p", "a"): LOW, ("p", "b"): FAR, ("q", "a"): LOW, ("q", "b"): [*LOW[:6], *[None] * 4]})
     summary = summarise(frame)
     assert disagreements(summary, standings(summary, pairwise_tests(frame))).empty

@@ -1,0 +1,155 @@
+"""A12 with its test and interval: against a literal formula and scipy, by hand, and as often wrong as they say."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import brunnermunzel, mannwhitneyu, norm
+
+from bench.analysis.direction import LEAST_RATIO, Effects, a12, effects, intervals, least_p, p_values, wins
+
+INF = float("inf")
+SIZES = [(2, 2), (5, 5), (9, 4), (3, 11), (30, 30)]
+MANY = 20_000  # pairs of samples of a rate
+
+values = st.lists(st.integers(-9, 9) | st.just(INF), min_size=2, max_size=9)
+
+
+def samples(n, m, kind="untied", number=40):
+    rng = np.random.default_rng(n + 100 * m)
+    if kind == "untied":
+        return rng.normal(size=(number, n)), rng.normal(rng.uniform(-1, 1, (number, 1)), 2, (number, m))
+    this, other = rng.integers(0, 5, (number, n)).astype(float), rng.integers(0, 6, (number, m)).astype(float)
+    if kind == "failed":
+        this[this == 4], other[other >= 4] = INF, INF
+    return this, other
+
+
+def effect_of(this, other):
+    return effects(np.array([this], dtype=float), np.array([other], dtype=float))
+
+
+def reference(this, other):
+    """A12 and the ratio of its variance, from the placement of each value in the other sample."""
+    won = wins(this, other)
+    chance = won.mean()
+    variance = won.mean(axis=1).var(ddof=1) / len(this) + won.mean(axis=0).var(ddof=1) / len(other)
+    ratio = variance / (chance * (1 - chance)) if 0 < chance < 1 else 0.0
+    return chance, max(ratio, LEAST_RATIO * (1 / len(this) + 1 / len(other)) / 2)
+
+
+def test_wins_by_hand():
+    assert wins(np.array([1.0, INF]), np.array([1.0, 2.0, INF])).tolist() == [[0.5, 1, 1], [0, 0, 0.5]]
+
+
+@pytest.mark.parametrize("kind", ["untied", "tied", "failed"])
+@pytest.mark.parametrize(("n", "m"), SIZES)
+def test_the_estimate_and_its_variance_are_those_of_the_placements(n, m, kind):
+    these, others = samples(n, m, kind)
+    found = effects(these, others)
+    expected = np.array([reference(*pair) for pair in zip(these, others, strict=True)]).T
+    np.testing.assert_allclose(found.a12, expected[0], rtol=1e-14)
+    np.testing.assert_allclose(found.ratio, expected[1], rtol=1e-9)
+    assert found.smaller == min(n, m)
+    assert a12(these[0], others[0]) == pytest.approx(found.a12[0])
+    assert found.a12[0] == pytest.approx(mannwhitneyu(others[0], these[0]).statistic / (n * m))
+
+
+@pytest.mark.parametrize("kind", ["untied", "tied"])
+@pytest.mark.parametrize(("n", "m"), [(9, 9), (12, 7), (30, 30)])
+def test_the_statistic_is_brunner_and_munzel_s_with_the_variance_under_the_hypothesis(n, m, kind):
+    these, others = samples(n, m, kind)
+    found = effects(these, others)
+    p = p_values(found)
+    least = found.ratio > LEAST_RATIO * (1 / n + 1 / m) / 2 * (1 + 1e-9)
+    known = least & (p > least_p(found.smaller) * (1 + 1e-9))
+    statistic = brunnermunzel(these[known], others[known], axis=1).statistic
+    expected = np.abs(statistic) * np.sqrt(4 * found.a12[known] * (1 - found.a12[known]))
+    assert known.sum() > 10
+    np.testing.assert_allclose(norm.isf(p[known] / 2), expected, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("n", [2, 5, 30])
+def test_complete_separation_by_hand(n):
+    found = effect_of(np.arange(n), np.arange(n) + 100)
+    assert (found.a12[0], found.ratio[0]) == (1.0, pytest.approx(0.5 / n))
+    assert p_values(found)[0] == least_p(n) == 2.0 ** (1 - n)
+    assert found.inside[0] == (n + 1) / (n + 2)
+    assert found.variance[0] > 0
+    # all n disjoint pairs are won with a chance of at most a12^n, and that is 2.5 % at the lower end
+    low, high = intervals(found)
+    assert (low[0], high[0]) == pytest.approx((0.025 ** (1 / n), 1.0))
+    mirrored = intervals(effect_of(np.arange(n) + 100, np.arange(n)))
+    assert (mirrored[0][0], mirrored[1][0]) == pytest.approx((0.0, 1 - low[0]), abs=1e-12)
+
+
+def test_wilson_s_interval_reaches_further_where_the_variance_is_large():
+    low, _ = intervals(Effects(np.ones(1), np.full(1, 0.05), 1_000))
+    assert low[0] == pytest.approx(1 / (1 + 1.959964**2 * 0.05))
+
+
+@pytest.mark.parametrize("sample", [[3.0] * 5, [INF] * 5, [1.0, 2.0, 2.0, INF]])
+def test_identical_samples_have_no_direction(sample):
+    found = effect_of(sample, sample)
+    low, high = intervals(found)
+    assert (found.a12[0], p_values(found)[0]) == (0.5, 1.0)
+    assert low[0] < 0.5 < high[0]
+    assert low[0] + high[0] == pytest.approx(1)
+
+
+def test_an_empty_sample_has_no_a12():
+    assert np.isnan(a12(np.empty(0), np.ones(3)))
+    assert np.isnan(a12(np.ones(3), np.empty(0)))
+
+
+def test_the_least_p_of_no_or_one_value_is_one():
+    assert least_p([0, 1, 2]).tolist() == [1.0, 1.0, 0.5]
+
+
+class TestProperties:
+    @settings(max_examples=60)
+    @given(values, values)
+    def test_exchange_and_limits(self, this, other):
+        found, mirrored = effect_of(this, other), effect_of(other, this)
+        p, (low, high) = p_values(found)[0], (end[0] for end in intervals(found))
+        assert found.a12[0] + mirrored.a12[0] == pytest.approx(1)
+        assert p == pytest.approx(p_values(mirrored)[0])
+        assert 2.0 ** (1 - min(len(this), len(other))) <= p <= 1
+        assert -1e-15 <= low <= found.a12[0] <= high <= 1 + 1e-15
+        assert [end[0] for end in intervals(mirrored)] == pytest.approx([1 - high, 1 - low], abs=1e-12)
+
+    @settings(max_examples=30)
+    @given(values, values, st.sampled_from([lambda v: 3 * v - 7, lambda v: v**3, lambda v: 1.5**v]))
+    def test_only_the_order_of_values_counts(self, this, other, increasing):
+        found, moved = (effect_of(f(np.array(this)), f(np.array(other))) for f in (np.asarray, increasing))
+        assert (found.a12, found.ratio) == (moved.a12, moved.ratio)
+
+    @pytest.mark.parametrize("alpha", [0.05, 0.005, 0.0001])
+    @pytest.mark.parametrize(("n", "m"), SIZES)
+    def test_the_interval_holds_a_half_where_the_test_does_not_reject(self, n, m, alpha):
+        rng = np.random.default_rng(n + m)
+        found = effects(rng.normal(size=(400, n)), rng.normal(rng.uniform(-3, 3, (400, 1)), 2, (400, m)))
+        low, high = intervals(found, 1 - alpha)
+        rejected = p_values(found) < alpha
+        assert ((low <= 0.5) & (high >= 0.5)).tolist() == (~rejected).tolist()
+        assert rejected.any() == (2.0 ** (1 - min(n, m)) < alpha)
+
+
+class TestErrorRates:
+    @pytest.mark.parametrize("n", [10, 30])
+    @pytest.mark.parametrize("spread", [1, 2, 16, 256])
+    def test_a_difference_in_spread_alone_is_found_no_more_often_than_the_level(self, spread, n):
+        rng = np.random.default_rng(spread)
+        p = p_values(effects(*(rng.standard_normal((2, MANY, n)) * [[[1]], [[spread]]])))
+        for level in (0.05, 0.005, 0.001):
+            assert np.mean(p <= level) <= level + 4 * np.sqrt(level * (1 - level) / MANY)
+        assert np.mean(p <= 0.05) > 0.01  # it does reject
+
+    @pytest.mark.parametrize("n", [5, 10, 30])
+    @pytest.mark.parametrize("true", [0.75, 0.95])
+    def test_the_interval_covers_the_true_a12(self, true, n):
+        rng = np.random.default_rng(n)
+        these, others = rng.standard_normal((2, MANY, n))
+        low, high = intervals(effects(these, others + np.sqrt(2) * norm.ppf(true)))
+        assert np.mean((low <= true) & (true <= high)) >= 0.93 - 3 * np.sqrt(0.93 * 0.07 / MANY)
+        assert np.mean(high - low) < {5: 0.75, 10: 0.5, 30: 0.3}[n]  # 0 to 1 would cover, too
