@@ -1,8 +1,8 @@
 """How often declared looks, and looks at unadjusted p-values, find a difference; and the trials that looks save.
 
 Every simulated study is one problem: equal optimizers, or one that is better than its equal rivals by a shift or in the
-share of trials that end in the good one of two basins. The rule is that of a run: exact Kolmogorov-Smirnov tests, the
-level spent over the looks, Holm's method over all pairs, and a cell is stopped once all of its pairs are decided.
+share of trials that end in the good one of two basins. The rule is that of a run: tests of A12 = 0.5, the level spent
+over the looks, Holm's method over all pairs, and a cell is stopped once all of its pairs are decided.
 
     python performance/looks.py [STUDIES]        # default: 2,000 a row
 """
@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis import ALPHA, decide, holm
-from bench.analysis.pairwise import ks_tests
+from bench.analysis.direction import effects, p_values
 from bench.problem import Floats
 
 Draw = Callable[[np.random.Generator, tuple[int, int, int]], Floats]
@@ -43,7 +43,7 @@ def naive(values: Floats, looks: tuple[int, ...], find: bool) -> Floats:
     one, other = np.triu_indices(values.shape[1], 1)
     found = np.zeros((len(values), len(one)), dtype=bool)
     for look in looks:
-        p = [ks_tests(values[:, i, :look], values[:, j, :look])["p"] for i, j in zip(one, other, strict=True)]
+        p = [p_values(effects(values[:, i, :look], values[:, j, :look])) for i, j in zip(one, other, strict=True)]
         found |= np.array([holm(each) for each in np.transpose(p)]) <= ALPHA
     return found[:, one == 0].all(axis=1) if find else found.any(axis=1)
 
@@ -53,7 +53,8 @@ def study(draw: Draw, looks: tuple[int, ...], optimizers: int, studies: int, fin
     values = draw(np.random.default_rng(1), (studies, optimizers, looks[-1]))
     index = pd.MultiIndex.from_product([range(studies), range(optimizers), range(looks[-1])])
     frame = index.to_frame(index=False, name=["problem", "optimizer", "trial"]).assign(status="ok", fun=values.ravel())
-    found = decide(frame.astype({"problem": "category", "optimizer": "category"}), looks)
+    frame = frame.astype({"problem": "category", "optimizer": "category"})
+    found = decide(frame, looks, ALPHA * studies)  # which it divides by the problems: here each is a study of its own
     pairs = found.pairs["p"].to_numpy().reshape(studies, -1)
     significant = np.array([holm(each) for each in pairs]) <= ALPHA
     one, _ = np.triu_indices(optimizers, 1)
