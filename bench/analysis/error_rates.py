@@ -60,9 +60,10 @@ class Rates(NamedTuple):
 def levels(sizes: Sequence[int], pairs: int, tests: int, blocks: int, alpha: float = ALPHA) -> Levels:
     """Divide ``alpha`` between the tests on problems and those across problems, by the design alone.
 
-    Each part gets half where both can reject at half, and all of it goes to the one part that can reject otherwise: so
-    all claims together err with ``alpha`` at most. The tests over all problems are those across blocks where these are
-    enough for one to reject, and else, on two problems or more, those of the mean over these problems.
+    Each part gets half where both can reject at half, and all of it goes to one part otherwise, to that over all
+    problems where it can reject: so all claims together err with ``alpha`` at most. The tests over all problems are
+    those across blocks where these are enough for one to reject, and else, on two problems or more, those of the mean
+    over these problems.
 
     Args:
         sizes: the trials of the smaller cell of each pair, by problem.
@@ -78,9 +79,9 @@ def levels(sizes: Sequence[int], pairs: int, tests: int, blocks: int, alpha: flo
         over = float(least_p(sum(sizes))) * max(pairs, 1)
     if max(on_problems, over) <= alpha / 2:
         return Levels(alpha / 2, alpha / 2, further)
-    return Levels(
-        alpha if on_problems <= alpha else 0.0, alpha if on_problems > alpha and over <= alpha / 2 else 0.0, further
-    )
+    if over <= alpha / 2:  # a part that can reject at complete separation only must not silence the other one
+        return Levels(0.0, alpha, further)
+    return Levels(alpha if on_problems <= alpha else 0.0, 0.0, further)
 
 
 def least_across(blocks: int, pairs: int) -> float:

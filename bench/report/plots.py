@@ -119,7 +119,7 @@ def regret_figure(
     is the precision of pooled instances.
     """
     pooled = curves["problem"].isin(precisions)
-    own = [] if pooled.all() else [("problem", f"a relative {NEAR:g}")]
+    own = [] if pooled.any() and pooled.all() else [("problem", f"a relative {NEAR:g}")]
     own += [("instance", f"{SOLVED:g}")] if pooled.any() else []
     whose, near = (" or ".join(words) for words in zip(*own, strict=True))
     where = " where instances are pooled" if len(own) > 1 else ""

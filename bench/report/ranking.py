@@ -66,6 +66,8 @@ def rank_map(findings: Findings) -> Table:
 
 def _functions(findings: Findings, problems: Iterable[str], optimizers: int) -> dict[tuple[str, int], str]:
     """Return the problem of each function and dimension of a suite whose map has a row a function; {} for any other."""
+    if not findings.many:
+        return {}
     known = {label: findings.known[label].features for label in problems}
     suites = {str(each.get("suite", "")) for each in known.values()}
     places = {
@@ -76,7 +78,7 @@ def _functions(findings: Findings, problems: Iterable[str], optimizers: int) -> 
     dimensions = {dimension for _, dimension in places}
     whole = len(places) == len(known) and all("function" in each for each in known.values()) and 0 not in dimensions
     fits = len(dimensions) > 1 and optimizers * len(dimensions) <= MOST_BLOCKS
-    return places if findings.many and whole and fits else {}
+    return places if whole and fits else {}
 
 
 def _by_function(

@@ -30,6 +30,8 @@ BOTH = Levels(0.025, 0.025, False)
         ([5], 1, 1, Levels(0.0, 0.0, False)),  # 1/16
         ([1] * 24, 3, 24, Levels(0.0, 0.05, True)),
         ([1] * 3, 3, 3, Levels(0.0, 0.0, False)),
+        ([13] * 18, 10, 18, Levels(0.0, 0.05, True)),  # 180 / 2^12 on problems: they cannot reject at half
+        ([15] * 72, 10, 24, Levels(0.0, 0.05, True)),  # 720 / 2^14, likewise
         ([4, 4], 1, 2, Levels(0.0, 0.05, False)),  # 2/8 on problems, 1/128 for their mean
         ([], 1, 0, Levels(0.0, 0.0, False)),
     ],

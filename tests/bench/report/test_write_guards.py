@@ -74,7 +74,8 @@ def test_a_section_that_fails_half_way_leaves_no_download(folder, monkeypatch, t
         write, "registry", SimpleNamespace(entries=lambda group: {"half": 1}, load=lambda group, name: sections)
     )
     page = text_of(write_report(folder, output=tmp_path / "out"))
-    assert "The report section &#39;half&#39; failed and is left out: ValueError: later" in page
+    assert "The report section &#39;half&#39; failed and is left out" in page
+    assert "ValueError: later" in page
     assert "tables/mine.csv" not in page
     assert not (tmp_path / "out" / "tables" / "mine.csv").exists()
 
@@ -90,7 +91,7 @@ def test_a_figure_that_cannot_be_drawn_costs_its_own_section_alone(folder, monke
         write, "registry", SimpleNamespace(entries=lambda group: {"bad": 1}, load=lambda group, name: sections)
     )
     page = text_of(write_report(folder, output=tmp_path / "out", n_jobs=2))
-    assert "The report section &#39;bad&#39; failed and is left out: ValueError: " in page
+    assert "The report section &#39;bad&#39; failed and is left out" in page
     assert (tmp_path / "out" / "figures" / "convergence.svg").exists()
     assert not list((tmp_path / "out" / "figures").glob("wrong*"))
 

@@ -19,7 +19,7 @@ def test_without_a_rope_there_is_no_section(make, tmp_path):
 
 def test_what_differs_and_what_is_equal_is_stated(make, tmp_path):
     changes = {"b": {"fun": 5.0}, "c": {"fun": 9.0}}
-    found = section(make(tmp_path / "s", problems=PROBLEMS, changes=changes), 1.0)
+    found = section(make(tmp_path / "s", problems=PROBLEMS, changes=changes, trials=12), 1.0)
     assert "differ by at most 1." in found.text[0]
     assert "Of 18 pairs of optimizers on a problem" in found.text[1]
     assert "a and b are equal (0.999)" in found.text[2]

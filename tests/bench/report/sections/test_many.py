@@ -100,7 +100,7 @@ class TestManyOptimizers:
         section = across.section(wide)
         assert [item.name for item in section.items] == ["ranks", "pair-matrix", "interquartile-mean"]
         (pairs,) = section.sections
-        assert (pairs.folded, [item.name for item in pairs.items]) == (True, ["wilcoxon"])
+        assert (pairs.folded, [item.name for item in pairs.items]) == (True, ["mean-over-problems"])
         matrix = section.items[1]
         first, last = wide.ranked[0], wide.ranked[-1]
         assert (matrix.frame.at[first, last], matrix.frame.at[last, first]) == ("1.00", "0.00")
