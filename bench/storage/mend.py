@@ -37,24 +37,23 @@ def mend(folder: Folder, trials: int) -> str:
         found = store.check(structure=True)
     except DamagedStoreError as error:
         found = StoreCheck(structure=str(error.__cause__))
-    if found.sound and not found.has_digests:
-        with store.writer():
-            return f"the {found.trials:,} trials of {folder.path}, stored by an older version, have digests from now on"
     if found.sound:
         folder.note_store(found)
         return ""
-    rows = store.rescued_rows(trials) if found.structure else store.sound_rows(found, traces=True)
+    there = store.exists
     try:
         with replacing(store.path) as temporary:
-            with Store(folder.path, temporary.name).writer() as writer:
-                kept, _ = copy(rows, _environments(folder), writer, str(store.path))
-            shutil.copy(store.path, folder.path / ASIDE)
+            with Store(folder.path, temporary.name).writer(anew=True) as writer:
+                kept, _ = copy(store.rescued_rows(trials), _environments(folder), writer, str(store.path))
+            if there:
+                shutil.copy(store.path, folder.path / ASIDE)
             for beside in ("-wal", "-shm"):  # of the damaged store; the new one has none
                 store.path.with_name(FILE + beside).unlink(missing_ok=True)
     except DamagedStoreError as error:
         raise BenchError(f"the store {store.path} cannot be used: {error.__cause__}; {BEYOND_REPAIR}") from error
     folder.note_store(StoreCheck(kept))
-    return f"{found.sentence}; {kept:,} sound trials are kept, and the damaged store is now {ASIDE}"
+    aside = f", and the damaged store is now {ASIDE}" if there else ""
+    return f"{found.sentence}; {kept:,} sound trials are kept{aside}"
 
 
 def _environments(folder: Folder) -> Mapping[int, Mapping[str, Any]]:

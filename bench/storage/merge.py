@@ -9,7 +9,8 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.storage.folder import Folder
-from bench.storage.store import Writer, disagreement
+from bench.storage.rows import disagreement
+from bench.storage.writing import Writer
 from bench.study import Study
 from bench.text import listed
 from bench.trial import Row
@@ -52,7 +53,7 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
             for source in sources:
                 target.note_fingerprints(source.fingerprints())
                 found = source.check_store()
-                sound = source.store.sound_rows(found, traces=True)
+                sound = source.store.sound_rows()
                 new, old = copy(sound, source.store.environments(), writer, str(source.path))
                 added, same = added + new, same + old
                 if not found.sound:

@@ -24,7 +24,7 @@ def rows():
                 row = {
                     "status": "ok", "fun": rng.random(), "nfev": 60, "wall_s": rng.random(), "cpu_s": rng.random(),
                     "objective_s": rng.random(), "stop": "budget", "outside_box": rng.randrange(2),
-                    "x": {"x1": rng.random(), "x2": -0.0}, "figures": {"radius": rng.random()},
+                    "x": {"x1": rng.random(), "x2": -0.0}, "metrics": {"radius": rng.random()},
                     "trace": Trace(np.arange(1, count + 1), values),
                 }  # fmt: skip
                 lost = {"status": "failed", "error": "RuntimeError: ä no"}
