@@ -72,11 +72,11 @@ class Tidy:
             array[here] = np.array(columns[name], dtype=float)
         self._integers["trial"][here] = columns["trial"]
         self._integers["seed"][here] = [UNKNOWN if seed is None else seed for seed in columns["seed"]]
-        numbers = {cell: _number(self._known["cell"], cells[cell]) for cell in {*columns["cell"]}}
-        self._codes["cell"][here] = [numbers[cell] for cell in columns["cell"]]
-        for name in TEXTS:
+        for name in self._codes:
             known = self._known[name]
-            self._codes[name][here] = [_number(known, text) for text in columns[name]]
+            values = {each: cells[each] if name == "cell" else each for each in {*columns[name]}}
+            numbers = {each: known.setdefault(value, len(known)) for each, value in values.items()}
+            self._codes[name][here] = [numbers[each] for each in columns[name]]
         for cell, number in {*zip(columns["cell"], columns["names"], strict=True)}:
             if number is not None:
                 self._names.setdefault(cells[cell][1], set()).add(names[number])
@@ -138,10 +138,6 @@ class Tidy:
             for name, among in (("problem", problems), ("optimizer", optimizers))
         )
         return np.lexsort((self._integers["trial"][: self._rows], second, first)).astype(np.int32)
-
-
-def _number(known: dict[Any, int], value: Any) -> int:
-    return known.setdefault(value, len(known))
 
 
 def _taken(values: Sequence[str | None], places: Array) -> pd.Series:
