@@ -114,8 +114,8 @@ def _chosen(folder: Folder, store: StoreCheck, trials: int, seed: int) -> list[T
     """Return up to ``trials`` sound, finished trials of each cell, chosen at random."""
     require_whole("the number of trials to verify", trials, 1)
     cells: dict[tuple[str, str], list[Trial]] = {}
-    for row in folder.store.sound_rows():
-        if row["status"] == "ok":
+    with folder.store.reader() as reader:
+        for row in reader.sound("status = 'ok'"):
             cell = cells.setdefault((row["problem"], row["optimizer"]), [])
             cell.append(Trial(row["problem"], row["optimizer"], row["trial"], row["seed"]))
     if not cells:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import sqlite3
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
@@ -12,7 +13,7 @@ from bench.atomic import replacing
 from bench.errors import BenchError
 from bench.storage.folder import ENVIRONMENT, Folder
 from bench.storage.merge import copy
-from bench.storage.reading import StoreCheck
+from bench.storage.reading import Reader, StoreCheck
 from bench.storage.store import BEYOND_REPAIR, FILE, DamagedStoreError, Store
 
 ASIDE = f"{FILE}.damaged"
@@ -43,8 +44,8 @@ def mend(folder: Folder, trials: int) -> str:
     there = store.exists
     try:
         with replacing(store.path) as temporary:
-            with Store(folder.path, temporary.name).writer(anew=True) as writer:
-                kept, _ = copy(store.rescued_rows(trials), _environments(folder), writer, str(store.path))
+            with Store(folder.path, temporary.name).writer(anew=True) as writer, store.reader(rescue=True) as reader:
+                kept, _ = copy(reader.rescue(trials), _environments(folder, reader), writer, str(store.path))
             if there:
                 shutil.copy(store.path, folder.path / ASIDE)
             for beside in ("-wal", "-shm"):  # of the damaged store; the new one has none
@@ -56,11 +57,11 @@ def mend(folder: Folder, trials: int) -> str:
     return f"{found.sentence}; {kept:,} sound trials are kept{aside}"
 
 
-def _environments(folder: Folder) -> Mapping[int, Mapping[str, Any]]:
+def _environments(folder: Folder, reader: Reader) -> Mapping[int, Mapping[str, Any]]:
     """Return what can be read of the store's environments; environment.json may hold a copy of a damaged record."""
     copies = []
     with suppress(OSError, ValueError, RecursionError):
         copies = json.loads((folder.path / ENVIRONMENT).read_text(encoding="utf-8"))
-    with suppress(DamagedStoreError):
-        return folder.store.environments(copies if isinstance(copies, list) else ())
+    with suppress(sqlite3.DatabaseError):
+        return reader.environments(copies if isinstance(copies, list) else ())
     return {}

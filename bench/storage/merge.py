@@ -53,8 +53,8 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
             for source in sources:
                 target.note_fingerprints(source.fingerprints())
                 found = source.check_store()
-                sound = source.store.sound_rows()
-                new, old = copy(sound, source.store.environments(), writer, str(source.path))
+                with source.store.reader() as reader:
+                    new, old = copy(reader.sound(), reader.environments(), writer, str(source.path))
                 added, same = added + new, same + old
                 if not found.sound:
                     notes.append(f"{source.path}: {found.sentence}")

@@ -304,10 +304,8 @@ class _Source:
         """Add the sound trials on these problems, with shown labels and the environments' numbers of all folders."""
         known = {entry.label for entry in self.study.problems}
         self.found = StoreCheck()
+        self.folder.store.require()
         with self.folder.store.reader() as reader:
-            if reader is None:
-                self.found = self.folder.store.count()
-                return
             tidy.reserve(reader.rows)
             cells = {
                 cell: (self.study.name, problem, self.shown[optimizer])

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import sqlite3
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 from bench.storage.committed import Committed
-from bench.storage.rows import MEASURED
+from bench.storage.rows import COLUMNS, MEASURED
 
 VERSION = 3
+
+ONE = "problem = ? AND optimizer = ? AND trial = ?"
+"""The SQL condition of one trial."""
 
 # A trace stands last, behind what most readers ask for, as it may take ten times the space of the rest.
 SCHEMA = f"""
@@ -32,12 +37,27 @@ PRAGMA user_version = {VERSION}
 """
 
 
+def layout(connection: sqlite3.Connection) -> int | None:
+    """Return the layout of a store, None of one without tables."""
+    empty = not connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
+    return None if empty else int(connection.execute("PRAGMA user_version").fetchone()[0])
+
+
 def prepare(connection: sqlite3.Connection, begun: Committed) -> None:
     """Make the tables of a new store, all or nothing, whose commits are counted from those ``begun`` before."""
-    if connection.execute("PRAGMA user_version").fetchone()[0] == VERSION:
+    if layout(connection) is not None:
         return
     with connection:
         connection.execute("BEGIN IMMEDIATE")
         for statement in SCHEMA.split(";"):
             connection.execute(statement)
         connection.execute("INSERT INTO committed VALUES (?, 0)", (begun.commits,))
+
+
+def found(
+    connection: sqlite3.Connection, where: str = "1", values: Sequence[object] = (), columns: Sequence[str] = COLUMNS
+) -> Iterator[dict[str, Any]]:
+    """Yield the columns of the rows that meet an SQL condition, cell by cell, damaged or not."""
+    tables = "results JOIN cells ON cells.id = cell LEFT JOIN names ON names.id = results.names"
+    query = f"SELECT {', '.join(columns)} FROM {tables} WHERE {where} ORDER BY cell, trial"
+    return (dict(zip(columns, row, strict=True)) for row in connection.execute(query, values))

@@ -7,7 +7,7 @@ import shutil
 import sqlite3
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,9 +17,9 @@ from bench.storage import committed
 from bench.storage.committed import Committed, Note
 from bench.storage.reading import Reader, StoreCheck
 from bench.storage.rows import COLUMNS, KEY
-from bench.storage.schema import VERSION, prepare
+from bench.storage.schema import ONE, VERSION, found, layout, prepare
 from bench.storage.traces import Key, Traces
-from bench.storage.writing import Writer, select
+from bench.storage.writing import Writer
 from bench.text import printable
 
 FILE = "trials.sqlite"
@@ -102,81 +102,61 @@ class Store:
         Raises:
             DamagedStoreError: when SQLite cannot read all rows.
         """
-        with self._reader() as reader:
-            return reader.check(structure=structure) if reader else self._no_rows()
+        with self.reader() as reader:
+            return reader.check(structure=structure)
 
     def count(self) -> StoreCheck:
         """Compare the number of rows with that of the rows committed, without a look into them."""
-        with self._reader() as reader:
-            return reader.count(StoreCheck(), reader.rows) if reader else self._no_rows()
+        with self.reader() as reader:
+            return reader.count(StoreCheck(), reader.rows)
 
     @contextmanager
-    def reader(self) -> Iterator[Reader | None]:
-        """Open the store to read its rows at one moment; yield None where no table has been made yet.
+    def reader(self, *, rescue: bool = False) -> Iterator[Reader]:
+        """Open the store to read its rows at one moment; a missing one has none.
+
+        With ``rescue``, SQLite also opens a file that was cut short, or whose schema is damaged in some places.
 
         Raises:
-            BenchError: when there is no store.
-            DamagedStoreError: when SQLite cannot read all rows.
+            DamagedStoreError: when SQLite cannot read all rows, or with ``rescue`` not even labels and names.
         """
-        self._require()
-        with self._reader() as reader:
-            yield reader
-
-    def sound_rows(self) -> Iterator[dict[str, Any]]:
-        """Yield every row that fits its digest, cell by cell, as :meth:`rows` does; raises as :meth:`reader` does."""
-        with self.reader() as reader:
-            yield from reader.sound() if reader else ()
-
-    def rescued_rows(self, trials: int) -> Iterator[dict[str, Any]]:
-        """Yield every sound row that can be read from a store that may be damaged anywhere, some perhaps twice.
-
-        Where SQLite cannot read a whole cell, its first ``trials`` trials are looked up one by one.
-
-        Raises:
-            DamagedStoreError: when not even the cells can be read.
-        """
-        with self._reader(rescue=True) as reader:
-            yield from reader.rescue(trials) if reader else ()
+        noted = committed.read(self.path.parent)  # before the store is opened, which a run may write to
+        with self._read(rescue=rescue) as connection:
+            yield Reader(connection, noted)
 
     def traces(self) -> Traces:
         """Return the anytime traces of sound trials by (problem, optimizer, trial); failed trials have none."""
         try:
-            return Traces.read(self.sound_rows() if self.exists else ())
+            with self.reader() as reader:
+                return Traces.read(reader.sound())
         except ValueError as error:
             raise BenchError(f"the store {self.path} is damaged: a trace cannot be read") from error
 
-    def environments(self, copies: Sequence[object] | None = None) -> dict[int, dict[str, Any]]:
-        """Return the environments that rows refer to, by their numbers, oldest first.
-
-        A record that does not fit its digest is empty. To rescue a damaged store's, give ``copies`` of records, none or
-        some: a record is taken from them where one of them fits the digest.
-        """
-        with self._reader(rescue=copies is not None) as reader:
-            return reader.environments(copies or ()) if reader else {}
+    def environments(self) -> dict[int, dict[str, Any]]:
+        """Return the environments that rows refer to by number, oldest first; a damaged record is empty."""
+        with self.reader() as reader:
+            return reader.environments()
 
     # what is stored, compared or not
 
-    def rows(self, where: str = "", columns: tuple[str, ...] = COLUMNS) -> Iterator[dict[str, Any]]:
+    def rows(self, where: str = "1", columns: Sequence[str] = COLUMNS) -> Iterator[dict[str, Any]]:
         """Yield the columns of every row that meets an SQL condition, cell by cell, damaged or not.
 
         Raises:
             BenchError: when there is no store.
         """
-        self._require()
-        return (dict(zip(columns, row, strict=True)) for row in self._select(select(where, columns)))
+        self.require()
+        return self._found(where, columns=columns)
 
     def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
         """Return the row of one trial, as :meth:`rows` yields it, or None."""
-        query = select("problem = ? AND optimizer = ? AND trial = ?")
-        found = next(self._select(query, (problem, optimizer, trial)), None)
-        return dict(zip(COLUMNS, found, strict=True)) if found else None
+        return next(self._found(ONE, (problem, optimizer, trial)), None)
 
     def keys(self, *, finished_only: bool = False) -> Keys:
         """Return the stored trials, or the finished ones only; damaged ones are not left out."""
         keys = Keys()
         condition = f"trial BETWEEN 0 AND {LARGEST}" + (" AND status = 'ok'" if finished_only else "")
-        for key in self._select(select(condition, KEY)):
-            keys.add(*key)
+        for row in self._found(condition, columns=KEY):
+            keys.add(*row.values())
         return keys
 
     def cells(self) -> list[CellCounts]:
@@ -218,8 +198,8 @@ class Store:
             DamagedStoreError: when committed trials are missing.
             BenchError: when it cannot be written.
         """
-        if not anew and not (found := self.count()).sound:
-            raise DamagedStoreError(f"the store {self.path} cannot be written: {found.sentence}")
+        if not anew and not (counted := self.count()).sound:
+            raise DamagedStoreError(f"the store {self.path} cannot be written: {counted.sentence}")
         with self._open() as connection:
             connection.execute("PRAGMA journal_mode=WAL")
             connection.execute("PRAGMA synchronous=NORMAL")  # safe against a killed process; a power cut may cost rows
@@ -236,7 +216,7 @@ class Store:
             BenchError: when there is no store.
             DamagedStoreError: when SQLite cannot read all of it.
         """
-        self._require()
+        self.require()
         with self._open() as connection:
             connection.execute("VACUUM INTO ?", (str(file),))
             with closing(sqlite3.connect(file)) as copy, copy:
@@ -245,16 +225,12 @@ class Store:
 
     @contextmanager
     def _open(self, *, rescue: bool = False) -> Iterator[sqlite3.Connection]:
-        """Yield a connection; refuse a store of another layout.
-
-        With ``rescue``, SQLite also opens a file that was cut short, or whose schema is damaged in some places.
-        """
+        """Yield a connection; refuse a store of another layout."""
         try:
             with _uri(self.path) as uri, closing(sqlite3.connect(uri, timeout=30, uri=True)) as connection:
                 if rescue:
                     connection.execute("PRAGMA writable_schema = ON")
-                version = _layout(connection)
-                if version != VERSION and connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+                if (version := layout(connection)) not in (VERSION, None):
                     raise BenchError(
                         f"the store {self.path} was written by {_author(connection)} in layout {version}, and this "
                         f"version reads layout {VERSION}; export it with the version that wrote it ('bench export "
@@ -262,44 +238,37 @@ class Store:
                     )
                 yield connection
         except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for a damaged name in SQLite's message
-            raise self._refusal(error) from error
-
-    def _refusal(self, error: Exception) -> BenchError:
-        said = f"the store {self.path} cannot be used: {printable(str(error), LONGEST)}"
-        code = getattr(error, "sqlite_errorcode", None)
-        if code is not None and code & 0xFF == sqlite3.SQLITE_CORRUPT:
-            return DamagedStoreError(
-                f"{said}; 'bench run' into this folder keeps the trials that can be read and makes the others again"
-            )
-        if code in (None, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_NOTADB):  # no such table, another file
-            return BenchError(f"{said}; {BEYOND_REPAIR}")
-        return BenchError(f"{said}; what it holds is kept")
+            raise _refusal(self.path, error) from error
 
     @contextmanager
-    def _reader(self, *, rescue: bool = False) -> Iterator[Reader | None]:
-        """Yield a reader; None for a store that is missing, or whose run was killed before it made tables."""
-        noted = committed.read(self.path.parent)  # before the store is opened, which a run may write to
-        if not self.exists:
-            yield None
-            return
-        with self._open(rescue=rescue) as connection:
-            yield Reader(connection, noted) if _layout(connection) else None
+    def _read(self, *, rescue: bool = False) -> Iterator[sqlite3.Connection]:
+        """Yield a connection; one to an empty store where there is none, or where a run was killed before its tables.
 
-    def _no_rows(self) -> StoreCheck:
-        return StoreCheck().count(0, Committed(), committed.read(self.path.parent))
+        Nothing is written.
+        """
+        with ExitStack() as opened:
+            connection = opened.enter_context(self._open(rescue=rescue)) if self.exists else None
+            if connection is None or layout(connection) is None:
+                connection = opened.enter_context(closing(sqlite3.connect(":memory:")))
+                prepare(connection, Committed())
+            yield connection
 
-    def _require(self) -> None:
+    def require(self) -> None:
+        """Raise BenchError when there is no store."""
         if not self.exists:
             raise BenchError(f"there is no {FILE} in {self.path.parent}; give the folder that 'bench run' wrote")
 
-    def _select(self, query: str, values: Sequence[object] = ()) -> Iterator[tuple[Any, ...]]:
-        """Yield a query's rows without checking them; none of a store that is missing or has no tables yet."""
-        if not self.exists:
-            return
-        with self._open() as connection:
-            if connection.execute("PRAGMA user_version").fetchone()[0]:
-                connection.text_factory = _decoded
-                yield from connection.execute(query, values)
+    def _select(self, query: str) -> Iterator[tuple[Any, ...]]:
+        with self._read() as connection:
+            connection.text_factory = _decoded
+            yield from connection.execute(query)
+
+    def _found(
+        self, where: str, values: Sequence[object] = (), columns: Sequence[str] = COLUMNS
+    ) -> Iterator[dict[str, Any]]:
+        with self._read() as connection:
+            connection.text_factory = _decoded
+            yield from found(connection, where, values, columns)
 
 
 def _decoded(text: bytes) -> str:
@@ -307,8 +276,16 @@ def _decoded(text: bytes) -> str:
     return text.decode(errors="replace")
 
 
-def _layout(connection: sqlite3.Connection) -> int:
-    return int(connection.execute("PRAGMA user_version").fetchone()[0])
+def _refusal(path: Path, error: Exception) -> BenchError:
+    said = f"the store {path} cannot be used: {printable(str(error), LONGEST)}"
+    code = getattr(error, "sqlite_errorcode", None)
+    if code is not None and code & 0xFF == sqlite3.SQLITE_CORRUPT:
+        return DamagedStoreError(
+            f"{said}; 'bench run' into this folder keeps the trials that can be read and makes the others again"
+        )
+    if code in (None, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_NOTADB):  # no such table, another file
+        return BenchError(f"{said}; {BEYOND_REPAIR}")
+    return BenchError(f"{said}; what it holds is kept")
 
 
 def _author(connection: sqlite3.Connection) -> str:

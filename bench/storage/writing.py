@@ -12,7 +12,8 @@ from typing import Any
 from bench.errors import BenchError
 from bench.storage.committed import Committed, Note
 from bench.storage.reading import record_digest
-from bench.storage.rows import COLUMNS, KEY, MEASURED, VECTORS, binding, digest, stored, typed
+from bench.storage.rows import KEY, MEASURED, VECTORS, binding, digest, stored, typed
+from bench.storage.schema import ONE, found
 from bench.trial import Trial
 
 _INTO = ("cell", "trial", "digest", "names", *MEASURED)
@@ -90,9 +91,7 @@ class Writer:
 
     def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
         """Return the row of one trial, as :meth:`bench.storage.store.Store.rows` yields it, or None."""
-        query = select("problem = ? AND optimizer = ? AND trial = ?")
-        found = self._connection.execute(query, (problem, optimizer, trial)).fetchone()
-        return dict(zip(COLUMNS, found, strict=True)) if found else None
+        return next(found(self._connection, ONE, (problem, optimizer, trial)), None)
 
     def environment(self, record: Mapping[str, Any]) -> int:
         """Commit an environment's record and return its number; equal records have one number."""
@@ -143,13 +142,6 @@ class Writer:
             made = self._connection.execute(f"INSERT INTO {table} ({', '.join(_NUMBERED[table])}) VALUES (?, ?)", texts)
             known[texts] = int(made.lastrowid or 0)
         return known[texts]
-
-
-def select(where: str = "", columns: tuple[str, ...] = COLUMNS) -> str:
-    """Return the query for the rows that meet an SQL condition, cell by cell."""
-    condition = f"WHERE {where}" if where else ""
-    tables = "results JOIN cells ON cells.id = cell LEFT JOIN names ON names.id = results.names"
-    return f"SELECT {', '.join(columns)} FROM {tables} {condition} ORDER BY cell, trial"
 
 
 def _identity(path: Path) -> tuple[int, int] | None:

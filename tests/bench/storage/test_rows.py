@@ -63,7 +63,8 @@ def test_a_store_as_it_was_written_is_sound(filled):
     found = filled.store.check(structure=True)
     assert (found.sound, found.trials) == (True, 120)
     assert found.sentence == "all 120 trials are as they were written"
-    assert len(list(filled.store.sound_rows())) == 120
+    with filled.store.reader() as reader:
+        assert len(list(reader.sound())) == 120
 
 
 @pytest.mark.parametrize(

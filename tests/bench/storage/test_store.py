@@ -172,7 +172,8 @@ def test_texts_of_any_kind_are_data(store):
     (read,) = store.rows()
     assert read["problem"] == label
     assert math.isnan(named(read, "metrics")["NaN"])
-    assert list(named(next(store.sound_rows()), "metrics")) == ['"]}', "NaN"]
+    with store.reader() as reader:
+        assert list(named(next(reader.sound()), "metrics")) == ['"]}', "NaN"]
 
 
 def test_outside_readers_have_all_of_a_trial_in_one_view(store):
