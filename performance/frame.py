@@ -53,6 +53,7 @@ def main() -> None:
             folder = (chosen.keep or Path(place)) / str(trials)
             if not (folder / "trials.sqlite").exists():
                 make(Folder(folder), trials)
+            print(f"{trials:>9,} trials: a store of {(folder / 'trials.sqlite').stat().st_size / 1e6:,.0f} MB")
             subprocess.run([sys.executable, "-c", CHILD, str(folder)], check=True)
 
 

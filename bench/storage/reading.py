@@ -17,7 +17,7 @@ from bench.text import printable
 
 NAMED = 3  # damaged trials that a sentence names
 UNKNOWN = "an unknown problem", "an unknown optimizer"
-FETCHED = 2_000  # rows held as Python objects at a time
+FETCHED = 500  # rows held as Python objects at a time: more would not fit in the processor's cache
 LONGEST = 100  # characters of a label, which may be damaged too
 
 READ = ("digest", "cell", "names", "trial", *MEASURED)

@@ -76,15 +76,18 @@ class Tidy:
             known = self._known[name]
             values = {each: cells[each] if name == "cell" else each for each in {*columns[name]}}
             numbers = {each: known.setdefault(value, len(known)) for each, value in values.items()}
-            self._codes[name][here] = [numbers[each] for each in columns[name]]
+            one = len(numbers) == 1  # as most columns of a cell have it
+            self._codes[name][here] = [*numbers.values()] if one else [numbers[each] for each in columns[name]]
         for cell, number in {*zip(columns["cell"], columns["names"], strict=True)}:
             if number is not None:
                 self._names.setdefault(cells[cell][1], set()).add(names[number])
-        for number in {*columns["names"]} - {None}:
+        distinct = {*columns["names"]}
+        for number in distinct - {None}:
             chosen = [place for place, each in enumerate(columns["names"]) if each == number]
             for name, listed in zip(VECTORS, names[number], strict=True):
+                found = columns[name] if len(distinct) == 1 else [columns[name][place] for place in chosen]
                 try:
-                    self._put(name, json.loads(listed), [columns[name][place] for place in chosen], here.start, chosen)
+                    self._put(name, json.loads(listed), found, here.start, chosen)
                 except (TypeError, ValueError) as error:
                     _, problem, optimizer = cells[columns["cell"][chosen[0]]]
                     raise BenchError(
@@ -92,7 +95,7 @@ class Tidy:
                         "restore it from a copy"
                     ) from error
 
-    def _put(self, column: str, names: list[str], values: list[bytes], start: int, places: list[int]) -> None:
+    def _put(self, column: str, names: list[str], values: Sequence[bytes], start: int, places: list[int]) -> None:
         """Put the numbers of some rows, of which each has all of them in one text of bytes, into columns by name."""
         table = np.frombuffer(b"".join(values), "<f8").reshape(len(values), len(names))
         index = slice(start, start + len(places)) if places[-1] + 1 == len(places) else np.array(places) + start
