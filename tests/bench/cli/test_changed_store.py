@@ -48,7 +48,10 @@ def test_status_prints_when_the_store_was_last_checked(bench_here, changed, made
     assert "store not checked yet" in bench_here("status", made / "out").stdout
     _, out = changed
     assert "store not checked yet" in bench_here("status", out).stdout
-    assert SENTENCE in bench_here("status", out, "--check").stdout
+    checked = bench_here("status", out, "--check")
+    assert checked.returncode == 1
+    assert SENTENCE in checked.stdout
+    assert bench_here("status", out).returncode == 0
     noted = Folder(out).store_note()
     assert f"store checked {noted['checked']}: {SENTENCE}" in bench_here("status", out).stdout.splitlines()
 
