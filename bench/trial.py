@@ -163,7 +163,7 @@ def as_row(result: Result, variables: tuple[str, ...]) -> dict[str, Any]:
         "status": "ok",
         **measured(result),
         "x": dict(zip(variables, result.x.tolist(), strict=True)),
-        "figures": metrics,  # the column of stores since the first version
+        "metrics": metrics,
         "trace": result.trace,
     }
 

@@ -18,7 +18,7 @@ import numpy as np
 from bench import Study, Trace
 from bench.problem import Problem
 from bench.storage.folder import Folder
-from bench.storage.store import stored
+from bench.storage.rows import stored
 from bench.trial import Row, Trial
 
 STUDY = {
@@ -83,7 +83,7 @@ def row(trial: Trial, problem: Problem, skill: float, budget: int) -> Row:
     return {
         "status": "ok", "fun": trace.values[-1], "nfev": min(spent, budget), "wall_s": wall, "cpu_s": wall,
         "objective_s": 1.2e-6 * spent, "stop": "ftol" if solved and spent < budget else "budget", "outside_box": 0,
-        "x": dict(zip(problem.variables, point.tolist(), strict=True)), "figures": {}, "trace": trace,
+        "x": dict(zip(problem.variables, point.tolist(), strict=True)), "metrics": {}, "trace": trace,
     }  # fmt: skip
 
 

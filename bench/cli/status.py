@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from time import sleep
@@ -29,7 +30,8 @@ def status(
 ) -> None:
     """Print the progress, failures and environments of a study's folder, also while a run writes to it.
 
-    It also prints when the trials were last compared with the digests that were stored with them, and the outcome.
+    It also prints when the trials were last compared with the digests that were stored with them, and the outcome. With
+    --check, the exit code is 1 where a trial is damaged or missing.
     """
     from bench.storage.folder import Folder
 
@@ -42,9 +44,10 @@ def status(
                 sleep(2)
                 live.update(summary(folder), refresh=True)
         return
-    if check:
-        folder.check_store()
+    found = folder.check_store() if check else folder.store.count()
     console.print(summary(folder))
+    if not check and not found.sound:
+        print_line(f"store: {found.sentence}", "red", console)
     if noted := folder.store_note():
         style = None if noted.get("sound") else "red"
         print_line(f"store checked {noted.get('checked')}: {noted.get('sentence')}", style, console)
@@ -61,6 +64,8 @@ def status(
     for number, record in folder.store.environments().items():
         for line in _environment(record, made.get(number, 0)) if record else [f"environment {number}: damaged record"]:
             print_line(line, console=console)
+    if check and not found.sound:
+        sys.exit(1)
 
 
 def summary(folder: Folder) -> Group:

@@ -34,5 +34,6 @@ def stopped_cells(study: Study, store: Store) -> dict[tuple[str, str], int]:
     from bench.analysis.looks import decide
 
     compared = {entry.label for entry in study.optimizers}
-    rows = [tuple(row[name] for name in _COLUMNS) for row in store.rows() if row["optimizer"] in compared]
-    return dict(decide(in_study_order(pd.DataFrame(rows, columns=list(_COLUMNS)), study), study.looks).stopped)
+    rows = pd.DataFrame(store.rows(columns=_COLUMNS), columns=list(_COLUMNS))
+    rows = rows[rows["optimizer"].isin(compared)]
+    return dict(decide(in_study_order(rows, study), study.looks).stopped)

@@ -102,9 +102,9 @@ def run(
             checked = prepare(study, folder, sandbox)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
         held.enter_context(folder.lock())
-        before = folder.trials_asked()
         study = folder.claim(study)
-        mended = mend(folder, study.trials)
+        mended = mend(folder, study.trials)  # before anything else reads the store
+        before = folder.trials_asked()
         folder.note_fingerprints(checked.fingerprints)
         plan = _plan(study, folder, part, mended)
         display = held.enter_context(displayed(progress))
@@ -129,6 +129,8 @@ def run(
         lookers = ([] if display is None else [display.look]) + ([] if on_look is None else [on_look])
         answers = _answers(plan, folder, partial(_made_by, pool, task, checked.machine, noted.begin), lookers)
         made = _make(plan, folder, answers, about, interrupts, listeners)
+        if not (counted := folder.store.count()).sound:
+            raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
         failed = sum(cell.failed for cell in folder.store.cells())
         return Outcome(folder.path, made, failed, folder.store.undeclared())
 

@@ -17,7 +17,8 @@ from bench.numbers import require_whole
 from bench.storage import provenance
 from bench.storage.folder import Folder
 from bench.storage.reading import StoreCheck
-from bench.storage.store import Store, disagreement, stored
+from bench.storage.rows import disagreement, named, stored
+from bench.storage.store import Store
 from bench.trial import Row, Trial
 
 HASH_SEED = 4242  # other than the 0 of a run's processes
@@ -113,8 +114,8 @@ def _chosen(folder: Folder, store: StoreCheck, trials: int, seed: int) -> list[T
     """Return up to ``trials`` sound, finished trials of each cell, chosen at random."""
     require_whole("the number of trials to verify", trials, 1)
     cells: dict[tuple[str, str], list[Trial]] = {}
-    for row in folder.store.sound_rows(store):
-        if row["status"] == "ok":
+    with folder.store.reader() as reader:
+        for row in reader.sound("status = 'ok'"):
             cell = cells.setdefault((row["problem"], row["optimizer"]), [])
             cell.append(Trial(row["problem"], row["optimizer"], row["trial"], row["seed"]))
     if not cells:
@@ -140,4 +141,4 @@ def _difference(store: Store, trial: Trial, row: Row) -> str:
     name = disagreement(before, again)
     if name in ("", "trace"):
         return name and "another course, the same end"
-    return f"{name} was {before[name]} and is {again.get(name)}"
+    return f"{name} was {named(before, name)} and is {named(again, name)}"

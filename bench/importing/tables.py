@@ -136,7 +136,7 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
         if row["status"] == "ok":
             columns["x"] = {n[2:]: each for n, each in numbers.items() if n.startswith("x_") and not np.isnan(each)}
             rest = set(measured) - {*_TIMES, "fun"}
-            columns["figures"] = {
+            columns["metrics"] = {
                 n: each for n, each in numbers.items() if n in rest and n[:2] != "x_" and not np.isnan(each)
             }
         optimizer = label(row["optimizer"], str(trials))

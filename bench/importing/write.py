@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections import Counter
 from collections.abc import Iterable
@@ -16,9 +15,8 @@ from bench.errors import BenchError
 from bench.importing import naming
 from bench.importing.runs import Run
 from bench.plugins.loading import IMPORTED
-from bench.storage.digests import JSON
 from bench.storage.folder import Folder
-from bench.storage.traces import pack
+from bench.storage.rows import packed
 from bench.study import Entry, Study
 
 
@@ -98,7 +96,6 @@ def write(folder: Path, study: Study, runs: Iterable[Run], record: dict[str, Any
 
 def _row(run: Run) -> dict[str, Any]:
     """Return a run as a row of the store, with NULL for unknown values."""
-    row: dict[str, Any] = {"status": "ok", "fun": run.fun, "nfev": run.nfev} | dict(run.columns)
-    texts = {name: json.dumps(row.get(name) or {}) for name in JSON}
-    trace = {"trace": pack(run.trace)} if row["status"] == "ok" else {}
-    return row | texts | trace | {"problem": run.problem, "optimizer": run.optimizer, "trial": run.number}
+    row: dict[str, Any] = {"status": "ok", "fun": run.fun, "nfev": run.nfev, "x": {}, "metrics": {}} | dict(run.columns)
+    trace = {"trace": run.trace} if row["status"] == "ok" else {}
+    return packed(row | trace) | {"problem": run.problem, "optimizer": run.optimizer, "trial": run.number}

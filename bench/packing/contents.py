@@ -22,7 +22,7 @@ writing, and the lock."""
 
 DESCRIPTIONS = {
     notes.STUDY: ("The frozen study", "Problems, optimizers, trials, budget and seed; 'bench run' repeats the study."),
-    TRIALS: ("The trials", "SQLite: one row a trial in the view 'trials', anytime traces, and keyed digests."),
+    TRIALS: ("The trials", "SQLite: one row a trial in the view 'trials', points, anytime traces, and digests."),
     notes.ENVIRONMENT: (
         "The environments", "Versions, machine, commit, command, and hashes of study and data of every run.",
     ),

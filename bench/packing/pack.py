@@ -100,10 +100,11 @@ def pack(
 def _copied(folder: Folder, place: Path) -> Folder:
     """Return a folder with a sound copy of the store, and the environments written out."""
     copy = Folder(place)
+    counted = folder.store.count()
     folder.store.copy(copy.store.path)
-    found = copy.store.check(structure=True)
-    if not found.sound:
-        raise BenchError(f"{folder.path}: {found.sentence}; only sound results are packed")
+    for found in (counted, copy.store.check(structure=True)):
+        if not found.sound:
+            raise BenchError(f"{folder.path}: {found.sentence}; only sound results are packed")
     copy.write_environments()
     return copy
 

@@ -94,9 +94,8 @@ class Folder:
 
     def trials_asked(self) -> int:
         """Return the largest number of trials of each cell that a run here was asked for, 0 before the first trial."""
-        noted = self.environments()
-        known = [each["trials"] for each in noted if isinstance(each.get("trials"), int)]
-        return max(known, default=self.study().trials if noted else 0)
+        noted = [record.get("trials") for record in self.environments()]
+        return max((each for each in noted if isinstance(each, int)), default=0)
 
     def claim(self, study: Study) -> Study:
         """Freeze ``study`` in the folder, which must be locked, and return the frozen study.

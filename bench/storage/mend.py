@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import sqlite3
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
@@ -12,7 +13,7 @@ from bench.atomic import replacing
 from bench.errors import BenchError
 from bench.storage.folder import ENVIRONMENT, Folder
 from bench.storage.merge import copy
-from bench.storage.reading import StoreCheck
+from bench.storage.reading import Reader, StoreCheck
 from bench.storage.store import BEYOND_REPAIR, FILE, DamagedStoreError, Store
 
 ASIDE = f"{FILE}.damaged"
@@ -37,31 +38,30 @@ def mend(folder: Folder, trials: int) -> str:
         found = store.check(structure=True)
     except DamagedStoreError as error:
         found = StoreCheck(structure=str(error.__cause__))
-    if found.sound and not found.has_digests:
-        with store.writer():
-            return f"the {found.trials:,} trials of {folder.path}, stored by an older version, have digests from now on"
     if found.sound:
         folder.note_store(found)
         return ""
-    rows = store.rescued_rows(trials) if found.structure else store.sound_rows(found, traces=True)
+    there = store.exists
     try:
         with replacing(store.path) as temporary:
-            with Store(folder.path, temporary.name).writer() as writer:
-                kept, _ = copy(rows, _environments(folder), writer, str(store.path))
-            shutil.copy(store.path, folder.path / ASIDE)
+            with Store(folder.path, temporary.name).writer(anew=True) as writer, store.reader(rescue=True) as reader:
+                kept, _ = copy(reader.rescue(trials), _environments(folder, reader), writer, str(store.path))
+            if there:
+                shutil.copy(store.path, folder.path / ASIDE)
             for beside in ("-wal", "-shm"):  # of the damaged store; the new one has none
                 store.path.with_name(FILE + beside).unlink(missing_ok=True)
     except DamagedStoreError as error:
         raise BenchError(f"the store {store.path} cannot be used: {error.__cause__}; {BEYOND_REPAIR}") from error
     folder.note_store(StoreCheck(kept))
-    return f"{found.sentence}; {kept:,} sound trials are kept, and the damaged store is now {ASIDE}"
+    aside = f", and the damaged store is now {ASIDE}" if there else ""
+    return f"{found.sentence}; {kept:,} sound trials are kept{aside}"
 
 
-def _environments(folder: Folder) -> Mapping[int, Mapping[str, Any]]:
+def _environments(folder: Folder, reader: Reader) -> Mapping[int, Mapping[str, Any]]:
     """Return what can be read of the store's environments; environment.json may hold a copy of a damaged record."""
     copies = []
     with suppress(OSError, ValueError, RecursionError):
         copies = json.loads((folder.path / ENVIRONMENT).read_text(encoding="utf-8"))
-    with suppress(DamagedStoreError):
-        return folder.store.environments(copies if isinstance(copies, list) else ())
+    with suppress(sqlite3.DatabaseError):
+        return reader.environments(copies if isinstance(copies, list) else ())
     return {}

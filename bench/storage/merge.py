@@ -9,7 +9,8 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.storage.folder import Folder
-from bench.storage.store import Writer, disagreement
+from bench.storage.rows import disagreement
+from bench.storage.writing import Writer
 from bench.study import Study
 from bench.text import listed
 from bench.trial import Row
@@ -52,8 +53,8 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
             for source in sources:
                 target.note_fingerprints(source.fingerprints())
                 found = source.check_store()
-                sound = source.store.sound_rows(found, traces=True)
-                new, old = copy(sound, source.store.environments(), writer, str(source.path))
+                with source.store.reader() as reader:
+                    new, old = copy(reader.sound(), reader.environments(), writer, str(source.path))
                 added, same = added + new, same + old
                 if not found.sound:
                     notes.append(f"{source.path}: {found.sentence}")

@@ -4,39 +4,26 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Collection, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
-from itertools import chain, islice, product
-from typing import TYPE_CHECKING, Any, NamedTuple
+from itertools import islice
+from typing import Any
 
-from bench.storage.digests import (
-    COLUMNS,
-    COMPARED,
-    INTERRUPTED,
-    MEASURED,
-    SOUND,
-    TRIALS,
-    TYPED,
-    Counts,
-    Digests,
-    Place,
-    share,
-    shares,
-)
-from bench.storage.schema import KEY, has_digests
+from bench.storage.committed import Committed
+from bench.storage.rows import COLUMNS, MEASURED, TEXTS, binding, digest
 from bench.storage.traces import Key
 from bench.text import printable
 
-if TYPE_CHECKING:
-    from bench.storage.blocks import Block
-
 NAMED = 3  # damaged trials that a sentence names
 UNKNOWN = "an unknown problem", "an unknown optimizer"
-ROWS = 5_000  # held as Python objects at a time
-FETCHED = 500  # rows held as tuples at a time: more would not fit in the processor's cache
-CELL, ENVIRONMENT = 1, 3 + MEASURED.index("environment")  # places of columns in a row that is compared
+FETCHED = 500  # rows held as Python objects at a time: more would not fit in the processor's cache
 LONGEST = 100  # characters of a label, which may be damaged too
+
+READ = ("digest", "cell", "names", "trial", *MEASURED)
+"""The columns of the rows that are read to be compared with their digests."""
+
+_ENVIRONMENT = READ.index("environment")
 
 
 @dataclass
@@ -49,35 +36,49 @@ class StoreCheck:
     trials: int = 0  # rows read, damaged ones included
     damaged: dict[Key, None] = field(default_factory=dict)  # trials, in the order in which they were found
     environments: list[int] = field(default_factory=list)  # numbers of damaged records
-    has_digests: bool = True  # false for a store of an older version, in which a change cannot be noticed
+    missing: int = 0  # rows that were committed and are not there
+    lost: int = 0  # commits that the store lacks
     structure: str = ""  # SQLite's words on damage of the file's structure
 
     @property
     def sound(self) -> bool:
         """Whether no damage was found."""
-        return not (self.damaged or self.environments or self.structure)
+        return not (self.damaged or self.environments or self.missing or self.lost or self.structure)
 
     @property
     def sentence(self) -> str:
         """The outcome in one sentence, without a full stop."""
         parts = []
         if self.damaged:
-            named = "; ".join(_name(*key) for key in islice(self.damaged, NAMED))
+            shown = "; ".join(_name(*key) for key in islice(self.damaged, NAMED))
             more = f"; and {len(self.damaged) - NAMED:,} more" if len(self.damaged) > NAMED else ""
-            parts.append(f"{len(self.damaged):,} of {self.trials:,} trials are damaged ({named}{more})")
+            parts.append(f"{len(self.damaged):,} of {self.trials:,} trials are damaged ({shown}{more})")
+        if self.missing:
+            parts.append(f"{self.missing:,} of {self.trials + self.missing:,} committed trials are missing")
+        elif self.lost:
+            parts.append(f"the last {self.lost:,} commits are lost")
         if self.environments:
             parts.append(f"the record of environment {', '.join(map(str, self.environments))} is damaged")
         if self.structure:
             parts.append(f"the structure of the file is damaged ({self.structure})")
-        if parts:
-            lost = "; damaged trials count as missing, and 'bench run' makes them again"
-            return ", and ".join(parts) + lost * bool(self.damaged or self.structure)
-        if not self.has_digests:
-            return (
-                f"a change of the {self.trials:,} trials cannot be noticed, as an older version stored them without "
-                "digests; the next 'bench run' adds digests"
-            )
-        return f"all {self.trials:,} trials are as they were written"
+        if not parts:
+            return f"all {self.trials:,} trials are as they were written"
+        again = ""
+        if self.damaged or self.structure:
+            again = "; damaged trials count as missing, and 'bench run' makes them again"
+        elif self.missing or self.lost:
+            again = "; 'bench run' makes them again"
+        return ", and ".join(parts) + again
+
+    def count(self, rows: int, own: Committed, noted: Committed) -> StoreCheck:
+        """Compare a number of rows with what the store itself counted, and with the note beside it; return the check.
+
+        The note lags behind the store after a kill. Where it is ahead, commits are lost.
+        """
+        self.trials = rows
+        self.lost = max(noted.commits - own.commits, 0)
+        self.missing = max((noted if self.lost else own).trials - rows, 0)
+        return self
 
 
 def _name(problem: str, optimizer: str, trial: int) -> str:
@@ -85,37 +86,44 @@ def _name(problem: str, optimizer: str, trial: int) -> str:
     return f"{printable(optimizer, LONGEST)} on {printable(problem, LONGEST)}, {number}"
 
 
-class Tally(NamedTuple):
-    """What reading a part of a store found: the counts of sound rows, and the damaged ones."""
-
-    counts: Counts
-    damaged: list[Place]
-
-
 class Reader:
     """The rows of an open store at one moment, and which of them fit their digests.
 
-    All rows of a store of the oldest layout, which has no digests, count as sound.
-
     Attributes:
-        uri: with which other processes open the store.
         labels: problem and optimizer of each cell, by its number.
+        names: the names of variables and of metrics, by their number.
+
+    Args:
+        connection: to the store.
+        noted: what was noted beside the store, before it was opened.
     """
 
-    def __init__(self, connection: sqlite3.Connection, uri: str) -> None:
-        self._connection, self.uri = connection, uri
-        connection.execute("BEGIN")  # cells and rows of one moment, while a run adds to both
-        self._digests = Digests(connection) if has_digests(connection) else None
-        if self._digests:
-            self.labels = self._digests.labels
-        else:
-            cells = connection.execute("SELECT id, problem, optimizer FROM cells")
-            self.labels = {cell: (problem, optimizer) for cell, problem, optimizer in cells}
+    def __init__(self, connection: sqlite3.Connection, noted: Committed) -> None:
+        self._connection, self._noted = connection, noted
+        connection.text_factory = bytes  # damage may leave texts that are no UTF-8
+        connection.execute("BEGIN")  # cells, names and rows of one moment, while a run adds to all
+        labels, names = (
+            {number: texts for number, *texts in connection.execute(f"SELECT * FROM {table}")}
+            for table in ("cells", "names")
+        )
+        self._bindings = _Bindings(labels, names)
+        self.labels: dict[Any, tuple[str, str]] = {cell: (_text(a), _text(b)) for cell, (a, b) in labels.items()}
+        self.names: dict[Any, tuple[str, str]] = {number: (_text(a), _text(b)) for number, (a, b) in names.items()}
 
     @property
-    def shares(self) -> int:
-        """The number of processes among which the rows are divided, where several read them."""
-        return shares(self._connection)
+    def rows(self) -> int:
+        """The number of rows, damaged ones included."""
+        return int(self._connection.execute("SELECT count(*) FROM results").fetchone()[0])
+
+    def count(self, found: StoreCheck, rows: int) -> StoreCheck:
+        """Compare a number of rows with the counts of commits; note it in a check, and return that."""
+        counts = []
+        with suppress(sqlite3.DatabaseError):
+            counts = self._connection.execute("SELECT commits, trials FROM committed").fetchall()
+        if len(counts) != 1 or not all(isinstance(each, int) for each in counts[0]):
+            found.structure = "its count of commits cannot be read"
+            return found.count(rows, self._noted, self._noted)
+        return found.count(rows, Committed(*counts[0]), self._noted)
 
     def check(self, *, structure: bool) -> StoreCheck:
         """Compare all rows with their digests, and the environments' records with theirs.
@@ -125,153 +133,120 @@ class Reader:
         Raises:
             sqlite3.Error: where a part of the rows cannot be read.
         """
-        if self._digests:
-            tally = Tally(self._digests.check(self.uri), self._digests.take())
-        else:
-            count = self._connection.execute("SELECT count(*) FROM results").fetchone()[0]
-            tally = Tally(Counts(count, 0, 0), [])
-        found = self.outcome([tally])
+        found = StoreCheck()
+        for _ in self.chunks(found):
+            pass
         if structure:
-            said = str(self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0])
-            found.structure = "" if said == "ok" else " ".join(said.split())
+            said = _text(self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0])
+            found.structure = found.structure if said == "ok" else " ".join(said.split())
         return found
 
-    def outcome(self, tallies: Iterable[Tally]) -> StoreCheck:
-        """Return the outcome of reading all parts of the store, and compare the environments' records with theirs."""
-        found = StoreCheck(has_digests=self._digests is not None)
-        counts, damages = zip(*tallies, strict=True)
-        rows, traces, environments = zip(*counts, strict=True)
-        damaged = list(chain.from_iterable(damages))
-        if self._digests:
-            damaged += self._lost(sum(traces))
-        found.trials = sum(rows) + len(damaged)
-        found.damaged = {(*self.labels.get(cell, UNKNOWN), trial): None for cell, trial in damaged}
-        environment = max(environments) if self._digests else 0
-        known = self.environments()
-        found.environments = [
-            number for number in sorted({*known, *range(1, environment + 1)}) if not known.get(number)
-        ]
-        return found
+    def chunks(self, found: StoreCheck) -> Iterator[list[tuple[Any, ...]]]:
+        """Yield the rows that fit their digests, of the columns ``READ``, cell by cell, some at a time.
 
-    def _lost(self, traces: int) -> list[Place]:
-        """Return the trials that have a trace but no row, as where damage hides a part of a page.
-
-        ``traces`` is the number of rows that have a trace and are sound.
-        """
-        (stored,) = self._connection.execute("SELECT count(*) FROM traces").fetchone()
-        if stored == traces:
-            return []
-        query = "SELECT traces.cell, traces.trial FROM traces LEFT JOIN results USING (cell, trial) WHERE seed IS NULL"
-        return [(cell, trial) for cell, trial in self._connection.execute(query)]
-
-    def rows(
-        self, names: Sequence[str], where: str = "1", values: Sequence[object] = (), *, compared: bool = True
-    ) -> Iterator[dict[str, Any]]:
-        """Yield key and named columns of every row that meets a condition and fits its digest, cell by cell.
-
-        Where rows were checked before, ``compared=False`` spares it here.
+        Texts are UTF-8. When all rows are read, ``found`` is the outcome of the check.
 
         Raises:
             sqlite3.Error: where a part of the rows cannot be read.
         """
-        sound = SOUND if compared and self._digests else "1"
-        tables = TRIALS if sound == SOUND or "trace" in names else "results"
-        query = f"SELECT cell, trial, {', '.join(names)} FROM {tables} WHERE {where} AND {sound} ORDER BY cell, trial"
-        columns = (*KEY, *names)
-        for cell, *row in self._connection.execute(query, values):
-            if cell in self.labels:
-                yield dict(zip(columns, (*self.labels[cell], *row), strict=True))
-
-    def blocks(self, skipped: Collection[str] = (), part: int = 0, parts: int = 1) -> Iterator[Block | Tally]:
-        """Yield the trials that fit their digests, cell by cell, in blocks of about ``ROWS``, and at last their tally.
-
-        Args:
-            skipped: problems whose trials are compared and counted, but not yielded.
-            part: the part of the store to read, from 0 on.
-            parts: the number of parts.
-
-        Raises:
-            sqlite3.Error: where a part of the rows cannot be read.
-            BenchError: where a text is no JSON, in a store of the layout without digests.
-        """
-        from bench.storage.blocks import pack  # not at the top: it imports pandas
-
-        if self._digests:
-            sound = self._digests.sound
-            query = f"SELECT {COMPARED} FROM {TRIALS} WHERE {share(part, parts)} AND {TYPED} ORDER BY cell, trial"
-        else:
-            sound = self._is_known
-            query = f"SELECT NULL, {COLUMNS}, NULL FROM results WHERE {share(part, parts)} ORDER BY cell, trial"
-        not_wanted = {cell for cell, (problem, _) in self.labels.items() if problem in skipped}
-        cursor, columns = self._connection.execute(query), _no_rows()
-        rows = traces = environment = 0
+        cursor = self._rows()
+        rows = 0
+        referred: set[Any] = set()
         while fetched := cursor.fetchmany(FETCHED):
-            if not (some := [row for row in fetched if sound(*row)]):
-                continue
-            values = [*zip(*some, strict=True)]
-            rows += len(some)
-            traces += len(some) - values[-1].count(None)
-            environment = max(environment, *(each for each in set(values[ENVIRONMENT]) if isinstance(each, int)), 0)
-            if not not_wanted.isdisjoint(values[CELL]):
-                values = [*zip(*(row for row in some if row[CELL] not in not_wanted), strict=True)]
-            for column, more in zip(columns.values(), values[CELL:-1], strict=False):
-                column.extend(more)
-            if len(columns["cell"]) >= ROWS:
-                yield pack(columns, self.labels)
-                columns = _no_rows()
-        if columns["cell"]:
-            yield pack(columns, self.labels)
-        yield Tally(Counts(rows, traces, environment), self._digests.take() if self._digests else [])
+            rows += len(fetched)
+            sound = [row for row in fetched if self._fits(*row)]
+            if len(sound) < len(fetched):
+                found.damaged |= {self._place(row): None for row in fetched if not self._fits(*row)}
+            referred.update(row[_ENVIRONMENT] for row in sound)
+            yield sound
+        known = self.environments()
+        found.environments = sorted(each for each in {*known, *referred} - {None} if not known.get(each))
+        self.count(found, rows)
 
-    def _is_known(self, *row: object) -> bool:
-        return row[CELL] in self.labels
-
-    def rescue(self, names: Sequence[str], trials: int) -> Iterator[dict[str, Any]]:
-        """Yield what :meth:`rows` can read, then the first ``trials`` trials of each cell that can be looked up.
+    def sound(self, where: str = "", *values: object) -> Iterator[dict[str, Any]]:
+        """Yield every row that meets an SQL condition and fits its digest, as a dictionary of ``COLUMNS``.
 
         Raises:
-            sqlite3.OperationalError: where SQLite does not even find the tables.
+            sqlite3.Error: where a part of the rows cannot be read.
         """
-        self._connection.execute(f"SELECT {', '.join(names)} FROM {TRIALS} LIMIT 0")
-        with _what_can_be_read():
-            yield from self.rows(names)
-        for cell, number in product(self.labels, range(trials)):
-            with _what_can_be_read():
-                yield from self.rows(names, "results.cell = ? AND results.trial = ?", (cell, number))
+        for row in self._rows(where, *values):
+            if self._fits(*row):
+                _, cell, names, trial, *others = row
+                labels = *self.labels[cell], trial, *self.names.get(names, (None, None))
+                found = dict(zip(COLUMNS, (*labels, *others), strict=True))
+                yield found | {name: _text(found[name]) for name in TEXTS if found[name] is not None}
+
+    def rescue(self, trials: int) -> Iterator[dict[str, Any]]:
+        """Yield every sound row that can be read, some perhaps twice.
+
+        Where SQLite cannot read all rows of a cell, its first ``trials`` trials are looked up one by one.
+
+        Raises:
+            sqlite3.OperationalError: where SQLite does not even find the table.
+        """
+        self._rows("0")
+        for cell in self.labels:
+            try:
+                yield from self.sound("cell = ?", cell)
+            except sqlite3.DatabaseError:
+                for number in range(trials):
+                    with suppress(sqlite3.DatabaseError):
+                        yield from self.sound("cell = ? AND trial = ?", cell, number)
 
     def environments(self, copies: Sequence[object] = ()) -> dict[int, dict[str, Any]]:
         """Return the environments' records by number, oldest first.
 
         A damaged one is taken from the ``copies``, or else empty.
         """
-        digest = "CAST(digest AS BLOB)" if self._digests else "NULL"
-        query = f"SELECT id, CAST(record AS BLOB), {digest} FROM environments ORDER BY id"
         records = {}
-        for number, text, noted in self._connection.execute(query):
+        for number, text, noted in self._connection.execute("SELECT id, record, digest FROM environments ORDER BY id"):
             texts = [text, *(json.dumps(copy).encode() for copy in copies)]
-            sound = (each for each in texts if not self._digests or self._digests.record(number, each) == noted)
-            records[number] = _record(next(sound, None))
+            sound = (each for each in texts if isinstance(each, bytes) and record_digest(number, each) == noted)
+            records[number] = _record(next(sound, b""))
         return records
 
+    def _rows(self, where: str = "", *values: object) -> sqlite3.Cursor:
+        condition = f"WHERE {where}" if where else ""
+        return self._connection.execute(
+            f"SELECT {', '.join(READ)} FROM results {condition} ORDER BY cell, trial", values
+        )
 
-def _no_rows() -> dict[str, list[Any]]:
-    return {name: [] for name in ("cell", "trial", *MEASURED)}
+    def _fits(self, noted: object, cell: object, names: object, *values: Any) -> bool:
+        bound = self._bindings[cell, names]
+        return bound is not None and digest(bound, values) == noted
+
+    def _place(self, row: Sequence[Any]) -> Key:
+        _, cell, _, trial, *_ = row
+        return (*self.labels.get(cell, UNKNOWN), trial if isinstance(trial, int) else -1)
 
 
-@contextmanager
-def _what_can_be_read() -> Iterator[None]:
-    """Suppress SQLite's errors, but no KeyboardInterrupt: it would cost a sound row."""
-    try:
-        yield
-    except sqlite3.DatabaseError as error:
-        if str(error) == INTERRUPTED:
-            raise
+def record_digest(number: int, record: bytes) -> bytes:
+    """Return the digest of an environment's record, whose JSON text is given as UTF-8."""
+    return digest(b"", (number, record))
 
 
-def _record(text: bytes | None) -> dict[str, Any]:
+class _Bindings(dict[tuple[Any, Any], bytes | None]):
+    """What binds rows to their labels and names, by the numbers of cell and names; None for unknown ones."""
+
+    def __init__(self, labels: dict[Any, list[Any]], names: dict[Any, list[Any]]) -> None:
+        self._labels, self._names = labels, names | {None: [None, None]}
+
+    def __missing__(self, key: tuple[Any, Any]) -> bytes | None:
+        cell, names = key
+        known = cell in self._labels and names in self._names
+        self[key] = binding(*self._labels[cell], *self._names[names]) if known else None
+        return self[key]
+
+
+def _text(stored: Any) -> str:
+    """Return a text from its UTF-8, which may be damaged."""
+    return stored.decode(errors="replace") if isinstance(stored, bytes) else str(stored)
+
+
+def _record(text: bytes) -> dict[str, Any]:
     """Return a record from its JSON text, an empty one where that is damaged."""
     try:
-        record = json.loads(text or "")
+        record = json.loads(text or b"{}")
     except (ValueError, RecursionError):
         return {}
     return record if isinstance(record, dict) else {}

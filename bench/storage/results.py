@@ -6,7 +6,7 @@ import dataclasses
 import math
 import warnings
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import cache, cached_property
 from itertools import compress
 from os import PathLike
@@ -23,11 +23,9 @@ from bench.plugins import selection
 from bench.plugins.loading import is_imported
 from bench.problem import Problem
 from bench.scoring import Scored, plain
-from bench.storage.blocks import Block
 from bench.storage.folder import Folder
-from bench.storage.parts import LostPartError
-from bench.storage.reading import StoreCheck
-from bench.storage.tidy import tidy
+from bench.storage.reading import READ, StoreCheck
+from bench.storage.tidy import Tidy
 from bench.storage.traces import Traces
 from bench.storage.union import differences, united
 from bench.study import Study
@@ -36,8 +34,7 @@ from bench.trial import PRECISION
 
 AnyPath = str | PathLike[str]
 
-MANY = 150_000
-"""Trials from which on several processes read a store faster than one: each takes half a second to start."""
+CELL = READ.index("cell")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -186,23 +183,12 @@ class Results:
 
     @cached_property
     def _frame_and_origins(self) -> tuple[pd.DataFrame, pd.Series]:
-        try:
-            return self._read(several=True)
-        except LostPartError:
-            return self._read(several=False)
-
-    def _read(self, *, several: bool) -> tuple[pd.DataFrame, pd.Series]:
         shared = {entry.label for entry in self.study.problems}
-        trials = [source.folder.store.count() for source in self._sources]
-        frame = tidy(
-            (
-                each
-                for source, count in zip(self._sources, trials, strict=True)
-                for each in source.blocks(shared, several=several and count >= MANY)
-            ),
-            sum(trials),
-            [entry.label for entry in self.study.problems],
-            [entry.label for entry in self.study.with_controls],
+        tidy = Tidy()
+        for source in self._sources:
+            source.read(tidy, shared)
+        frame = tidy.frame(
+            [entry.label for entry in self.study.problems], [entry.label for entry in self.study.with_controls]
         )
         origins = frame.pop("environment")
         return _with_precision(frame, self._suite_optima()), origins
@@ -216,7 +202,7 @@ class Results:
             {
                 (problem, source.shown[optimizer]): cell
                 for source in self._read_sources
-                for (problem, optimizer), cell in source.folder.store.traces(source.found).cells.items()
+                for (problem, optimizer), cell in source.folder.store.traces().cells.items()
                 if problem in shared and source.shown[optimizer] not in controls
             }
         )
@@ -314,23 +300,29 @@ class _Source:
     environment_places: dict[int, int]
     found: StoreCheck = dataclasses.field(default_factory=StoreCheck)  # as the trials were last read
 
-    def blocks(self, problems: Collection[str], *, several: bool) -> Iterator[tuple[str, Block]]:
-        """Yield the sound trials on these problems, with shown labels and the environments' numbers of all folders."""
+    def read(self, tidy: Tidy, problems: Collection[str]) -> None:
+        """Add the sound trials on these problems, with shown labels and the environments' numbers of all folders."""
         known = {entry.label for entry in self.study.problems}
-        for block in self.folder.store.blocks(known.difference(problems), several=several):
-            if isinstance(block, StoreCheck):
-                self.found = block
-                continue
-            for problem, optimizer in block.cells:
-                if problem not in known or optimizer not in self.shown:
-                    strange = optimizer if problem in known else problem
+        self.found = StoreCheck()
+        self.folder.store.require()
+        with self.folder.store.reader() as reader:
+            tidy.reserve(reader.rows)
+            cells = {
+                cell: (self.study.name, problem, self.shown[optimizer])
+                for cell, (problem, optimizer) in reader.labels.items()
+                if problem in known and optimizer in self.shown
+            }
+            wanted = {cell for cell, (_, problem, _) in cells.items() if problem in problems}
+            for rows in reader.chunks(self.found):
+                if strange := {row[CELL] for row in rows} - cells.keys():
+                    problem, optimizer = reader.labels[min(strange)]
+                    label = optimizer if problem in known else problem
                     raise BenchError(
-                        f"{self.folder.path} holds trials of {strange!r}, which its study.toml does not name; "
-                        "put back the study.toml that the run wrote"
+                        f"{self.folder.path} holds trials of {label!r}, which its "
+                        "study.toml does not name; put back the study.toml that the run wrote"
                     )
-            cells = [(problem, self.shown[optimizer]) for problem, optimizer in block.cells]
-            environments = pd.Series(block.numbers["environment"]).map(self.environment_places).to_numpy()
-            yield self.study.name, block._replace(cells=cells, numbers=block.numbers | {"environment": environments})
+                if chosen := [row for row in rows if row[CELL] in wanted]:
+                    tidy.add(chosen, cells, reader.names, self.environment_places)
 
 
 def _sources(folders: list[Folder]) -> list[_Source]:

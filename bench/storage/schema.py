@@ -1,66 +1,63 @@
-"""The tables of a study's store, and the upgrade of a store that an older version of the layout wrote."""
+"""The tables of a study's store."""
 
 from __future__ import annotations
 
 import sqlite3
+from collections.abc import Iterator, Sequence
+from typing import Any
 
-from bench.storage.digests import MEASURED, SEAL, Digests, new_key
+from bench.storage.committed import Committed
+from bench.storage.rows import COLUMNS, MEASURED
 
-VERSION = 2
-OLDEST = 1  # which has no digests
+VERSION = 3
 
-KEY = ("problem", "optimizer", "trial")
+ONE = "problem = ? AND optimizer = ? AND trial = ?"
+"""The SQL condition of one trial."""
 
-# Traces have a table of their own: they take ten times the space of the rest, and most readers need none.
+# A trace stands last, behind what most readers ask for, as it may take ten times the space of the rest.
 SCHEMA = f"""
-CREATE TABLE digest_key (key BLOB NOT NULL, digest BLOB NOT NULL);
+CREATE TABLE committed (commits INTEGER NOT NULL, trials INTEGER NOT NULL);
 CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL, digest BLOB);
 CREATE TABLE cells (
     id INTEGER PRIMARY KEY, problem TEXT NOT NULL, optimizer TEXT NOT NULL, UNIQUE (problem, optimizer)
 );
+CREATE TABLE names (
+    id INTEGER PRIMARY KEY, variables TEXT NOT NULL, metric_names TEXT NOT NULL, UNIQUE (variables, metric_names)
+);
 CREATE TABLE results (
-    cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, environment INTEGER REFERENCES environments,
-    seed INTEGER, status TEXT NOT NULL, fun REAL, nfev INTEGER, wall_s REAL, cpu_s REAL, objective_s REAL,
-    stop TEXT, outside_box INTEGER, error TEXT, x TEXT, figures TEXT, digest BLOB,
-    PRIMARY KEY (cell, trial)
-) WITHOUT ROWID;
-CREATE TABLE traces (
-    cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, trace BLOB, PRIMARY KEY (cell, trial)
+    cell INTEGER NOT NULL REFERENCES cells, trial INTEGER NOT NULL, digest BLOB, names INTEGER REFERENCES names,
+    environment INTEGER REFERENCES environments, seed INTEGER, status TEXT NOT NULL, fun REAL, nfev INTEGER,
+    wall_s REAL, cpu_s REAL, objective_s REAL, stop TEXT, outside_box INTEGER, error TEXT, x BLOB, metrics BLOB,
+    trace BLOB, PRIMARY KEY (cell, trial)
 ) WITHOUT ROWID;
 CREATE VIEW trials AS
-    SELECT problem, optimizer, trial, {", ".join(MEASURED)}, trace
-    FROM results JOIN cells ON cells.id = results.cell LEFT JOIN traces USING (cell, trial);
-PRAGMA user_version = {VERSION}
-"""
-
-_UPGRADE = f"""
-CREATE TABLE digest_key (key BLOB NOT NULL, digest BLOB NOT NULL);
-ALTER TABLE environments ADD COLUMN digest BLOB;
-ALTER TABLE results ADD COLUMN digest BLOB;
+    SELECT problem, optimizer, trial, {", ".join(MEASURED[:-3])}, variables, x, metric_names, metrics, trace
+    FROM results JOIN cells ON cells.id = cell LEFT JOIN names ON names.id = results.names;
 PRAGMA user_version = {VERSION}
 """
 
 
-def has_digests(connection: sqlite3.Connection) -> bool:
-    """Return whether the store has digests, which one of the oldest layout lacks, whatever it says of its layout."""
-    version = connection.execute("PRAGMA user_version").fetchone()[0]
-    query = "SELECT count(*) FROM sqlite_master WHERE name = 'digest_key'"
-    return version > OLDEST or bool(connection.execute(query).fetchone()[0])
+def layout(connection: sqlite3.Connection) -> int | None:
+    """Return the layout of a store, None of one without tables."""
+    empty = not connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
+    return None if empty else int(connection.execute("PRAGMA user_version").fetchone()[0])
 
 
-def prepare(connection: sqlite3.Connection) -> Digests:
-    """Make the tables of a new store, or give an older one digests, all or nothing; return the digests to write."""
-    version = connection.execute("PRAGMA user_version").fetchone()[0]
+def prepare(connection: sqlite3.Connection, begun: Committed) -> None:
+    """Make the tables of a new store, all or nothing, whose commits are counted from those ``begun`` before."""
+    if layout(connection) is not None:
+        return
     with connection:
-        if version != VERSION:
-            connection.execute("BEGIN IMMEDIATE")
-            for statement in (_UPGRADE if version else SCHEMA).split(";"):
-                connection.execute(statement)
-            connection.execute("INSERT INTO digest_key VALUES (?, ?)", new_key())
-        digests = Digests(connection)
-        if version == OLDEST:
-            connection.execute(SEAL)
-            for number, record in connection.execute("SELECT id, CAST(record AS BLOB) FROM environments").fetchall():
-                sealed = digests.record(number, record), number
-                connection.execute("UPDATE environments SET digest = ? WHERE id = ?", sealed)
-    return digests
+        connection.execute("BEGIN IMMEDIATE")
+        for statement in SCHEMA.split(";"):
+            connection.execute(statement)
+        connection.execute("INSERT INTO committed VALUES (?, 0)", (begun.commits,))
+
+
+def found(
+    connection: sqlite3.Connection, where: str = "1", values: Sequence[object] = (), columns: Sequence[str] = COLUMNS
+) -> Iterator[dict[str, Any]]:
+    """Yield the columns of the rows that meet an SQL condition, cell by cell, damaged or not."""
+    tables = "results JOIN cells ON cells.id = cell LEFT JOIN names ON names.id = results.names"
+    query = f"SELECT {', '.join(columns)} FROM {tables} WHERE {where} ORDER BY cell, trial"
+    return (dict(zip(columns, row, strict=True)) for row in connection.execute(query, values))

@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from bench.storage.committed import overwrite
 from bench.trial import Trial
 
 FILE = ".under-way"
@@ -26,10 +27,8 @@ class UnderWay:
     def begin(self, job: int, trial: Trial) -> None:
         """Note the trial that a job begins."""
         labels = trial.problem[:_LONGEST], trial.optimizer[:_LONGEST]
-        line = json.dumps([*labels, trial.number]).encode()[: _LINE - 1].ljust(_LINE - 1) + b"\n"
         with suppress(OSError):  # such as a full disk: the next commit reports it
-            os.lseek(self._file, job * _LINE, os.SEEK_SET)
-            os.write(self._file, line)
+            overwrite(self._file, job, json.dumps([*labels, trial.number]), _LINE)
 
 
 @contextmanager

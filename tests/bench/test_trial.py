@@ -81,7 +81,7 @@ def test_a_row_has_the_variables_and_metrics_by_name():
     result = search(SPHERE, Drawing(), 10, seed=0)
     row = as_row(result, SPHERE.variables)
     assert row["x"] == dict(zip("ab", result.x.tolist(), strict=True))
-    assert row["figures"] == {"norm": np.abs(result.x).sum()}
+    assert row["metrics"] == {"norm": np.abs(result.x).sum()}
     assert (row["status"], row["fun"], row["nfev"], row["stop"]) == ("ok", result.fun, 10, "budget")
 
 

@@ -182,9 +182,9 @@ def trials_that_were_changed(s):
     s.stores[0].damaged = {("p", "a", 1): None, ("q", "b", 5): None}
 
 
-@trap("storage", "note", "A change of the 36 trials cannot be noticed")
-def trials_without_digests(s):
-    s.stores += [StoreCheck(36, has_digests=False)]
+@trap("storage", "error", "3 of 39 committed trials are missing", cells="")
+def trials_that_were_lost(s):
+    s.stores += [StoreCheck(36, missing=3)]
 
 
 @trap("failures", "error", "2 of 36 trials did not finish (", "failed 1", "timeout 1", "in a on p, b on q. They")

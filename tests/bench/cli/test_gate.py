@@ -26,7 +26,7 @@ def write(place, name, problems=("sphere-2", "sphere-3"), optimizers=("mine",), 
             fun = 5 + shift + np.random.default_rng(trial.seed).standard_normal()
             row = {
                 "status": "ok", "fun": fun, "nfev": 60, "wall_s": 0.1, "cpu_s": 0.1, "objective_s": 0.1,
-                "stop": "budget", "outside_box": 0, "x": {"x1": fun}, "figures": {},
+                "stop": "budget", "outside_box": 0, "x": {"x1": fun}, "metrics": {},
                 "trace": Trace(np.array([1, 30]), np.array([fun + 1, fun])),
             }  # fmt: skip
             writer.add(trial, row)

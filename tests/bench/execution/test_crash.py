@@ -131,7 +131,7 @@ def committed(folder):
         if not connection.execute("PRAGMA user_version").fetchone()[0]:
             return {}
         rows = connection.execute(
-            "SELECT problem, optimizer, trial, seed, fun, nfev, stop, x, figures, trace FROM trials WHERE status = 'ok'"
+            "SELECT problem, optimizer, trial, seed, fun, nfev, stop, x, metrics, trace FROM trials WHERE status = 'ok'"
         ).fetchall()
         assert connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
     found = {row[:3]: row[3:] for row in rows}

@@ -14,7 +14,8 @@ import pytest
 
 from bench import BenchError, FunctionProblem, Results, load_results, run
 from bench.objective import Objective
-from bench.storage.store import MEASURED, Store
+from bench.storage.rows import MEASURED
+from bench.storage.store import Store
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals, forks and limits of POSIX")
 
@@ -214,7 +215,7 @@ class Bomb:
 
 
 def _rows(folder):
-    return list(Store(folder).rows(traces=True))
+    return list(Store(folder).rows())
 
 
 def _frame(folder):
@@ -229,11 +230,10 @@ def test_nothing_is_unpickled_from_a_store(small_study, tmp_path):
     run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
     mark = tmp_path / "unpickled"
     bomb = pickle.dumps(Bomb(str(mark)))
-    for column in (*MEASURED, "trace"):
-        table = "traces" if column == "trace" else "results"
+    for column in MEASURED:
         with sqlite3.connect(tmp_path / "out" / "trials.sqlite") as connection:
-            kept = connection.execute(f"SELECT {column} FROM {table} LIMIT 1").fetchone()[0]
-            connection.execute(f"UPDATE {table} SET {column} = ? WHERE {column} = ?", (bomb, kept))
+            kept = connection.execute(f"SELECT {column} FROM results LIMIT 1").fetchone()[0]
+            connection.execute(f"UPDATE results SET {column} = ? WHERE {column} = ?", (bomb, kept))
         for read in (_rows, _frame, _traces):
             with suppress(BenchError, ValueError, TypeError):  # a damaged store may be refused
                 read(tmp_path / "out")

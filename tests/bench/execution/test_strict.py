@@ -7,7 +7,8 @@ import pytest
 
 from bench import Study, load_results, run
 from bench.execution.verify import verify
-from bench.storage.store import REPEATABLE, Store
+from bench.storage.rows import REPEATABLE
+from bench.storage.store import Store
 
 pytestmark = [
     pytest.mark.slow,
@@ -98,7 +99,7 @@ def test_an_honest_optimizer_gives_the_same_bits(tmp_path):
     stored = []
     for strict in (False, True):
         run(study(*HONEST), tmp_path / str(strict), n_jobs=2, strict=strict)
-        found = sorted(Store(tmp_path / str(strict)).rows(traces=True), key=lambda row: row["seed"])
+        found = sorted(Store(tmp_path / str(strict)).rows(), key=lambda row: row["seed"])
         stored.append([{name: row[name] for name in ("problem", "optimizer", *REPEATABLE)} for row in found])
     assert stored[0] == stored[1]
     assert {row["status"] for row in stored[0]} == {"ok"}

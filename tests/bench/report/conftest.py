@@ -190,7 +190,7 @@ def finished(fun, rng):
     trace = Trace(np.array([1, 10, 50]), np.array([fun + 9, fun + 1, fun]))
     return {
         "status": "ok", "fun": fun, "nfev": 100, "wall_s": wall, "cpu_s": wall, "objective_s": wall / 2,
-        "stop": "budget", "outside_box": 0, "x": {"x1": rng.random()}, "figures": {}, "trace": trace,
+        "stop": "budget", "outside_box": 0, "x": {"x1": rng.random()}, "metrics": {}, "trace": trace,
     }  # fmt: skip
 
 

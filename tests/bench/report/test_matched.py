@@ -41,7 +41,7 @@ def made(tmp_path):
                 dimension = 3 if "ackley" in trial.problem else 2
                 row = {
                     "status": "ok", "fun": value, "nfev": used, "wall_s": 3.0, "cpu_s": 1.0, "objective_s": 0.5,
-                    "stop": "tolfun", "outside_box": 0, "x": {f"x{i}": 0.0 for i in range(dimension)}, "figures": {},
+                    "stop": "tolfun", "outside_box": 0, "x": {f"x{i}": 0.0 for i in range(dimension)}, "metrics": {},
                     "trace": Trace(np.array([1]), np.array([value])),
                 }  # fmt: skip
                 writer.add(trial, row, number)

@@ -3,7 +3,9 @@
 import sqlite3
 from contextlib import closing
 
-from bench.storage.digests import SEAL, Digests
+from bench.storage.committed import Committed
+from bench.storage.reading import READ, Reader
+from bench.storage.rows import binding, digest
 
 SCATTER = "(SELECT id FROM cells WHERE problem = 'sphere-2' AND optimizer = 'scatter')"
 
@@ -19,5 +21,9 @@ def forge(path, *statements):
     """Run SQL statements on a store, and give all rows digests that fit, as only this package's code can."""
     change(path, *statements)
     with closing(sqlite3.connect(path)) as connection, connection:
-        Digests(connection)
-        connection.execute(SEAL)
+        reader = Reader(connection, Committed())
+        for _, cell, names, trial, *values in connection.execute(f"SELECT {', '.join(READ)} FROM results").fetchall():
+            texts = *reader.labels[cell], *reader.names.get(names, (None, None))
+            bound = binding(*(None if text is None else text.encode() for text in texts))
+            written = digest(bound, (trial, *values)), cell, trial
+            connection.execute("UPDATE results SET digest = ? WHERE cell = ? AND trial = ?", written)

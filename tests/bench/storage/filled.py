@@ -5,7 +5,7 @@ import random
 import numpy as np
 import pandas as pd
 
-from bench import Results
+from bench import BenchError, Results
 from bench.objective import Trace
 from bench.storage.mend import mend
 from bench.trial import Trial
@@ -24,7 +24,7 @@ def rows():
                 row = {
                     "status": "ok", "fun": rng.random(), "nfev": 60, "wall_s": rng.random(), "cpu_s": rng.random(),
                     "objective_s": rng.random(), "stop": "budget", "outside_box": rng.randrange(2),
-                    "x": {"x1": rng.random(), "x2": -0.0}, "figures": {"radius": rng.random()},
+                    "x": {"x1": rng.random(), "x2": -0.0}, "metrics": {"radius": rng.random()},
                     "trace": Trace(np.arange(1, count + 1), values),
                 }  # fmt: skip
                 lost = {"status": "failed", "error": "RuntimeError: ä no"}
@@ -57,3 +57,20 @@ def assert_mended(folder, whole):
     results, original = Results(folder.path), Results(whole.path)
     pd.testing.assert_frame_equal(results.frame, original.frame, check_exact=True)
     assert traces(results) == traces(original)
+
+
+def damage_of(folder, original, frame, known):
+    """Return what is said of a folder's damage; what is read beside must equal the original."""
+    try:
+        results = Results(folder.path)
+        said = "; ".join(results.damage)
+    except BenchError as error:
+        return str(error)
+    if said:
+        assert len(results.frame.merge(frame)) == len(results.frame)  # on all columns
+        assert traces(results).items() <= known.items()
+    else:
+        pd.testing.assert_frame_equal(results.frame, frame, check_exact=True)
+        assert traces(results) == known
+        assert results.environments == original.environments
+    return said

@@ -13,7 +13,7 @@ from bench.execution.runner import plan
 from bench.storage.folder import Folder
 from bench.storage.mend import ASIDE, mend
 from tests.bench.storage.changes import change
-from tests.bench.storage.filled import RECORD, TRIALS, add_missing, assert_mended, traces
+from tests.bench.storage.filled import RECORD, TRIALS, add_missing, assert_mended, damage_of, traces
 
 
 @pytest.mark.parametrize(
@@ -76,23 +76,6 @@ def test_sixteen_random_bytes_anywhere_are_noticed_or_change_nothing(seeds, fill
         pd.testing.assert_frame_equal(again.frame, frame, check_exact=True)
         assert traces(again) == known, seed
     assert noticed > len(seeds) / 3  # the rest hit unused space
-
-
-def damage_of(folder, original, frame, known):
-    """Return what is said of a folder's damage; what is read beside must equal the original."""
-    try:
-        results = Results(folder.path)
-        said = "; ".join(results.damage)
-    except BenchError as error:
-        return str(error)
-    if said:
-        assert len(results.frame.merge(frame)) == len(results.frame)  # on all columns
-        assert traces(results).items() <= known.items()
-    else:
-        pd.testing.assert_frame_equal(results.frame, frame, check_exact=True)
-        assert traces(results) == known
-        assert results.environments == original.environments
-    return said
 
 
 def page(store, number):
@@ -166,7 +149,11 @@ def test_a_run_makes_damaged_trials_again(small_study, tmp_path):
     folder = Folder(tmp_path / "out")
     run(small_study, folder.path, n_jobs=1)
     before = load_results(folder.path)
-    change(folder.store.path, "UPDATE results SET fun = 0 WHERE trial = 1", "DELETE FROM traces WHERE trial = 2")
+    change(
+        folder.store.path,
+        "UPDATE results SET fun = 0 WHERE trial = 1",
+        "UPDATE results SET trace = NULL WHERE trial = 2",
+    )
     assert len(folder.store.check().damaged) == 12
     assert len([*plan(small_study, folder.path).missing()]) == 12
     plans, made = [], []

@@ -82,8 +82,7 @@ def test_the_same_trial_twice_is_taken_once_and_the_most_trials_count(copied, tm
 
 def test_a_finished_trial_takes_the_place_of_a_failed_one(copied, tmp_path):
     _, place = copied
-    change(place / "whole" / "trials.sqlite", f"DELETE FROM traces WHERE trial = 1 AND cell = {SCATTER}")
-    forged(place / "whole", "status = 'failed', error = 'boom', fun = NULL")
+    forged(place / "whole", "status = 'failed', error = 'boom', fun = NULL, trace = NULL")
     shards = [place / f"shard-{number}" for number in (1, 2, 3)]
     for order in ([place / "whole", *shards], [*shards, place / "whole"]):
         target = tmp_path / f"united-{order[0].name}"
@@ -146,7 +145,7 @@ def test_verify_compares_whole_courses(copied):
     store = Store(place / "whole")
     blob = bytearray(store.find("sphere-2", "scatter", 1)["trace"])
     blob[len(blob) // 2] ^= 1  # the last bit of the first value
-    forge(store.path, f"UPDATE traces SET trace = x'{blob.hex()}' WHERE trial = 1 AND cell = {SCATTER}")
+    forge(store.path, f"UPDATE results SET trace = x'{blob.hex()}' WHERE trial = 1 AND cell = {SCATTER}")
     found = verify(place / "whole", trials=3, n_jobs=1)
     assert list(found.different.values()) == ["another course, the same end"]
 

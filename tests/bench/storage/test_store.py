@@ -13,7 +13,9 @@ import pytest
 from bench import BenchError, load_results
 from bench.objective import Trace
 from bench.storage.folder import Folder
-from bench.storage.store import Keys, Store, disagreement, stored
+from bench.storage.rows import disagreement, named, stored
+from bench.storage.schema import SCHEMA
+from bench.storage.store import Keys, Store
 from bench.trial import Trial
 from tests.bench.storage.changes import forge
 
@@ -26,7 +28,7 @@ def trial(number, problem="sphere-2", optimizer="scatter"):
 
 def finished(fun=0.1, **changes):
     return {"status": "ok", "fun": fun, "nfev": 40, "wall_s": 0.5, "cpu_s": 0.4, "objective_s": 0.2, "stop": "budget",
-            "outside_box": 0, "x": {"x1": fun}, "figures": {"radius": 1 / 3}, "trace": TRACE} | changes  # fmt: skip
+            "outside_box": 0, "x": {"x1": fun}, "metrics": {"radius": 1 / 3}, "trace": TRACE} | changes  # fmt: skip
 
 
 LOST = {"status": "failed", "error": "RuntimeError: no"}
@@ -69,7 +71,7 @@ def test_every_digit_of_a_row_comes_back(store):
             writer.add(trial(number), finished(value))
     rows = list(store.rows())
     assert [row["fun"].hex() for row in rows] == [value.hex() for value in values]
-    assert [json.loads(row["x"])["x1"].hex() for row in rows] == [value.hex() for value in values]
+    assert [named(row, "x")["x1"].hex() for row in rows] == [value.hex() for value in values]
     trace = store.traces()["sphere-2", "scatter", 0]
     assert trace.evaluations.tolist() == [1, 5, 40]
     assert [value.hex() for value in trace.values] == [value.hex() for value in TRACE.values]
@@ -88,8 +90,8 @@ def test_rows_by_a_condition_and_in_the_order_of_cells(store):
         ("scatter", 1), ("scatter", 2), ("scatter", 3), ("early", 1), ("early", 3)
     ]  # fmt: skip
     assert [row["trial"] for row in store.rows("fun > 1 AND optimizer = 'early'")] == [3]
-    assert [row["error"] for row in store.rows("status != 'ok'", traces=True)] == [LOST["error"]]
-    assert "trace" not in next(store.rows())
+    assert [row["error"] for row in store.rows("status != 'ok'")] == [LOST["error"]]
+    assert next(store.rows(columns=("trial", "fun"))) == {"trial": 1, "fun": 1.0}
     assert store.find("sphere-2", "scatter", 9) is None
 
 
@@ -163,13 +165,15 @@ def test_removed_rows_are_gone_with_their_traces_and_can_be_made_again(store):
 
 def test_texts_of_any_kind_are_data(store):
     label = "'; DROP TABLE results; --\u2028ä\U0001f600"
-    row = finished(figures={'"]}': 1.0, "NaN": math.nan}, error="\x00\x1b[31m'\"")
+    row = finished(metrics={'"]}': 1.0, "NaN": math.nan}, error="\x00\x1b[31m'\"")
     with store.writer() as writer:
         writer.add(trial(0, problem=label, optimizer=label), row)
     assert store.find(label, label, 0)["error"] == row["error"]
     (read,) = store.rows()
     assert read["problem"] == label
-    assert math.isnan(json.loads(read["figures"])["NaN"])
+    assert math.isnan(named(read, "metrics")["NaN"])
+    with store.reader() as reader:
+        assert list(named(next(reader.sound()), "metrics")) == ['"]}', "NaN"]
 
 
 def test_outside_readers_have_all_of_a_trial_in_one_view(store):
@@ -225,6 +229,11 @@ def test_a_missing_or_unmade_store_is_empty_and_reading_makes_none(store, tmp_pa
     assert list(store.rows()) == []
 
 
+def test_a_schema_that_changes_has_another_version():
+    """Nothing else distinguishes an old store from a new one."""
+    assert "PRAGMA user_version = 3\n" in SCHEMA
+
+
 def test_trials_that_were_made_twice_are_compared_without_their_times():
     one = stored(trial(0), finished())
     assert disagreement(one, one | {"wall_s": 9.0, "environment": 4}) == ""
@@ -247,6 +256,17 @@ def _holed(path):
 
 
 def _older(path):
+    """Of the layout before this one, as far as it is looked at."""
+    path.unlink()
+    record = json.dumps({"packages": {"backlash-bench": "0.0.7"}})
+    with closing(sqlite3.connect(path)) as connection:
+        connection.executescript(
+            "CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL, digest BLOB);"
+            f"INSERT INTO environments VALUES (1, '{record}', NULL); PRAGMA user_version = 2"
+        )
+
+
+def _foreign(path):
     path.unlink()
     outside(path, "CREATE TABLE trials (problem TEXT, optimizer TEXT, trial INTEGER, fun REAL)")
 
@@ -261,8 +281,9 @@ def _newer(path):
         (_garbage, "cannot be used: file is not a database"),
         (_truncated, "cannot be used: database disk image is malformed"),
         (_holed, "cannot be used: database disk image is malformed"),
-        (_older, "was written by another version of this package"),
-        (_newer, "was written by another version of this package"),
+        (_older, "was written by backlash-bench 0.0.7 in layout 2, and this version reads layout 3; export it with"),
+        (_foreign, "was written by another version of this package in layout 0"),
+        (_newer, "was written by another version of this package in layout 99"),
     ],
 )
 def test_a_damaged_store_is_one_sentence_for_every_command(bench_here, damage, said, study_of_store, tmp_path):
@@ -285,18 +306,19 @@ def test_a_damaged_store_is_one_sentence_for_every_command(bench_here, damage, s
     assert folder.store.path.read_bytes() == before
 
 
-@pytest.mark.parametrize("column", ["x", "figures"])
-def test_texts_that_fit_their_digests_and_are_no_json_are_named(column, study_of_store):
+@pytest.mark.parametrize("column", ["x", "metrics"])
+@pytest.mark.parametrize("value", ["NULL", "x'0102'", "x'00000000000000000000000000000000'"])
+def test_numbers_that_fit_their_digests_and_not_their_names_are_named(column, value, study_of_store):
     _, folder = study_of_store
-    forge(folder.store.path, f"UPDATE results SET {column} = '{{'")
-    with pytest.raises(BenchError, match=f"is damaged: '{column}' of trial 0 of scatter on sphere-2"):
+    forge(folder.store.path, f"UPDATE results SET {column} = {value} WHERE trial = 3")
+    with pytest.raises(BenchError, match=f"is damaged: '{column}' of a trial of scatter on sphere-2 cannot be read"):
         load_results(folder.path)
 
 
 @pytest.mark.parametrize("trace", ["x'0102030405'", "7"])
 def test_a_trace_that_fits_its_digest_and_is_none_is_named(trace, study_of_store):
     _, folder = study_of_store
-    forge(folder.store.path, f"UPDATE traces SET trace = {trace}")
+    forge(folder.store.path, f"UPDATE results SET trace = {trace}")
     with pytest.raises(BenchError, match="is damaged: a trace cannot be read"):
         folder.store.traces()
 

@@ -37,7 +37,7 @@ def make(folder, optimizers, values, *, datasets=(3, 12), trials=6, x=X, known=T
                 "status": "ok", "fun": value, "nfev": 400 if trial.optimizer.startswith("cma") else 1000, "wall_s": 1.0,
                 "cpu_s": 1.0, "objective_s": 0.5, "stop": "tolfun", "outside_box": 0,
                 "x": dict(zip(VARIABLES, (x + 0.001 * trial.number).tolist(), strict=True)) if known else {},
-                "figures": {"amplitude_rpm": 20.0}, "trace": Trace(np.array([1]), np.array([value])),
+                "metrics": {"amplitude_rpm": 20.0}, "trace": Trace(np.array([1]), np.array([value])),
             }  # fmt: skip
             writer.add(trial, row)
     results = Results(folder)

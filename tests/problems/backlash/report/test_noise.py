@@ -40,7 +40,7 @@ def make(folder, entries, found, *, trials=4, optimizers=("cma-es",), failed=())
             rpm = 60 * found(truth(names[trial.problem]), trial.number)
             row = {
                 "status": "ok", "fun": 1.0, "nfev": 10, "wall_s": 1.0, "cpu_s": 1.0, "objective_s": 0.5,
-                "stop": "budget", "outside_box": 0, "x": {}, "figures": {"amplitude_rpm": rpm},
+                "stop": "budget", "outside_box": 0, "x": {}, "metrics": {"amplitude_rpm": rpm},
                 "trace": Trace(np.array([1]), np.array([1.0])),
             }  # fmt: skip
             writer.add(trial, {"status": "failed", "error": "x"} if trial.problem in failed else row)

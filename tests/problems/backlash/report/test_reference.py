@@ -41,7 +41,7 @@ def make(folder, found, *, datasets=(3, 12), optimizers=(CMA, GWO), unit="rpm"):
             value = found[trial.optimizer][trial.number]
             row = {
                 "status": "ok", "fun": value, "nfev": 10, "wall_s": 1.0, "cpu_s": 1.0, "objective_s": 0.5,
-                "stop": "budget", "outside_box": 0, "x": {}, "figures": {"amplitude_rpm": 30.0},
+                "stop": "budget", "outside_box": 0, "x": {}, "metrics": {"amplitude_rpm": 30.0},
                 "trace": Trace(np.array([1]), np.array([value])),
             }  # fmt: skip
             writer.add(trial, {"status": "failed", "error": "x"} if value == FAILED else row)

@@ -61,7 +61,7 @@ FAILED = {"status": "failed", "error": "x"}
 def finished(value, figures):
     return {
         "status": "ok", "fun": value, "nfev": 10, "wall_s": 1.0, "cpu_s": 1.0, "objective_s": 0.5, "stop": "budget",
-        "outside_box": 0, "x": {}, "figures": figures, "trace": Trace(np.array([1]), np.array([value])),
+        "outside_box": 0, "x": {}, "metrics": figures, "trace": Trace(np.array([1]), np.array([value])),
     }  # fmt: skip
 
 

@@ -1,0 +1,75 @@
+"""Note beside a store how much was committed to it.
+
+SQLite passes over commits that it cannot read in a damaged write-ahead log, and takes an emptied file for a new store.
+The note, which is written after each commit, shows that commits are lost. A kill between the two leaves a note that
+lags behind the store, never one that is ahead of it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+from bench.errors import BenchError
+
+FILE = "committed.json"
+_LENGTH = 64  # bytes, always: the note is overwritten in place, which costs one short write a commit
+
+
+class Committed(NamedTuple):
+    """The number of commits to a store, and of the trials that it then held."""
+
+    commits: int = 0
+    trials: int = 0
+
+
+def read(folder: Path) -> Committed:
+    """Return what was noted last; nothing where the note is missing or damaged."""
+    try:
+        noted = json.loads((folder / FILE).read_bytes())
+        return Committed(int(noted["commits"]), int(noted["trials"]))
+    except (OSError, KeyError, TypeError, ValueError, RecursionError):
+        return Committed()
+
+
+class Note:
+    """The note beside a store that is being written.
+
+    Args:
+        folder: of the store.
+        kept: false for the note of a store that is not in its place yet, which is written nowhere.
+
+    Raises:
+        BenchError: where the note cannot be written; so does :meth:`write`.
+    """
+
+    def __init__(self, folder: Path, *, kept: bool = True) -> None:
+        self._path = folder / FILE if kept else Path(os.devnull)
+        with self._refused():
+            self._file = os.open(self._path, os.O_WRONLY | os.O_CREAT, 0o644)
+
+    def write(self, committed: Committed) -> None:
+        """Replace the note."""
+        with self._refused():
+            overwrite(self._file, 0, json.dumps(committed._asdict()), _LENGTH)
+
+    def close(self) -> None:
+        """Close the file."""
+        os.close(self._file)
+
+    @contextmanager
+    def _refused(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise BenchError(f"{self._path} cannot be written: {error.strerror or error}") from error
+
+
+def overwrite(file: int, line: int, text: str, length: int) -> None:
+    """Write a line of an open file whose lines all have ``length`` bytes; a longer text is cut."""
+    os.lseek(file, line * length, os.SEEK_SET)
+    os.write(file, text.encode()[: length - 1].ljust(length - 1) + b"\n")

@@ -1,0 +1,153 @@
+"""Write the rows of a store."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from bench.errors import BenchError
+from bench.storage.committed import Committed, Note
+from bench.storage.reading import record_digest
+from bench.storage.rows import KEY, MEASURED, VECTORS, binding, digest, stored, typed
+from bench.storage.schema import ONE, found
+from bench.trial import Trial
+
+_INTO = ("cell", "trial", "digest", "names", *MEASURED)
+_INSERT = f"INSERT INTO results ({', '.join(_INTO)}) VALUES ({', '.join('?' * len(_INTO))})"
+_NUMBERED = {"cells": ("problem", "optimizer"), "names": (*VECTORS.values(),)}
+"""The tables of texts that rows refer to by number, and their columns."""
+
+
+class Writer:
+    """The only writer of an open store: adds and removes rows.
+
+    Args:
+        connection: to the store.
+        path: of the store.
+        note: of what is committed to it.
+    """
+
+    def __init__(self, connection: sqlite3.Connection, path: Path, note: Note) -> None:
+        self._connection, self._path, self._note = connection, path, note
+        self._file = _identity(path)
+        self._committed, self._more = Committed(), 0  # what was committed, and rows added since then
+        self._numbers: dict[str, dict[tuple[Any, ...], int]] = {}
+        self._read()
+        note.write(self._committed)
+
+    def add(self, trial: Trial, row: Mapping[str, Any], environment: int | None = None) -> None:
+        """Commit one trial's row, of the columns of :func:`bench.trial.as_row`; missing ones are stored as NULL.
+
+        It replaces a failed row of the same trial, but never a finished one.
+        """
+        with self.transaction():
+            self.put(stored(trial, row) | {"environment": environment})
+
+    @contextmanager
+    def transaction(self) -> Iterator[None]:
+        """Commit all that is written in this context, or nothing of it.
+
+        Raises:
+            BenchError: where another program has removed or replaced the store's file.
+        """
+        try:
+            with self._connection:
+                yield
+                self._committed = Committed(self._committed.commits + 1, self._committed.trials + self._more)
+                self._connection.execute("UPDATE committed SET commits = ?, trials = ?", self._committed)
+                self._more = 0
+        except BaseException:
+            self._read()  # without the cells and names of rows that were not committed
+            raise
+        self._note.write(self._committed)
+        if _identity(self._path) != self._file:
+            raise BenchError(
+                f"the store {self._path} was removed or replaced while it was written, and its last trials are lost; "
+                "run the same command again to make them"
+            )
+
+    def put(self, row: Mapping[str, Any]) -> None:
+        """Add a row as :meth:`bench.storage.store.Store.rows` yields it, within :meth:`transaction`.
+
+        Raises:
+            ValueError: for a column that the store does not have.
+        """
+        values = typed(row)
+        texts = [None if row.get(name) is None else str(row[name]) for name in (*KEY[:2], *VECTORS.values())]
+        cell = self._number("cells", *texts[:2])
+        names = self._number("names", *texts[2:]) if texts[2] is not None else None
+        bound = binding(*(each if each is None else each.encode() for each in texts))
+        hashed = [each.encode() if isinstance(each, str) else each for each in values]
+        noted = digest(bound, (row["trial"], *hashed))
+        replaced = self._connection.execute(
+            "DELETE FROM results WHERE cell = ? AND trial = ? AND status != 'ok'", (cell, row["trial"])
+        )
+        self._connection.execute(_INSERT, (cell, row["trial"], noted, names, *values))
+        self._more += 1 - replaced.rowcount
+
+    def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
+        """Return the row of one trial, as :meth:`bench.storage.store.Store.rows` yields it, or None."""
+        return next(found(self._connection, ONE, (problem, optimizer, trial)), None)
+
+    def environment(self, record: Mapping[str, Any]) -> int:
+        """Commit an environment's record and return its number; equal records have one number."""
+        text = json.dumps(record)
+        known = self._connection.execute("SELECT id FROM environments WHERE record = ?", (text,)).fetchone()
+        if known is not None:
+            return int(known[0])
+        with self.transaction():
+            made = self._connection.execute("INSERT INTO environments (record) VALUES (?)", (text,))
+            number = int(made.lastrowid or 0)
+            self._record(number, text)
+        return number
+
+    def change(self, number: int, record: Mapping[str, Any]) -> None:
+        """Commit a changed record of an environment."""
+        with self.transaction():
+            self._record(number, json.dumps(record))
+
+    def remove(self, problems: list[str], optimizers: list[str], *, failed_only: bool = False) -> int:
+        """Remove the rows of all cells of these problems and optimizers, or only failed rows; return their number."""
+        cells = [(self._numbers["cells"].get((problem, label)),) for problem in problems for label in optimizers]
+        with self.transaction():
+            condition = " AND status != 'ok'" if failed_only else ""
+            done = self._connection.executemany(f"DELETE FROM results WHERE cell = ?{condition}", cells)
+            self._more -= done.rowcount
+        return int(done.rowcount)
+
+    def _record(self, number: int, text: str) -> None:
+        values = text, record_digest(number, text.encode()), number
+        self._connection.execute("UPDATE environments SET record = ?, digest = ? WHERE id = ?", values)
+
+    def _read(self) -> None:
+        """Read the numbers of cells and names, and what was committed."""
+        self._more = 0
+        self._committed = Committed(*self._connection.execute("SELECT commits, trials FROM committed").fetchone())
+        self._numbers = {
+            table: {
+                tuple(texts): int(number)
+                for number, *texts in self._connection.execute(f"SELECT id, {', '.join(columns)} FROM {table}")
+            }
+            for table, columns in _NUMBERED.items()
+        }
+
+    def _number(self, table: str, *texts: str | None) -> int:
+        """Return the number of a cell or of names, which are added where they are new."""
+        known = self._numbers[table]
+        if texts not in known:
+            made = self._connection.execute(f"INSERT INTO {table} ({', '.join(_NUMBERED[table])}) VALUES (?, ?)", texts)
+            known[texts] = int(made.lastrowid or 0)
+        return known[texts]
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """Return what distinguishes a file from another one in its place, None where there is none."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino

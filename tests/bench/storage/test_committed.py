@@ -1,0 +1,219 @@
+"""Commits that are lost are noticed: in a damaged write-ahead log, with an emptied, removed or older store."""
+
+import json
+import random
+import shutil
+
+import pandas as pd
+import pytest
+
+from bench import BenchError, Results, load_results, run
+from bench.storage.committed import FILE, Committed, read
+from bench.storage.folder import Folder
+from bench.storage.mend import ASIDE, mend
+from tests.bench.storage.filled import RECORD, TRIALS, add_missing, assert_mended, damage_of, rows, traces
+
+MORE = 67  # trials in the write-ahead log alone
+
+
+@pytest.fixture(scope="module")
+def killed(filled, tmp_path_factory):
+    """The folder as a run leaves it that is killed: some trials are in the store, the others in its log."""
+    place = tmp_path_factory.mktemp("killed")
+    folder, every = Folder(place / "run"), list(rows())
+    folder.path.mkdir()
+    shutil.copy(filled.path / "study.toml", folder.path)
+    for some, last in ((every[:-MORE], False), (every[-MORE:], True)):
+        with folder.store.writer() as writer:
+            number = writer.environment(RECORD)
+            for trial, row in some:
+                writer.add(trial, row, number)
+            if last:
+                shutil.copytree(folder.path, place / "killed", ignore=shutil.ignore_patterns("*-shm"))
+    return Folder(place / "killed")
+
+
+@pytest.fixture
+def left(killed, tmp_path):
+    """A copy of it that a test may change."""
+    return copied(killed, tmp_path / "left")
+
+
+def copied(folder, place):
+    shutil.rmtree(place, ignore_errors=True)
+    shutil.copytree(folder.path, place)
+    return Folder(place)
+
+
+def flip(log, rng):
+    content = bytearray(log.read_bytes())
+    content[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
+    log.write_bytes(content)
+
+
+def cut(log, rng):
+    log.write_bytes(log.read_bytes()[: rng.randrange(log.stat().st_size)])
+
+
+def remove(log, rng):
+    log.unlink()
+
+
+def test_a_killed_run_leaves_all_it_committed(killed, left, filled):
+    assert left.store.check(structure=True).sentence == "all 120 trials are as they were written"
+    pd.testing.assert_frame_equal(Results(left.path).frame, Results(filled.path).frame, check_exact=True)
+    assert (killed.path / "trials.sqlite-wal").stat().st_size > 50_000
+
+
+@pytest.mark.parametrize("damage", [flip, cut, remove])
+@pytest.mark.parametrize(
+    "seeds", [range(8), pytest.param(range(8, 80), marks=pytest.mark.slowest)], ids=["few", "many"]
+)
+def test_damage_of_the_log_is_noticed_and_what_it_held_is_made_again(damage, seeds, killed, filled, tmp_path):
+    original = Results(filled.path)
+    frame, known = original.frame, traces(original)
+    noticed = 0
+    for seed in seeds if damage is not remove else seeds[:1]:
+        spoilt = copied(killed, tmp_path / "copy")
+        damage(spoilt.path / "trials.sqlite-wal", random.Random(seed))
+        said = damage_of(spoilt, original, frame, known)
+        assert said in ("", spoilt.store.check().sentence) or "copy: " in said, seed
+        noticed += bool(said)
+        assert bool(mend(spoilt, TRIALS)) == bool(said), seed
+        add_missing(spoilt)
+        again = Results(spoilt.path)
+        assert not again.damage, seed
+        pd.testing.assert_frame_equal(again.frame, frame, check_exact=True)
+        assert traces(again) == known, seed
+    assert noticed
+
+
+def test_the_number_of_lost_trials_is_reported(left, filled):
+    (left.path / "trials.sqlite-wal").unlink()
+    sentence = f"{MORE} of 120 committed trials are missing; 'bench run' makes them again"
+    assert left.store.count().sentence == left.store.check().sentence == sentence
+    assert Results(left.path).damage == [f"left: {sentence}"]
+    with pytest.warns(UserWarning, match=f"{MORE} of 120 committed trials are missing"):
+        assert len(load_results(left.path)) == 120 - MORE
+    with pytest.raises(BenchError, match=f"cannot be written: {MORE} of 120"), left.store.writer():
+        pass
+    said = mend(left, TRIALS)
+    assert said == f"{sentence}; {120 - MORE} sound trials are kept, and the damaged store is now {ASIDE}"
+    assert_mended(left, filled)
+
+
+@pytest.mark.parametrize("what", ["emptied", "removed"])
+def test_a_store_that_is_gone_is_not_taken_for_a_new_one(what, left, filled):
+    left.store.path.write_bytes(b"") if what == "emptied" else left.store.path.unlink()
+    assert left.store.count().sentence.startswith("120 of 120 committed trials are missing")
+    with pytest.raises(BenchError, match="cannot be written: 120 of 120"), left.store.writer():
+        pass
+    assert mend(left, TRIALS).startswith("120 of 120 committed trials are missing; 'bench run' makes them again; 0 ")
+    assert mend(left, TRIALS) == ""
+    assert_mended(left, filled)
+
+
+def test_an_older_copy_of_the_store_is_noticed_though_it_has_as_many_rows(spoilt):
+    """A failed trial was replaced by a finished one since."""
+    older = spoilt.store.path.read_bytes()
+    trial, _ = next(each for each in rows() if each[1]["status"] == "failed")
+    _, row = next(each for each in rows() if each[1]["status"] == "ok")
+    with spoilt.store.writer() as writer:
+        writer.add(trial, row)
+    spoilt.store.path.write_bytes(older)
+    assert spoilt.store.check().sentence == "the last 1 commits are lost; 'bench run' makes them again"
+    assert "; 120 sound trials are kept" in mend(spoilt, TRIALS)
+    assert mend(spoilt, TRIALS) == ""
+
+
+@pytest.mark.parametrize("note", [None, b"", b"{", b"[]", b'{"commits": 3}', b'{"commits": "x", "trials": 7}'])
+def test_a_note_that_is_missing_or_damaged_is_written_again(note, spoilt):
+    place = spoilt.path / FILE
+    noted = read(spoilt.path)
+    place.unlink() if note is None else place.write_bytes(note)
+    assert spoilt.store.check().sound
+    with spoilt.store.writer():
+        pass
+    assert read(spoilt.path) == noted
+    assert noted.trials == 120
+
+
+def test_a_note_that_lags_behind_after_a_kill_is_no_damage(spoilt):
+    noted = read(spoilt.path)
+    (spoilt.path / FILE).write_text(json.dumps(Committed(noted.commits - 1, noted.trials - 1)._asdict()))
+    assert spoilt.store.check().sound
+    assert mend(spoilt, TRIALS) == ""
+
+
+def test_removed_trials_are_not_missing(spoilt):
+    with spoilt.store.writer() as writer:
+        assert writer.remove(["sphere-2"], ["early"]) == 30
+    assert spoilt.store.check().sentence == "all 90 trials are as they were written"
+
+
+@pytest.mark.parametrize("how", ["removed", "replaced", "moved with its folder"])
+def test_a_store_that_is_taken_away_while_it_is_written_ends_the_writing(how, spoilt, tmp_path):
+    trial, row = next(rows())
+    with spoilt.store.writer() as writer:
+        writer.remove(["sphere-2"], ["scatter"])
+        if how == "moved with its folder":
+            spoilt.path.rename(tmp_path / "elsewhere")
+        else:
+            spoilt.store.path.unlink()
+        if how == "replaced":
+            spoilt.store.path.touch()
+        with pytest.raises(BenchError, match="was removed or replaced while it was written"):
+            writer.add(trial, row)
+
+
+DELETES = """
+import os, time
+
+def deletes(objective, rng):
+    time.sleep(0.2)  # so that the trials before this one are committed
+    objective(objective.initial(3))
+    if {path!r} and "\\"trials\\": 0" not in open({path!r}).read():
+        os.unlink({path!r}.replace("committed.json", "trials.sqlite"))
+"""
+
+
+def test_a_store_that_is_deleted_during_a_run_is_an_error_and_its_trials_are_made_again(bench_here, tmp_path):
+    out = tmp_path / "out"
+    (tmp_path / "hostile.py").write_text(DELETES.format(path=str(out / FILE)))
+    study = tmp_path / "study.toml"
+    study.write_text(
+        'name = "deleted"\ntrials = 3\nbudget = 30\nproblems = [{ name = "sphere-2" }]\n'
+        f'optimizers = [{{ name = "scatter" }}, {{ name = "{tmp_path}/hostile.py:deletes" }}]\n'
+    )
+    done = bench_here("run", study, "--output", out, "--jobs", 1, "--no-report")
+    assert done.returncode == 2
+    assert f"the store {out / 'trials.sqlite'} was removed or replaced" in done.stderr
+    assert done.stderr.count("\n") == 1
+    lost = read(out).trials
+    assert lost
+    checked = bench_here("status", out, "--check")
+    assert checked.returncode == 1
+    assert f"{lost} of {lost} committed trials are missing" in checked.stdout
+    (tmp_path / "hostile.py").write_text(DELETES.format(path=""))
+    (out / "code.json").unlink()
+    (out / "environment.json").unlink(missing_ok=True)
+    again = bench_here("run", study, "--output", out, "--jobs", 1, "--no-report")
+    assert again.returncode == 0, again.stderr
+    assert f"{lost} of {lost} committed trials are missing" in again.stdout
+    assert len(load_results(out)) == 6
+
+
+@pytest.mark.parametrize("share", [0.5, 0.8, 0.95])
+def test_a_run_into_a_store_that_was_cut_short_repairs_it(share, small_study, tmp_path):
+    folder = Folder(tmp_path / "out")
+    run(small_study.override(trials=60), folder.path, n_jobs=2)
+    before, content = load_results(folder.path), folder.store.path.read_bytes()
+    folder.store.path.write_bytes(content[: int(share * len(content)) // 4096 * 4096])
+    plans = []
+    run(small_study.override(trials=60), folder.path, n_jobs=2, on_plan=plans.append)
+    assert "sound trials are kept" in plans[0].notes[0]
+    times = ["wall_s", "cpu_s", "objective_s"]
+    pd.testing.assert_frame_equal(
+        load_results(folder.path).drop(columns=times), before.drop(columns=times), check_exact=True
+    )
+    assert folder.store.check(structure=True).sound
