@@ -86,7 +86,7 @@ from bench.analysis.instances import PRECISIONS, SOLVED, Pooled, pool_instances,
 from bench.analysis.integrity import integrity
 from bench.analysis.kolmogorov_smirnov import TIED
 from bench.analysis.looks import Decisions, at_looks, blind_looks, decide
-from bench.analysis.pairwise import CUTOFFS, effect_size, holm, pairwise_tests
+from bench.analysis.pairwise import CUTOFFS, adjusted, effect_size, holm, pairwise_tests
 from bench.analysis.reference import reference_times
 from bench.analysis.running_time import (
     in_seconds,
@@ -126,6 +126,7 @@ __all__ = [
     "Pooled",
     "Traces",
     "a12",
+    "adjusted",
     "aocc",
     "at_looks",
     "best_so_far",

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.stats import bootstrap, f, friedmanchisquare, norm, rankdata, t, trim_mean
 
 from bench.analysis.cells import complete_problems, labels, merge_near_ties, reference_values, scores
@@ -165,9 +166,9 @@ def _by_problem(pairs: pd.DataFrame, column: str) -> pd.DataFrame:
     )
 
 
-def _owners(problems: Iterable[Any], blocks: Blocks | None) -> list[str]:
-    """Return the block of each problem."""
-    return [(blocks or {}).get(str(problem), str(problem)) for problem in problems]
+def _owners(problems: Iterable[Any], blocks: Blocks | None) -> NDArray[np.object_]:
+    """Return the block of each problem, as an array: pandas would take a list of labels for names of columns."""
+    return np.array([(blocks or {}).get(str(problem), str(problem)) for problem in problems], dtype=object)
 
 
 def probability_of_improvement(pairs: pd.DataFrame, blocks: Blocks | None = None) -> pd.DataFrame:

@@ -286,7 +286,7 @@ def _sure(known: Standing, leader: str) -> str:
         few = f"{count(known.blocks, 'independent problem')} {'is' if known.blocks == 1 else 'are'} too few"
         parts.append(f"This holds for these {known.problems} problems only: {few} for a test of others.")
     if not known.problem and not known.levels.problems and known.levels.across:
-        parts.append(f"With {known.trials} a cell no test on a single problem can be significant.")
+        parts.append(f"With {known.trials} a cell nothing is tested on single problems.")
     if known.conditions:
         parts.append(f"The lead may come from the conditions. {known.matched}".strip())
     return " ".join(parts)
@@ -319,5 +319,7 @@ def _stages(known: Standing, leader: str) -> str:
             when = f"at {spent[0]}" if len(spent) == 1 else f"from {spent[0]} to {spent[-1]}"
             spells.append(f"{listing(lowest, NAMED)} {when}")
     if not spells:
-        return f"From {known.course[0].spent} {known.unit} on, no other has a lower mean rank."
+        first = known.course[0].spent
+        unit = "evaluation" if (first, known.unit) == ("1", "evaluations") else known.unit
+        return f"From {first} {unit} on, no other has a lower mean rank."
     return f"At smaller budgets the lowest mean rank is that of {listing(spells)} {known.unit}."

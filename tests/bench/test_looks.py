@@ -39,8 +39,8 @@ def test_looks_belong_to_the_identity_only_where_there_are_any():
         ([], "must be two or more"),
         ({"trials": [20, 10]}, "must increase"),
         ({"trials": [10, 10]}, "must increase"),
-        ([3, 10], "must begin with 4 trials or more, not 3"),
-        ([-4, 10], "must begin with 4"),
+        ([3, 10], "must begin with 6 trials or more, not 3"),
+        ([-4, 10], "must begin with 6"),
         ([10, 20.5], "list of numbers of trials"),
         ([True, 20], "list of numbers of trials"),
         ("10, 20", "list of numbers of trials"),
@@ -75,4 +75,4 @@ def test_one_optimizer_and_instances_of_one_function_are_refused():
 
 
 def test_looks_are_whole_numbers_of_python():
-    assert checked((5, 9), "looks") == (5, 9)
+    assert checked((6, 9), "looks") == (6, 9)

@@ -129,7 +129,7 @@ def test_labels_tell_two_settings_of_one_optimizer_apart():
         ({"name": "other"}, ["its name is 'other', not 's'"]),
         ({"budget": "10 * d", "seed": 4}, ["its budget is '10 * d', not 50", "its seed is 4, not 0"]),
         ({"constraints": "penalty"}, ["its handling of constraints is 'penalty', not 'lexicographic'"]),
-        ({"trials": 9, "looks": {"trials": [5, 9]}}, ["its looks are [5, 9], not []"]),
+        ({"trials": 9, "looks": {"trials": [6, 9]}}, ["its looks are [6, 9], not []"]),
         (
             {"problems": [{"names": ["sphere-2", "sphere-4"]}]},
             ["it lacks the problem 'sphere-3'", "it also has the problem 'sphere-4'"],

@@ -44,8 +44,10 @@ class Final(Trials):
     @cached_property
     def pairs(self) -> pd.DataFrame:
         """The tests of each pair of optimizers on each problem, those of the looks where the study declares any."""
-        level = self.levels.problems or analysis.ALPHA  # where it is 0 nothing can be significant at either
-        pairs = analysis.pairwise_tests(self.frame, level)
+        level = self.levels.problems
+        pairs = analysis.pairwise_tests(self.frame, level or analysis.ALPHA)
+        if not level:  # the whole level belongs to the tests over all problems
+            pairs = analysis.adjusted(pairs, level).assign(testable=False)
         return analysis.at_looks(pairs, self.decisions, level) if self.results.study.looks else pairs
 
     @cached_property

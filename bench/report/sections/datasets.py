@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from bench.analysis import ALPHA, CUTOFFS, SOLVED, TIED, effect_size
+from bench.analysis import CUTOFFS, SOLVED, TIED, effect_size
 from bench.report.findings import CROWD, MANY_OPTIMIZERS, Findings
 from bench.report.parts import MOST_ROWS, Part, Section, Table
 from bench.report.plots import distribution_figure
@@ -218,9 +218,9 @@ def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
         shown,
         bold=pd.DataFrame({"p (Holm)": pairs["significant"].to_numpy(dtype=bool)}, index=shown.index),
         decimals={"KS D": 3, "A12": 3},
-        note=f"p: of the hypothesis A12 = 0.5. Bold: at most {findings.levels.problems or ALPHA:g} after Holm’s "
-        f"adjustment over the {len(findings.pairs):,} pairs of all problems; lower: then, the one that is separably "
-        "lower. Jointly: intervals of which all together hold with that level. KS: the exact Kolmogorov-Smirnov test "
+        note="p: of the hypothesis A12 = 0.5; Holm’s adjustment is over the "
+        f"{len(findings.pairs):,} pairs of all problems. Bold: significant; lower: then, the one that is separably "
+        "lower. Jointly: intervals of which all together hold. KS: the exact Kolmogorov-Smirnov test "
         "of one distribution, raw, which differences in spread reject, too.",
         data=pairs if crowd else every,
         most_rows=SHOWN if crowd else MOST_ROWS,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan
+from math import isnan, nan
 
 import numpy as np
 import pandas as pd
@@ -21,11 +21,13 @@ def section(findings: Findings) -> Section:
     """Return the differences that the tests can and cannot find with this study's trials."""
     if findings.frame.empty or len(findings.optimizers) < 2 or not len(findings.medians):
         return Section(TITLE, ("There is nothing to compare, so no test has any power.",))
-    tests, pairs = len(findings.pairs), len(findings.overall)
+    tests, pairs, level = len(findings.pairs), len(findings.overall), findings.levels.problems
     rows = []
     for n in sorted(set(findings.trials)):
-        for name, level in (("a single test", ALPHA), ("the first of all tests", _level(findings) / tests)):
-            rows.append((n, name, level, analysis.detectable_a12(n, level), analysis.trials_to_separate(1, level)))
+        kinds = {"a single test": ALPHA} | ({"the first of all tests": level / tests} if level else {})
+        for name, level_of_test in kinds.items():
+            found = analysis.detectable_a12(n, level_of_test)
+            rows.append((n, name, level_of_test, found, analysis.trials_to_separate(1, level_of_test)))
     names = ["trials", "adjusted as", "level", "A12 found", "separation from"]
     table = pd.DataFrame(rows, columns=names)
     shown = Table(
@@ -42,21 +44,17 @@ def section(findings: Findings) -> Section:
     return Section(TITLE, (f"{text[0].upper()}{text[1:]}",), (shown,), on_demand=True)  # the verdict has the sentence
 
 
-def _level(findings: Findings) -> float:
-    return findings.levels.problems or ALPHA
-
-
 def blindness(findings: Findings) -> str:
     """Return a sentence on the differences that the tests would often miss."""
     n, tests, levels = findings.trials[0], len(findings.pairs), findings.levels
     trials = f"with {count(n, 'trial')} in the smallest cell"
     parts = []
-    found = analysis.detectable_a12(n, _level(findings) / tests)
+    found = analysis.detectable_a12(n, levels.problems / tests) if levels.problems else nan
     if isnan(found):
-        enough = analysis.trials_to_separate(tests, _level(findings))
+        enough = analysis.trials_to_separate(tests, ALPHA / 2)
         parts.append(
-            f"{trials} the {count(tests, 'test')} on problems can find no difference at all; from {enough} trials on "
-            "they find complete separation"
+            f"{trials} nothing is found on single problems; from {enough} trials on {count(tests, 'test')} would find "
+            "complete separation"
         )
     else:
         parts.append(f"{trials} the tests on problems would often miss an A12 below {found:.2f}")

@@ -25,6 +25,7 @@ from bench.report.wording import count, listing, p_text, unfinished_trials
 
 TITLE = "Verdict"
 NEAR = 0.01  # of the best known value
+TOO_FEW = "; with so few trials beside so many tests, nothing is tested on single problems here"
 
 
 def section(findings: Findings) -> Section:
@@ -156,7 +157,8 @@ def _size(findings: Findings) -> str:
         return ""
     low, middle, high = gain.quantile([0.0, 0.5, 1.0])
     which = "lower" if middle >= 0 else "higher"
-    return f"Its median is {abs(middle):.2g}% {which} in the median over problems ({low:.2g}% to {high:.2g}% lower)."
+    spread = f" ({low:.2g}% to {high:.2g}% lower)" if f"{low:.2g}" != f"{high:.2g}" else ""
+    return f"Its median is {abs(middle):.2g}% {which} in the median over problems{spread}."
 
 
 def _course(findings: Findings) -> list[Stage]:
@@ -286,8 +288,9 @@ def _grounds(findings: Findings) -> str:
     return (
         "On a problem, optimizers rank by the number of rivals that they beat: more than half of the pairs of a trial "
         "of one and a trial of the other end lower with it (A12 > 0.5). One is separably lower than another if a test "
-        "of A12 = 0.5, which allows that they differ in spread (Schüürhuis, Konietschke and Brunner 2025), rejects at "
-        f"alpha = {levels.problems or ALPHA:g}, adjusted {' and '.join(over)}. The order over all problems is that of "
+        "of A12 = 0.5, which allows that they differ in spread (Schüürhuis, Konietschke and Brunner 2025), rejects"
+        + (f" at alpha = {levels.problems:g}, adjusted {' and '.join(over)}" if levels.problems else TOO_FEW)
+        + ". The order over all problems is that of "
         f"the mean ranks. {over_all} "
         + ("Both levels together are 0.05. " if both else "")
         + f"{WINNER_RULE} The counts are over the problems on which every optimizer has a trial. Smaller budgets are "

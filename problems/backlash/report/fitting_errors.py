@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable
 from importlib.resources import files
+from math import comb
 
 import numpy as np
 import pandas as pd
@@ -184,7 +185,9 @@ def swarm_tests(pairs: pd.DataFrame, study: Study) -> tuple[str, ...]:
     """
     if pairs.empty:
         return ()
-    if not pairs["testable"].any():
+    # The smallest exact p of two samples is that of complete separation: 2 of all arrangements.
+    least = min(2 / comb(n + m, n) for n, m in zip(pairs["n_first"], pairs["n_second"], strict=True))
+    if least > ALPHA:
         trials = count(study.trials, "trial")
         few = (
             f"With {trials} a cell no Kolmogorov-Smirnov test can be significant, so nothing can be compared with the "

@@ -10,7 +10,7 @@ STUDY = """
 name = "looked"
 budget = 150
 seed = 5
-looks = {trials = [8, 12]}
+looks = {trials = [12, 16]}
 problems = [{name = "sphere-2"}]
 optimizers = [{name = "scatter"}, {name = "scatter", label = "other"}, {name = "hill-climber"}]
 """
@@ -28,16 +28,16 @@ def test_a_run_prints_what_each_look_decided_and_the_others_know_it(bench_here, 
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     assert lines[0].startswith(
-        "study looked: 1 problems x 3 optimizers x at most 12 trials = 36 runs of 150 evaluations"
+        "study looked: 1 problems x 3 optimizers x at most 16 trials = 48 runs of 150 evaluations"
     )
-    assert lines[1] == "looks at 8, 12 trials: 0 of 3 cells are decided"
-    assert "look at 8 trials: decided and stopped hill-climber on sphere-2; 1 of 3 cells is decided" in lines
-    assert "look at 12 trials: 1 of 3 cells is decided" in lines
-    assert "32 of 32 runs done" in lines
+    assert lines[1] == "looks at 12, 16 trials: 0 of 3 cells are decided"
+    assert "look at 12 trials: decided and stopped hill-climber on sphere-2; 1 of 3 cells is decided" in lines
+    assert "look at 16 trials: 1 of 3 cells is decided" in lines
+    assert "44 of 44 runs done" in lines
     status = bench_here("status", "out", cwd=place).stdout
-    assert "looks at 8, 12 trials; cells decided: 1 at 8, of 3" in status
+    assert "looks at 12, 16 trials; cells decided: 1 at 12, of 3" in status
     assert [line.split()[:4] for line in status.splitlines() if line.startswith("hill")] == [
-        ["hill-climber", "8", "0", "8"]
+        ["hill-climber", "12", "0", "12"]
     ]
     dry = bench_here("run", "looked.toml", "--output", "out", "--dry-run", cwd=place).stdout
     assert "hill-climber: 0 to run" in dry
@@ -47,7 +47,7 @@ def test_a_run_prints_what_each_look_decided_and_the_others_know_it(bench_here, 
 
 def test_plan_prints_open_pairs_and_a_caution(bench_here, tmp_path):
     study = Study.from_dict(
-        {"name": "s", "trials": 6, "budget": 60, "problems": [{"name": "sphere-2"}],
+        {"name": "s", "trials": 6, "seed": 3, "budget": 60, "problems": [{"name": "sphere-2"}],
          "optimizers": [{"name": "scatter"}, {"name": "scatter", "label": "other"}]}
     )  # fmt: skip
     run(study, tmp_path / "out", n_jobs=1)

@@ -137,10 +137,8 @@ def test_what_was_found_is_a_warning_in_the_report(bench_here, folders, tmp_path
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "away from the centre of the box: scatter 5e+06 times. Results on problems" in page
     methods = (folder / "methods.md").read_text(encoding="utf-8")
-    assert (
-        "We tested scatter for a bias towards the centre of the search space [@kudela2022] and found it in scatter."
-        in methods
-    )
+    assert "We tested scatter for a bias towards the centre of the search space" in methods
+    assert "found it" not in methods  # that is a result
 
 
 def test_checking_an_optimizer_ends_by_whether_it_keeps_the_contract(bench, bench_here, tmp_path, monkeypatch):

@@ -15,7 +15,7 @@ from bench.storage.merge import merge
 TIMES = ["wall_s", "cpu_s", "objective_s"]
 FAR = ("sphere-2", "hill-climber")
 LOOKED = {
-    "name": "looked", "budget": 150, "seed": 5, "looks": {"trials": [8, 12]},
+    "name": "looked", "budget": 150, "seed": 5, "looks": {"trials": [12, 16]},
     "problems": [{"names": ["sphere-2", "sphere-3"]}],
     "optimizers": [{"name": "scatter", "agents": 7}, {"name": "scatter", "agents": 8, "label": "other"},
                    {"name": "hill-climber"}],
@@ -45,20 +45,20 @@ def test_decided_cells_get_no_more_trials_and_all_others_are_as_without_looks(lo
     path, outcome, seen = whole
     found = rows(path)
     sizes = found.groupby(level=["problem", "optimizer"]).size()
-    assert sizes[FAR] == 8
-    assert set(sizes) == {8, 12}
-    assert outcome.made == sizes.sum() < 72
-    assert [look for look, _ in seen] == [8, 12]
-    assert {cell for cell, end in seen[-1][1].items() if end == 8} == set(sizes[sizes == 8].index)
+    assert sizes[FAR] == 12
+    assert set(sizes) == {12, 16}
+    assert outcome.made == sizes.sum() < 96
+    assert [look for look, _ in seen] == [12, 16]
+    assert {cell for cell, end in seen[-1][1].items() if end == 12} == set(sizes[sizes == 12].index)
     assert seen[-1][1] == stopped_cells(looked, Folder(path).store)
-    plain = Study.from_dict({key: value for key, value in LOOKED.items() if key != "looks"} | {"trials": 12})
+    plain = Study.from_dict({key: value for key, value in LOOKED.items() if key != "looks"} | {"trials": 16})
     run(plain, tmp_path / "plain", n_jobs=1)
     pd.testing.assert_frame_equal(found, rows(tmp_path / "plain").loc[found.index])
     record = json.loads((path / "environment.json").read_text())
-    assert [(each["trials"], each["extends"]) for each in record] == [(12, None)]  # one run, whatever its looks
+    assert [(each["trials"], each["extends"]) for each in record] == [(16, None)]  # one run, whatever its looks
 
 
-@pytest.mark.parametrize("after", [50])  # between the looks
+@pytest.mark.parametrize("after", [75])  # between the looks
 def test_an_interrupted_run_continues_in_the_same_state(looked, whole, tmp_path, after):
     made = []
 
@@ -83,12 +83,12 @@ def test_a_finished_run_makes_nothing_more(looked, whole, tmp_path):
 
 
 def test_the_plan_knows_what_is_stopped_and_what_may_come(looked, whole, tmp_path):
-    assert set(plan(looked, tmp_path / "out").counts().values()) == {(12, 0)}
+    assert set(plan(looked, tmp_path / "out").counts().values()) == {(16, 0)}
     after = plan(looked, whole[0])
     assert next(after.missing(), None) is None
-    assert after.counts()[FAR] == (8, 8)
-    assert after.most(*FAR) == 8
-    assert list(after.missing(8)) == []
+    assert after.counts()[FAR] == (12, 12)
+    assert after.most(*FAR) == 12
+    assert list(after.missing(12)) == []
 
 
 def test_a_blind_look_is_announced(looked, tmp_path):
@@ -100,9 +100,9 @@ def test_a_blind_look_is_announced(looked, tmp_path):
 def test_looks_are_declared_before_the_first_trial(looked, whole, small_study, tmp_path):
     run(small_study, tmp_path / "plain", n_jobs=1)
     with pytest.raises(BenchError, match="was begun without looks: looks are declared before the first trial"):
-        plan(small_study.override(looks=[4, 6], trials=6), tmp_path / "plain")
-    for other, begun in (((8, 16), 16), ((8, 10, 12), 12)):
-        with pytest.raises(BenchError, match="was begun with looks at 8, 12 trials"):
+        plan(small_study.override(looks=[6, 8], trials=8), tmp_path / "plain")
+    for other, begun in (((12, 20), 20), ((12, 14, 16), 16)):
+        with pytest.raises(BenchError, match="was begun with looks at 12, 16 trials"):
             plan(looked.override(looks=other, trials=begun), whole[0])
     with pytest.raises(BenchError, match="holds another study"):
         plan(looked.override(budget=61), whole[0])

@@ -83,7 +83,7 @@ def test_one_kind_of_evidence_is_enough_and_the_headline_names_it():
     assert verdict(suite).headline == (
         "cma-es is best at 60,000 evaluations: lower than all 2 others across problems (p = 0.004 against each)."
     )
-    assert "With 5 trials a cell no test on a single problem can be significant." in lines(suite)["How sure"]
+    assert "With 5 trials a cell nothing is tested on single problems." in lines(suite)["How sure"]
     few = standing(THREE, lower=CLEAR, levels=THESE, problems=3, blocks=3, first=3, separable=1)
     assert "lower than all 2 others in the mean over these 3 problems" in verdict(few).headline
     assert "This holds for these 3 problems only: 3 independent problems are too few" in lines(few)["How sure"]

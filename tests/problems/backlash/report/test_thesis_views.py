@@ -167,7 +167,7 @@ def test_who_has_the_lowest_and_the_highest_mean_is_said_beside_the_published_on
 
 
 def test_the_share_of_pairs_told_apart_is_counted_from_the_tests():
-    pairs = pd.DataFrame({"p": [0.05, 0.01, 0.2, 0.051], "testable": True})
+    pairs = pd.DataFrame({"ks_p": [0.05, 0.01, 0.2, 0.051], "n_first": 30, "n_second": 30})
     study = Study("thesis", (), (), trials=30, budget=60_000)
     assert "of 2 of 4 pairs" in fitting_errors.swarm_tests(pairs, study)[0]
     assert fitting_errors.swarm_tests(pairs, study)[0].endswith("this run does not agree.")
@@ -176,12 +176,12 @@ def test_the_share_of_pairs_told_apart_is_counted_from_the_tests():
 
 
 def test_too_few_trials_neither_agree_nor_disagree_with_the_thesis():
-    pairs = pd.DataFrame({"p": [1.0, 1.0], "testable": False})
+    pairs = pd.DataFrame({"ks_p": [1.0, 1.0], "n_first": 1, "n_second": 1})
     (said,) = fitting_errors.swarm_tests(pairs, Study("thesis", (), (), trials=1, budget=60_000))
     assert said.startswith("With 1 trial a cell no Kolmogorov-Smirnov test can be significant")
     assert "agree" not in said
     fewer = Study("thesis", (), (), trials=10, budget=9_000)
-    (said,) = fitting_errors.swarm_tests(pairs.assign(testable=True), fewer)
+    (said,) = fitting_errors.swarm_tests(pairs.assign(n_first=10, n_second=10), fewer)
     assert "does not agree. This run has 10 trials of 9,000 evaluations, the thesis 30 of 60,000" in said
 
 
