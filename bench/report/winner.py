@@ -246,9 +246,12 @@ def _where(known: Standing, leader: str) -> str:
     if len(known.level) == 1:
         parts.append(f"ranked first on {row['first']} of {known.problems}")
     if known.levels.problems:
+        rivals = known.ordered[1:]
         if not known.leads:
-            own = [f"{each} {known.beaten.get((leader, each), 0)}" for each in known.ordered[1 : 1 + NAMED]]
+            own = [f"{each} {known.beaten.get((leader, each), 0)}" for each in rivals[:NAMED]]
             parts.append(f"separably lower than {listing(own)}")
+        elif not all(known.lower_on_most(leader, each) for each in rivals):
+            parts.append(f"separably lower than every rival on {row['separable']}")
         parts.append(
             f"a rival is separably lower on {row['worse']}" if row["worse"] else "no rival is separably lower on any"
         )

@@ -157,7 +157,7 @@ def _size(findings: Findings) -> str:
         return ""
     low, middle, high = gain.quantile([0.0, 0.5, 1.0])
     which = "lower" if middle >= 0 else "higher"
-    spread = f" ({low:.2g}% to {high:.2g}% lower)" if f"{low:.2g}" != f"{high:.2g}" else ""
+    spread = f" ({low:.2g}% to {high:.2g}% lower)".replace("-", "−") if f"{low:.2g}" != f"{high:.2g}" else ""
     return f"Its median is {abs(middle):.2g}% {which} in the median over problems{spread}."
 
 
