@@ -59,8 +59,8 @@ def excess(trials, fits):
 
 
 def test_no_trial_beats_the_reference_fit_and_on_every_dataset_one_of_cma_es_finds_it(trials, excess):
-    assert excess.min() > -1e-10
-    assert excess[trials["optimizer"] == "cma-es"].groupby(trials["problem"]).min().max() < 1e-10
+    assert excess.min() > -1e-9  # the tolerance to which a fit is computed
+    assert excess[trials["optimizer"] == "cma-es"].groupby(trials["problem"]).min().max() < 1e-9
 
 
 @pytest.mark.slow
@@ -73,7 +73,8 @@ def test_its_reference_fits_are_those_of_today(fits):
 def test_its_regrets_and_the_shares_that_found_the_fit_follow_from_its_trials(trials, fits, excess):
     regret = pd.read_csv(FOLDER / "regret.csv").set_index(["problem", "optimizer"])["median"]
     medians = trials.groupby(["problem", "optimizer"])["fun"].median()
-    above = medians - medians.index.get_level_values("problem").map(fits["box"])
+    under = ["box" if optimizer == "cma-es" else "constrained" for _, optimizer in medians.index]
+    above = medians - [fits.at[cell] for cell in zip(medians.index.get_level_values("problem"), under, strict=True)]
     np.testing.assert_allclose(regret.reindex(above.index), above, rtol=0, atol=1e-9)
     found = pd.read_csv(FOLDER / "reference-fit-found.csv", index_col="problem").stack()
     share = 100 * (excess <= 0.01).groupby([trials["problem"], trials["optimizer"]]).mean()
