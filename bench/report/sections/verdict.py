@@ -14,7 +14,7 @@ from bench.report import clock
 from bench.report.conditions import sentences
 from bench.report.findings import Findings
 from bench.report.first_picture import first_picture
-from bench.report.matched import chances, cost, differing
+from bench.report.matched import REPORTED, chances, cost, differing
 from bench.report.parts import Card, Part, Section
 from bench.report.ranking import rank_map, ranking_table
 from bench.report.sections import integrity
@@ -85,15 +85,16 @@ def standing(findings: Findings) -> Standing:
 
 
 def _controls(findings: Findings) -> str:
-    """Return where the optimizers are compared under the same conditions, or what that would cost."""
-    missing = cost(findings)
-    if missing:
-        return f"{missing[0].upper()}{missing[1:]}."
-    return (
-        "The next section compares them under the same conditions."
-        if chances(findings)["conditions"].nunique() > 1
-        else ""
-    )
+    """Return how the leader does against the best rival under the same conditions, or what knowing it would cost."""
+    found, missing = chances(findings), cost(findings)
+    second = next(iter(found["rival"]), "")
+    own = found[(found["conditions"] != REPORTED) & (found["rival"] == second)]
+    parts = [
+        f"{row['probability']:.2f} [{row['low']:.2f}, {row['high']:.2f}] ({row['conditions']})"
+        for row in own.to_dict("records")
+    ]
+    same = f"Under the same conditions it beats {second} with probability {listing(parts)}." if parts else ""
+    return f"{same} {missing[0].upper()}{missing[1:]}.".strip() if missing else same
 
 
 def _across(findings: Findings) -> dict[tuple[str, str], Across]:
