@@ -228,9 +228,9 @@ def _batches(hits: pd.DataFrame, each: int) -> Iterator[Batch]:
         targets = int(np.count_nonzero(trial[rows] == trial[rows[0]]))
         alike.setdefault((len(rows) // targets, targets), []).append(((str(problem), str(optimizer)), ordered))
     for (trials, targets), cells in alike.items():
-        most = max(_AT_ONCE // (targets * max(each, trials)), 1)
-        for start in range(0, len(cells), most):
-            names, rows_of = zip(*cells[start : start + most], strict=True)
+        at_once = max(_AT_ONCE // (targets * max(each, trials)), 1)
+        for start in range(0, len(cells), at_once):
+            names, rows_of = zip(*cells[start : start + at_once], strict=True)
             rows = np.array(rows_of).reshape(len(names), trials, targets)
             reached = ~np.isposinf(evaluations[rows])  # a missing time is that of a success at an unknown time
             paid = np.where(reached, evaluations[rows], spent[rows])

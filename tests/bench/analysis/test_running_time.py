@@ -110,6 +110,14 @@ class TestRunningTimes:
         mixed = several.sample(frac=1, random_state=3).sort_values("tau", ascending=False, kind="stable")
         pd.testing.assert_frame_equal(running_times(mixed), running_times(several))
 
+    def test_cells_that_do_not_fit_into_memory_at_once(self, monkeypatch):
+        many = hits_of({(f"p{place}", "a"): [3.0, 5.0, INF] for place in range(7)})
+        whole = running_times(many)
+        monkeypatch.setattr("bench.analysis.running_time._AT_ONCE", 2_000)  # a cell takes 1,000
+        pd.testing.assert_frame_equal(
+            running_times(many).drop(columns=["p10", "p90"]), whole.drop(columns=["p10", "p90"])
+        )
+
     def test_nothing_at_all(self):
         assert running_times(MIXED[:0]).empty
         assert restart_shares(MIXED[:0], np.array([1.0])).empty
