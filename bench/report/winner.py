@@ -232,9 +232,9 @@ def _shown(known: Standing, leader: str) -> str:
         )
     if all(known.across[leader, each].lower for each in rivals):
         most = max(known.across[leader, each].p for each in rivals)
-        which = "" if len(rivals) == 1 else " against each"
+        p, which = (p_text(most), "") if len(rivals) == 1 else (p_text(most).replace("=", "≤"), " against each")
         over = "across problems" if known.levels.further else f"in the mean over these {known.problems} problems"
-        texts.append(f"lower than {every} {over} ({p_text(most)}{which})")
+        texts.append(f"lower than {every} {over} ({p}{which})")
     return ", and ".join(texts)
 
 

@@ -14,7 +14,7 @@ from bench.report import clock
 from bench.report.conditions import sentences
 from bench.report.findings import Findings
 from bench.report.first_picture import first_picture
-from bench.report.matched import REPORTED, chances, cost, differing
+from bench.report.matched import REPORTED, chances, cost, differing, options_differing
 from bench.report.parts import Card, Part, Section
 from bench.report.ranking import rank_map, ranking_table
 from bench.report.sections import integrity
@@ -86,6 +86,8 @@ def standing(findings: Findings) -> Standing:
 
 def _controls(findings: Findings) -> str:
     """Return how the leader does against the best rival under the same conditions, or what knowing it would cost."""
+    if not options_differing(findings):
+        return ""  # controls would change nothing
     found, missing = chances(findings), cost(findings)
     second = next(iter(found["rival"]), "")
     own = found[(found["conditions"] != REPORTED) & (found["rival"] == second)]

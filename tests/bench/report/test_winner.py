@@ -62,7 +62,7 @@ def test_a_winner_as_a_paper_prints_it():
     assert said.clear
     assert said.headline == (
         "cma-es is best at 60,000 evaluations: separably lower than all 2 others on 14 of 18 problems, and lower than "
-        "all 2 others across problems (p = 0.004 against each)."
+        "all 2 others across problems (p ≤ 0.004 against each)."
     )
     assert lines(known) == {
         "Where": "cma-es: ranked first on 15 of 18; no rival is separably lower on any.",
@@ -81,7 +81,7 @@ def test_one_kind_of_evidence_is_enough_and_the_headline_names_it():
     assert dict(on_problems.lines)["Where"].endswith("a rival is separably lower on 2.")
     suite = standing(THREE, lower=CLEAR, levels=ACROSS, problems=72, blocks=24, separable=0, trials="5 trials")
     assert verdict(suite).headline == (
-        "cma-es is best at 60,000 evaluations: lower than all 2 others across problems (p = 0.004 against each)."
+        "cma-es is best at 60,000 evaluations: lower than all 2 others across problems (p ≤ 0.004 against each)."
     )
     assert "With 5 trials a cell nothing is tested on single problems." in lines(suite)["How sure"]
     few = standing(THREE, lower=CLEAR, levels=THESE, problems=3, blocks=3, first=3, separable=1)
