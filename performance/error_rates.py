@@ -26,6 +26,7 @@ from bench.problem import Floats
 DESIGNS = (  # problems, independent blocks of them, trials a cell, optimizers
     (1, 1, 30, 5), (1, 1, 30, 10), (3, 3, 30, 2), (3, 3, 30, 5), (18, 18, 30, 2), (18, 18, 30, 5), (18, 18, 30, 10),
     (18, 1, 30, 5), (18, 18, 5, 5), (72, 24, 5, 2), (72, 24, 5, 5), (72, 24, 15, 5),
+    (72, 24, 16, 5),
 )  # fmt: skip
 POPULATIONS = ((18, 18, 0.0), (18, 18, 0.5), (18, 18, 2.0), (72, 24, 0.5))  # problems, blocks, SD of their shifts
 KINDS = ("normal", "three times the spread", "two basins", "ties at the optimum")
