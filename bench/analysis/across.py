@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.stats import bootstrap, f, friedmanchisquare, norm, rankdata, t, trim_mean
 
 from bench.analysis.cells import complete_problems, labels, merge_near_ties, reference_values, scores
-from bench.analysis.direction import ALPHA, Effects, wilson_form
+from bench.analysis.direction import ALPHA, Effects, standardised, wilson_form
 from bench.analysis.pairwise import RESAMPLES, holm, percentile_interval
 from bench.problem import Floats
 
@@ -134,12 +134,11 @@ def stratified_tests(pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: f
     never below the chance of complete separation on all of them.
     """
     chance, ratio, smaller = (_by_problem(pairs, name) for name in ("a12", "ratio", "smaller"))
-    names, number = list(chance.columns), max(len(chance), 1)
     mean = chance.mean(axis=0).to_numpy() - 0.5
-    size = np.abs(mean) / (0.5 * np.sqrt(ratio.to_numpy().sum(axis=0)) / number)
+    size = np.abs(standardised(chance.to_numpy(), ratio.to_numpy()))
     p = np.maximum(2 * norm.sf(size), 2.0 ** (1 - smaller.to_numpy().sum(axis=0)))
     known = np.isfinite(size)
-    tests = pd.DataFrame(names, columns=["first", "second"]).assign(
+    tests = pd.DataFrame(list(chance.columns), columns=["first", "second"]).assign(
         problems=len(chance), blocks=len(set(_owners(chance.index, blocks))), statistic=size, p=np.where(known, p, 1.0)
     )
     tests["note"] = np.where(known, "", "untestable")

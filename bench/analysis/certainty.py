@@ -60,7 +60,7 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
 
 
 def resamples(optimizers: int) -> int:
-    """Return how often the trials of so many optimizers are drawn again."""
+    """Return how often trials are drawn again, by the number of optimizers."""
     return next((drawn for most, drawn in RESAMPLES.items() if optimizers <= most), FEWEST)
 
 

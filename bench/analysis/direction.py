@@ -136,12 +136,22 @@ def _compiled_placements() -> Callable[..., None]:
 
 def p_values(found: Effects) -> Floats:
     """Return the two-sided p-values of A12 = 0.5, (g,), never below :func:`least_p`."""
-    size = np.abs(found.a12 - 0.5) / (0.5 * np.sqrt(found.ratio))
+    size = np.abs(standardised(found.a12[np.newaxis], found.ratio[np.newaxis]))
     return np.asarray(np.maximum(2 * norm.sf(size), least_p(found.smaller)), dtype=np.float64)
 
 
+def standardised(chances: Floats, ratios: Floats, axis: int = 0) -> Floats:
+    """Return how far the mean of independent A12 along an axis is from 0.5, in its standard errors where all are 0.5.
+
+    ``ratios`` are those of :class:`Effects`.
+    """
+    number = max(chances.shape[axis], 1)
+    with np.errstate(invalid="ignore"):  # without any, it is missing
+        return np.asarray((chances - 0.5).sum(axis=axis) / number / (0.5 * np.sqrt(ratios.sum(axis=axis)) / number))
+
+
 def least_p(smaller: ArrayLike) -> Any:
-    """Return the p of complete separation, the smallest there is, where the smaller sample has so many values."""
+    """Return the p of complete separation, the smallest there is, by the number of values of the smaller sample."""
     return np.minimum(2.0 ** (1 - np.asarray(smaller, dtype=np.float64)), 1.0)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.stats import norm
 
 from bench.analysis.across import signed_ranks
-from bench.analysis.direction import ALPHA, effects, least_p, p_values
+from bench.analysis.direction import ALPHA, effects, least_p, p_values, standardised
 from bench.problem import Floats
 
 STUDIES = (40, 1_000)  # that are simulated, at least and at most
@@ -138,8 +138,7 @@ def _rates(draw: Callable[[int], Floats], shape: tuple[int, int, int], blocks: S
             chance[:, :, pair] = effect.a12.reshape(len(values), problems)
             ratio[:, :, pair] = effect.ratio.reshape(len(values), problems)
         means = np.round(weights @ (chance - 0.5), 12)
-        mean = chance.mean(axis=1) - 0.5
-        size = np.abs(mean) / (0.5 * np.sqrt(ratio.sum(axis=1)) / problems)
+        size = np.abs(standardised(chance, ratio, axis=1))
         now = slice(start, start + len(values))
         found[0, now] = p.min(axis=(1, 2)) * p[0].size <= level.problems
         if level.further:
@@ -190,7 +189,7 @@ def detectable_across(trials: int, blocks: int, level: float, further: bool = Tr
         effect = effects(this, other + shift)
         means = effect.a12.reshape(draws, blocks) - 0.5
         if not further:
-            size = means.mean(axis=1) / (0.5 * np.sqrt(effect.ratio.reshape(draws, blocks).sum(axis=1)) / blocks)
+            size = standardised(means + 0.5, effect.ratio.reshape(draws, blocks), axis=1)
             return bool(np.mean(2 * norm.sf(size) <= level) >= power)
         return bool(np.mean([signed_ranks(own, level)["p"] <= level for own in means]) >= power)
 
