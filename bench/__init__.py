@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from bench.errors import BenchError
     from bench.execution.runner import run
     from bench.execution.solve import solve
-    from bench.grid import Grid
+    from bench.families import Grid
     from bench.objective import BudgetExhausted, Objective, Trace
     from bench.optimizer import Optimizer, parameter
     from bench.plugins.loading import load_optimizer, load_problem
@@ -52,7 +52,7 @@ __all__ = [
 # Every name is imported at its first use: importing pandas or numba takes longer than many commands.
 _HOMES = {
     "BenchError": "errors", "BudgetExhausted": "objective", "FittedData": "problem",
-    "FunctionProblem": "problem", "Grid": "grid", "Objective": "objective", "Optimizer": "optimizer",
+    "FunctionProblem": "problem", "Grid": "families", "Objective": "objective", "Optimizer": "optimizer",
     "Problem": "problem", "Result": "trial", "Results": "storage.results", "Study": "study", "Trace": "objective",
     "check_optimizer": "check", "load_optimizer": "plugins.loading", "load_problem": "plugins.loading",
     "load_results": "storage.results", "parameter": "optimizer", "run": "execution.runner",

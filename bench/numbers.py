@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import cache
-from importlib.metadata import version
 from numbers import Integral, Real
 from typing import Any
 
@@ -61,10 +59,3 @@ def require_positive(what: str, value: Any, maximum: float = math.inf, *, unit: 
         limit = "" if math.isinf(maximum) else f" of at most {maximum:g}"
         units = f" of {unit}" if unit else ""
         raise BenchError(f"{what} must be a positive number{units}{limit}, not {value!r}")
-
-
-@cache  # to look up a version takes a millisecond, and a million trials ask 400 times
-def exact_csv() -> dict[str, Any]:
-    """Return the options with which ``pandas.read_csv`` reads every number to the last bit, the default from 3.1 on."""
-    major, minor = version("pandas").split(".")[:2]
-    return {} if (int(major), int(minor)) >= (3, 1) else {"float_precision": "round_trip"}

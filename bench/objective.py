@@ -12,10 +12,11 @@ import numpy as np
 from numpy import empty, ndarray
 from numpy.typing import ArrayLike, NDArray
 
-from bench.compiled import compiled
+from bench._helpers.compiled import compiled
+from bench._helpers.text import printable
 from bench.numbers import require_whole
-from bench.problem import Flags, Floats, Problem
-from bench.text import printable
+from bench.problem import Problem
+from bench.typing import Flags, Floats
 
 _LONGEST_REASON = 200  # characters
 _FLOAT64 = np.dtype(np.float64)

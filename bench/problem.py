@@ -7,12 +7,10 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bench.errors import BenchError
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from bench.typing import Flags, Floats
 
 
 @dataclass(frozen=True)
@@ -98,7 +96,7 @@ class Problem(ABC):
 
         A point is feasible where all are at most 0. They must depend on the point alone, bit by bit, whatever the
         batch: the best point is evaluated again alone, and must then be feasible again. What an optimizer sees of an
-        infeasible point is up to the study (:mod:`bench.constraints`); :meth:`evaluate` need not know.
+        infeasible point is up to the study (:mod:`bench.scoring.constraints`); :meth:`evaluate` need not know.
         """
         return None
 

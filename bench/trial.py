@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from bench import scoring
+from bench._helpers.text import html_table, listed
 from bench.objective import BudgetExhausted, Objective, Trace
 from bench.optimizer import Optimizer
-from bench.problem import Floats, Problem
+from bench.problem import Problem
 from bench.seeds import streams
-from bench.text import html_table, listed
+from bench.typing import Floats
 
 FRAME_COLUMNS = (
     "study", "problem", "optimizer", "trial", "seed", "status", "fun", "nfev", "wall_s", "cpu_s", "objective_s",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bench.objective import Objective
 from bench.optimizer import parameter
-from bench.problem import Floats
+from bench.typing import Floats
 from optimizers.common.base import Population, compiled, works
 
 Bytes = NDArray[np.uint8]

@@ -12,7 +12,7 @@ import numpy as np
 
 from bench.objective import Objective
 from bench.optimizer import parameter
-from bench.problem import Floats
+from bench.typing import Floats
 from optimizers.cma_es import BoxedCMA, BoxMap
 from optimizers.cma_es_fast import Rates, Strategy, rates
 from optimizers.common.base import works

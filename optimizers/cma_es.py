@@ -10,7 +10,7 @@ import numpy as np
 
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
-from bench.problem import Floats
+from bench.typing import Floats
 from optimizers.common.base import compiled, works
 
 UNLIMITED: dict[str, Any] = {"maxiter": np.inf, "maxfevals": np.inf}

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bench.objective import Objective
 from bench.optimizer import parameter
-from bench.problem import Floats
+from bench.typing import Floats
 from optimizers.common.base import Population, compiled, works
 
 Indices = NDArray[np.uint64]  # unsigned: compiled code then asks of none whether it counts from the end

@@ -10,7 +10,7 @@ import numpy as np
 
 from bench.objective import Objective
 from bench.optimizer import parameter
-from bench.problem import Floats
+from bench.typing import Floats
 from optimizers.common.base import Population, compiled, works
 
 C_MAX, C_MIN = 1.0, 0.00004  # (GOA.m)

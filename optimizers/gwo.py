@@ -9,7 +9,7 @@ import numpy as np
 
 from bench.objective import Objective
 from bench.optimizer import parameter
-from bench.problem import Floats
+from bench.typing import Floats
 from optimizers.common.base import Population, compiled, works
 
 

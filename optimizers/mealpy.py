@@ -14,10 +14,10 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from bench.errors import BenchError
+from bench.families import derive
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
-from bench.plugins.derived import derive
-from bench.problem import Floats
+from bench.typing import Floats
 from optimizers.common.base import works
 from optimizers.common.family import AGENTS, Constructed, Family, global_random_state, table
 

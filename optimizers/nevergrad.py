@@ -17,9 +17,9 @@ from typing import Any, ClassVar, Literal, Union, get_args, get_origin
 import numpy as np
 
 from bench.errors import BenchError
+from bench.families import derive
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
-from bench.plugins.derived import derive
 from optimizers.common.base import works
 from optimizers.common.family import AGENTS, Adapter, Family, global_random_state, table
 

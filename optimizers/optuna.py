@@ -11,9 +11,9 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
+from bench.families import derive
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
-from bench.plugins.derived import derive
 from optimizers.common.base import works
 from optimizers.common.family import AGENTS, Adapter, Family
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter, settings
-from bench.problem import Floats
+from bench.typing import Floats
 from optimizers.common.base import works
 from optimizers.common.family import CEILING, Adapter, Family
 

@@ -21,7 +21,7 @@ from scipy.stats import norm
 from bench import analysis
 from bench.analysis.certainty import ranks_of_draws
 from bench.analysis.direction import effects, intervals
-from bench.problem import Floats
+from bench.typing import Floats
 
 DESIGNS = (  # problems, independent blocks of them, trials a cell, optimizers
     (1, 1, 30, 5), (1, 1, 30, 10), (3, 3, 30, 2), (3, 3, 30, 5), (18, 18, 30, 2), (18, 18, 30, 5), (18, 18, 30, 10),

@@ -17,7 +17,7 @@ import pandas as pd
 
 from bench.analysis import ALPHA, decide, holm
 from bench.analysis.direction import effects, p_values
-from bench.problem import Floats
+from bench.typing import Floats
 
 Draw = Callable[[np.random.Generator, tuple[int, int, int]], Floats]
 

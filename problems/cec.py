@@ -21,8 +21,8 @@ import numpy as np
 
 from bench import Problem
 from bench.errors import require
-from bench.grid import Grid, Member
-from bench.problem import Floats
+from bench.families import Grid, Member
+from bench.typing import Floats
 from problems.common import Suite, SuiteProblem, features_of, group_of
 
 REAL_WORLD = (6, 30, 1, 1, 30, 30, 20, 7, 126, 12, 120, 240, 6, 13, 15, 40, 140, 96, 96, 96, 26, 22)

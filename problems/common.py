@@ -9,7 +9,7 @@ from typing import Any
 
 from bench import FunctionProblem, Problem, load_problem
 from bench.errors import BenchError, nearest
-from bench.grid import Grid, Member
+from bench.families import Grid, Member
 
 
 class SuiteProblem(FunctionProblem):

@@ -24,7 +24,7 @@ from scipy.stats import bootstrap, f, friedmanchisquare, norm, rankdata, t, trim
 from bench.analysis.cells import complete_problems, labels, merge_near_ties, reference_values, scores
 from bench.analysis.direction import ALPHA, Effects, standardised, wilson_form
 from bench.analysis.pairwise import RESAMPLES, holm, percentile_interval
-from bench.problem import Floats
+from bench.typing import Floats
 
 TRIMMED = 0.25  # from either end: the mean of the rest is the interquartile mean
 BATCH = 1_000  # resamples at a time, to bound memory

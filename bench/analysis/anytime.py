@@ -19,7 +19,7 @@ from scipy.stats import binomtest
 
 from bench.analysis.cells import Budgets, Traces, budgets, labels, reference_values
 from bench.objective import Trace
-from bench.problem import Floats
+from bench.typing import Floats
 
 Counts = Floats | NDArray[np.int64]  # of evaluations
 

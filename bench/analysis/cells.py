@@ -14,8 +14,8 @@ import pandas as pd
 from scipy.stats import quantile_test
 
 from bench.objective import Trace
-from bench.problem import Floats
 from bench.study import Study
+from bench.typing import Floats
 
 Traces = Mapping[tuple[str, str, int], Trace]  # by (problem, optimizer, trial); failed trials have none
 

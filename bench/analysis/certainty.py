@@ -11,7 +11,7 @@ from bench.analysis.cells import cells, complete_problems, labels
 from bench.analysis.direction import TWO_SIDED
 from bench.analysis.pairwise import percentile_interval
 from bench.analysis.standings import against_rivals, ranks, won
-from bench.problem import Floats
+from bench.typing import Floats
 
 RESAMPLES = {30: 999, 100: 199}
 """Resamples up to a number of optimizers: the cost of one grows with their square."""

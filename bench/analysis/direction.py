@@ -31,8 +31,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import norm
 
-from bench.compiled import compiled
-from bench.problem import Floats
+from bench._helpers.compiled import compiled
+from bench.typing import Floats
 
 ALPHA = 0.05  # thesis section 7.2
 TWO_SIDED = 1.959963984540054  # the normal quantile of 0.975

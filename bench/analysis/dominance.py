@@ -18,7 +18,7 @@ from scipy.stats import rankdata
 
 from bench.analysis.cells import Traces, labels, merge_near_ties, scores
 from bench.analysis.instances import SOLVED
-from bench.problem import Floats
+from bench.typing import Floats
 
 COLUMNS = ("problem", "optimizer", "trials", "reached", "u", "pairs")
 

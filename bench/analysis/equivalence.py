@@ -28,8 +28,8 @@ from scipy.stats import norm
 from bench.analysis.cells import cells, labels
 from bench.analysis.direction import ALPHA
 from bench.analysis.pairwise import percentile_interval
-from bench.problem import Floats
-from bench.rope import Rope, share
+from bench.study.rope import Rope, share
+from bench.typing import Floats
 
 DRAWS = 20_000  # from a posterior
 RESAMPLES = 1_999

@@ -16,7 +16,7 @@ from scipy.stats import norm
 
 from bench.analysis.across import signed_ranks
 from bench.analysis.direction import ALPHA, effects, least_p, p_values, standardised
-from bench.problem import Floats
+from bench.typing import Floats
 
 STUDIES = (40, 1_000)  # that are simulated, at least and at most
 WORK = 20_000_000  # values of pairs of samples in all: a few seconds

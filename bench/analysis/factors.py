@@ -26,8 +26,8 @@ from bench.analysis.across import friedman, signed_ranks
 from bench.analysis.cells import cells, labels
 from bench.analysis.direction import ALPHA
 from bench.analysis.pairwise import holm
-from bench.problem import Floats
-from bench.sweep import Levels, Sweep
+from bench.study.sweep import Levels, Sweep
+from bench.typing import Floats
 
 FEWEST = 5  # trials of each combination, from which a parameter is tested on a single problem
 HIGHER, TRIALS = "higher interactions", "randomness of trials"

@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import pandas as pd
 
+from bench._helpers.text import listed
 from bench.analysis.cells import (
     CONTENTION,
     HIDDEN_THREADS,
@@ -22,7 +23,6 @@ from bench.analysis.cells import (
     variables,
 )
 from bench.objective import Trace
-from bench.text import listed
 
 UNUSED = 0.01  # share of the budget that may be left without a reason
 UNIQUE = 0.5  # share of different final values below which a cell has hit a ceiling

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import ks_2samp
 
-from bench.problem import Floats
+from bench.typing import Floats
 
 TIED = 0.10  # above this share of tied values the exact test is markedly conservative
 

@@ -28,7 +28,8 @@ from scipy.stats import gaussian_kde, kurtosis, pearsonr, qmc, rankdata, skew
 from bench.analysis.direction import ALPHA
 from bench.analysis.pairwise import holm
 from bench.errors import BenchError
-from bench.problem import Floats, Problem
+from bench.problem import Problem
+from bench.typing import Floats
 
 POINTS = 250  # a dimension
 MOST_POINTS = 4_000  # distances between all of them are held

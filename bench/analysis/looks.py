@@ -21,7 +21,7 @@ from bench.analysis.cells import cells, labels
 from bench.analysis.direction import ALPHA, effects, least_p, p_values
 from bench.analysis.pairwise import AT_ONCE, adjusted, holm
 from bench.analysis.sequential import repeated_p
-from bench.problem import Floats
+from bench.typing import Floats
 
 COLUMNS = ("problem", "first", "second", "look", "p")
 

@@ -34,7 +34,7 @@ from bench.analysis.cells import cells, labels
 from bench.analysis.direction import ALPHA, Effects, effects, intervals
 from bench.analysis.pairwise import holm
 from bench.errors import BenchError
-from bench.problem import Floats
+from bench.typing import Floats
 
 Outcome = Literal["pass", "worse", "undecided"]
 

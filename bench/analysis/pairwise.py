@@ -13,7 +13,7 @@ from bench.analysis import direction
 from bench.analysis.cells import cells, labels
 from bench.analysis.direction import ALPHA
 from bench.analysis.kolmogorov_smirnov import ks_tests
-from bench.problem import Floats
+from bench.typing import Floats
 
 RESAMPLES = 9_999  # of every bootstrap; with the sample itself 10,000
 CUTOFFS = {"large": 0.71, "medium": 0.64, "small": 0.56}  # Vargha and Delaney 2000, Table 1

@@ -23,7 +23,7 @@ from scipy.special import betaincinv, stdtrit
 
 from bench.analysis.anytime import Counts
 from bench.analysis.cells import labels
-from bench.problem import Floats
+from bench.typing import Floats
 
 RESTARTS = 1000  # simulated restarts a target, as in COCO's tables
 DRAWN = 100  # simulated restarts a target of an ECDF

@@ -30,7 +30,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
-from bench.problem import Floats
+from bench.typing import Floats
 
 LEAST, MOST = 1e-12, 0.5  # levels between which repeated p-values are known; larger ones count as 1
 KNOTS = 50  # levels computed between them; the others are interpolated

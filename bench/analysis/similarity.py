@@ -34,7 +34,7 @@ from scipy.spatial.distance import squareform
 from bench.analysis.direction import ALPHA
 from bench.analysis.pairwise import holm
 from bench.errors import BenchError
-from bench.problem import Floats
+from bench.typing import Floats
 
 STAGES = 8  # equal parts of the budget
 LEAST = 1e-12  # of logarithms: below it, differences are rounding

@@ -14,8 +14,8 @@ import pandas as pd
 from bench.analysis.anytime import AT_ONCE
 from bench.analysis.anytime import targets as relative_targets
 from bench.analysis.cells import Budgets, Traces, budgets, reference_values, scores
-from bench.problem import Floats
-from bench.targets import Targets, percentages, precisions
+from bench.study.targets import Targets, percentages, precisions
+from bench.typing import Floats
 
 COCO_PRECISIONS: Floats = np.array(
     [10.0 ** (step / 5) if step % 5 else float(f"1e{step // 5}") for step in range(10, -41, -1)]

@@ -26,7 +26,7 @@ from scipy.stats import norm
 from bench.analysis.cells import cells
 from bench.analysis.direction import ALPHA, effects, p_values
 from bench.analysis.sequential import levels
-from bench.problem import Floats
+from bench.typing import Floats
 
 POWER = 0.8
 LARGEST = 1_000  # trials a cell; a pair that needs more is practically not separable

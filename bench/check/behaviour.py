@@ -11,9 +11,10 @@ from bench.analysis.similarity import behaviour
 from bench.check.problems import FUNCTIONS, RecordingProblem, classic
 from bench.errors import BenchError
 from bench.optimizer import Optimizer
-from bench.problem import Floats, Problem
+from bench.problem import Problem
 from bench.seeds import trial_seed
 from bench.trial import search
+from bench.typing import Floats
 
 DIMENSION = 5
 

@@ -15,7 +15,7 @@ from bench.check.runs import Runs, RunSummary, make_runs, on_bound
 from bench.check.verdict import Verdict
 from bench.errors import BenchError
 from bench.optimizer import Optimizer
-from bench.problem import Floats
+from bench.typing import Floats
 
 LIMIT = 10.0  # a geometric mean ratio of errors above this is a bias (Kudela 2022)
 FLOOR = 1e-8  # errors below this count as equal

@@ -13,19 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from bench._helpers.text import printable
 from bench.check.conformance.subject import PRINTED, make_subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
 from bench.check.verdict import LONGEST
 from bench.errors import BenchError
 from bench.execution.trial_process import STILL_ASKING
 from bench.optimizer import Optimizer
-from bench.problem import Floats
 from bench.sandbox.crew import Crew
 from bench.sandbox.messages import describe_error
 from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, RemoteError
 from bench.seeds import trial_seed
-from bench.text import printable
 from bench.trial import search
+from bench.typing import Floats
 
 GENERATIONS = 50  # of a run, at least: a bias of the moves needs time to show
 FUNCTION_BUDGET = 10_000  # evaluations of a function, at least

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from bench.console import print_line
+from bench._helpers.console import print_line
 from bench.errors import BenchError
 
 archive = typer.Typer(help="List and get published results of COCO's data archive.", no_args_is_help=True)

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
+from bench._helpers.console import print_line
 from bench.cli import completion
 from bench.cli.console import Jobs, Parameters, pairs, print_error
-from bench.console import print_line
 from bench.errors import BenchError
 from bench.plugins import registry
 

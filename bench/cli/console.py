@@ -9,8 +9,8 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
+from bench._helpers.console import print_line
 from bench.cli import completion
-from bench.console import print_line
 from bench.errors import BenchError
 from bench.numbers import span
 

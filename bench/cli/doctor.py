@@ -19,8 +19,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from bench._helpers.console import print_line
 from bench.cli import completion
-from bench.console import print_line
 from bench.errors import BenchError
 from bench.plugins import registry
 

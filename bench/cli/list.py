@@ -14,7 +14,7 @@ from rich.text import Text
 
 from bench.cli import completion
 from bench.errors import BenchError, nearest
-from bench.grid import Grid
+from bench.families import Grid
 from bench.plugins import registry
 
 KINDS = ("optimizers", "problems", "studies", "commands")

@@ -16,9 +16,9 @@ from typing import Annotated
 
 import typer
 
-from bench.atomic import replacing
+from bench._helpers.atomic import replacing
+from bench._helpers.console import print_line
 from bench.cli import completion
-from bench.console import print_line
 from bench.errors import BenchError, nearest
 from bench.plugins import registry
 

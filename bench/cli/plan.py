@@ -7,8 +7,8 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from bench._helpers.console import print_line
 from bench.cli.console import Output
-from bench.console import print_line
 from bench.errors import BenchError
 from bench.numbers import is_finite
 

@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
+from bench._helpers.console import print_line
 from bench.cli import completion
 from bench.cli.console import Output
-from bench.console import print_line
 from bench.errors import BenchError, nearest
 
 

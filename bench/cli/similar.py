@@ -10,9 +10,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from bench._helpers.console import print_line
 from bench.cli import completion
 from bench.cli.console import Parameters, pairs
-from bench.console import print_line
 from bench.errors import BenchError
 
 
@@ -45,9 +45,8 @@ def similar(
     eighth of its budget. These trials do not distinguish the optimizers of one cluster: permutation tests of all pairs,
     adjusted by Holm's method, at 5%. Options of --set go to all.
     """
+    from bench._helpers.atomic import replacing
     from bench.analysis.similarity import similarity
-    from bench.atomic import replacing
-    from bench.budget import checked, described, evaluations
     from bench.check.behaviour import behaviours, common_problems, recorder
     from bench.execution.progress import steps
     from bench.numbers import require_whole
@@ -55,6 +54,7 @@ def similar(
     from bench.plots.similarity import similarity_map
     from bench.plugins import loading, selection
     from bench.report.wording import count, p_text
+    from bench.study.budget import checked, described, evaluations
 
     require_whole("the trials", trials, 10)
     require_whole("the seed", seed, 0)

@@ -36,10 +36,10 @@ def solve(
     constraints: Constraints = None,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
-    from bench.budget import checked, evaluations
-    from bench.constraints import DEFAULT
     from bench.execution.solve import solve as solve_once
     from bench.plugins import loading
+    from bench.scoring.constraints import DEFAULT
+    from bench.study.budget import checked, evaluations
 
     loaded = loading.load_problem(problem, **pairs(problem_option))
     chosen = loading.load_optimizer(optimizer, **pairs(option))

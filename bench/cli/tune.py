@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
+from bench._helpers.console import duration, print_line
+from bench._helpers.text import option
 from bench.cli.console import Jobs, Parameters, pairs, print_error
-from bench.console import duration, print_line
 from bench.errors import BenchError
-from bench.text import option
 
 if TYPE_CHECKING:
     from bench.tuning.tune import Setting
@@ -55,13 +55,13 @@ def tune(
     same study. Parameters of --set are fixed for all optimizers. The conditions of a comparison, agents, handling and
     start, keep their defaults but for those of --condition.
     """
-    from bench.atomic import replacing
-    from bench.budget import checked, evaluations
+    from bench._helpers.atomic import replacing
     from bench.errors import require
     from bench.execution.progress import steps
     from bench.numbers import require_positive, require_whole
     from bench.plugins import loading
     from bench.report.wording import count
+    from bench.study.budget import checked, evaluations
     from bench.tuning import study as studies
     from bench.tuning.tune import OBJECTIVES, Setting, method, spaces
     from bench.tuning.tune import tune as tune_all

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from bench._helpers.text import printable
 from bench.objective import Trace
-from bench.problem import Flags, Floats
-from bench.text import printable
 from bench.trial import Result
+from bench.typing import Flags, Floats
 
 ROUNDING = 1e-9
 """By how much a value may differ, relative to itself, when its point is evaluated alone.

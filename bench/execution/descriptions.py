@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
+from bench._helpers.text import printable
 from bench.errors import BenchError
 from bench.execution import trial_process
 from bench.plugins import loading
@@ -14,7 +15,6 @@ from bench.sandbox import bubblewrap
 from bench.sandbox.process import DiedError, LostError, Process, RemoteError, TimeExceededError
 from bench.sandbox.server import FORKS
 from bench.study import Study
-from bench.text import printable
 
 LOADING = 60.0  # seconds for loading the optimizers of one package
 LONGEST = 200  # characters of a value

@@ -19,9 +19,9 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from bench.budget import described
-from bench.console import duration, print_line
+from bench._helpers.console import duration, print_line
 from bench.execution.plan import Plan
+from bench.study.budget import described
 from bench.trial import Trial
 
 SHOWN = 20  # failures of an optimizer that are printed as they happen

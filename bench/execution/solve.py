@@ -2,12 +2,12 @@
 
 from threadpoolctl import threadpool_limits
 
-from bench import constraints as handlings
 from bench.errors import BenchError
 from bench.numbers import require_whole
 from bench.optimizer import Optimizer
 from bench.plugins import loading
 from bench.problem import Problem
+from bench.scoring import constraints as handlings
 from bench.scoring import scored
 from bench.trial import Result, search
 
@@ -30,7 +30,7 @@ def solve(
         optimizer: an optimizer or the name of one.
         budget: evaluations it may spend; it may be less than one generation.
         seed: repeats the run exactly; the ``seed`` of a study's row repeats that trial.
-        constraints: what the optimizer sees of infeasible points, as in a study (:mod:`bench.constraints`).
+        constraints: what the optimizer sees of infeasible points, as in a study (:mod:`bench.scoring.constraints`).
 
     Raises:
         BenchError: for an unknown name, a budget below 1, or a handling of constraints that cannot be.

@@ -23,8 +23,8 @@ from numpy.typing import ArrayLike
 
 from bench.objective import BudgetExhausted, Objective, floats
 from bench.plugins import registry
-from bench.problem import Flags, Floats
 from bench.sandbox.messages import describe_error
+from bench.typing import Flags, Floats
 
 _HEAD = struct.Struct("<BQ")  # what is asked or answered, and how many rows (or bytes of text) come with it
 _EVALUATE, _REPAIR, _INITIAL, _STOP, _BEGIN, _END = range(6)

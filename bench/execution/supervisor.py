@@ -13,6 +13,7 @@ from functools import partial
 from time import monotonic
 from typing import Any, TypeVar
 
+from bench._helpers.text import printable
 from bench.errors import BenchError
 from bench.execution import answers, trial_process
 from bench.execution.answers import RefusedError
@@ -31,7 +32,6 @@ from bench.sandbox.process import (
 from bench.sandbox.server import FORKS, UNANSWERABLE
 from bench.storage import provenance
 from bench.study import Fingerprints, Study
-from bench.text import printable
 from bench.trial import Result, Row, Trial, as_row
 
 CHECKING = 300.0  # seconds for loading all plug-ins of a study once

@@ -21,19 +21,20 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench import scoring
+from bench._helpers.text import option, printable
 from bench.errors import BenchError
 from bench.execution import strict
 from bench.objective import integer_flags, passes
 from bench.optimizer import CONDITIONS, defaults, settings
-from bench.problem import Floats, FunctionProblem, Problem
+from bench.problem import FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import note
 from bench.sandbox.side_effects import SideEffects, reset_random
 from bench.seeds import streams
 from bench.storage import provenance
 from bench.study import Study
-from bench.text import option, printable
 from bench.trial import Result, Trial, measured, numbers, result, run, search
+from bench.typing import Floats
 
 STILL_ASKING = 87
 """The exit code of a process whose optimizer kept asking for values after its budget was spent."""

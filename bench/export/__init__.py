@@ -16,11 +16,11 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from bench._helpers.text import listed
 from bench.errors import BenchError, nearest
 from bench.export import coco, ioh, tabular
 from bench.export.trials import omission_notes
 from bench.storage.results import Results
-from bench.text import listed
 
 __all__ = ["FORMATS", "Format", "export"]
 

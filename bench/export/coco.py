@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 from bench import analysis
 from bench.errors import BenchError
 from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of, readme, readme_lines
-from bench.problem import Floats
 from bench.storage.results import ProblemFacts, Results
+from bench.typing import Floats
 
 SUITES = {
     "bbob": range(1, 25),

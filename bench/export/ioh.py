@@ -14,10 +14,10 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from bench._helpers.text import file_name
 from bench.errors import BenchError
 from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of, readme, readme_lines
 from bench.storage.results import Results
-from bench.text import file_name
 
 VERSION = "0.3.22"  # of the format
 LARGEST_FUNCTION = 2**16 - 1  # readers store a function's number in 16 bits

@@ -9,11 +9,11 @@ from itertools import chain
 import numpy as np
 import pandas as pd
 
-from bench.budget import described
 from bench.errors import require
 from bench.export.trials import readme
 from bench.objective import Trace
 from bench.storage.results import Results
+from bench.study.budget import described
 
 TEXTS = ("study", "problem", "optimizer", "status", "stop", "error")
 COUNTS = ("trial", "seed", "nfev", "outside_box")

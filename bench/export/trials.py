@@ -11,12 +11,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bench._helpers.text import file_name, unique
 from bench.analysis.cells import variables
 from bench.errors import BenchError
 from bench.objective import Trace
-from bench.problem import Floats
 from bench.storage.results import Results
-from bench.text import file_name, unique
+from bench.typing import Floats
 
 
 @dataclass(frozen=True)

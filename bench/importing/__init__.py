@@ -12,13 +12,13 @@ from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
+from bench._helpers.text import printable
 from bench.errors import BenchError
 from bench.importing import coco, ioh, ioh_info, tables
 from bench.importing.runs import LONGEST, Run
 from bench.importing.source import Source, opened
 from bench.importing.write import numbered, study_of, write
 from bench.storage import provenance
-from bench.text import printable
 
 __all__ = ["FORMATS", "Imported", "import_results"]
 

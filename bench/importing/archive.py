@@ -20,7 +20,7 @@ from urllib.parse import quote
 
 from platformdirs import user_data_dir
 
-from bench.atomic import replacing
+from bench._helpers.atomic import replacing
 from bench.errors import BenchError, nearest
 from bench.importing import import_results
 from bench.importing.source import sha256_of

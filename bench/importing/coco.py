@@ -29,7 +29,7 @@ from bench.export.coco import STAND_IN
 from bench.importing import ioh_info, naming
 from bench.importing.runs import Run, improvements, label, optimizer_labels, require_increasing, shown
 from bench.importing.source import Source
-from bench.problem import Floats
+from bench.typing import Floats
 
 INFINITE = 1e21
 """COCO writes 3e21 for infinity; no finite difference is as large."""

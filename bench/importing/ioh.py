@@ -25,7 +25,7 @@ from bench.importing.runs import Run, improvements, label, optimizer_labels, req
 from bench.importing.source import Source
 from bench.numbers import is_finite, is_whole
 from bench.objective import Trace
-from bench.problem import Floats
+from bench.typing import Floats
 
 VALUE = "raw_y"
 DECIMALS = 1e-9  # to which a log and the JSON file of a run must agree

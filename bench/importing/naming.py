@@ -8,7 +8,7 @@ from functools import cache
 from typing import NamedTuple
 
 from bench.errors import BenchError
-from bench.grid import Grid, dimension_in
+from bench.families import Grid, dimension_in
 from bench.plugins import loading, registry, selection
 
 

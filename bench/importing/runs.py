@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bench._helpers.text import printable
 from bench.errors import BenchError
 from bench.objective import Trace
-from bench.problem import Floats
-from bench.text import printable
+from bench.typing import Floats
 
 LONGEST = 200
 """Characters of a label or of a file's words in a message."""

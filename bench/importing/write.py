@@ -9,8 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from bench.atomic import replacing
-from bench.budget import Budget
+from bench._helpers.atomic import replacing
 from bench.errors import BenchError
 from bench.importing import naming
 from bench.importing.runs import Run
@@ -18,6 +17,7 @@ from bench.plugins.loading import IMPORTED
 from bench.storage.folder import Folder
 from bench.storage.rows import packed
 from bench.study import Entry, Study
+from bench.study.budget import Budget
 
 
 def study_of(name: str, runs: Iterable[Run]) -> Study:

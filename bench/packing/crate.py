@@ -13,12 +13,12 @@ from urllib.parse import quote
 
 from packaging.licenses import InvalidLicenseExpression, canonicalize_license_expression
 
-from bench.budget import described
 from bench.errors import BenchError
 from bench.packing.contents import CRATE, SUMS, PackedFile
 from bench.storage.folder import STUDY
 from bench.storage.store import FILE as TRIALS
 from bench.study import Study
+from bench.study.budget import described
 
 PROFILE = "https://w3id.org/ro/crate/1.1"
 CONTEXT = [f"{PROFILE}/context", {"sha256": "http://schema.org/sha256"}]  # a term younger than the context

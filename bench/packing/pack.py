@@ -14,7 +14,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from bench.atomic import replacing
+from bench._helpers.atomic import replacing
 from bench.errors import BenchError
 from bench.execution.looks import stopped_cells
 from bench.packing.contents import CRATE, NOTES, PAGE, SUMS, PackedFile, report_files

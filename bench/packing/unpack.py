@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import Any
 from zlib import error as ZlibError  # noqa: N812 - zlib calls it error
 
-from bench.atomic import replacing
+from bench._helpers.atomic import replacing
+from bench._helpers.text import printable
 from bench.errors import BenchError
 from bench.packing.contents import CRATE, REQUIRED, SUMS, belongs
 from bench.packing.crate import listed
 from bench.storage.folder import Folder
-from bench.text import printable
 
 BLOCK = 1 << 20  # bytes written at a time
 MOST_FILES = 50_000

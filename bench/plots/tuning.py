@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from bench._helpers.text import option
 from bench.plots import style
-from bench.text import option
 
 LOOKS = {"": (style.PALETTE[0], "o", 10), "default": (style.PALETTE[1], "s", 26), "best": (style.PALETTE[4], "D", 26)}
 """Colour, marker and size of each kind of configuration."""

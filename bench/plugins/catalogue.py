@@ -8,7 +8,7 @@ import types
 from dataclasses import dataclass
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from bench.bibtex import parse
+from bench._helpers.bibtex import parse
 from bench.errors import BenchError
 from bench.optimizer import Optimizer
 from bench.plugins import from_file, loading, registry

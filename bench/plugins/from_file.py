@@ -17,11 +17,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from bench._helpers.text import listed
 from bench.errors import BenchError, nearest
+from bench.families import derive
 from bench.objective import Objective
 from bench.optimizer import Optimizer, build, is_frozen, settings
-from bench.plugins.derived import derive
-from bench.text import listed
 
 
 def split(name: str) -> tuple[Path, str] | None:

@@ -10,7 +10,7 @@ from itertools import islice
 from typing import Any
 
 from bench.errors import BenchError, nearest
-from bench.grid import LARGEST_INSTANCE, Grid, nearest_function
+from bench.families import LARGEST_INSTANCE, Grid, nearest_function
 from bench.numbers import is_whole
 from bench.plugins import registry
 

@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from bench._helpers.text import option
 from bench.execution.descriptions import Description
 from bench.optimizer import CONDITIONS
 from bench.plugins.loading import is_built_in
 from bench.report.parts import Table
 from bench.report.wording import MISSING, listing
 from bench.study import Entry, Study
-from bench.text import option
 
 UNKNOWN, NONE = "not known", "null"
 MOST_VALUES, MOST_LABELS, MOST_OPTIONS = 4, 5, 6  # that a sentence names

@@ -12,13 +12,13 @@ from bench.analysis import labels
 from bench.analysis.direction import ALPHA
 from bench.analysis.dominance import ordered_trials
 from bench.analysis.noninferiority import MARGIN, Noninferiority, noninferiority
-from bench.budget import described
 from bench.errors import BenchError, nearest
 from bench.report.findings import Findings
 from bench.report.wording import count, listing, p_text
 from bench.storage.folder import Folder
 from bench.storage.results import Results
 from bench.study import Study
+from bench.study.budget import described
 
 AnyPath = str | PathLike[str]
 

@@ -7,8 +7,8 @@ import math
 import pandas as pd
 
 from bench import analysis
+from bench._helpers.console import duration
 from bench.analysis.cells import complete_problems
-from bench.console import duration
 from bench.execution.matched import algorithms
 from bench.optimizer import CONDITIONS
 from bench.plugins import registry

@@ -13,6 +13,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from bench._helpers.bibtex import Work, parse, read
 from bench.analysis import ALPHA, TIED, Levels
 from bench.analysis.across import FEWER, MANY
 from bench.analysis.cells import NEAR
@@ -20,9 +21,6 @@ from bench.analysis.certainty import resamples as rank_resamples
 from bench.analysis.equivalence import RESAMPLES as EQUIVALENCE_RESAMPLES
 from bench.analysis.instances import SOLVED
 from bench.analysis.pairwise import RESAMPLES
-from bench.bibtex import Work, parse, read
-from bench.budget import described
-from bench.constraints import COEFFICIENT
 from bench.errors import BenchError
 from bench.execution.descriptions import Description
 from bench.report import problem_words
@@ -32,10 +30,12 @@ from bench.report.replication import Replication, each_problem
 from bench.report.target_words import TargetWords, target_words
 from bench.report.winner import WINNER_RULE
 from bench.report.wording import count, listing, options
-from bench.rope import Rope
+from bench.scoring.constraints import COEFFICIENT
 from bench.storage.results import ProblemFacts
 from bench.study import Study
-from bench.tuned import Tuning
+from bench.study.budget import described
+from bench.study.rope import Rope
+from bench.study.tuned import Tuning
 
 BIBLIOGRAPHY = "references.bib"  # the file of the cited works, beside the methods
 

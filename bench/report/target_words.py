@@ -9,7 +9,7 @@ import numpy as np
 
 from bench import analysis
 from bench.storage.results import ProblemFacts
-from bench.targets import Targets, percentages, precisions
+from bench.study.targets import Targets, percentages, precisions
 
 FIELD = ("bbob", "cec", "classical")
 """The beginnings of the names of the suites for which the field reports absolute precisions."""

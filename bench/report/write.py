@@ -16,8 +16,7 @@ import matplotlib.figure
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from bench import rope as ropes
-from bench.budget import described
+from bench._helpers.text import file_name, free, slug
 from bench.errors import BenchError
 from bench.importing.best2009 import NAME
 from bench.plots import style
@@ -32,8 +31,9 @@ from bench.report.replication import each_problem
 from bench.report.sections import CLOSING, OPENING
 from bench.report.wording import count
 from bench.storage.results import Results
-from bench.targets import checked
-from bench.text import file_name, free, slug
+from bench.study import rope as ropes
+from bench.study.budget import described
+from bench.study.targets import checked
 
 PAGE, MANIFEST = "report.html", ".report.json"
 TABLES, FIGURES = "tables", "figures"
@@ -75,8 +75,8 @@ def write_report(
         others: further folders to compare with it.
         output: the folder to write into; by default the study's own, and ``results/comparisons/NAMES`` for several.
         n_jobs: processes that draw figures, -1 for one a core; the files do not depend on it.
-        targets: what counts as reached, other than the study's own (:func:`bench.targets.checked`).
-        rope: differences that count as equal, other than the study's own (:func:`bench.rope.checked`).
+        targets: what counts as reached, other than the study's own (:func:`bench.study.targets.checked`).
+        rope: differences that count as equal, other than the study's own (:func:`bench.study.rope.checked`).
         reference: "best2009" shows the running times of the best algorithms of 2009 beside those of the optimizers
             (:mod:`bench.importing.best2009`; it needs the extra ``coco``).
         on_progress: called before every step.

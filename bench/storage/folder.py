@@ -15,13 +15,13 @@ from typing import Any
 import psutil
 from filelock import FileLock, Timeout
 
-from bench.atomic import replacing
+from bench._helpers.atomic import replacing
+from bench._helpers.text import listed
 from bench.errors import BenchError
 from bench.storage import provenance, under_way
 from bench.storage.reading import StoreCheck
 from bench.storage.store import DamagedStoreError, Store
 from bench.study import Fingerprints, Study
-from bench.text import listed
 
 STUDY = "study.toml"
 ENVIRONMENT = "environment.json"

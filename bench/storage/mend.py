@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
-from bench.atomic import replacing
+from bench._helpers.atomic import replacing
 from bench.errors import BenchError
 from bench.storage.folder import ENVIRONMENT, Folder
 from bench.storage.merge import copy

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
+from bench._helpers.text import listed
 from bench.errors import BenchError
 from bench.storage.folder import Folder
 from bench.storage.rows import disagreement
 from bench.storage.writing import Writer
 from bench.study import Study
-from bench.text import listed
 from bench.trial import Row
 
 

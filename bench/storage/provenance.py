@@ -23,10 +23,10 @@ from typing import Any
 import psutil
 from threadpoolctl import threadpool_info
 
+from bench._helpers.text import printable
 from bench.plugins import registry
 from bench.storage.versions import checkout_states, content_hash, own_state, package_versions
 from bench.study import Fingerprints, Study
-from bench.text import printable
 
 LONGEST = 10_000
 """Characters noted of a text, such as a command with all its arguments."""

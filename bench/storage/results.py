@@ -15,9 +15,9 @@ from typing import Any
 
 import pandas as pd
 
-from bench.budget import described
+from bench._helpers.text import html_table, unique
 from bench.errors import BenchError
-from bench.grid import dimension_in
+from bench.families import dimension_in
 from bench.objective import integer_flags
 from bench.plugins import selection
 from bench.plugins.loading import is_imported
@@ -29,7 +29,7 @@ from bench.storage.tidy import Tidy
 from bench.storage.traces import Traces
 from bench.storage.union import differences, united
 from bench.study import Study
-from bench.text import html_table, unique
+from bench.study.budget import described
 from bench.trial import PRECISION
 
 AnyPath = str | PathLike[str]

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from bench._helpers.text import printable
 from bench.errors import BenchError
 from bench.storage import committed
 from bench.storage.committed import Committed, Note
@@ -20,7 +21,6 @@ from bench.storage.rows import COLUMNS, KEY
 from bench.storage.schema import ONE, VERSION, found, layout, prepare
 from bench.storage.traces import Key, Traces
 from bench.storage.writing import Writer
-from bench.text import printable
 
 FILE = "trials.sqlite"
 LARGEST = 100_000_000  # number of a trial; a larger one is damaged

@@ -6,10 +6,10 @@ import dataclasses
 import re
 from collections.abc import Iterable, Sequence
 
-from bench.budget import Budget, described
 from bench.errors import BenchError
-from bench.grid import dimension_in
+from bench.families import dimension_in
 from bench.study import Entry, Study
+from bench.study.budget import Budget, described
 
 
 def united(studies: Sequence[Study], names: Sequence[str]) -> Study:

@@ -15,9 +15,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from bench._helpers.text import printable, unique
 from bench.errors import BenchError
 from bench.plugins import registry
-from bench.text import printable, unique
 
 PACKAGES = (registry.DISTRIBUTION, "numpy", "scipy", "numba", "cma", "joblib", "pandas")
 """Distributions whose versions are always noted."""

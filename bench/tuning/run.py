@@ -8,10 +8,10 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from bench.constraints import DEFAULT
 from bench.plugins import loading
 from bench.problem import Problem
 from bench.scoring import scored
+from bench.scoring.constraints import DEFAULT
 from bench.trial import search
 
 STILL_ASKING = 87  # the exit code of a process whose optimizer goes on after the end of its budget

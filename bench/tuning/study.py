@@ -13,7 +13,7 @@ from bench.plugins import loading, selection
 from bench.problem import Problem
 from bench.seeds import trial_seed
 from bench.study import Study
-from bench.tuned import Tuning
+from bench.study.tuned import Tuning
 from bench.tuning.tune import Best, Setting
 
 
@@ -77,7 +77,7 @@ def untuned(name: str, test: Sequence[str], optimizers: Sequence[str], setting: 
 def tuned(name: str, test: Sequence[str], found: Sequence[Best], setting: Setting, **about: str) -> Study:
     """Return the study that runs the defaults and the best configuration of each optimizer on the test problems.
 
-    ``about`` holds ``left_out`` and ``method`` of :class:`bench.tuned.Tuning`.
+    ``about`` holds ``left_out`` and ``method`` of :class:`bench.study.tuned.Tuning`.
     """
     entries: list[dict[str, Any]] = []
     for each in found:

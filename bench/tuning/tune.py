@@ -19,9 +19,9 @@ import numpy as np
 import pandas as pd
 from filelock import FileLock, Timeout
 
+from bench._helpers.text import option, printable
 from bench.analysis.finished_trials import NO_TRACE
 from bench.analysis.target_sets import aocc
-from bench.budget import Budget, evaluations
 from bench.errors import BenchError, require
 from bench.objective import Trace
 from bench.optimizer import CONDITIONS
@@ -38,8 +38,8 @@ from bench.sandbox.process import (
     TimeExceededError,
 )
 from bench.seeds import trial_seed
-from bench.text import option, printable
-from bench.tuned import Tuned
+from bench.study.budget import Budget, evaluations
+from bench.study.tuned import Tuned
 from bench.tuning.run import make_run, ready
 from bench.tuning.space import Axis, space
 

@@ -10,10 +10,10 @@ from typing import Any, ClassVar, Literal, TypeVar, cast
 
 import numpy as np
 
-from bench.bibtex import read
+from bench._helpers.bibtex import read
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
-from bench.problem import Floats
+from bench.typing import Floats
 
 Function = TypeVar("Function", bound=Callable[..., object])
 Handling = Literal["repair", "box"]

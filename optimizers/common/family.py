@@ -18,7 +18,7 @@ import numpy as np
 from bench.errors import BenchError, nearest, require
 from bench.objective import Objective
 from bench.optimizer import Optimizer, build
-from bench.problem import Floats
+from bench.typing import Floats
 from optimizers.common.base import Handling, confine
 
 CEILING = 1e100
@@ -100,7 +100,7 @@ class Family(ABC):
 
     @abstractmethod
     def derive(self, member: str) -> type[Optimizer]:
-        """Return the optimizer class of one of ``members()``; see :func:`bench.plugins.derived.derive`."""
+        """Return the optimizer class of one of ``members()``; see :func:`bench.families.derive`."""
 
     def names(self) -> list[str]:
         """Return the full names of the members; raises BenchError, with the extra to install, for a missing library."""

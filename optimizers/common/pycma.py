@@ -10,7 +10,7 @@ from cma.evolution_strategy import get_CMASolutionDict
 from cma.sampler import GaussFullSampler
 from cma.transformations import GenoPheno
 
-from bench.problem import Floats
+from bench.typing import Floats
 
 
 class Strategy(CMAEvolutionStrategy):  # type: ignore[misc]

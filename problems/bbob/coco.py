@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from bench.errors import require
-from bench.problem import Floats
+from bench.typing import Floats
 
 BOX = 5.0  # every continuous variable is searched in [-5, 5]
 INSTANCES = 15  # a COCO experiment has 15 instances of each function and dimension

@@ -18,8 +18,8 @@ from functools import partial
 import numpy as np
 
 from bench import Problem
-from bench.grid import Grid, Member
-from bench.problem import Floats
+from bench.families import Grid, Member
+from bench.typing import Floats
 from problems.bbob.coco import BOX, INSTANCES, evaluated, function_of, optimal_point, optimum_of, rotation
 from problems.common import Suite, SuiteProblem, features_of, group_of
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from bench import Problem
 from bench.errors import BenchError
-from bench.grid import Grid, Member
-from bench.problem import Floats
+from bench.families import Grid, Member
+from bench.typing import Floats
 from problems.common import Suite, SuiteProblem
 
 DIMENSIONS = (2, 3, 5, 10, 20, 30, 40, 50, 100)

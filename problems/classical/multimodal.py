@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numba import njit
 
-from bench.problem import Floats
+from bench.typing import Floats
 
 SCHWEFEL = 20.51752290994169**2
 """Where ``z sin(sqrt(z))`` is largest in [0, 500], 420.9687…: the square of a root of ``tan(u) = -u/2``."""

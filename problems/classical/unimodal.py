@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numba import njit
 
-from bench.problem import Floats
+from bench.typing import Floats
 
 
 @njit(cache=True)

@@ -6,9 +6,9 @@ from html.parser import HTMLParser
 import pytest
 
 import bench
+from bench._helpers.text import html_table, listed
 from bench.check.verdict import Checkup, Verdict
 from bench.study import Entry, Study
-from bench.text import html_table, listed
 
 HOSTILE = "<script>alert(1)</script> & \"'"
 

@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike
 from bench.execution.trial_process import STILL_ASKING
 from bench.objective import Objective
 from bench.optimizer import Optimizer
-from bench.problem import Floats
 from bench.sandbox.process import DiedError, PrintedTooMuchError, TimeExceededError
 from bench.sandbox.server import note
 from bench.seeds import global_states
+from bench.typing import Floats
 
 OFFERED = {"lower", "upper", "integer", "dimension", "budget", "remaining", "evaluations", "repair", "initial", "stop"}
 """Attributes that the contract offers, and ``evaluations``, which is ``budget`` minus ``remaining``."""

@@ -11,13 +11,13 @@ import pandas as pd
 
 from bench import analysis
 from bench.analysis.integrity import undeclared
-from bench.budget import described
 from bench.execution.descriptions import Description, describe
 from bench.execution.matched import Matched, matched
 from bench.report.findings.anytime import Anytime
 from bench.report.findings.final import COLOURED, CROWD, MANY_OPTIMIZERS
 from bench.report.findings.trials import MANY_PROBLEMS
 from bench.report.methods import Methods, MethodsFacts, methods
+from bench.study.budget import described
 
 __all__ = ["COLOURED", "CROWD", "MANY_OPTIMIZERS", "MANY_PROBLEMS", "Findings"]
 

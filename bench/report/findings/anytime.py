@@ -15,7 +15,7 @@ from bench.importing.best2009 import best2009, function_of
 from bench.report.findings.final import Final
 from bench.report.landscapes import Landscapes, landscapes
 from bench.report.target_words import TargetWords, default_targets, target_words
-from bench.targets import NO_METRIC
+from bench.study.targets import NO_METRIC
 
 
 @dataclass(frozen=True)

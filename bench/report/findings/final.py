@@ -14,7 +14,7 @@ from bench.analysis.equivalence import differences
 from bench.analysis.factors import Contributions, contributions
 from bench.plots import style
 from bench.report.findings.trials import Trials
-from bench.rope import Rope
+from bench.study.rope import Rope
 
 MANY_OPTIMIZERS = 10
 """Of more optimizers than these only the best are drawn in colour, and pairs are shown as a matrix."""

@@ -11,14 +11,14 @@ import pandas as pd
 from bench import analysis
 from bench.analysis.common_budget import at_budget, common_budgets
 from bench.analysis.own_optimum import ShiftedTraces, Shifts, shifted, shifts
-from bench.budget import evaluations
 from bench.report.conditions import repairing
 from bench.report.problem_words import sweeps
 from bench.report.replication import Replication, replications
-from bench.rope import Rope
 from bench.storage.results import ProblemFacts, Results
 from bench.study import Entry, Study
-from bench.targets import Targets
+from bench.study.budget import evaluations
+from bench.study.rope import Rope
+from bench.study.targets import Targets
 
 MANY_PROBLEMS = 20
 """More problems than these are folded away one by one, below what can be said of all."""

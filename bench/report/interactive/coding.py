@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench.problem import Floats
+from bench.typing import Floats
 
 STEPS = 1000  # of a decade: a value is rounded to 0.12 % at most
 NEVER, REACHED = "i", "z"

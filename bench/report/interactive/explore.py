@@ -19,7 +19,6 @@ from bench import analysis
 from bench.analysis.cells import NEAR, ReferenceValue
 from bench.objective import Trace
 from bench.plots import style
-from bench.problem import Floats
 from bench.report.findings import Findings
 from bench.report.interactive.coding import coded, packed, short, signal
 from bench.report.interactive.command import optimizer_words, problem_words
@@ -27,6 +26,7 @@ from bench.report.target_words import target_words
 from bench.scoring import plain
 from bench.study import Entry
 from bench.trial import FRAME_COLUMNS, PRECISION
+from bench.typing import Floats
 
 MOST_RUNS = 12_000
 """Runs with their record and curve; of a larger study, the first of each cell, and the quartiles of every cell."""

@@ -12,7 +12,7 @@ from bench.plots.factors import main_effect, share_map
 from bench.report.findings import Findings
 from bench.report.parts import Figure, Part, Section, Table
 from bench.report.wording import MISSING, count, listing, p_text
-from bench.sweep import Sweep
+from bench.study.sweep import Sweep
 
 TITLE = "What each component contributes"
 SMALL = 0.01  # a share below it is none that a sentence names

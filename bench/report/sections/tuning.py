@@ -7,15 +7,15 @@ from typing import Any
 
 import pandas as pd
 
-from bench.budget import described
+from bench._helpers.text import option
 from bench.optimizer import CONDITIONS
 from bench.plots import style
 from bench.plots.tuning import sensitivity
 from bench.report.findings import Findings
 from bench.report.parts import Figure, Part, Section, Table
 from bench.report.wording import MISSING, cell_text, count, listing, p_text, seconds
-from bench.text import option
-from bench.tuned import AUTOMATIC, Tuned, Tuning
+from bench.study.budget import described
+from bench.study.tuned import AUTOMATIC, Tuned, Tuning
 
 TITLE = "What tuning gained"
 PANELS = 12  # of the figure

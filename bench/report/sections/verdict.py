@@ -9,7 +9,6 @@ import numpy as np
 
 from bench import analysis
 from bench.analysis import ALPHA
-from bench.budget import described
 from bench.report import clock
 from bench.report.conditions import sentences
 from bench.report.findings import Findings
@@ -22,6 +21,7 @@ from bench.report.sections.power import error_text
 from bench.report.sections.trials import NOT_ADJUSTED, extension_text
 from bench.report.winner import TIED, WINNER_RULE, Across, Stage, Standing, verdict
 from bench.report.wording import count, listing, p_text, unfinished_trials
+from bench.study.budget import described
 
 TITLE = "Verdict"
 NEAR = 0.01  # of the best known value

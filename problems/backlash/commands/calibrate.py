@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from bench.console import print_line
+from bench._helpers.console import print_line
 from bench.errors import BenchError
 from problems.backlash.commands import Force
 

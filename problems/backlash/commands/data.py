@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
+from bench._helpers.console import print_line
 from bench.cli import archive
-from bench.console import print_line
 from bench.errors import BenchError
 
 VARIABLE = "$BENCH_PUBLISHED_DATA"

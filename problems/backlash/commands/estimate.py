@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from bench._helpers.console import print_line
 from bench.cli.console import pairs, print_error
-from bench.console import print_line
 from bench.errors import BenchError
 from problems.backlash import EARLY_RAD
 

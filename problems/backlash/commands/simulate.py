@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from bench.atomic import replacing
-from bench.console import print_line
+from bench._helpers.atomic import replacing
+from bench._helpers.console import print_line
 from bench.errors import BenchError
 from problems.backlash.commands import Force
 

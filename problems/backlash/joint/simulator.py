@@ -17,7 +17,7 @@ from numba import njit
 
 from bench.errors import BenchError
 from bench.numbers import is_finite, require_positive, require_whole
-from bench.problem import Floats
+from bench.typing import Floats
 from problems.backlash.joint.parameters import Joint
 
 STEP = 5e-5  # s; the largest step where the caller gives none

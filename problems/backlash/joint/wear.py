@@ -19,7 +19,7 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.numbers import is_finite
-from bench.problem import Floats
+from bench.typing import Floats
 from problems.backlash.joint.parameters import Joint
 from problems.backlash.joint.simulator import simulate, with_noise
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.atomic import replacing
+from bench._helpers.atomic import replacing
 from bench.errors import BenchError, require
-from bench.problem import Floats
+from bench.typing import Floats
 
 KINDS = (".csv", ".xlsx", ".parquet")  # of recording files
 EXTRAS = {".xlsx": ("openpyxl", "xlsx"), ".parquet": ("pyarrow", "parquet")}  # what pandas writes them with

@@ -13,7 +13,7 @@ from urllib.parse import quote, urlsplit
 
 from platformdirs import user_data_dir
 
-from bench.atomic import replacing
+from bench._helpers.atomic import replacing
 from bench.errors import BenchError
 
 REPOSITORY = "ElianaGiovannitti/Backlash-estimation"

@@ -18,7 +18,7 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.numbers import require_positive
-from bench.problem import Floats
+from bench.typing import Floats
 from problems.backlash.recordings.recording import Recording
 from problems.backlash.recordings.screen import SAMPLES_A_TURN
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from bench.errors import BenchError, nearest
 from bench.numbers import require_positive
-from bench.problem import Floats
+from bench.typing import Floats
 from problems.backlash.recordings.tables import UNITS, Table, load, parse_heading
 
 Column = str | int

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
-from bench.problem import Floats
+from bench.typing import Floats
 from problems.backlash.recordings.recording import Recording, spell
 from problems.backlash.recordings.tables import UNITS
 

@@ -6,6 +6,8 @@ import re
 import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
 from io import BytesIO, StringIO
 from itertools import takewhile
 from math import isfinite, nan, pi
@@ -15,8 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from bench.errors import BenchError, require
-from bench.numbers import exact_csv
-from bench.problem import Floats
+from bench.typing import Floats
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -150,11 +151,18 @@ def _text(path: Path) -> Table:
         names=range(width),
         skip_blank_lines=False,
         skipinitialspace=True,
-        **exact_csv(),
+        **_exact(),
     )
     cells.index = pd.RangeIndex(above + 1, above + 1 + len(cells))
     blank = [line for line in cells.index[cells.isna().all(axis=1)] if not "".join(lines[line - 1 : line]).strip()]
     return _frame_table(_names(map(split, lines[:above]), width), cells.drop(index=blank))
+
+
+@cache
+def _exact() -> dict[str, Any]:
+    """Return the options with which ``pandas.read_csv`` reads every number to the last bit, the default from 3.1 on."""
+    major, minor = version("pandas").split(".")[:2]
+    return {} if (int(major), int(minor)) >= (3, 1) else {"float_precision": "round_trip"}
 
 
 def _xlsx(path: Path) -> Table:

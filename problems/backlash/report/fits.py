@@ -12,9 +12,9 @@ import pandas as pd
 from bench import Results
 from bench.analysis import labels
 from bench.plots import style
-from bench.problem import Floats
 from bench.report import Figure, Section
 from bench.report.wording import count
+from bench.typing import Floats
 from problems.backlash.report.accuracy import short
 from problems.backlash.report.reference import signature_problems
 from problems.backlash.signature.model import T0, VARIABLES, signature

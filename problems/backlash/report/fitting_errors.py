@@ -10,9 +10,9 @@ import pandas as pd
 
 from bench import Study
 from bench.analysis import ALPHA, comparison_matrix, pairwise_tests, summarise, table
-from bench.budget import described
 from bench.report import Section, Table
 from bench.report.wording import count, leaders, listing
+from bench.study.budget import described
 
 TITLE = "Fitting error (thesis Table 7.2)"
 SWARMS = ("alo", "goa", "da", "gwo")  # the columns of Table 7.2

@@ -13,9 +13,9 @@ from threadpoolctl import threadpool_limits
 from bench.errors import BenchError
 from bench.numbers import require_whole
 from bench.optimizer import Optimizer
-from bench.problem import Floats
 from bench.sandbox.messages import describe_error
 from bench.seeds import trial_seed
+from bench.typing import Floats
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.estimate import Estimate, Settings, estimate, infer_gap, infer_peak, signature_problem
 from problems.backlash.sensor.workers import FORKS, in_workers

@@ -15,7 +15,7 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.numbers import require_positive, require_whole
-from bench.problem import Floats
+from bench.typing import Floats
 from problems.backlash import EARLY_RAD
 from problems.backlash.recordings import Recording
 from problems.backlash.recordings.period import find_period

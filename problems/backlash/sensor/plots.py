@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, MultipleLocator
 
-from bench.atomic import replacing
+from bench._helpers.atomic import replacing
+from bench._helpers.text import file_name, unique
 from bench.errors import BenchError
 from bench.plots import style
-from bench.text import file_name, unique
 from problems.backlash.sensor.batch import Estimated
 from problems.backlash.sensor.estimate import Estimate, Settings
 from problems.backlash.sensor.formatting import BY, UNIT

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.errors import BenchError
-from bench.problem import Floats
+from bench.typing import Floats
 from problems.backlash.recordings.tables import READERS
 
 TRUTH = "truth.csv"  # the file that 'bench simulate --wear' writes beside the recordings

@@ -20,7 +20,7 @@ from joblib import Parallel, delayed
 from rich.console import Console
 from rich.progress import track
 
-from bench.problem import Floats
+from bench.typing import Floats
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.signature.model import strength

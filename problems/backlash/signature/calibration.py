@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from bench.atomic import replacing
+from bench._helpers.atomic import replacing
 from bench.errors import BenchError, nearest
 from bench.numbers import require_positive
-from bench.problem import Floats
+from bench.typing import Floats
 from problems.backlash import LEVELS
 from problems.backlash.joint import Joint, half_gap
 from problems.backlash.joint.parameters import described, read_toml

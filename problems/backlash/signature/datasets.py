@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from platformdirs import user_cache_dir
 
-from bench.atomic import replacing
+from bench._helpers.atomic import replacing
 from bench.errors import BenchError
 from bench.numbers import require_whole
 from problems.backlash import LEVELS

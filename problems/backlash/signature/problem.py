@@ -10,7 +10,8 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.numbers import require_positive, require_whole
-from bench.problem import FittedData, Floats, Problem
+from bench.problem import FittedData, Problem
+from bench.typing import Floats
 from problems.backlash.recordings import Recording
 from problems.backlash.recordings.screen import screen_length, screen_sampling, screen_values
 from problems.backlash.signature import kernel

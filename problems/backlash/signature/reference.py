@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from bench.problem import Floats
+from bench.typing import Floats
 from problems.backlash.signature.kernel import Folded
 from problems.backlash.signature.projection import (
     CLEARANCE,

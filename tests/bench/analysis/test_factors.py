@@ -20,7 +20,7 @@ from bench.analysis.factors import (
     mean_shares,
     stratified_test,
 )
-from bench.sweep import Sweep
+from bench.study.sweep import Sweep
 
 FACTORS = {"a": ("1", "2", "3"), "b": ("x", "y")}
 

@@ -14,7 +14,7 @@ from bench.analysis.target_sets import (
     tolerance_times,
 )
 from bench.objective import Trace
-from bench.targets import KINDS
+from bench.study.targets import KINDS
 
 INF = float("inf")
 

@@ -5,11 +5,11 @@ import re
 import pytest
 
 from bench import BenchError, Results
+from bench._helpers.text import file_name
 from bench.export import FORMATS, coco, export
 from bench.export.trials import folders_of
 from bench.storage.folder import Folder
 from bench.study import Study
-from bench.text import file_name
 from tests.bench.export.made import FAILED, HOSTILE, contents, exported, make, needs, some_fail
 
 

@@ -10,7 +10,7 @@ from bench.execution.descriptions import Description, describe
 from bench.report.conditions import conditions_table, sentences
 from bench.report.findings import Findings
 from bench.report.sections import methods, verdict
-from bench.tuned import Tuning
+from bench.study.tuned import Tuning
 
 
 def study(*optimizers):

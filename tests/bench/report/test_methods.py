@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from bench.bibtex import parse
+from bench._helpers.bibtex import parse
 from bench.execution.descriptions import Description
 from bench.plugins import registry
 from bench.report.methods import (
@@ -29,7 +29,7 @@ from bench.report.target_words import target_words
 from bench.report.winner import WINNER_RULE
 from bench.storage.results import ProblemFacts
 from bench.study import Entry, Study
-from bench.tuned import Tuned, Tuning
+from bench.study.tuned import Tuned, Tuning
 
 ENVIRONMENT = {
     "python": "3.11.7", "packages": {"backlash-bench": "0.1.0", "numpy": "2.4.6", "scipy": "1.17.1", "pandas": "3.1"},

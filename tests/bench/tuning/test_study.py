@@ -3,7 +3,7 @@
 import pytest
 
 from bench import BenchError
-from bench.tuned import Tuned
+from bench.study.tuned import Tuned
 from bench.tuning.study import load, split, tuned, untuned
 from bench.tuning.tune import Best, Setting
 

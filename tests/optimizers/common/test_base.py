@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 import optimizers
-from bench.bibtex import parse
+from bench._helpers.bibtex import parse
 
 LOOPS = """
 import math

@@ -9,7 +9,7 @@ from bench.report.findings import Findings
 from bench.report.sections import anytime, datasets
 from bench.report.target_words import default_targets, meaning, target_words
 from bench.storage.results import ProblemFacts
-from bench.targets import KINDS
+from bench.study.targets import KINDS
 
 
 @pytest.fixture(scope="module")

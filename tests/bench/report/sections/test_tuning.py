@@ -9,7 +9,7 @@ from bench import Results
 from bench.report.findings import Findings
 from bench.report.sections import tuning
 from bench.storage.folder import Folder
-from bench.tuned import Tuned, Tuning
+from bench.study.tuned import Tuned, Tuning
 
 SEVEN = ("p", "q", "r", "s", "t", "u", "v")
 OWN = Tuned(

@@ -16,27 +16,27 @@ from typing import Any, NamedTuple
 
 import tomli_w
 
-from bench import budget as budgets
-from bench import constraints as handlings
-from bench import looks as declared
-from bench import rope as ropes
-from bench import targets as target_kinds
-from bench import tuned
-from bench.budget import Budget
+from bench._helpers.text import html_table, listed
 from bench.errors import BenchError, nearest
-from bench.looks import Looks
 from bench.numbers import require_whole
 from bench.optimizer import Optimizer
 from bench.plugins import loading, registry, selection
 from bench.problem import Problem
-from bench.rope import Rope
+from bench.scoring import constraints as handlings
 from bench.scoring import scored
 from bench.seeds import trial_seed
-from bench.sweep import Sweep, expanded, sweeps
-from bench.targets import NO_METRIC, Targets
-from bench.text import html_table, listed
+from bench.study import budget as budgets
+from bench.study import looks as declared
+from bench.study import rope as ropes
+from bench.study import targets as target_kinds
+from bench.study import tuned
+from bench.study.budget import Budget
+from bench.study.looks import Looks
+from bench.study.rope import Rope
+from bench.study.sweep import Sweep, expanded, sweeps
+from bench.study.targets import NO_METRIC, Targets
+from bench.study.tuned import Tuning
 from bench.trial import Trial
-from bench.tuned import Tuning
 
 
 @dataclass(frozen=True)
@@ -78,13 +78,13 @@ class Study:
             dimension such as ``{"10": 200_000}``.
         seed: the seed that all trials' seeds derive from.
         title: one line on what is compared.
-        constraints: what optimizers see of infeasible points, one of :data:`bench.constraints.HANDLINGS`.
-        targets: what a report counts as reached (:func:`bench.targets.checked`); None: the usual ones of the problems.
-            They decide no trial's result.
-        rope: the difference of medians below which two optimizers count as equal (:func:`bench.rope.checked`); None:
-            nothing is said of practical equality. It decides no trial's result.
-        tuning: how the optimizers were tuned, and on which other problems (:mod:`bench.tuned`); None: by no tuning of
-            this harness. It decides no trial's result.
+        constraints: what optimizers see of infeasible points, one of :data:`bench.scoring.constraints.HANDLINGS`.
+        targets: what a report counts as reached (:func:`bench.study.targets.checked`); None: the usual ones of the
+            problems. They decide no trial's result.
+        rope: the difference of medians below which two optimizers count as equal (:func:`bench.study.rope.checked`);
+            None: nothing is said of practical equality. It decides no trial's result.
+        tuning: how the optimizers were tuned, and on which other problems (:mod:`bench.study.tuned`); None: by no
+            tuning of this harness. It decides no trial's result.
         looks: the numbers of trials at which a run compares the optimizers and stops cells that are decided
             (:mod:`bench.analysis.looks`), the last of them ``trials``; empty: every cell gets all trials.
         controls: optimizers that run beside the others and are not compared with them, such as the same ones under

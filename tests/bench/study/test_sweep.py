@@ -6,7 +6,7 @@ import pytest
 
 from bench import BenchError, Study
 from bench.study import Entry
-from bench.sweep import expanded, sweeps
+from bench.study.sweep import expanded, sweeps
 
 MINIMAL = {"name": "s", "problems": [{"name": "sphere-2"}]}
 

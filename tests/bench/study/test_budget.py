@@ -1,7 +1,7 @@
 import pytest
 
-from bench.budget import checked, described, evaluations
 from bench.errors import BenchError
+from bench.study.budget import checked, described, evaluations
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from bench import BenchError, FunctionProblem, Objective, Study, load_results, run, solve
-from bench.constraints import BARRIER, COEFFICIENT, DEFAULT, HANDLINGS
 from bench.execution.verify import verify
 from bench.scoring import Scored, objective, plain, scored
+from bench.scoring.constraints import BARRIER, COEFFICIENT, DEFAULT, HANDLINGS
 from bench.storage.folder import Folder
 
 POINTS = np.array([[1.0, 2.0], [-1.0, 1.0], [-2.0, -1.0], [0.5, 0.0], [9.0, 0.0]])  # the last one outside the box

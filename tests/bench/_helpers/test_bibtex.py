@@ -3,7 +3,7 @@
 import pytest
 
 from bench import BenchError
-from bench.bibtex import parse
+from bench._helpers.bibtex import parse
 
 
 @pytest.mark.parametrize(

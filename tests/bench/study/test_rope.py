@@ -3,7 +3,7 @@
 import pytest
 
 from bench import BenchError
-from bench.rope import checked, share
+from bench.study.rope import checked, share
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from bench.errors import BenchError, nearest
-from bench.problem import Floats
+from bench.typing import Floats
 
 HANDLINGS = ("death", "penalty", "lexicographic", "repair")
 DEFAULT = "lexicographic"  # it needs no coefficient, and leads an optimizer from infeasible points, unlike death

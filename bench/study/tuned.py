@@ -13,13 +13,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from bench.budget import Budget
-from bench.budget import checked as checked_budget
 from bench.errors import BenchError, nearest
 from bench.numbers import is_finite
+from bench.study.budget import Budget
+from bench.study.budget import checked as checked_budget
 
 AUTOMATIC = "null"
-"""The text of a value that the optimizer chooses by itself, as :func:`bench.text.option` writes None."""
+"""The text of a value that the optimizer chooses by itself, as :func:`bench._helpers.text.option` writes None."""
 
 
 @dataclass(frozen=True)

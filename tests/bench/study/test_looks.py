@@ -5,7 +5,7 @@ import tomllib
 import pytest
 
 from bench import BenchError, Study
-from bench.looks import checked
+from bench.study.looks import checked
 
 
 def study(looks=None, optimizers=("gwo", "da"), problems=("sphere-2",), **more):

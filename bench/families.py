@@ -1,14 +1,20 @@
-"""The names of a suite's problems: each function in its dimensions and instances, such as ``bbob-f08-d10-i1``."""
+"""Families of plug-ins: the names of a suite's problems, and classes of optimizers that are made when they are loaded.
+
+The problems of a suite are functions in dimensions and instances, with names such as ``bbob-f08-d10-i1``.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 import re
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 from bench.errors import BenchError, nearest
 from bench.numbers import require_whole
+from bench.optimizer import Optimizer, settings
 
 LARGEST_INSTANCE = 200_000
 """BBOB's generator is seeded with 10,000 times the instance, which must stay below its modulus, 2^31 - 1."""
@@ -95,3 +101,33 @@ def nearest_function(function: str, known: Iterable[str]) -> str:
         without = f" without {', '.join(f'f{gap:02d}' for gap in gaps)}" if gaps else ""
         return f"; it has {names[0]} to {names[-1]}{without}"
     return nearest(function, names)
+
+
+Parameters = Mapping[str, tuple[Any, Any]]
+"""Type and default, or :func:`bench.parameter`, of each parameter by name."""
+
+
+def derive(
+    base: type[Optimizer], name: str, parameters: Parameters, load: Callable[..., Optimizer], **attributes: Any
+) -> type[Optimizer]:
+    """Return a frozen dataclass of optimizers that adds ``parameters`` and class attributes to ``base``.
+
+    Another process cannot import such a class, so its instances are pickled as ``load``, name and options, and loaded
+    again from these.
+
+    Args:
+        base: the class that implements ``minimize``.
+        name: the full name that ``load`` takes, such as ``"mealpy:OriginalGWO"``.
+        parameters: the parameters to add to those of ``base``; one of the same name replaces it.
+        load: an importable ``load(name, **options)`` that returns an instance.
+        attributes: class attributes, such as ``bibtex`` and ``code``.
+    """
+
+    def reduce(self: Any) -> tuple[Callable[[], Optimizer], tuple[()]]:
+        return partial(load, name, **settings(self)), ()
+
+    fields = [(key, kind, value) for key, (kind, value) in parameters.items()]
+    namespace = {"plugin": name, "__reduce__": reduce, **attributes}
+    title = name.rpartition(":")[2]
+    made: type[Optimizer] = dataclasses.make_dataclass(title, fields, bases=(base,), namespace=namespace, frozen=True)
+    return made

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from bench import BenchError
-from bench.targets import KINDS, checked, percentages, precisions
+from bench.study.targets import KINDS, checked, percentages, precisions
 
 
 @pytest.mark.parametrize(

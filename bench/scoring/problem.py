@@ -6,7 +6,7 @@ check are those of any problem: the first entry of a trace is the first feasible
 is the lowest true value among the points evaluated so far, as in COCO's noisy suite (Hansen, Finck, Ros and Auger 2009,
 INRIA RR-6869). What an optimizer sees instead:
 
-- of an infeasible point, what the study's handling of constraints shows (:mod:`bench.constraints`);
+- of an infeasible point, what the study's handling of constraints shows (:mod:`bench.scoring.constraints`);
 - of a noisy problem, values with noise from a stream of the trial's own;
 - of integer variables, the value of the point whose integer variables are rounded. It need not know of them; one that
   does finds them in ``objective.integer``.
@@ -21,10 +21,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench import constraints
 from bench.errors import BenchError
 from bench.objective import Objective, as_values, floats, minus_infinity, repaired
-from bench.problem import Flags, Floats, Problem
+from bench.problem import Problem
+from bench.scoring import constraints
+from bench.typing import Flags, Floats
 
 
 class Assessment(NamedTuple):
@@ -50,7 +51,7 @@ class Scored(Problem):
 
     Attributes:
         problem: the problem itself.
-        handling: one of :data:`bench.constraints.HANDLINGS`; "" without constraints.
+        handling: one of :data:`bench.scoring.constraints.HANDLINGS`; "" without constraints.
     """
 
     def __init__(self, problem: Problem, handling: str) -> None:

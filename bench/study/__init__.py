@@ -1,0 +1,5 @@
+"""A study: what runs on what, how often, with what budget; one module for each kind of value that a study holds."""
+
+from bench.study.study import Entry, Fingerprints, Study
+
+__all__ = ["Entry", "Fingerprints", "Study"]
