@@ -12,8 +12,8 @@ import numpy as np
 from numpy import empty, ndarray
 from numpy.typing import ArrayLike, NDArray
 
-from bench._helpers.compiled import compiled
-from bench._helpers.text import printable
+from bench.helpers.compiled import compiled
+from bench.helpers.text import printable
 from bench.numbers import require_whole
 from bench.problem import Problem
 from bench.typing import Flags, Floats

@@ -1,5 +1,7 @@
 """The contract of a problem, and a problem from a user's own function."""
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -82,6 +84,11 @@ class Problem(ABC):
     def dimension(self) -> int:
         """The number of search variables d."""
         return len(self.lower)
+
+    @property
+    def unscored(self) -> Problem:
+        """The problem itself, where this one stands for it and returns the values that a study records."""
+        return self
 
     @abstractmethod
     def evaluate(self, x: Floats) -> Floats:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from bench import scoring
-from bench._helpers.text import html_table, listed
+from bench.helpers.text import html_table, listed
 from bench.objective import BudgetExhausted, Objective, Trace
 from bench.optimizer import Optimizer
 from bench.problem import Problem

@@ -195,7 +195,7 @@ def on_name(install, module):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("module", ["optimizers"])
+@pytest.mark.parametrize("module", ["bench", "optimizers"])
 def test_a_package_that_replaced_a_module_is_named_until_this_one_is_installed_again(alone, module, tmp_path):
     alone(alone.own)
     assert call(alone.programs / "bench", "--help").returncode == 0
@@ -214,7 +214,7 @@ def test_a_package_that_replaced_a_module_is_named_until_this_one_is_installed_a
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("module", ["problems"])
+@pytest.mark.parametrize("module", ["bench", "problems"])
 def test_a_package_whose_module_this_one_replaced_is_named_also_when_it_is_uninstalled(alone, module, tmp_path):
     alone(other_package(tmp_path, module))
     alone(alone.own)

@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import norm
 
-from bench._helpers.compiled import compiled
+from bench.helpers.compiled import compiled
 from bench.typing import Floats
 
 ALPHA = 0.05  # thesis section 7.2

@@ -10,7 +10,6 @@ from typing import Literal, NamedTuple
 import numpy as np
 import pandas as pd
 
-from bench._helpers.text import listed
 from bench.analysis.cells import (
     CONTENTION,
     HIDDEN_THREADS,
@@ -22,6 +21,7 @@ from bench.analysis.cells import (
     timing,
     variables,
 )
+from bench.helpers.text import listed
 from bench.objective import Trace
 
 UNUSED = 0.01  # share of the budget that may be left without a reason

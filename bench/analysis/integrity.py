@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from bench._helpers.text import listed
 from bench.analysis.cells import Budgets, Traces, coverage
 from bench.analysis.finished_trials import CHECKS, Boxes, Evidence, Finding, cell_names, judge, percent, where
+from bench.helpers.text import listed
 from bench.storage.reading import StoreCheck
 from bench.study.looks import LEAST
 

@@ -18,8 +18,8 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
-from bench._helpers.compiled import compiled
 from bench.analysis.cells import labels
+from bench.helpers.compiled import compiled
 from bench.typing import Floats
 
 COLUMNS = ("problem", "optimizer", "rank", "beaten", "chance", "lower", "higher", "separable")

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from bench._helpers.text import printable
 from bench.check.conformance.subject import PRINTED, make_subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
 from bench.check.verdict import LONGEST
 from bench.errors import BenchError
 from bench.execution.trial_process import STILL_ASKING
+from bench.helpers.text import printable
 from bench.optimizer import Optimizer
 from bench.sandbox.crew import Crew
 from bench.sandbox.messages import describe_error

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from bench._helpers.text import html_table, printable
+from bench.helpers.text import html_table, printable
 
 KINDS = ("conformance", "bias")
 LONGEST = 4_000  # characters of a text

@@ -32,8 +32,9 @@ from bench.cli import (
     verify,
 )
 from bench.cli import list as list_
-from bench.cli.console import print_error, usage
+from bench.cli.console import usage
 from bench.errors import BenchError
+from bench.helpers.console import print_error
 from bench.plugins import registry
 
 

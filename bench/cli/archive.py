@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from bench._helpers.console import print_line
 from bench.errors import BenchError
+from bench.helpers.console import print_line
 
 archive = typer.Typer(help="List and get published results of COCO's data archive.", no_args_is_help=True)
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from bench._helpers.console import print_line
 from bench.cli import completion
-from bench.cli.console import Jobs, Parameters, pairs, print_error
+from bench.cli.console import Jobs, Parameters
 from bench.errors import BenchError
+from bench.helpers.console import pairs, print_error, print_line
 from bench.plugins import registry
 
 if TYPE_CHECKING:

@@ -1,17 +1,13 @@
-"""What commands share: arguments, options, and the printing of errors."""
+"""What commands share: arguments, options, and the sentences of usage errors."""
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
-from bench._helpers.console import print_line
 from bench.cli import completion
-from bench.errors import BenchError
 from bench.numbers import span
 
 Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.", autocompletion=completion.folders)]
@@ -50,11 +46,6 @@ Parameters = Annotated[
 ]
 
 
-def print_error(message: str) -> None:
-    """Print one red line on standard error."""
-    print_line(f"bench: {message}", "red", Console(stderr=True))
-
-
 def usage(error: Any) -> str:
     """Return the sentence of a usage error of typer, "" where typer printed the help in place of one."""
     report = getattr(error.__cause__, "errors", None)  # pydantic's, with which newer versions of typer read numbers
@@ -72,17 +63,3 @@ def _of_click(error: Any) -> tuple[str, str]:
     value, words, _ = getattr(error, "message", "").rpartition(" is not ")
     kind = getattr(getattr(getattr(error, "param", None), "type", None), "name", "") if words else ""
     return kind, value if value.startswith("'") else repr(value)
-
-
-def pairs(items: list[str] | None) -> dict[str, Any]:
-    """Parse KEY=VALUE texts into options; a value that is not TOML is a text."""
-    options: dict[str, Any] = {}
-    for item in items or []:
-        key, equals, value = item.partition("=")
-        if not equals or not key.strip():
-            raise BenchError(f"{item!r} is not KEY=VALUE, as in agents=300")
-        try:
-            options[key.strip()] = tomllib.loads(f"value = {value}")["value"]
-        except tomllib.TOMLDecodeError:
-            options[key.strip()] = value
-    return options

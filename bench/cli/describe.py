@@ -10,10 +10,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from bench._helpers.console import print_line
 from bench.cli import completion
-from bench.cli.console import pairs
 from bench.errors import BenchError
+from bench.helpers.console import pairs, print_line
 
 BESIDE = 4  # problems of one table
 
@@ -43,8 +42,8 @@ def describe(
     """
     import pandas as pd
 
-    from bench._helpers.atomic import replacing
     from bench.analysis.landscape import describe as described
+    from bench.helpers.atomic import replacing
     from bench.numbers import require_whole
     from bench.plugins import loading, selection
 

@@ -19,9 +19,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from bench._helpers.console import print_line
 from bench.cli import completion
 from bench.errors import BenchError
+from bench.helpers.console import print_line
 from bench.plugins import registry
 
 GROUPS = ("optimizers", "problems", "commands", "studies", "report_sections")

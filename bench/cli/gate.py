@@ -12,8 +12,8 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from bench._helpers.console import print_line
 from bench.cli import completion
+from bench.helpers.console import print_line
 
 STYLES = {"pass": "green", "worse": "red", "undecided": "yellow"}
 CODES = {"pass": 0, "worse": 1, "undecided": 3}
@@ -59,7 +59,7 @@ def gate(
     where A12 is shown to exceed 50% plus the margin, on average over the problems or on one of them, "pass" where it is
     shown to stay below on average (with --every-problem on each problem), and else "undecided".
     """
-    from bench._helpers.atomic import replacing
+    from bench.helpers.atomic import replacing
     from bench.report.gate import HEADS
     from bench.report.gate import gate as compare
 

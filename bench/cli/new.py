@@ -16,10 +16,10 @@ from typing import Annotated
 
 import typer
 
-from bench._helpers.atomic import replacing
-from bench._helpers.console import print_line
 from bench.cli import completion
 from bench.errors import BenchError, nearest
+from bench.helpers.atomic import replacing
+from bench.helpers.console import print_line
 from bench.plugins import registry
 
 

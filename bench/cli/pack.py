@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from bench._helpers.console import print_line
 from bench.cli.console import Output
+from bench.helpers.console import print_line
 
 
 def pack(

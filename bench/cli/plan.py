@@ -7,9 +7,9 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench._helpers.console import print_line
 from bench.cli.console import Output
 from bench.errors import BenchError
+from bench.helpers.console import print_line
 from bench.numbers import is_finite
 
 SHOWN = 20  # pairs that are printed; the report's table has all

@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench._helpers.console import print_line
 from bench.cli import completion
 from bench.cli.console import Against, Jobs, Rope, Targets
+from bench.helpers.console import print_line
 
 
 def report(

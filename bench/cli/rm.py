@@ -6,10 +6,10 @@ from typing import Annotated
 
 import typer
 
-from bench._helpers.console import print_line
 from bench.cli import completion
 from bench.cli.console import Output
 from bench.errors import BenchError, nearest
+from bench.helpers.console import print_line
 
 
 def remove(

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from bench._helpers.console import duration, print_line
-from bench._helpers.text import listed
 from bench.cli import completion
 from bench.cli.check import check_folder
-from bench.cli.console import Against, Constraints, Jobs, Rope, Sandbox, Strict, Targets, print_error
+from bench.cli.console import Against, Constraints, Jobs, Rope, Sandbox, Strict, Targets
 from bench.cli.report import published, report_on
 from bench.cli.verify import verify_folder
 from bench.errors import BenchError
+from bench.helpers.console import duration, print_error, print_line
+from bench.helpers.text import listed
 
 if TYPE_CHECKING:
     from bench.execution.plan import Plan

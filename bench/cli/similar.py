@@ -10,10 +10,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from bench._helpers.console import print_line
 from bench.cli import completion
-from bench.cli.console import Parameters, pairs
+from bench.cli.console import Parameters
 from bench.errors import BenchError
+from bench.helpers.console import pairs, print_line
 
 
 def similar(
@@ -45,10 +45,10 @@ def similar(
     eighth of its budget. These trials do not distinguish the optimizers of one cluster: permutation tests of all pairs,
     adjusted by Holm's method, at 5%. Options of --set go to all.
     """
-    from bench._helpers.atomic import replacing
     from bench.analysis.similarity import similarity
     from bench.check.behaviour import behaviours, common_problems, recorder
     from bench.execution.progress import steps
+    from bench.helpers.atomic import replacing
     from bench.numbers import require_whole
     from bench.plots import style
     from bench.plots.similarity import similarity_map

@@ -11,8 +11,9 @@ from rich.table import Table
 from rich.text import Text
 
 from bench.cli import completion
-from bench.cli.console import Constraints, Parameters, pairs, print_error
+from bench.cli.console import Constraints, Parameters
 from bench.errors import BenchError
+from bench.helpers.console import pairs, print_error
 
 
 def solve(

@@ -13,8 +13,8 @@ from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from bench._helpers.console import duration, print_line
 from bench.cli.console import Output
+from bench.helpers.console import duration, print_line
 
 if TYPE_CHECKING:
     from bench.storage.folder import Folder

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from bench._helpers.console import duration, print_line
-from bench._helpers.text import option
-from bench.cli.console import Jobs, Parameters, pairs, print_error
+from bench.cli.console import Jobs, Parameters
 from bench.errors import BenchError
+from bench.helpers.console import duration, pairs, print_error, print_line
+from bench.helpers.text import option
 
 if TYPE_CHECKING:
     from bench.tuning.tune import Setting
@@ -55,9 +55,9 @@ def tune(
     same study. Parameters of --set are fixed for all optimizers. The conditions of a comparison, agents, handling and
     start, keep their defaults but for those of --condition.
     """
-    from bench._helpers.atomic import replacing
     from bench.errors import require
     from bench.execution.progress import steps
+    from bench.helpers.atomic import replacing
     from bench.numbers import require_positive, require_whole
     from bench.plugins import loading
     from bench.report.wording import count

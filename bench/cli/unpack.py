@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from bench._helpers.console import print_line
+from bench.helpers.console import print_line
 
 
 def unpack(

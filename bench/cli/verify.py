@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench._helpers.console import print_line
-from bench.cli.console import Output, Sandbox, Strict, print_error
+from bench.cli.console import Output, Sandbox, Strict
+from bench.helpers.console import print_error, print_line
 
 
 def verify(

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from bench._helpers.text import printable
+from bench.helpers.text import printable
 from bench.objective import Trace
 from bench.trial import Result
 from bench.typing import Flags, Floats

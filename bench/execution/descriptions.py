@@ -7,9 +7,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
-from bench._helpers.text import printable
 from bench.errors import BenchError
 from bench.execution import trial_process
+from bench.helpers.text import printable
 from bench.plugins import loading
 from bench.sandbox import bubblewrap
 from bench.sandbox.process import DiedError, LostError, Process, RemoteError, TimeExceededError

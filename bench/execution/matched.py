@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from bench._helpers.text import free, option
 from bench.execution.descriptions import Description, describe
+from bench.helpers.text import free, option
 from bench.optimizer import CONDITIONS
 from bench.study import Entry, Study
 
@@ -139,7 +139,7 @@ def _accepted(
 
 
 def _value(text: str) -> Any:
-    """Return the value that a text of :func:`bench._helpers.text.option` stands for."""
+    """Return the value that a text of :func:`bench.helpers.text.option` stands for."""
     try:
         return json.loads(text)
     except ValueError:

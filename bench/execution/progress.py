@@ -19,9 +19,8 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from bench._helpers.console import duration, print_line
 from bench.execution.plan import Plan
-from bench.study.budget import described
+from bench.helpers.console import duration, print_line
 from bench.trial import Trial
 
 SHOWN = 20  # failures of an optimizer that are printed as they happen
@@ -112,7 +111,7 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
     size += f"{'at most ' if study.looks else ''}{study.trials} trials"
     part = f"; shard {plan.shard} of them: {total} runs" if plan.shard else f" = {total} runs"
     done = f", {present} of them already done" if present else ""
-    print_line(f"study {study.name}: {size}{part} of {described(study.budget)}{done}", console=console)
+    print_line(f"study {study.name}: {size}{part} of {study.budget_words}{done}", console=console)
     if study.looks:
         print_line(f"looks at {', '.join(map(str, study.looks))} trials: {_decided([], plan)}", console=console)
     for note in plan.notes:

@@ -13,11 +13,11 @@ from functools import partial
 from time import monotonic
 from typing import Any, TypeVar
 
-from bench._helpers.text import printable
 from bench.errors import BenchError
 from bench.execution import answers, trial_process
 from bench.execution.answers import RefusedError
 from bench.execution.templates import LOSSES, PRINTED, Templates
+from bench.helpers.text import printable
 from bench.plugins import from_file
 from bench.sandbox import bubblewrap
 from bench.sandbox.process import (

@@ -21,9 +21,9 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench import scoring
-from bench._helpers.text import option, printable
 from bench.errors import BenchError
 from bench.execution import strict
+from bench.helpers.text import option, printable
 from bench.objective import integer_flags, passes
 from bench.optimizer import CONDITIONS, defaults, settings
 from bench.problem import FunctionProblem, Problem
@@ -58,7 +58,7 @@ def check_problems() -> dict[str, Any]:
     try:
         study = _study()
         hashes, least = study.data(_problem)
-        modules = provenance.modules([scoring.plain(_problem(each.label)) for each in study.problems])
+        modules = provenance.modules([_problem(each.label).unscored for each in study.problems])
         return {"hashes": hashes, "least": least, "machine": provenance.machine(modules)}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
@@ -123,7 +123,7 @@ def load_problems(labels: list[str]) -> dict[str, Any]:
             continue
         with contextlib.suppress(BaseException):  # the trials will report it
             passes(_study().evaluations(problem.dimension), problem.dimension)
-            if (kind := type(scoring.plain(problem))) not in kinds:
+            if (kind := type(problem.unscored)) not in kinds:
                 kinds.add(kind)
                 problem.describe(problem.repair(problem.lower[np.newaxis])[0])
                 problem.evaluate(problem.lower[np.newaxis])
@@ -234,7 +234,7 @@ def _warm_up(load: Callable[[], Problem], optimizer: str, *, counts: bool) -> bo
     with contextlib.suppress(BaseException):  # the trial itself will report the error
         study = _study()
         loaded, chosen = load(), study.optimizer(optimizer)
-        kind = type(scoring.plain(loaded)), optimizer
+        kind = type(loaded.unscored), optimizer
         if kind in _warm:
             return False
         _warm.add(kind)

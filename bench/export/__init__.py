@@ -16,10 +16,10 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from bench._helpers.text import listed
 from bench.errors import BenchError, nearest
 from bench.export import coco, ioh, tabular
 from bench.export.trials import omission_notes
+from bench.helpers.text import listed
 from bench.storage.results import Results
 
 __all__ = ["FORMATS", "Format", "export"]

@@ -14,9 +14,9 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from bench._helpers.text import file_name
 from bench.errors import BenchError
 from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of, readme, readme_lines
+from bench.helpers.text import file_name
 from bench.storage.results import Results
 
 VERSION = "0.3.22"  # of the format

@@ -13,7 +13,6 @@ from bench.errors import require
 from bench.export.trials import readme
 from bench.objective import Trace
 from bench.storage.results import Results
-from bench.study.budget import described
 
 TEXTS = ("study", "problem", "optimizer", "status", "stop", "error")
 COUNTS = ("trial", "seed", "nfev", "outside_box")
@@ -41,7 +40,7 @@ def files(results: Results, kind: str) -> Iterator[tuple[str, str | bytes]]:
 
 def about(results: Results) -> str:
     """Return the export's README."""
-    return readme("tables", budget=described(results.study.budget))
+    return readme("tables", budget=results.study.budget_words)
 
 
 def trials(results: Results) -> pd.DataFrame:

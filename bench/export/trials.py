@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bench._helpers.text import file_name, unique
 from bench.analysis.cells import variables
 from bench.errors import BenchError
+from bench.helpers.text import file_name, unique
 from bench.objective import Trace
 from bench.storage.results import Results
 from bench.typing import Floats

@@ -12,8 +12,8 @@ from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
-from bench._helpers.text import printable
 from bench.errors import BenchError
+from bench.helpers.text import printable
 from bench.importing import coco, ioh, ioh_info, tables
 from bench.importing.runs import LONGEST, Run
 from bench.importing.source import Source, opened

@@ -20,8 +20,8 @@ from urllib.parse import quote
 
 from platformdirs import user_data_dir
 
-from bench._helpers.atomic import replacing
 from bench.errors import BenchError, nearest
+from bench.helpers.atomic import replacing
 from bench.importing import import_results
 from bench.importing.source import sha256_of
 from bench.storage import provenance

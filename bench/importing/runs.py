@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bench._helpers.text import printable
 from bench.errors import BenchError
+from bench.helpers.text import printable
 from bench.objective import Trace
 from bench.typing import Floats
 

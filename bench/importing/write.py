@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from bench._helpers.atomic import replacing
 from bench.errors import BenchError
+from bench.helpers.atomic import replacing
 from bench.importing import naming
 from bench.importing.runs import Run
 from bench.plugins.loading import IMPORTED

@@ -18,7 +18,6 @@ from bench.packing.contents import CRATE, SUMS, PackedFile
 from bench.storage.folder import STUDY
 from bench.storage.store import FILE as TRIALS
 from bench.study import Study
-from bench.study.budget import described
 
 PROFILE = "https://w3id.org/ro/crate/1.1"
 CONTEXT = [f"{PROFILE}/context", {"sha256": "http://schema.org/sha256"}]  # a term younger than the context
@@ -77,7 +76,7 @@ def describe(
         "name": study.title or study.name,
         "description": (
             f"Results of the study {study.name!r}: {trials:,} trials of {len(study.optimizers):,} optimizers{controls} "
-            f"on {len(study.problems):,} problems, {described(study.budget)} a trial."
+            f"on {len(study.problems):,} problems, {study.budget_words} a trial."
         ),
         "identifier": study.identity(),
         "dateCreated": dates[0],

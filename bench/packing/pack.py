@@ -14,9 +14,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from bench._helpers.atomic import replacing
 from bench.errors import BenchError
 from bench.execution.looks import stopped_cells
+from bench.helpers.atomic import replacing
 from bench.packing.contents import CRATE, NOTES, PAGE, SUMS, PackedFile, report_files
 from bench.packing.crate import Credits, describe, stated
 from bench.storage.folder import ENVIRONMENT, STUDY, Folder

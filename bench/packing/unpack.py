@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any
 from zlib import error as ZlibError  # noqa: N812 - zlib calls it error
 
-from bench._helpers.atomic import replacing
-from bench._helpers.text import printable
 from bench.errors import BenchError
+from bench.helpers.atomic import replacing
+from bench.helpers.text import printable
 from bench.packing.contents import CRATE, REQUIRED, SUMS, belongs
 from bench.packing.crate import listed
 from bench.storage.folder import Folder

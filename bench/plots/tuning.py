@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from bench._helpers.text import option
+from bench.helpers.text import option
 from bench.plots import style
 
 LOOKS = {"": (style.PALETTE[0], "o", 10), "default": (style.PALETTE[1], "s", 26), "best": (style.PALETTE[4], "D", 26)}

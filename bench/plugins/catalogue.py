@@ -8,8 +8,8 @@ import types
 from dataclasses import dataclass
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from bench._helpers.bibtex import parse
 from bench.errors import BenchError
+from bench.helpers.bibtex import parse
 from bench.optimizer import Optimizer
 from bench.plugins import from_file, loading, registry
 

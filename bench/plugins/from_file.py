@@ -17,9 +17,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from bench._helpers.text import listed
 from bench.errors import BenchError, nearest
 from bench.families import derive
+from bench.helpers.text import listed
 from bench.objective import Objective
 from bench.optimizer import Optimizer, build, is_frozen, settings
 

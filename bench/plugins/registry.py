@@ -93,8 +93,8 @@ def own() -> Distribution:
 
 
 def own_modules() -> list[str]:
-    """Return the names of this distribution's top-level modules beside ``bench``."""
-    return sorted({entry.module.partition(".")[0] for entry in own().entry_points} - {"bench"})
+    """Return the names of this distribution's top-level modules."""
+    return sorted({entry.module.partition(".")[0] for entry in own().entry_points})
 
 
 def conflict(module: str) -> str:

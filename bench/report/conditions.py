@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from bench._helpers.text import option
 from bench.execution.descriptions import Description
+from bench.helpers.text import option
 from bench.optimizer import CONDITIONS
 from bench.plugins.loading import is_built_in
 from bench.report.parts import Table

@@ -18,7 +18,6 @@ from bench.report.wording import count, listing, p_text
 from bench.storage.folder import Folder
 from bench.storage.results import Results
 from bench.study import Study
-from bench.study.budget import described
 
 AnyPath = str | PathLike[str]
 
@@ -164,7 +163,7 @@ def _worded(
     low, high = problems[["n_old", "n_new"]].to_numpy().min(), problems[["n_old", "n_new"]].to_numpy().max()
     measure = "final values" if target is None else f"evaluations to the precision {target:g}, else final values"
     sizes = f"{count(int(low), 'trial') if low == high else f'{low:,} to {high:,} trials'} of each on each"
-    conditions = f"{count(len(problems), 'problem')}, {sizes}, {described(findings.study.budget)}, by {measure}"
+    conditions = f"{count(len(problems), 'problem')}, {sizes}, {findings.study.budget_words}, by {measure}"
     meaning = "Old better: the chance that a trial of the old version ends better, ties counted half (A12)"
     allowed = f"the margin allows {found.bound:.1%}. A false alarm has a chance of at most {found.alpha:g}"
     notes = [f"{chosen[1]} against {chosen[0]}: {conditions}.", f"{meaning}; {allowed}, over all problems."]

@@ -12,7 +12,7 @@ from importlib.resources import files
 
 from jinja2 import Environment, PackageLoader, Template
 
-from bench._helpers.bibtex import ACCENTS, LETTERS
+from bench.helpers.bibtex import ACCENTS, LETTERS
 from bench.report.parts import Table, TableCell
 
 LINE = 84  # characters that a line of an article holds in a table's small type

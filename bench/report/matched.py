@@ -7,9 +7,9 @@ import math
 import pandas as pd
 
 from bench import analysis
-from bench._helpers.console import duration
 from bench.analysis.cells import complete_problems
 from bench.execution.matched import algorithms
+from bench.helpers.console import duration
 from bench.optimizer import CONDITIONS
 from bench.plugins import registry
 from bench.report.conditions import MOST_LABELS, by_value, conditions, grouped

@@ -13,7 +13,6 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from bench._helpers.bibtex import Work, parse, read
 from bench.analysis import ALPHA, TIED, Levels
 from bench.analysis.across import FEWER, MANY
 from bench.analysis.cells import NEAR
@@ -23,6 +22,7 @@ from bench.analysis.instances import SOLVED
 from bench.analysis.pairwise import RESAMPLES
 from bench.errors import BenchError
 from bench.execution.descriptions import Description
+from bench.helpers.bibtex import Work, parse, read
 from bench.report import problem_words
 from bench.report.conditions import conditions
 from bench.report.latex import escape

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bench._helpers.text import option
+from bench.helpers.text import option
 
 MISSING = "–"
 MOST_LEADERS = 8  # optimizers that a sentence names

@@ -16,8 +16,8 @@ import matplotlib.figure
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from bench._helpers.text import file_name, free, slug
 from bench.errors import BenchError
+from bench.helpers.text import file_name, free, slug
 from bench.importing.best2009 import NAME
 from bench.plots import style
 from bench.plugins import registry
@@ -32,7 +32,6 @@ from bench.report.sections import CLOSING, OPENING
 from bench.report.wording import count
 from bench.storage.results import Results
 from bench.study import rope as ropes
-from bench.study.budget import described
 from bench.study.targets import checked
 
 PAGE, MANIFEST = "report.html", ".report.json"
@@ -169,7 +168,7 @@ class _Report:
             f"Study {study.name}: {count(len(study.optimizers), 'optimizer')} on "
             f"{count(len(study.problems), 'problem')}, "
             f"{each_problem(self.findings.replications, at_most=study.trials if study.looks else 0)}, "
-            f"{described(study.budget)} a trial."
+            f"{study.budget_words} a trial."
         )
         further = interactive(self.findings)
         html = render(study.title or study.name, lead, self.views, self.problems, further)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from bench._helpers.text import printable
+from bench.helpers.text import printable
 
 _LONGEST = 300  # characters of an exception's line
 _LAST = 1000  # characters kept of the output of a process that ended

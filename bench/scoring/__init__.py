@@ -1,5 +1,5 @@
 """What is recorded where an optimizer sees something else: constraints, noise and integer variables."""
 
-from bench.scoring.problem import Scored, objective, plain, scored
+from bench.scoring.problem import Scored, objective, scored
 
-__all__ = ["Scored", "objective", "plain", "scored"]
+__all__ = ["Scored", "objective", "scored"]

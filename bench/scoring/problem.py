@@ -63,6 +63,11 @@ class Scored(Problem):
         if not handling:  # handled constraints confine all optimizers alike
             self.repaired_optimum = problem.repaired_optimum
 
+    @property
+    def unscored(self) -> Problem:
+        """The problem whose values are recorded."""
+        return self.problem
+
     def evaluate(self, x: Floats) -> Floats:
         """Return the (n,) values recorded of the (n, d) points ``x``: true ones, and +inf where they are infeasible."""
         x = self.rounded(x)
@@ -232,11 +237,6 @@ def _check_integer(problem: Problem, flags: Flags) -> None:
                 f"problem {problem.name!r}: its integer variable {problem.variables[int(wrong.argmax())]!r} is bounded "
                 f"by {float(bounds[wrong][0])!r}; give whole numbers as bounds"
             )
-
-
-def plain(problem: Problem) -> Problem:
-    """Return the problem that a :class:`Scored` one stands for, and any other problem as it is."""
-    return problem.problem if isinstance(problem, Scored) else problem
 
 
 def objective(

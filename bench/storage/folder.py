@@ -15,9 +15,9 @@ from typing import Any
 import psutil
 from filelock import FileLock, Timeout
 
-from bench._helpers.atomic import replacing
-from bench._helpers.text import listed
 from bench.errors import BenchError
+from bench.helpers.atomic import replacing
+from bench.helpers.text import listed
 from bench.storage import provenance, under_way
 from bench.storage.reading import StoreCheck
 from bench.storage.store import DamagedStoreError, Store

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
-from bench._helpers.atomic import replacing
 from bench.errors import BenchError
+from bench.helpers.atomic import replacing
 from bench.storage.folder import ENVIRONMENT, Folder
 from bench.storage.merge import copy
 from bench.storage.reading import Reader, StoreCheck

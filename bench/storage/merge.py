@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
-from bench._helpers.text import listed
 from bench.errors import BenchError
+from bench.helpers.text import listed
 from bench.storage.folder import Folder
 from bench.storage.rows import disagreement
 from bench.storage.writing import Writer

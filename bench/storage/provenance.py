@@ -23,7 +23,7 @@ from typing import Any
 import psutil
 from threadpoolctl import threadpool_info
 
-from bench._helpers.text import printable
+from bench.helpers.text import printable
 from bench.plugins import registry
 from bench.storage.versions import checkout_states, content_hash, own_state, package_versions
 from bench.study import Fingerprints, Study

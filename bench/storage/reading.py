@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any
 
-from bench._helpers.text import printable
+from bench.helpers.text import printable
 from bench.storage.committed import Committed
 from bench.storage.rows import COLUMNS, MEASURED, TEXTS, binding, digest
 from bench.storage.traces import Key

@@ -15,21 +15,20 @@ from typing import Any
 
 import pandas as pd
 
-from bench._helpers.text import html_table, unique
 from bench.errors import BenchError
 from bench.families import dimension_in
+from bench.helpers.text import html_table, unique
 from bench.objective import integer_flags
 from bench.plugins import selection
 from bench.plugins.loading import is_imported
 from bench.problem import Problem
-from bench.scoring import Scored, plain
+from bench.scoring import Scored
 from bench.storage.folder import Folder
 from bench.storage.reading import READ, StoreCheck
 from bench.storage.tidy import Tidy
 from bench.storage.traces import Traces
 from bench.storage.union import differences, united
 from bench.study import Study
-from bench.study.budget import described
 from bench.trial import PRECISION
 
 AnyPath = str | PathLike[str]
@@ -123,7 +122,7 @@ class Results:
             for cell in source.folder.store.cells() if source.folder.store.exists else ():
                 counts[source.shown.get(cell.optimizer, cell.optimizer)].update(cell.status)
         rows = [(label, f"{each['ok']:,}", f"{each.total() - each['ok']:,}") for label, each in counts.items()]
-        about = f"{len(self.study.problems):,} problems, {described(self.study.budget)}"
+        about = f"{len(self.study.problems):,} problems, {self.study.budget_words}"
         return html_table(f"Results of study {self.study.name}: {about}", rows, ("optimizer", "trials", "failed"))
 
     @property
@@ -255,11 +254,11 @@ class Results:
                 dict(zip(problem.variables, box, strict=True)),
                 features,
                 constraints=problem.handling if isinstance(problem, Scored) and noted else "",
-                noisy=plain(problem).noisy,
+                noisy=problem.unscored.noisy,
                 integers=tuple(compress(problem.variables, integer_flags(problem))),
                 repaired_optimum=repaired if repaired != optimum else None,
-                optimum_source=str(plain(problem).optimum_source),
-                measure=str(plain(problem).measure),
+                optimum_source=str(problem.unscored.optimum_source),
+                measure=str(problem.unscored.measure),
             )
         except BenchError as error:
             return ProblemFacts(reason=str(error))

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from bench._helpers.text import printable
 from bench.errors import BenchError
+from bench.helpers.text import printable
 from bench.storage import committed
 from bench.storage.committed import Committed, Note
 from bench.storage.reading import Reader, StoreCheck

@@ -88,8 +88,8 @@ def differences(studies: Sequence[Study], names: Sequence[str]) -> list[str]:
 def _require_alike(first: Study, study: Study) -> None:
     if study.budget != first.budget:
         raise BenchError(
-            f"study {first.name!r} has a budget of {described(first.budget)} and {study.name!r} one of "
-            f"{described(study.budget)}; only runs of one budget can be compared"
+            f"study {first.name!r} has a budget of {first.budget_words} and {study.name!r} one of "
+            f"{study.budget_words}; only runs of one budget can be compared"
         )
     if study.constraints != first.constraints:
         raise BenchError(

@@ -15,8 +15,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from bench._helpers.text import printable, unique
 from bench.errors import BenchError
+from bench.helpers.text import printable, unique
 from bench.plugins import registry
 
 PACKAGES = (registry.DISTRIBUTION, "numpy", "scipy", "numba", "cma", "joblib", "pandas")

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import tomli_w
 
-from bench._helpers.text import html_table, listed
 from bench.errors import BenchError, nearest
+from bench.helpers.text import html_table, listed
 from bench.numbers import require_whole
 from bench.optimizer import Optimizer
 from bench.plugins import loading, registry, selection
@@ -187,6 +187,11 @@ class Study:
         """Return the evaluations of a trial in this dimension; raises BenchError where the budget has none."""
         return budgets.evaluations(self.budget, dimension)
 
+    @property
+    def budget_words(self) -> str:
+        """The budget of a trial in words, such as ``"10,000 d evaluations"``."""
+        return budgets.described(self.budget)
+
     def beside(self, optimizers: Iterable[str] = (), problems: Iterable[str] = ()) -> Study:
         """Return a copy with more optimizers and problems, by name or pattern; raises BenchError for a label twice."""
         both: dict[str, Any] = {}
@@ -308,7 +313,7 @@ class Study:
             (f"problems ({len(self.problems):,})", listed([entry.label for entry in self.problems], 10)),
             (f"optimizers ({len(self.optimizers):,})", listed([entry.label for entry in self.optimizers], 10)),
             ("trials of each on each", f"{self.trials:,}"),
-            ("budget of a trial", budgets.described(self.budget)),
+            ("budget of a trial", self.budget_words),
             ("seed", self.seed),
         ]
         return html_table(f"Study {self.name}", rows)

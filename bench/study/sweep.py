@@ -12,8 +12,8 @@ from itertools import product
 from math import prod
 from typing import Any
 
-from bench._helpers.text import option
 from bench.errors import BenchError
+from bench.helpers.text import option
 
 MOST = 1_000
 """The largest number of combinations of one sweep: each is an optimizer of the study."""

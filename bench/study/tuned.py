@@ -19,7 +19,7 @@ from bench.study.budget import Budget
 from bench.study.budget import checked as checked_budget
 
 AUTOMATIC = "null"
-"""The text of a value that the optimizer chooses by itself, as :func:`bench._helpers.text.option` writes None."""
+"""The text of a value that the optimizer chooses by itself, as :func:`bench.helpers.text.option` writes None."""
 
 
 @dataclass(frozen=True)

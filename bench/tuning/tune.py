@@ -19,10 +19,10 @@ import numpy as np
 import pandas as pd
 from filelock import FileLock, Timeout
 
-from bench._helpers.text import option, printable
 from bench.analysis.finished_trials import NO_TRACE
 from bench.analysis.target_sets import aocc
 from bench.errors import BenchError, require
+from bench.helpers.text import option, printable
 from bench.objective import Trace
 from bench.optimizer import CONDITIONS
 from bench.plugins import loading

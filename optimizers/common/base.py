@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal, TypeVar, cast
 
 import numpy as np
 
-from bench._helpers.bibtex import read
+from bench.helpers import read
 from bench.objective import Objective
 from bench.optimizer import Optimizer, parameter
 from bench.typing import Floats

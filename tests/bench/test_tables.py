@@ -6,8 +6,8 @@ from html.parser import HTMLParser
 import pytest
 
 import bench
-from bench._helpers.text import html_table, listed
 from bench.check.verdict import Checkup, Verdict
+from bench.helpers.text import html_table, listed
 from bench.study import Entry, Study
 
 HOSTILE = "<script>alert(1)</script> & \"'"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, FunctionProblem, Objective, solve
-from bench._helpers.bibtex import parse
+from bench.helpers.bibtex import parse
 from bench.seeds import streams
 from optimizers.minion import TABLE, minion
 from tests.optimizers.observed import OPTIMUM, Ordered, Watched, trace

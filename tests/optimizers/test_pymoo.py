@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError, FunctionProblem, Objective, solve
-from bench._helpers.bibtex import parse
+from bench.helpers.bibtex import parse
 from bench.seeds import streams
 from optimizers.common.family import global_random_state
 from optimizers.pymoo import FOLDER, TABLE, prepare, pymoo

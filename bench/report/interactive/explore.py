@@ -23,7 +23,6 @@ from bench.report.findings import Findings
 from bench.report.interactive.coding import coded, packed, short, signal
 from bench.report.interactive.command import optimizer_words, problem_words
 from bench.report.target_words import target_words
-from bench.scoring import plain
 from bench.study import Entry
 from bench.trial import FRAME_COLUMNS, PRECISION
 from bench.typing import Floats
@@ -255,7 +254,7 @@ class _Explored:
         if self.findings.known[label].reason:
             return None
         try:
-            data = plain(self.findings.results.problem(label)).fitted_data()
+            data = self.findings.results.problem(label).unscored.fitted_data()
             if data is None or not len(data.t):
                 return None
             t = np.asarray(data.t, dtype=np.float64)

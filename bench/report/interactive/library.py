@@ -10,8 +10,8 @@ from pathlib import Path
 
 from platformdirs import user_cache_dir
 
-from bench._helpers.atomic import replacing
 from bench.errors import BenchError
+from bench.helpers.atomic import replacing
 
 PACKAGE = "vl-convert-python"
 

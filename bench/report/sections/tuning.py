@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from bench._helpers.text import option
+from bench.helpers.text import option
 from bench.optimizer import CONDITIONS
 from bench.plots import style
 from bench.plots.tuning import sensitivity
@@ -131,7 +131,7 @@ def _warnings(findings: Findings, tuning: Tuning, known: list[Tuned]) -> list[st
     study = findings.results.study
     if study.budget != tuning.budget:
         found.append(
-            f"The trials here had {described(study.budget)}, the tuning {described(tuning.budget)}; the best "
+            f"The trials here had {study.budget_words}, the tuning {described(tuning.budget)}; the best "
             "parameters depend on the budget."
         )
     names = {entry.name for entry in study.problems}

@@ -21,7 +21,6 @@ from bench.report.sections.power import error_text
 from bench.report.sections.trials import NOT_ADJUSTED, extension_text
 from bench.report.winner import TIED, WINNER_RULE, Across, Stage, Standing, verdict
 from bench.report.wording import count, listing, p_text, unfinished_trials
-from bench.study.budget import described
 
 TITLE = "Verdict"
 NEAR = 0.01  # of the best known value
@@ -68,7 +67,7 @@ def standing(findings: Findings) -> Standing:
     least, most = findings.trials
     return Standing(
         ranking, beaten, _across(findings), findings.levels, len({findings.blocks[str(each)] for each in complete}),
-        budget=findings.common_words.removeprefix("at ") or described(findings.study.budget),
+        budget=findings.common_words.removeprefix("at ") or findings.study.budget_words,
         problem=str(complete[0]) if len(complete) == 1 else "",
         trials=count(least, "trial") if least == most else f"{least} to {count(most, 'trial')}",
         conditions=differing(findings),
@@ -190,7 +189,7 @@ def _evidence(findings: Findings) -> str:
     parts += [f"{levels.across:g} for tests over all"] if levels.across else []
     alpha = f"alpha = {ALPHA:g}" + (f" ({listing(parts)})" if len(parts) > 1 else "")
     return (
-        f"n = {trials} of at most {described(study.budget)} on each of N = {count(len(findings.medians), 'problem')}; "
+        f"n = {trials} of at most {study.budget_words} on each of N = {count(len(findings.medians), 'problem')}; "
         f"{alpha}, adjusted by Holm’s method over all pairs and problems; in brackets: 95% intervals"
         + (f"; failed: {listing(lost)}" if lost else "")
         + "."

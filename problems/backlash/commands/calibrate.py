@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from bench._helpers.console import print_line
 from bench.errors import BenchError
+from bench.helpers import print_line
 from problems.backlash.commands import Force
 
 

@@ -1,48 +1,26 @@
-"""bench data: get the published recordings, and check them; names such as bbob/DIRECT are COCO's archive's."""
+"""bench data: get the published recordings, and check them."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from bench._helpers.console import print_line
-from bench.cli import archive
 from bench.errors import BenchError
+from bench.helpers import print_line
 
 VARIABLE = "$BENCH_PUBLISHED_DATA"
 
 data = typer.Typer(help="Get the thesis authors' published recordings, and check them.", no_args_is_help=True)
 
 
-@data.command("list")
-def list_sets(
-    suite: Annotated[str, typer.Argument(help="A suite of COCO's archive, such as bbob.")] = "bbob",
-    source: Annotated[Path | None, typer.Option("--from", help="A folder that has the archive's list.")] = None,
-) -> None:
-    """List the published results of COCO's archive, as 'bench archive list' does."""
-    archive.list_sets(suite, source)
-
-
 @data.command()
 def fetch(
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[NAME…]", help="Sets of COCO's archive, such as bbob/BIPOP-CMA-ES, instead."),
-    ] = None,
     source: Annotated[
         Path | None, typer.Option("--from", help="A folder that has them, such as a clone; nothing is downloaded.")
     ] = None,
     to: Annotated[Path | None, typer.Option(help=f"The folder to keep them in, instead of {VARIABLE}.")] = None,
 ) -> None:
-    """Get the recordings that the thesis's authors published (20 MB), and check the SHA-256 of each.
-
-    With names, get these published results of COCO's archive, as 'bench archive fetch' does.
-    """
-    if names:
-        if to is not None:
-            raise BenchError("--to is for the recordings; results of COCO's archive are kept in $BENCH_ARCHIVE")
-        archive.fetch(names, source)
-        return
+    """Get the recordings that the thesis's authors published (20 MB), and check the SHA-256 of each."""
     from problems.backlash.published import download
 
     folder = to or download.data_folder()

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from bench._helpers.console import print_line
-from bench.cli.console import pairs, print_error
 from bench.errors import BenchError
+from bench.helpers import pairs, print_error, print_line
 from problems.backlash import EARLY_RAD
 
 if TYPE_CHECKING:

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from bench._helpers.atomic import replacing
-from bench._helpers.console import print_line
 from bench.errors import BenchError
+from bench.helpers import print_line, replacing
 from problems.backlash.commands import Force
 
 if TYPE_CHECKING:

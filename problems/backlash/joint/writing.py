@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from bench._helpers.atomic import replacing
 from bench.errors import BenchError, require
+from bench.helpers import replacing
 from bench.typing import Floats
 
 KINDS = (".csv", ".xlsx", ".parquet")  # of recording files

@@ -13,8 +13,8 @@ from urllib.parse import quote, urlsplit
 
 from platformdirs import user_data_dir
 
-from bench._helpers.atomic import replacing
 from bench.errors import BenchError
+from bench.helpers import replacing
 
 REPOSITORY = "ElianaGiovannitti/Backlash-estimation"
 COMMIT = "7c81edefe3e61479d234d5080d4627dbbf584733"

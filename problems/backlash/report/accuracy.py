@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from bench import Results
 from bench.plots import style
-from bench.report.wording import listing
+from bench.report import listing
 
 LEFT, ACROSS = 0.45, 0.1  # inches
 LABEL = 18  # characters of a dataset's name, such as "noisy-02 high"

@@ -14,8 +14,7 @@ from scipy.stats import binomtest, spearmanr
 from bench import Study
 from bench.analysis import ALPHA, labels
 from bench.plots import style
-from bench.report import Figure, Section, Table
-from bench.report.wording import count, leaders, listing
+from bench.report import Figure, Section, Table, count, leaders, listing
 from problems.backlash.report.accuracy import (
     dataset_panels,
     errors_by,

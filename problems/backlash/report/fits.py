@@ -12,8 +12,7 @@ import pandas as pd
 from bench import Results
 from bench.analysis import labels
 from bench.plots import style
-from bench.report import Figure, Section
-from bench.report.wording import count
+from bench.report import Figure, Section, count
 from bench.typing import Floats
 from problems.backlash.report.accuracy import short
 from problems.backlash.report.reference import signature_problems

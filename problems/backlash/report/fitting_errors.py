@@ -10,9 +10,7 @@ import pandas as pd
 
 from bench import Study
 from bench.analysis import ALPHA, comparison_matrix, pairwise_tests, summarise, table
-from bench.report import Section, Table
-from bench.report.wording import count, leaders, listing
-from bench.study.budget import described
+from bench.report import Section, Table, count, leaders, listing
 
 TITLE = "Fitting error (thesis Table 7.2)"
 SWARMS = ("alo", "goa", "da", "gwo")  # the columns of Table 7.2
@@ -173,7 +171,7 @@ def other_conditions(study: Study) -> str:
     if (study.trials, study.budget) == (PUBLISHED_TRIALS, PUBLISHED_BUDGET):
         return ""
     return (
-        f" This run has {count(study.trials, 'trial')} of {described(study.budget)}, the thesis {PUBLISHED_TRIALS} of "
+        f" This run has {count(study.trials, 'trial')} of {study.budget_words}, the thesis {PUBLISHED_TRIALS} of "
         f"{PUBLISHED_BUDGET:,}, so it is no repetition."
     )
 
@@ -210,7 +208,7 @@ def conditions(study: Study) -> str:
         return f"Both are means over {asked}."
     return (
         f"The published means are over {asked}; these are over {count(study.trials, 'trial')} of "
-        f"{described(study.budget)}, so they need not agree."
+        f"{study.budget_words}, so they need not agree."
     )
 
 

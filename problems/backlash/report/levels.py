@@ -6,8 +6,7 @@ from matplotlib.axes import Axes
 
 from bench.analysis import labels
 from bench.plots import style
-from bench.report import Figure, Section, Table
-from bench.report.wording import count, listing
+from bench.report import Figure, Section, Table, count, listing
 from problems.backlash.report import accuracy
 from problems.backlash.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM
 

@@ -10,9 +10,7 @@ from matplotlib.axes import Axes
 from bench import Results, Study
 from bench.analysis import labels
 from bench.plots import style
-from bench.report import Figure, Part, Section, Table
-from bench.report.wording import count, listing
-from bench.scoring import plain
+from bench.report import Figure, Part, Section, Table, count, listing
 from problems.backlash.published.recordings import table_7_3
 from problems.backlash.report.accuracy import estimates
 from problems.backlash.report.fitting_errors import conditions
@@ -99,7 +97,7 @@ def best_fits(results: Results, cells: pd.DataFrame) -> pd.DataFrame:
 
 def _amplitudes_of_best(results: Results, label: str) -> tuple[float, float]:
     """Return |A| in rps of the best fit inside the box, which CMA-ES searched for, and the sensor's amplitude."""
-    problem = plain(results.problem(label))
+    problem = results.problem(label).unscored
     if not isinstance(problem, SignatureFit):
         return float("nan"), float("nan")
     size = problem.describe(problem.reference().x)["amplitude_rpm"] / 60

@@ -8,10 +8,7 @@ import pandas as pd
 
 from bench import Results, Study
 from bench.analysis import labels, scores
-from bench.report import Section, Table
-from bench.report.conditions import repairing
-from bench.report.wording import count, listing
-from bench.scoring import plain
+from bench.report import Section, Table, count, listing, repairing
 from problems.backlash.signature.model import TAU
 from problems.backlash.signature.problem import FOUND, TOLERANCE_RPM, SignatureFit
 
@@ -47,7 +44,7 @@ def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
 def signature_problems(results: Results, frame: pd.DataFrame) -> dict[str, SignatureFit]:
     """Return the signature problems of a frame that can be loaded, by label."""
     known = {
-        label: plain(results.problem(label)) for label in labels(frame, "problem") if not results.facts(label).reason
+        label: results.problem(label).unscored for label in labels(frame, "problem") if not results.facts(label).reason
     }
     return {label: each for label, each in known.items() if isinstance(each, SignatureFit)}
 

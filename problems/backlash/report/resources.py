@@ -9,9 +9,7 @@ import pandas as pd
 
 from bench import Study
 from bench.analysis import timing
-from bench.report import Section, Table
-from bench.report.plots import timing_figure
-from bench.report.wording import listing, seconds
+from bench.report import Section, Table, listing, seconds, timing_figure
 
 TITLE = "Execution time (thesis Fig. 7.5) and memory"
 HARNESS = "random-search"  # its search needs nothing of its own

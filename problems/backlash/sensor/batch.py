@@ -11,9 +11,9 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError
+from bench.helpers import printable
 from bench.numbers import require_whole
 from bench.optimizer import Optimizer
-from bench.sandbox.messages import describe_error
 from bench.seeds import trial_seed
 from bench.typing import Floats
 from problems.backlash.recordings import Recording
@@ -47,7 +47,7 @@ class RunSettings:
 
     def optimizer(self) -> Optimizer:
         """Return the optimizer, loaded where it runs: a class from a file cannot be sent to another process."""
-        from bench.plugins.loading import load_optimizer
+        from bench import load_optimizer
 
         return load_optimizer(self.name, **self.options)
 
@@ -130,7 +130,8 @@ def _estimated(
         sentence = str(error)
         return Failed(path, sentence if str(path) in sentence else f"{path}: {sentence}")
     except Exception as error:  # a fault of this program costs no other recording
-        return Failed(path, f"{path}: the estimate failed with {describe_error(error)}")
+        reason = printable(f"{type(error).__name__}: {error}", 300)
+        return Failed(path, f"{path}: the estimate failed with {reason}")
 
 
 def _lost(path: Path, how: str) -> Failed:
@@ -143,7 +144,7 @@ def repeat(found: Estimate, settings: Settings, runs: RunSettings) -> RepeatedRu
     Raises:
         BenchError: where the optimizer fails.
     """
-    from bench.execution.solve import solve
+    from bench import solve
 
     problem = signature_problem(found.recording, settings, found.period_s)
     optimizer = runs.optimizer()

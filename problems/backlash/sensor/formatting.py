@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from bench._helpers.console import print_line
+from bench.helpers import print_line
 from problems.backlash.sensor.batch import Estimated, Failed, RepeatedRuns
 from problems.backlash.sensor.estimate import Estimate, Settings, why_undecided
 from problems.backlash.sensor.recording_files import Series

@@ -10,9 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, MultipleLocator
 
-from bench._helpers.atomic import replacing
-from bench._helpers.text import file_name, unique
 from bench.errors import BenchError
+from bench.helpers import file_name, replacing, unique
 from bench.plots import style
 from problems.backlash.sensor.batch import Estimated
 from problems.backlash.sensor.estimate import Estimate, Settings

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from bench._helpers.atomic import replacing
 from bench.errors import BenchError, nearest
+from bench.helpers import replacing
 from bench.numbers import require_positive
 from bench.typing import Floats
 from problems.backlash import LEVELS

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 from platformdirs import user_cache_dir
 
-from bench._helpers.atomic import replacing
 from bench.errors import BenchError
+from bench.helpers import replacing
 from bench.numbers import require_whole
 from problems.backlash import LEVELS
 from problems.backlash.joint import Joint, half_gap, parameters, simulate, simulator, with_noise

@@ -12,7 +12,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from bench._helpers.atomic import replacing
+from bench.helpers import replacing
 from bench.plots import style
 from problems.backlash import LEVELS
 from problems.backlash.joint import Joint, half_gap, simulate

@@ -5,9 +5,9 @@ import re
 import pytest
 
 from bench import BenchError, Results
-from bench._helpers.text import file_name
 from bench.export import FORMATS, coco, export
 from bench.export.trials import folders_of
+from bench.helpers.text import file_name
 from bench.storage.folder import Folder
 from bench.study import Study
 from tests.bench.export.made import FAILED, HOSTILE, contents, exported, make, needs, some_fail

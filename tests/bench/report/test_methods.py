@@ -9,8 +9,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from bench._helpers.bibtex import parse
 from bench.execution.descriptions import Description
+from bench.helpers.bibtex import parse
 from bench.plugins import registry
 from bench.report.methods import (
     LATEX,

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 import optimizers
-from bench._helpers.bibtex import parse
+from bench.helpers.bibtex import parse
 
 LOOPS = """
 import math

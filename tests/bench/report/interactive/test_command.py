@@ -2,7 +2,7 @@ import shlex
 
 import pytest
 
-from bench.cli.console import pairs
+from bench.helpers.console import pairs
 from bench.report.interactive.command import optimizer_words, problem_words
 from bench.study import Entry, Study
 

@@ -1,6 +1,6 @@
 import pytest
 
-from bench._helpers.atomic import replacing
+from bench.helpers.atomic import replacing
 
 
 @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), ValueError("no")])

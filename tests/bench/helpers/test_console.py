@@ -1,6 +1,6 @@
 """Lines on the terminal."""
 
-from bench._helpers.console import print_line
+from bench.helpers.console import print_line
 
 
 def test_a_line_is_printed_as_it_is(capsys):

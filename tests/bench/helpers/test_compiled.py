@@ -1,4 +1,4 @@
-from bench._helpers.compiled import compiled
+from bench.helpers.compiled import compiled
 
 
 def test_without_a_folder_for_numbas_cache_the_loop_is_compiled_nevertheless():

@@ -3,7 +3,7 @@
 import pytest
 
 from bench import BenchError
-from bench._helpers.bibtex import parse
+from bench.helpers.bibtex import parse
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from bench._helpers.text import file_name, free, printable, unique
+from bench.helpers.text import file_name, free, printable, unique
 
 HOSTILE = [
     "../../etc/passwd",

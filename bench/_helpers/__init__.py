@@ -1,1 +1,0 @@
-"""Small helpers of the harness, which know nothing of benchmarking; not for plug-ins."""

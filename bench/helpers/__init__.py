@@ -1,0 +1,8 @@
+"""Small helpers that know nothing of benchmarking; plug-ins may use those that are named here."""
+
+from bench.helpers.atomic import replacing
+from bench.helpers.bibtex import read
+from bench.helpers.console import pairs, print_error, print_line
+from bench.helpers.text import file_name, printable, unique
+
+__all__ = ["file_name", "pairs", "print_error", "print_line", "printable", "read", "replacing", "unique"]

@@ -1,0 +1,54 @@
+"""What commands share: lines printed unchanged, errors, durations as text, and options given as KEY=VALUE."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import TYPE_CHECKING, Any
+
+from bench.errors import BenchError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+# rich is imported at the first line: optimizers import this package, and their processes print nothing.
+
+
+def print_line(text: str, style: str | None = None, console: Console | None = None) -> None:
+    """Print a text unchanged: without wrapping its lines or reading brackets as markup."""
+    from rich.console import Console
+
+    (console or Console()).print(text, style=style, markup=False, emoji=False, highlight=False, soft_wrap=True)
+
+
+def print_error(message: str) -> None:
+    """Print one red line on standard error."""
+    from rich.console import Console
+
+    print_line(f"bench: {message}", "red", Console(stderr=True))
+
+
+def duration(seconds: float) -> str:
+    """Return a duration as text, to two units: "8 s", "12 min", "3 h 5 min", "2 d 4 h"."""
+    whole = round(seconds)
+    if whole < 120:
+        return f"{whole} s"
+    minutes, hours = round(whole / 60), round(whole / 3600)
+    if minutes < 120:
+        return f"{minutes} min"
+    if hours < 48:
+        return f"{minutes // 60} h {minutes % 60} min"
+    return f"{hours // 24} d {hours % 24} h"
+
+
+def pairs(items: list[str] | None) -> dict[str, Any]:
+    """Parse KEY=VALUE texts into options; a value that is not TOML is a text."""
+    options: dict[str, Any] = {}
+    for item in items or []:
+        key, equals, value = item.partition("=")
+        if not equals or not key.strip():
+            raise BenchError(f"{item!r} is not KEY=VALUE, as in agents=300")
+        try:
+            options[key.strip()] = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            options[key.strip()] = value
+    return options
