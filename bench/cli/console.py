@@ -10,35 +10,52 @@ import typer
 from bench.cli import completion
 from bench.numbers import span
 
+STUDY, MACHINES, PROTECTION, REPORT = "The study", "Machines", "Protection", "Afterwards"
+"""The headings under which the help of a command with many options has them."""
+
 Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.", autocompletion=completion.folders)]
 Jobs = Annotated[int, typer.Option(help="Worker processes; -1 takes every core.")]
 Against = Annotated[
     list[str] | None,
     typer.Option(
         metavar="NAME",
+        rich_help_panel=REPORT,
         help="Compare with a published data set of COCO's archive, such as bbob/BIPOP-CMA-ES, or show the running "
         "times of the best of 2009 (best2009); repeatable.",
     ),
 ]
+Open = Annotated[bool, typer.Option("--open", rich_help_panel=REPORT, help="Open the report's page in a browser.")]
 Strict = Annotated[
-    bool, typer.Option("--strict", help="Keep problem, budget and trace in another process than the optimizer.")
+    bool,
+    typer.Option(
+        "--strict",
+        rich_help_panel=PROTECTION,
+        help="Keep problem, budget and trace in another process than the optimizer.",
+    ),
 ]
-Sandbox = Annotated[str | None, typer.Option(metavar="bwrap", help="Run plug-ins in a sandbox of bubblewrap (Linux).")]
+Sandbox = Annotated[
+    str | None,
+    typer.Option(metavar="bwrap", rich_help_panel=PROTECTION, help="Run plug-ins in a sandbox of bubblewrap (Linux)."),
+]
 Constraints = Annotated[
     str | None,
-    typer.Option(help="What optimizers see of infeasible points: death, penalty, lexicographic or repair."),
+    typer.Option(
+        rich_help_panel=STUDY, help="What optimizers see of infeasible points: death, penalty, lexicographic or repair."
+    ),
 ]
 Targets = Annotated[
     str | None,
     typer.Option(
+        rich_help_panel=STUDY,
         help="What counts as reached: precisions, relative, quantiles, tolerance, or a list such as '1e-1,1e-3' (the "
-        "best value less the optimum) or '5%,1%' (of the optimum)."
+        "best value less the optimum) or '5%,1%' (of the optimum).",
     ),
 ]
 Rope = Annotated[
     str | None,
     typer.Option(
-        help="Differences of medians that count as equal: a number in the problem's unit, or a share as '1%'."
+        rich_help_panel=STUDY,
+        help="Differences of medians that count as equal: a number in the problem's unit, or a share as '1%'.",
     ),
 ]
 Parameters = Annotated[

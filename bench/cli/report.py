@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 
 from bench.cli import completion
-from bench.cli.console import Against, Jobs, Rope, Targets
+from bench.cli.console import Against, Jobs, Open, Rope, Targets
 from bench.helpers.console import print_line
 
 
@@ -30,13 +30,14 @@ def report(
     against: Against = None,
     targets: Targets = None,
     rope: Rope = None,
+    open_: Open = False,
 ) -> None:
     """Write the report of a study's folder: a page, tables (CSV, LaTeX), figures (SVG, PDF) and a methods paragraph.
 
     Several folders, such as those of two versions of an optimizer, are compared as one study.
     """
     beside, reference = published(against)
-    report_on([*folders, *beside], Console(), output, jobs, targets, rope, reference)
+    report_on([*folders, *beside], Console(), output, jobs, targets, rope, reference, open_page=open_)
 
 
 def published(names: list[str] | None) -> tuple[list[Path], str | None]:
@@ -60,10 +61,12 @@ def report_on(
     targets: str | None = None,
     rope: str | None = None,
     reference: str | None = None,
+    open_page: bool = False,
 ) -> None:
-    """Write the report and print its path."""
+    """Write the report, and print its answer and its path; open the page on request."""
     from bench.execution.progress import steps
     from bench.report import write_report
+    from bench.report.answer import read, shown
     from bench.storage.folder import Folder
 
     with steps(console, "report") as on_progress:
@@ -79,4 +82,7 @@ def report_on(
     for folder in folders:
         if (noted := Folder(folder).store_note()) and not noted.get("sound"):
             print_line(f"{folder}: {noted.get('sentence')}", "red", console)
+    console.print(shown(read(page.parent)))
     print_line(f"report: {page}", console=console)
+    if open_page and typer.launch(str(page)):
+        print_line(f"no browser could be started; open {page} in one", "yellow", console)

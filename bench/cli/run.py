@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,7 +13,20 @@ from rich.console import Console
 
 from bench.cli import completion
 from bench.cli.check import check_folder
-from bench.cli.console import Against, Constraints, Jobs, Rope, Sandbox, Strict, Targets
+from bench.cli.console import (
+    MACHINES,
+    PROTECTION,
+    REPORT,
+    STUDY,
+    Against,
+    Constraints,
+    Jobs,
+    Open,
+    Rope,
+    Sandbox,
+    Strict,
+    Targets,
+)  # fmt: skip
 from bench.cli.report import published, report_on
 from bench.cli.verify import verify_folder
 from bench.errors import BenchError
@@ -21,6 +35,10 @@ from bench.helpers.text import listed
 
 if TYPE_CHECKING:
     from bench.execution.plan import Plan
+
+_study, _machines, _protection, _afterwards = (
+    partial(typer.Option, rich_help_panel=panel) for panel in (STUDY, MACHINES, PROTECTION, REPORT)
+)
 
 
 def run(
@@ -33,64 +51,63 @@ def run(
     ],
     output: Annotated[Path | None, typer.Option(help="Folder to write; default: results/runs/STUDY.")] = None,
     jobs: Jobs = -1,
-    backend: Annotated[str, typer.Option(help="Where trials are made: local (this machine) or dask.")] = "local",
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Address of dask's scheduler, as in tcp://10.0.0.1:8786.")
-    ] = None,
     trials: Annotated[
-        int | None, typer.Option(help="Trials of each optimizer on each problem, instead of the study's number.")
+        int | None, _study(help="Trials of each optimizer on each problem, instead of the study's number.")
     ] = None,
     budget: Annotated[
-        str | None,
-        typer.Option(help="Evaluations per trial, instead of the study's budget: a number, or such as '1e4 * d'."),
+        str | None, _study(help="Evaluations per trial, instead of the study's budget: a number, or such as '1e4 * d'.")
     ] = None,
-    seed: Annotated[
-        int | None, typer.Option(help="Seed that all trials' seeds derive from, instead of the study's.")
-    ] = None,
+    seed: Annotated[int | None, _study(help="Seed that all trials' seeds derive from, instead of the study's.")] = None,
     constraints: Constraints = None,
     targets: Targets = None,
     rope: Rope = None,
     optimizer: Annotated[
         list[str] | None,
-        typer.Option(
+        _study(
             help="Add an optimizer to the study's: a name, or path/to/file.py:ClassName; repeatable.",
             autocompletion=completion.optimizers,
         ),
     ] = None,
     problem: Annotated[
         list[str] | None,
-        typer.Option(
+        _study(
             help="Add a problem to the study's: a name, or a pattern such as 'bbob-f*-d5-*'; repeatable.",
             autocompletion=completion.problems,
         ),
     ] = None,
     matched: Annotated[
-        bool,
-        typer.Option("--matched", help="Also run each optimizer under the conditions of the others, as controls."),
+        bool, _study("--matched", help="Also run each optimizer under the conditions of the others, as controls.")
     ] = False,
+    backend: Annotated[
+        str | None, _machines(help="Where trials are made: local (this machine) or dask, the default with --scheduler.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, _machines(metavar="ADDRESS", help="Address of dask's scheduler, as in tcp://10.0.0.1:8786.")
+    ] = None,
+    shard: Annotated[
+        str | None, _machines(metavar="K/N", help="Run only part K of N, one per machine; see 'bench merge'.")
+    ] = None,
     timeout: Annotated[
         float | None,
-        typer.Option(metavar="SECONDS", help="Wall-clock limit of a trial; a trial that exceeds it is stopped."),
+        _protection(metavar="SECONDS", help="Wall-clock limit of a trial; a trial that exceeds it is stopped."),
     ] = None,
     memory: Annotated[
         float | None,
-        typer.Option(metavar="GB", help="Memory that a trial may use; default: an equal share of the machine's."),
-    ] = None,
-    shard: Annotated[
-        str | None, typer.Option(metavar="K/N", help="Run only part K of N, one per machine; see 'bench merge'.")
+        _protection(metavar="GB", help="Memory that a trial may use; default: an equal share of the machine's."),
     ] = None,
     strict: Strict = False,
     sandbox: Sandbox = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and its estimated duration only.")] = False,
     check: Annotated[
-        bool, typer.Option("--check", help="Also check the optimizers (see 'bench check') before the report.")
+        bool, _afterwards("--check", help="Also check the optimizers (see 'bench check') before the report.")
     ] = False,
     verify: Annotated[
         int,
-        typer.Option(metavar="N", min=0, help="Also make N trials of each cell again (see 'bench verify') before it."),
+        _afterwards(metavar="N", min=0, help="Also make N trials of each cell again (see 'bench verify') before it."),
     ] = 0,
-    report: Annotated[bool, typer.Option(help="Write the report when the run ends.")] = True,
+    report: Annotated[bool, _afterwards(help="Write the report when the run ends.")] = True,
     against: Against = None,
+    open_: Open = False,
 ) -> None:
     """Run a study, continue one that was interrupted, or extend one; then write its report.
 
@@ -129,9 +146,9 @@ def run(
     try:
         with Display(console) as display:
             outcome = run_study(
-                chosen, output, n_jobs=jobs, backend=backend, scheduler=scheduler, timeout=timeout, memory=memory,
-                shard=shard, strict=strict, sandbox=sandbox, on_plan=display.plan, on_trial=display.trial,
-                on_look=display.look,
+                chosen, output, n_jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
+                scheduler=scheduler, timeout=timeout, memory=memory, shard=shard, strict=strict, sandbox=sandbox,
+                on_plan=display.plan, on_trial=display.trial, on_look=display.look,
             )  # fmt: skip
     except KeyboardInterrupt:
         for number in (signal.SIGINT, signal.SIGTERM):
@@ -149,7 +166,7 @@ def run(
             print_error(f"no trial could be made again: {error}")
             unsound = True
     if report and shard is None:  # a part of a study supports no claim yet
-        report_on([outcome.folder], console, jobs=jobs, reference=reference)
+        report_on([outcome.folder], console, jobs=jobs, reference=reference, open_page=open_)
         if beside:
             report_on([outcome.folder, *beside], console, jobs=jobs, reference=reference)
     else:

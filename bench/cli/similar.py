@@ -36,7 +36,7 @@ def similar(
     budget: Annotated[str, typer.Option(help="Evaluations of a trial: a number, or such as '300 * d'.")] = "1500",
     option: Parameters = None,
     seed: Annotated[int, typer.Option(help="Seed of the trials.")] = 0,
-    figure: Annotated[Path, typer.Option(help="The file of the map (svg, pdf or png).")] = Path("similar.svg"),
+    plot: Annotated[Path, typer.Option(help="The file of the map (svg, pdf or png).")] = Path("similar.svg"),
     csv: Annotated[Path | None, typer.Option(help="Write the pairs with all digits into this file.")] = None,
 ) -> None:
     """Run optimizers on common functions, and print and draw which of them search alike.
@@ -58,8 +58,8 @@ def similar(
 
     require_whole("the trials", trials, 10)
     require_whole("the seed", seed, 0)
-    if figure.suffix not in (".svg", ".pdf", ".png"):
-        raise BenchError(f"the figure {figure} must end with .svg, .pdf or .png")
+    if plot.suffix not in (".svg", ".pdf", ".png"):
+        raise BenchError(f"the plot {plot} must end with .svg, .pdf or .png")
     names = list(dict.fromkeys(each for given in optimizers for each in loading.matching(given)))
     if len(names) < 2:
         raise BenchError("similarity needs at least two optimizers; name another one")
@@ -107,9 +107,9 @@ def similar(
     conditions = f"{len(problems)} problem{'s' if len(problems) > 1 else ''}, {trials} trials, {described(spent)}"
     print_line(f"{conditions}; distance: mean Kolmogorov-Smirnov distance of what trials do, 0 to 1", console=console)
     print_line(f"the map leaves out {found.stress:.0%} of the squared distances", console=console)
-    with style.context(), replacing(figure) as temporary:
-        similarity_map(found).savefig(temporary, metadata={"Date": None} if figure.suffix == ".svg" else None)
+    with style.context(), replacing(plot) as temporary:
+        similarity_map(found).savefig(temporary, metadata={"Date": None} if plot.suffix == ".svg" else None)
     if csv is not None:
         with replacing(csv) as temporary:
             found.pairs.to_csv(temporary, index=False, lineterminator="\n", encoding="utf-8")
-    print_line(f"map: {figure}", console=console)
+    print_line(f"map: {plot}", console=console)

@@ -48,6 +48,7 @@ def status(
     console.print(summary(folder))
     if not check and not found.sound:
         print_line(f"store: {found.sentence}", "red", console)
+    _answer(folder, console)
     if noted := folder.store_note():
         style = None if noted.get("sound") else "red"
         print_line(f"store checked {noted.get('checked')}: {noted.get('sentence')}", style, console)
@@ -66,6 +67,19 @@ def status(
             print_line(line, console=console)
     if check and not found.sound:
         sys.exit(1)
+
+
+def _answer(folder: Folder, console: Console) -> None:
+    """Print the answer of the folder's report, where it is one of the trials that are stored now."""
+    from bench.report.answer import read, shown
+
+    noted = read(folder.path)
+    if not noted or folder.running():
+        return
+    if noted.get("trials") == sum(cell.done + cell.failed for cell in folder.store.cells()):
+        console.print(shown(noted))
+    else:
+        print_line(f"the report is of other trials; write it again: bench report {folder.path}", "yellow", console)
 
 
 def summary(folder: Folder) -> Group:

@@ -29,9 +29,9 @@ def tune(
         str | None,
         typer.Option(metavar="GROUP", help="Test on this group of functions among those of --train, tune on the rest."),
     ] = None,
-    trials: Annotated[int, typer.Option(help="Configurations of each optimizer to try, the defaults first.")] = 50,
-    runs: Annotated[int, typer.Option(help="Runs of a configuration on each training problem.")] = 3,
-    budget: Annotated[str, typer.Option(help="Evaluations of a run: a number, or such as '1e3 * d'.")] = "1e3 * d",
+    configurations: Annotated[int, typer.Option(help="Configurations of each optimizer, the defaults first.")] = 50,
+    trials: Annotated[int, typer.Option(help="Trials of a configuration on each training problem.")] = 3,
+    budget: Annotated[str, typer.Option(help="Evaluations of a trial: a number, or such as '1e3 * d'.")] = "1e3 * d",
     objective: Annotated[
         str, typer.Option(help="What to minimise: aocc (one less the area over the convergence curve) or regret.")
     ] = "aocc",
@@ -43,7 +43,7 @@ def tune(
         typer.Option(help="Tune a condition of the comparison, too: agents, handling or start; repeatable."),
     ] = None,
     timeout: Annotated[
-        float | None, typer.Option(metavar="SECONDS", help="Wall-clock limit of a run; one that exceeds it failed.")
+        float | None, typer.Option(metavar="SECONDS", help="Wall-clock limit of a trial; one that exceeds it failed.")
     ] = None,
     output: Annotated[
         Path, typer.Option(help="The study to write (TOML); a journal beside it continues a tuning.")
@@ -66,7 +66,7 @@ def tune(
     from bench.tuning.tune import OBJECTIVES, Setting, method, spaces
     from bench.tuning.tune import tune as tune_all
 
-    for what, number, least in (("--trials", trials, 1), ("--runs", runs, 1), ("--seed", seed, 0)):
+    for what, number, least in (("--configurations", configurations, 1), ("--trials", trials, 1), ("--seed", seed, 0)):
         require_whole(what, number, least)
     if jobs != -1:
         require_whole("--jobs", jobs, 1, also=", or -1 for every core")
@@ -80,7 +80,8 @@ def tune(
     names = list(dict.fromkeys(each for given in optimizers for each in loading.matching(given)))
     training, testing = studies.split(train, test or (), leave_out, seed)
     problems = studies.load(training)
-    setting = Setting(objective, trials, runs, checked(budget, "--budget"), seed, tuple(training), pairs(set_), timeout)
+    spent = checked(budget, "--budget")
+    setting = Setting(objective, configurations, trials, spent, seed, tuple(training), pairs(set_), timeout)
     _refuse_others(output, setting)
     least = min(evaluations(setting.budget, each.dimension) for each in problems.values())
     axes = spaces(names, setting.fixed, least, condition or ())
@@ -89,7 +90,7 @@ def tune(
     words = OBJECTIVES[objective]
     for name, own in axes.items():
         print_line(f"{name}: {'; '.join(map(str, own))}", console=console)
-    size = f"{count(trials, 'configuration')} of each optimizer, {count(runs, 'run')} on each of "
+    size = f"{count(configurations, 'configuration')} of each optimizer, {count(trials, 'trial')} on each of "
     print_line(f"{size}{count(len(training), 'training problem')}", console=console)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a tuning like Ctrl-C, and its processes
     try:

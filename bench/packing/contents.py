@@ -36,6 +36,7 @@ DESCRIPTIONS = {
     "methods.md": ("The methods", "As Markdown, for a paper."),
     "methods.tex": ("The methods", "As LaTeX, for a paper."),
     "references.bib": ("References", "The works that the methods cite, as BibTeX."),
+    "answer.json": ("The answer", "The first sentence of the verdict, and a short table of the optimizers."),
 }  # fmt: skip
 FOLDERS = {"tables": "Table of the report", "figures": "Figure of the report"}
 

@@ -21,6 +21,7 @@ from bench.helpers.text import file_name, free, slug
 from bench.importing.best2009 import NAME
 from bench.plots import style
 from bench.plugins import registry
+from bench.report.answer import NOTE, answer
 from bench.report.drawing import Drawer, Drawing, draw
 from bench.report.findings import CROWD, Findings
 from bench.report.interactive import interactive
@@ -171,6 +172,8 @@ class _Report:
             f"{study.budget_words} a trial."
         )
         further = interactive(self.findings)
+        found = answer(self.findings, opening[0]) if opening[0] is not None else {}
+        self.save(NOTE, json.dumps(found, ensure_ascii=False, indent=1), "The answer in a few lines, as JSON.")
         html = render(study.title or study.name, lead, self.views, self.problems, further)
         page = self.save(PAGE, html, "This page.")
         self.clean()

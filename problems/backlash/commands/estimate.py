@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 # The heavy imports wait until they are needed: no other command should wait for numba.
 
 _recording, _fit, _verdict, _runs = (
-    partial(typer.Option, rich_help_panel=panel) for panel in ("Recording", "Fit", "Verdict", "Runs of an optimizer")
+    partial(typer.Option, rich_help_panel=panel) for panel in ("Recording", "Fit", "Verdict", "Trials of an optimizer")
 )
 
 
@@ -72,12 +72,12 @@ def estimate(
     ] = EARLY_RAD,
     confidence: Annotated[float, _verdict(help="The level of the intervals.")] = 0.95,
     resamples: Annotated[int, _verdict(min=0, help="Bootstrap resamples; 0 for no interval.")] = 200,
-    seed: Annotated[int, _verdict(min=0, help="The seed of the bootstrap and the runs.")] = 0,
+    seed: Annotated[int, _verdict(min=0, help="The seed of the bootstrap and the trials.")] = 0,
     optimizer: Annotated[
         str | None, _runs(help="Also run this optimizer on each recording, as the thesis does.")
     ] = None,
-    runs: Annotated[int, _runs(min=1, help="How many runs.")] = 30,
-    budget: Annotated[int, _runs(min=1, help="Evaluations a run.")] = 60_000,
+    trials: Annotated[int, _runs(min=1, help="How many trials.")] = 30,
+    budget: Annotated[int, _runs(min=1, help="Evaluations a trial.")] = 60_000,
     option: Annotated[list[str] | None, _runs("--set", help="A parameter of the optimizer, as agents=300.")] = None,
     plot: Annotated[
         Path | None,
@@ -115,7 +115,7 @@ def estimate(
     )  # fmt: skip
     if option and optimizer is None:
         raise BenchError("--set is for the optimizer, of which there is none; give --optimizer too")
-    asked = RunSettings(optimizer, pairs(option), runs, budget, seed) if optimizer is not None else None
+    asked = RunSettings(optimizer, pairs(option), trials, budget, seed) if optimizer is not None else None
     part = parse_window(window) if window is not None else None
     if plot is not None:
         from problems.backlash.sensor import plots

@@ -130,7 +130,8 @@ def _estimated(
         sentence = str(error)
         return Failed(path, sentence if str(path) in sentence else f"{path}: {sentence}")
     except Exception as error:  # a fault of this program costs no other recording
-        reason = printable(f"{type(error).__name__}: {error}", 300)
+        line, *_ = str(error).splitlines() or ["no message"]
+        reason = printable(f"{type(error).__name__}: {line}", 300)
         return Failed(path, f"{path}: the estimate failed with {reason}")
 
 

@@ -49,12 +49,24 @@ def test_two_folders_make_one_report(bench_here, folders, tmp_path):
     assert done.returncode == 0, done.stderr
     page = tmp_path / "results" / "comparisons" / "old-new" / "report.html"
     assert f"report: {page.relative_to(tmp_path)}" in done.stdout
+    assert "mean rank" in done.stdout
     with (page.parent / "tables" / "comparison.csv").open() as file:
         cells = {(row["problem"], row["optimizer"]) for row in csv.DictReader(file)}
     labels = ["scatter (old)", "early (old)", "scatter (new)", "early (new)"]
     assert cells == {(problem, label) for problem in ("sphere-2", "sphere-3") for label in labels}
     assert "scatter (old)" in page.read_text(encoding="utf-8")
     assert not (folders / "old" / "report.html").exists()
+
+
+def test_status_prints_the_answer_of_a_report_of_these_trials_only(bench_here, folders, tmp_path):
+    shutil.copytree(folders / "old", tmp_path / "s")
+    answer = {"sentence": "scatter is best.", "columns": ["optimizer"], "rows": [["scatter"]], "trials": 16}
+    (tmp_path / "s" / "answer.json").write_text(json.dumps(answer))
+    assert "scatter is best." in bench_here("status", tmp_path / "s").stdout
+    (tmp_path / "s" / "answer.json").write_text(json.dumps(answer | {"trials": 8}))
+    done = bench_here("status", tmp_path / "s")
+    assert "scatter is best." not in done.stdout
+    assert "the report is of other trials; write it again: bench report" in done.stdout
 
 
 def test_what_cannot_be_compared_ends_in_one_sentence(bench_here, folders, tmp_path):

@@ -8,7 +8,7 @@ import pytest
 def test_it_prints_clusters_and_draws_a_map(bench_here, tmp_path):
     done = bench_here(
         "similar", "hill-climber", "scatter", "--problem", "sphere-[23]", "--trials", "12", "--budget", "25 * d",
-        "--figure", tmp_path / "map.svg", "--csv", tmp_path / "pairs.csv",
+        "--plot", tmp_path / "map.svg", "--csv", tmp_path / "pairs.csv",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "Every optimizer differs from every other one." in done.stdout
@@ -23,7 +23,7 @@ def test_it_prints_clusters_and_draws_a_map(bench_here, tmp_path):
 def test_it_prints_how_many_trials_could_distinguish_any_pair(bench_here, tmp_path):
     done = bench_here(
         "similar", "hill-climber", "scatter", "early", "random-search", "gwo", "--problem", "sphere-2",
-        "--trials", "10", "--budget", "60", "--figure", tmp_path / "map.svg",
+        "--trials", "10", "--budget", "60", "--plot", tmp_path / "map.svg",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert (
@@ -38,7 +38,7 @@ def test_it_prints_how_many_trials_could_distinguish_any_pair(bench_here, tmp_pa
 def test_the_compiled_cma_es_is_the_same_optimizer(bench_here, tmp_path):
     done = bench_here(
         "similar", "cma-es", "cma-es-fast", "random-search", "--trials", "20", "--budget", "300",
-        "--figure", tmp_path / "map.pdf",
+        "--plot", tmp_path / "map.pdf",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "alike, as far as 10 trials can show: cma-es, cma-es-fast" in done.stdout
@@ -52,7 +52,7 @@ def test_the_compiled_cma_es_is_the_same_optimizer(bench_here, tmp_path):
         (("scatter", "early", "--problem", "sphere-2", "--budget", "20 * d"), "of at least 50, not 40"),
         (("scatter", "early", "--budget", "plenty"), "a multiple of the dimension such as '1e4 * d', not 'plenty'"),
         (("scatter", "nobody"), "unknown optimizer 'nobody'"),
-        (("scatter", "early", "--figure", "map.txt"), "must end with .svg, .pdf or .png"),
+        (("scatter", "early", "--plot", "map.txt"), "must end with .svg, .pdf or .png"),
         (("scatter", "early", "--set", "wings=2"), "wings"),
     ],
 )

@@ -9,11 +9,12 @@ TRAIN = ("--train", "sphere-3", "--test", "sphere-2")
 
 
 def test_it_writes_a_study_that_runs_and_reports_what_tuning_gained(bench_here, tmp_path):
-    command = ("tune", "scatter", *TRAIN, *AGENTS, "--trials", "4", "--runs", "1", "--budget", "60", "--jobs", "1")
+    sizes = ("--configurations", "4", "--trials", "1", "--budget", "60", "--jobs", "1")
+    command = ("tune", "scatter", *TRAIN, *AGENTS, *sizes)
     first = bench_here(*command, cwd=tmp_path)
     assert first.returncode == 0, first.stderr
     assert "scatter: agents 5 to 60 (log)" in first.stdout
-    assert "4 configurations of each optimizer, 1 run on each of 1 training problem" in first.stdout
+    assert "4 configurations of each optimizer, 1 trial on each of 1 training problem" in first.stdout
     assert "study: tuned.toml; test it with: bench run tuned.toml" in first.stdout
     written = (tmp_path / "tuned.toml").read_text()
     assert bench_here(*command, cwd=tmp_path).returncode == 0
@@ -50,8 +51,8 @@ def test_it_writes_a_study_that_runs_and_reports_what_tuning_gained(bench_here, 
     ("arguments", "reason"),
     [
         (("scatter", "--train", "sphere-2", "--test", "sphere-[23]"), "'sphere-2' is a training and a test problem"),
+        (("scatter", *TRAIN, "--configurations", "0"), "--configurations must be a whole number of at least 1, not 0"),
         (("scatter", *TRAIN, "--trials", "0"), "--trials must be a whole number of at least 1, not 0"),
-        (("scatter", *TRAIN, "--runs", "0"), "--runs must be a whole number of at least 1, not 0"),
         (("scatter", *TRAIN, "--jobs", "0"), "--jobs must be a whole number of at least 1, or -1 for every core"),
         (("scatter", *TRAIN, "--timeout", "0"), "--timeout must be a positive number of seconds"),
         (("scatter", *TRAIN, "--objective", "mean"), "--objective must be aocc or regret, not 'mean'"),

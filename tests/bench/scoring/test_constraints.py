@@ -7,7 +7,7 @@ import pytest
 
 from bench import BenchError, FunctionProblem, Objective, Study, load_results, run, solve
 from bench.execution.verify import verify
-from bench.scoring import Scored, objective, plain, scored
+from bench.scoring import Scored, objective, scored
 from bench.scoring.constraints import BARRIER, COEFFICIENT, DEFAULT, HANDLINGS
 from bench.storage.folder import Folder
 
@@ -46,7 +46,7 @@ def test_what_is_handled_is_not_handled_twice():
     problem = quadrant()
     once = scored(problem, "penalty")
     assert scored(once, "death") is once
-    assert plain(once) is plain(problem) is problem
+    assert once.unscored is problem.unscored is problem
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 
 from bench import BenchError, FunctionProblem, Results, Study, load_results, run, solve
 from bench.execution.verify import verify
-from bench.scoring import Scored, objective, plain, scored
+from bench.scoring import Scored, objective, scored
 
 POINTS = np.array([[0.4, 1.0], [2.6, -1.5], [-3.0, 3.0]])
 
@@ -146,7 +146,7 @@ def test_both_are_scored_and_the_problem_itself_is_kept():
     for problem in (mixed(), noisy()):
         found = scored(problem, "death")
         assert isinstance(found, Scored)
-        assert (plain(found), found.handling, found.fingerprint()) == (problem, "", problem.fingerprint())
+        assert (found.unscored, found.handling, found.fingerprint()) == (problem, "", problem.fingerprint())
         assert found.violations(POINTS) is None
         assert found.describe(POINTS[0]) == {}
         assert scored(found, "repair") is found

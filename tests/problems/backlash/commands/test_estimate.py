@@ -120,7 +120,7 @@ def test_every_option_reaches_the_estimate(command, stub, tmp_path, calibration)
 def test_an_optimizer_s_runs_are_told_besides(command, recording, calibration):
     said = command(
         estimate, recording, "--calibration", calibration, "--resamples", 0,
-        "--optimizer", "gwo", "--runs", 2, "--budget", 60, "--set", "agents=20",
+        "--optimizer", "gwo", "--trials", 2, "--budget", 60, "--set", "agents=20",
     )  # fmt: skip
     assert "gwo          2 runs of 60 evaluations: fitted |A| " in said
     assert "of 2 runs found the best fit, within 1% of its RMSE\n" in said

@@ -1,0 +1,85 @@
+"""The answer of a report in a few lines: the verdict's first sentence and a short table, for a terminal."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from bench import analysis
+from bench.plots import style
+from bench.report.findings import Findings
+from bench.report.parts import Section
+from bench.report.sections.verdict import NEAR
+from bench.report.wording import count, percent
+
+NOTE = "answer.json"
+MOST = 12  # optimizers in the table
+LONGEST = 36  # letters of an optimizer's name
+
+
+def answer(findings: Findings, verdict: Section) -> dict[str, Any]:
+    """Return what the terminal shows of a report, as JSON holds it.
+
+    Args:
+        findings: of the report.
+        verdict: its first section, whose first sentence is shown.
+    """
+    sentences = [*(text for card in verdict.cards for text in card.text), *verdict.text, *verdict.warnings]
+    rows: list[list[str]] = []
+    if verdict.cards:
+        near = analysis.near_best(findings.measured_final, findings.optima, _share(findings), analysis.SOLVED)
+        ranking = findings.ranking.set_index("optimizer").to_dict("index")
+        for label in findings.ranked[:MOST]:
+            row = ranking[label]
+            first = f"{row['first']:g} of {row['problems']:g}"
+            name = style.plain(label, LONGEST).replace(r"\$", "$")
+            rows.append([name, f"{row['mean_rank']:.2f}", first, percent(near[label])])
+    more = len(findings.optimizers) - len(rows) if rows else 0
+    return {
+        "sentence": sentences[0] if sentences else "",
+        "columns": ["optimizer", "mean rank", "first on", _solved(findings)],
+        "rows": rows,
+        "more": f"and {count(more, 'other optimizer')}" if more else "",
+        "trials": len(findings.results.frame),
+    }
+
+
+def _share(findings: Findings) -> float:
+    return 0.0 if findings.words.kind == "precisions" else NEAR
+
+
+def _solved(findings: Findings) -> str:
+    """Return the head of the column of trials that came near the best value."""
+    if findings.words.kind == "precisions":
+        return f"within {analysis.SOLVED:g}"
+    return f"within {NEAR:.0%}"
+
+
+def read(folder: Path) -> dict[str, Any]:
+    """Return the answer of the report in a folder; empty where there is none that can be read."""
+    try:
+        noted = json.loads((folder / NOTE).read_text(encoding="utf-8"))
+        return noted if isinstance(noted, dict) and isinstance(noted.get("rows"), list) else {}
+    except (OSError, ValueError, RecursionError):
+        return {}
+
+
+def shown(noted: dict[str, Any]) -> Group:
+    """Return an answer as lines for a terminal."""
+    parts: list[RenderableType] = [Text(str(noted.get("sentence", "")), style="bold")]
+    if noted["rows"]:
+        first, *others = map(str, noted["columns"])
+        table = Table(first, box=None, pad_edge=False)
+        for head in others:
+            table.add_column(head, justify="right")
+        for row in noted["rows"]:
+            table.add_row(*(Text(str(cell)) for cell in row))
+        parts += [Text(), table]
+    if noted.get("more"):
+        parts.append(Text(str(noted["more"])))
+    return Group(*parts)
