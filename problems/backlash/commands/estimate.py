@@ -34,7 +34,12 @@ def estimate(
     time: Annotated[str | None, _recording(help="The column of time, by heading or number from 1.")] = None,
     speed: Annotated[str | None, _recording(help="The column of motor speed.")] = None,
     position: Annotated[str | None, _recording(help="The column of motor position, instead of speed.")] = None,
-    unit: Annotated[str | None, _recording(help="rps, rpm, rad/s or deg/s; of a position rev, rad or deg.")] = None,
+    unit: Annotated[
+        str | None, _recording(help="rps, rpm, rad/s or deg/s; of a position rev, rad, deg or counts.")
+    ] = None,
+    counts_per_rev: Annotated[
+        float | None, _recording(metavar="N", help="Counts of the encoder a motor turn, of a position in counts.")
+    ] = None,
     time_unit: Annotated[str | None, _recording(help="s, ms or us.")] = None,
     rate: Annotated[
         float | None, _recording(metavar="HZ", help="The sampling rate, instead of a column of time.")
@@ -122,7 +127,10 @@ def estimate(
 
         plots.check_output(plot)
 
-    columns = {"time": time, "speed": speed, "position": position, "unit": unit, "time_unit": time_unit, "rate": rate}
+    columns = {
+        "time": time, "speed": speed, "position": position, "unit": unit, "time_unit": time_unit, "rate": rate,
+        "counts_per_rev": counts_per_rev,
+    }  # fmt: skip
     for remark in remarks:
         print_line(remark, console=stderr)
     several = len(paths) > 1

@@ -2,6 +2,7 @@
 
 >>> read("joint2.csv")                                    # time and speed by their headings, or the first two columns
 >>> read("log.csv", time="Time_ms", position="enc_deg")   # a motor position, which is differentiated
+>>> read("enc.csv", counts_per_rev=4096)                  # likewise, in counts of the motor's encoder
 >>> read("speed.txt", speed=1, unit="rpm", rate=500)      # no column of time
 """
 
@@ -17,6 +18,8 @@ from bench.typing import Floats
 from problems.backlash.recordings.tables import UNITS, Table, load, parse_heading
 
 Column = str | int
+MOST_REPEATED = 0.01
+"""The largest share of samples whose time stamp is that of the sample before."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +84,7 @@ def read(
     unit: str | None = None,
     time_unit: str | None = None,
     rate: float | None = None,
+    counts_per_rev: float | None = None,
 ) -> Recording:
     """Return the recording that a file holds.
 
@@ -94,18 +98,23 @@ def read(
     the sampling period, as in a drive, at the middle of the two (section 8.2): the recording has one sample less and
     begins half a sampling period later.
 
+    Successive samples with one time stamp become one sample, the mean of their values, which ``assumed`` says; they may
+    be 1 % of all samples.
+
     Args:
         path: a .csv, .txt, .xlsx or .parquet file.
         time: the column of time.
         speed: the column of motor speed.
         position: the column of motor position, instead of speed.
-        unit: "rps", "rpm", "rad/s", "deg/s" of a speed; "rev", "rad", "deg" of a position.
+        unit: "rps", "rpm", "rad/s", "deg/s" of a speed; "rev", "rad", "deg", "counts" of a position.
         time_unit: "s", "ms", "us".
         rate: the sampling rate in Hz, instead of a column of time; the recording then starts at 0 s.
+        counts_per_rev: the counts of the motor's encoder a turn, of a position in counts, which continue beyond a turn:
+            of an encoder with quadrature, four times its lines.
 
     Raises:
         BenchError: for a file that cannot be read, columns that are missing or ambiguous, values that are not numbers,
-            or a time that runs backwards or in unequal steps.
+            a position in counts without their number a turn, or a time that runs backwards or in unequal steps.
     """
     path = Path(path)
     either = UNITS["speed"] | UNITS["position"]
@@ -116,6 +125,11 @@ def read(
         require_positive(f"recording {path}: rate", rate, unit="Hz")
         if time is not None or time_unit is not None:
             raise BenchError(f"recording {path}: give either a column of time or a rate, not both")
+    if counts_per_rev is not None:
+        require_positive(f"recording {path}: counts_per_rev", counts_per_rev)
+        if unit not in (None, "counts"):
+            raise BenchError(f"recording {path}: counts_per_rev is for a position in counts, not in {unit}")
+        unit = "counts"
     if speed is not None and position is not None:
         raise BenchError(f"recording {path}: give either a column of speed or one of position, not both")
     table = load(path)
@@ -126,7 +140,7 @@ def read(
             "sampling rate (--rate)"
         )
     at = None if rate is not None else columns.find("time", time)
-    role = "position" if position is not None else "speed"
+    role = "position" if position is not None or (counts_per_rev is not None and speed is None) else "speed"
     of = columns.find(role, position if position is not None else speed)
     if of is None and (other := columns.find("position", None)) is not None:
         role, of = "position", other
@@ -141,7 +155,13 @@ def read(
     if len(table.lines) < 3:
         raise BenchError(f"recording {path} has {len(table.lines)} samples; a load turn needs many more")
     of_unit = columns.unit(of, role, unit)
-    values = table.numbers(of) / UNITS[role][of_unit]
+    scale = counts_per_rev if of_unit == "counts" else UNITS[role][of_unit]
+    if scale is None:
+        raise BenchError(
+            f"recording {path}: column {table.names[of]!r} is in counts of an encoder; give the counts of a motor turn "
+            "(--counts-per-rev)"
+        )
+    values = table.numbers(of) / scale
     if at is None:
         seconds = np.arange(len(values)) / float(rate or 1.0)
     else:
@@ -151,8 +171,9 @@ def read(
         what = role if at is None else f"time or {role}"
         line = table.lines[int(np.argmax(bad))]
         raise BenchError(f"recording {path}: line {line} has no number in {what} (NaN or text); mend or cut it")
+    seconds, values, repeated = _merged(seconds, values)
     start, dt = _grid(seconds, path)
-    assumed = columns.assumed({"time": (at, time_unit), role: (of, unit)})
+    assumed = "; ".join(filter(None, (columns.assumed({"time": (at, time_unit), role: (of, unit)}), repeated)))
     if role == "speed":
         return Recording(start, dt, values, of_unit, assumed=assumed)
     return Recording(start + dt / 2, dt, _derivative(values, dt), of_unit, assumed=assumed)
@@ -219,6 +240,21 @@ class _Columns:
             if found
             else ""
         )
+
+
+def _merged(time: Floats, values: Floats) -> tuple[Floats, Floats, str]:
+    """Return time and values with one sample for each run of equal time stamps, their mean, and a sentence on it.
+
+    They are returned as they are where no time stamp is repeated, or more than ``MOST_REPEATED`` of them.
+    """
+    first = np.diff(time, prepend=-np.inf) != 0
+    repeated = int((~first).sum())
+    if not 0 < repeated <= MOST_REPEATED * len(time):
+        return time, values, ""
+    run = np.cumsum(first) - 1
+    means = np.bincount(run, values) / np.bincount(run)
+    stamps = "1 time stamp is" if repeated == 1 else f"{repeated} time stamps are"
+    return time[first], means, f"{stamps} repeated, and samples of one time stamp were averaged"
 
 
 def _grid(time: Floats, path: Path) -> tuple[float, float]:

@@ -30,9 +30,12 @@ OLD = bytes.fromhex("d0cf11e0a1b11ae1")  # the start of an .xls file and of an e
 UNITS = {
     "time": {"s": 1.0, "ms": 1e3, "us": 1e6},
     "speed": {"rps": 1.0, "rpm": 60.0, "rad/s": 2 * pi, "deg/s": 360.0},
-    "position": {"rev": 1.0, "rad": 2 * pi, "deg": 360.0},
+    "position": {"rev": 1.0, "rad": 2 * pi, "deg": 360.0, "counts": nan},
 }
-"""By the role of a column, the number of each unit in one second, one turn per second, and one turn."""
+"""By the role of a column, the number of each unit in one second, one turn per second, and one turn.
+
+How many counts an encoder has a turn is known to its user alone.
+"""
 
 WORDS = tomllib.loads(Path(__file__).with_name("headings.toml").read_text(encoding="utf-8"))
 _UNITS = {spelling: unit for unit, others in WORDS["units"].items() for spelling in (unit, *others)}

@@ -133,6 +133,30 @@ def test_a_position_that_runs_on_may_pass_many_turns_between_two_samples(tmp_pat
     np.testing.assert_allclose(read(path, unit="rev").speed, -700, rtol=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("heading", "options"),
+    [("enc_counts", {}), ("motor_position [counts]", {}), ("encoder", {}), ("y", {"position": 2}), ("x", {})],
+)
+def test_counts_of_an_encoder_are_a_position(tmp_path, heading, options):
+    """4,096 counts a turn, 100 turns a second: 819.2 counts a sample, rounded to whole ones."""
+    path = write(tmp_path, f"time,{heading}\n{rows(T, np.round(4096 * 100 * T))}")
+    recording = read(path, counts_per_rev=4096, **options)
+    np.testing.assert_allclose(recording.speed, 100, atol=1 / (4096 * 0.002))
+    assert recording.unit == "counts"
+
+
+def test_samples_of_one_time_stamp_are_averaged_and_the_note_says_so(tmp_path):
+    """One of the published recordings repeats its first time stamp."""
+    t = 0.002 * np.arange(200)
+    v = 100 + t
+    path = write(tmp_path, "time_s,speed_rps\n" + rows([t[0], *t], [v[0] + 1, *v]))
+    recording = read(path)
+    np.testing.assert_allclose(recording.speed, [v[0] + 0.5, *v[1:]], atol=1e-6)
+    assert (recording.start, recording.assumed) == (
+        0.0, "1 time stamp is repeated, and samples of one time stamp were averaged",
+    )  # fmt: skip
+
+
 def test_a_recording_s_problem_uses_the_headings_too(tmp_path):
     t = 0.002 * np.arange(1000)
     path = write(tmp_path, "time_s,speed_rpm\n" + rows(t, 6000 + 30 * np.sin(2 * np.pi * 2.5 * t)))
@@ -146,6 +170,9 @@ def test_a_recording_s_problem_uses_the_headings_too(tmp_path):
         ("time,speed [m/s]\n" + rows(T, V), {}, "the unit 'm/s' of column 'speed [m/s]' is not known"),
         ("time,angle\n" + rows(T, V), {"unit": "rpm"}, "'rpm' is no unit of a position, which column 'angle' is"),
         (rows(T, V), {"unit": "Hz"}, "unit 'Hz' is not known; give rps, rpm"),
+        ("time,enc_counts\n" + rows(T, V), {}, "column 'enc_counts' is in counts of an encoder; give the counts of a"),
+        (rows(T, V), {"unit": "rpm", "counts_per_rev": 4096}, "counts_per_rev is for a position in counts, not in rpm"),
+        (rows(T, V), {"counts_per_rev": 0}, "counts_per_rev must be a positive number, not 0"),
         (rows(T, V), {"time_unit": "h"}, "time_unit 'h' is not known; give s, ms, us"),
         (rows(T, V), {"rate": -1.0}, "rate must be a positive number of Hz, not -1.0"),
         (rows(T, V), {"rate": 500.0, "time": 1}, "either a column of time or a rate"),
