@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from bench.errors import BenchError
-from bench.helpers import pairs, print_error, print_line
+from bench.helpers import pairs, print_error, print_line, replacing
 from problems.backlash import EARLY_RAD
 
 if TYPE_CHECKING:
@@ -91,6 +91,7 @@ def estimate(
         ),
     ] = None,
     jobs: Annotated[int, typer.Option(help="Worker processes, for many recordings; -1 takes every core.")] = -1,
+    csv: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a row a recording, with all digits.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print a JSON list with an object a file instead.")] = False,
 ) -> None:
     """Estimate the backlash of a joint from a recording of its motor's speed, with a confidence interval.
@@ -153,6 +154,11 @@ def estimate(
         formatting.print_table(outcomes, recording_files.short_names(paths), joints, settings)
     elif good:
         print_line("\n".join(formatting.estimate_lines(good[0], settings)))
+    if csv is not None:
+        import pandas as pd
+
+        with replacing(csv) as temporary:
+            pd.DataFrame(formatting.csv_rows(outcomes)).to_csv(temporary, index=False)
     if plot is not None and good:
         pictures = plots.save_figures(plot, good, joints, settings, alone=not several)
         line = str(pictures[0]) if len(pictures) == 1 else f"{len(pictures)} pictures in {plot}"

@@ -27,7 +27,10 @@ BY = {"month": "month", "number": "number in the file's name", "file": "recordin
 WORD = {"month": "", "number": "number ", "file": "recording "}
 SOURCE = {"gear ratio": "from the gear ratio", "signal": "found in the signal"}
 SHOWN = 5  # files named with a note at most
-WIDTH = 160  # of a table that is not printed on a terminal
+WIDTH = 160  # columns of a table that is not printed on a terminal
+NARROW = 110  # columns of a terminal below which a table leaves out what it can
+SHORT, LONG = 22, 50  # letters of a file's name in a narrow table and in a wide one
+STYLES = {"progressed": "bold red", "early": "yellow", "undecided": "yellow", "no backlash": "green"}
 
 BEFORE = ("amplitude_rps", "backlash_rad", "interval_rad", "rmse_rps", "verdict")
 AFTER = (
@@ -76,9 +79,11 @@ def runs_lines(runs: RepeatedRuns, estimate: Estimate) -> list[str]:
 def print_table(
     outcomes: Sequence[Estimated | Failed], names: Sequence[str], trends: Iterable[Trend], settings: Settings
 ) -> None:
-    """Print a row a file, every note once, and the trends."""
+    """Print a row a file, the trials of an optimizer, every note once, and the trends."""
     console = Console(width=None if Console().is_terminal else WIDTH)
-    console.print(table(outcomes, names), highlight=False)
+    console.print(table(outcomes, names, console.width), highlight=False)
+    if trials := trials_table(outcomes, names):
+        console.print(trials, highlight=False)
     known = any(isinstance(outcome, Estimated) and outcome.estimate.calibration for outcome in outcomes)
     calibration = [f"calibration: {line}" for line in calibration_of(settings)] if known else []
     for line in [
@@ -89,39 +94,58 @@ def print_table(
         print_line(line)
 
 
-def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str]) -> Table:
-    """Return a row a file under its name: amplitude and half-gap with their intervals, verdict, RMSE."""
+def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], width: int = WIDTH) -> Table:
+    """Return a row a file under its name: verdict, half-gap and amplitude with their intervals, RMSE.
+
+    A long name is shortened in the middle. A table of fewer columns of letters than ``NARROW`` has neither the interval
+    of the amplitude nor the RMSE.
+    """
+    narrow = width < NARROW
     made = Table(box=None, pad_edge=False)
-    made.add_column("file", overflow="fold")
-    for heading in ("amplitude, rps", "interval", "half-gap, mrad", "interval"):
+    made.add_column("verdict", no_wrap=True)
+    made.add_column("file", no_wrap=True)
+    heads = ("half-gap,\nmrad", "interval", "amplitude,\nrps", "interval", "RMSE,\nrps")
+    shown = heads[:-2] if narrow else heads
+    for heading in shown:
         made.add_column(heading, justify="right", no_wrap=True)
-    made.add_column("verdict")
-    made.add_column("RMSE, rps", justify="right", no_wrap=True)
-    if any(isinstance(outcome, Estimated) and outcome.runs for outcome in outcomes):
-        for heading in ("fitted |A| of the runs, rps", "half-gap of the runs, mrad", "best fit found"):
-            made.add_column(heading, justify="right")
     for name, outcome in zip(names, outcomes, strict=True):
+        short = Text(shortened(name, SHORT if narrow else LONG))
         if isinstance(outcome, Failed):
-            made.add_row(Text(name), *4 * ("",), Text("failed", style="red"))
+            made.add_row(Text("failed", style="red"), short)
             continue
         found = outcome.estimate
-        cells = [
-            f"{found.amplitude_rps:.4f}",
-            _range(found.amplitude_interval_rps, ".4f"),
+        numbers = (
             "" if math.isnan(found.backlash_rad) else f"{1e3 * found.backlash_rad:.3f}",
             _range(found.interval_rad, ".3f", 1e3),
-            found.verdict,
+            f"{found.amplitude_rps:.4f}",
+            _range(found.amplitude_interval_rps, ".4f"),
             f"{found.rmse_rps:.4f}",
-        ]
-        if each := outcome.runs:
-            sizes, gaps = each.sizes_rps, 1e3 * each.backlashes_rad
-            cells += [
-                f"{sizes.mean():.4f} ± {_deviation(sizes):.4f}",
-                f"{gaps.mean():.3f} ± {_deviation(gaps):.3f}" if not math.isnan(gaps.mean()) else "",
-                f"{each.found} of {each.settings.runs}",
-            ]
-        made.add_row(Text(name), *cells)
+        )
+        verdict = Text(found.verdict, style=STYLES.get(found.verdict, ""))
+        made.add_row(verdict, short, *numbers[: len(shown)])
     return made
+
+
+def trials_table(outcomes: Sequence[Estimated | Failed], names: Sequence[str]) -> Table | None:
+    """Return what the trials of an optimizer found, a row a file; None where none was run."""
+    made = Table(box=None, pad_edge=False)
+    made.add_column("file", no_wrap=True)
+    for heading in ("fitted |A| of the\ntrials, rps", "half-gap of the\ntrials, mrad", "best fit\nfound"):
+        made.add_column(heading, justify="right", no_wrap=True)
+    for name, outcome in zip(names, outcomes, strict=True):
+        if isinstance(outcome, Estimated) and (own := outcome.runs):
+            sizes, gaps = own.sizes_rps, 1e3 * own.backlashes_rad
+            made.add_row(
+                Text(shortened(name, SHORT)), f"{sizes.mean():.4f} ± {_deviation(sizes):.4f}",
+                f"{gaps.mean():.3f} ± {_deviation(gaps):.3f}" if not math.isnan(gaps.mean()) else "",
+                f"{own.found} of {own.settings.runs}",
+            )  # fmt: skip
+    return made if made.row_count else None
+
+
+def shortened(name: str, most: int) -> str:
+    """Return a name of at most so many letters, with … in the middle of a longer one: its end says which it is."""
+    return name if len(name) <= most else f"{name[: most // 3]}…{name[most // 3 + 1 - most :]}"
 
 
 def notes(outcomes: Sequence[Estimated | Failed], names: Sequence[str]) -> list[str]:
@@ -203,6 +227,22 @@ def json_object(outcome: Estimated | Failed) -> dict[str, Any]:
             "found": each.found,
         }
     return {key: _finite(value) for key, value in content.items()}
+
+
+def csv_rows(outcomes: Iterable[Estimated | Failed]) -> list[dict[str, Any]]:
+    """Return a row a file with the keys of :func:`json_object`: an interval as two columns, notes joined, no trials."""
+    rows = []
+    for outcome in outcomes:
+        row: dict[str, Any] = {}
+        for key, value in json_object(outcome).items():
+            if key == "notes":
+                row[key] = "; ".join(value)
+            elif isinstance(value, list):
+                row |= {f"{key}_low": value[0], f"{key}_high": value[1]}
+            elif key != "runs":
+                row[key] = value
+        rows.append(row)
+    return rows
 
 
 def _finite(value: Any) -> Any:

@@ -80,7 +80,7 @@ def test_workers_change_nothing_and_a_bad_file_costs_itself_only(stub, series, c
 
 def test_a_series_ends_with_its_trend_and_a_picture_of_it(command, stub, series):
     said = command(estimate, series, "--plot", series / "trend.svg", "--limit", 0.0035, "--jobs", 1)
-    assert [line.split()[0] for line in said.splitlines()[:5]] == ["file", *(f"2024-0{i}.csv" for i in range(1, 5))]
+    assert [line.split()[1] for line in said.splitlines()[1:6]] == ["file", *(f"2024-0{i}.csv" for i in range(1, 5))]
     assert "trend: half-gap 1.000 mrad in 2024-01, 4.000 in 2024-04: a change of +3.000" in said
     assert "  the limit of 3.5 mrad has been passed in 2024-04\n" in said
     assert said.endswith(f"{series / 'trend.svg'}\n")

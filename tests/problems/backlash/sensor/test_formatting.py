@@ -113,13 +113,38 @@ def test_the_table_has_a_row_a_file_whatever_became_of_it(make_estimate, capsys)
         Estimated(Path("r"), make_estimate(0.002)),
     ]
     Console(width=200).print(formatting.table(outcomes, names), highlight=False)
-    heading, good, bad, red = capsys.readouterr().out.splitlines()
-    assert heading.split()[:3] == ["file", "amplitude,", "rps"]
-    assert " ".join(good.split()) == (
-        "good 0.6000 0.5400 to 0.6600 1.000 0.900 to 1.100 early 0.0500 0.5500 ± 0.0707 1.100 ± 0.141 1 of 2"
-    )
-    assert bad.split() == ["bad", "failed"]
-    assert red.startswith("[red] ")
+    heading, _, good, bad, red = capsys.readouterr().out.splitlines()
+    assert heading.split()[:2] == ["half-gap,", "amplitude,"]
+    assert " ".join(good.split()) == "early good 1.000 0.900 to 1.100 0.6000 0.5400 to 0.6600 0.0500"
+    assert bad.split() == ["failed", "bad"]
+    assert red.split()[:2] == ["early", "[red]"]
+    Console(width=200).print(formatting.trials_table(outcomes, names), highlight=False)
+    last = capsys.readouterr().out.splitlines()[-1]
+    assert " ".join(last.split()) == "good 0.5500 ± 0.0707 1.100 ± 0.141 1 of 2"
+    assert formatting.trials_table(outcomes[1:], names[1:]) is None
+
+
+def test_the_table_fits_eighty_columns_whatever_the_names(make_estimate):
+    names = [f"a-robot-with-a-long-name/joint4_2024-{month:02}.csv" for month in (1, 2)]
+    outcomes = [Estimated(Path(name), make_estimate(0.001, verdict="no backlash")) for name in names]
+    console = Console(width=80, record=True)
+    console.print(formatting.table(outcomes, names, 80), highlight=False)
+    lines = console.export_text().splitlines()
+    assert max(map(len, lines)) <= 80
+    assert "0.900 to 1.100" in lines[2]
+    assert [line.split()[2] for line in lines[2:]] == ["a-robot…t4_2024-01.csv", "a-robot…t4_2024-02.csv"]
+
+
+def test_csv_has_a_column_for_each_end_of_an_interval(make_estimate):
+    outcomes = [
+        Estimated(Path("g"), make_estimate(0.001, notes=("few turns", "drift")), runs()),
+        Failed(Path("b"), "no"),
+    ]
+    first, second = formatting.csv_rows(outcomes)
+    assert (first["interval_rad_low"], first["interval_rad_high"]) == pytest.approx((0.0009, 0.0011))
+    assert first["notes"] == "few turns; drift"
+    assert "runs" not in first
+    assert second == {"file": "b", "error": "no"}
 
 
 def test_a_note_is_told_once_with_its_files(make_estimate):
