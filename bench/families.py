@@ -79,8 +79,8 @@ class Grid:
 
     def member(self, name: str) -> Member:
         """Return what a name says; raises BenchError where it names no problem of this suite."""
-        instance = "-i(0|[1-9][0-9]*)" if self.instances else "()"
-        match = re.fullmatch(rf"{re.escape(self.suite)}-(.+)-d(0|[1-9][0-9]*){instance}", name)
+        instance = "-i(0|[1-9][0-9]{0,17})" if self.instances else "()"
+        match = re.fullmatch(rf"{re.escape(self.suite)}-(.+)-d(0|[1-9][0-9]{{0,17}}){instance}", name)
         if match is None:
             example = next(self.names())
             raise BenchError(f"unknown problem {name!r}; the problems of {self.suite} have names such as {example!r}")

@@ -8,6 +8,18 @@ from typing import Any
 
 from bench.errors import BenchError
 
+LARGEST_BUDGET = 10**15
+"""Evaluations of a trial, in all or a dimension, which no run reaches."""
+
+MOST_TRIALS = 1_000_000
+"""Trials of a cell that a study may ask for."""
+
+LARGEST_SEED = 2**63 - 1
+"""Seeds of trials are hashes of 63 bits; a store keeps them as whole numbers of SQLite."""
+
+MOST_JOBS = 1000
+"""Trials made at a time on one machine; each has a process and a thread of its own."""
+
 
 def is_whole(value: object) -> bool:
     """Return whether the value is a whole number; True and False are not."""
@@ -37,6 +49,17 @@ def require_whole(
     low, high = -math.inf if minimum is None else minimum, math.inf if maximum is None else maximum
     if not is_whole(value) or not low <= value <= high:
         raise BenchError(f"{what} must be a whole number{span(minimum, maximum)}{also}, not {value!r}")
+
+
+def require_seed(what: str, value: Any) -> None:
+    """Raise BenchError unless the value is a seed: a whole number from 0 to :data:`LARGEST_SEED`."""
+    require_whole(what, value, 0, LARGEST_SEED)
+
+
+def require_jobs(what: str, value: Any) -> None:
+    """Raise BenchError unless the value is a number of jobs: from 1 to :data:`MOST_JOBS`, or -1 for every core."""
+    if value != -1:
+        require_whole(what, value, 1, MOST_JOBS, also=", or -1 for every core")
 
 
 def span(minimum: float | None, maximum: float | None) -> str:

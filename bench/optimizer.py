@@ -57,7 +57,8 @@ class Optimizer(ABC):
     compare it, ``handling`` and ``start`` (:data:`CONDITIONS`) among the optimizers that have them.
 
     Attributes:
-        bibtex: BibTeX of the publications that introduced the method; reports cite them.
+        bibtex: BibTeX of the publications that introduced the method; reports cite them. Its TeX may
+            be letters, fonts and formulas only.
         code: whose implementation runs, such as ``"the cma package"``.
         unmapped: one sentence for each feature of another library's algorithm that its adapter cannot reproduce.
         fingerprint: a hash of the code where no package version identifies it, as for a user's own file.

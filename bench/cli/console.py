@@ -8,13 +8,22 @@ from typing import Annotated, Any
 import typer
 
 from bench.cli import completion
-from bench.numbers import span
+from bench.numbers import require_jobs, span
 
 STUDY, MACHINES, PROTECTION, REPORT = "The study", "Machines", "Protection", "Afterwards"
 """The headings under which the help of a command with many options has them."""
 
 Output = Annotated[Path, typer.Argument(help="The folder that 'bench run' wrote.", autocompletion=completion.folders)]
-Jobs = Annotated[int, typer.Option(help="Worker processes; -1 takes every core.")]
+
+
+def checked_jobs(value: int | None) -> int | None:
+    """Return the value of an option that is a number of jobs; raises BenchError for a number that cannot be."""
+    if value is not None:
+        require_jobs("--jobs", value)
+    return value
+
+
+Jobs = Annotated[int, typer.Option(callback=checked_jobs, help="Worker processes; -1 takes every core.")]
 Against = Annotated[
     list[str] | None,
     typer.Option(

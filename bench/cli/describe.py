@@ -44,10 +44,10 @@ def describe(
 
     from bench.analysis.landscape import describe as described
     from bench.helpers.atomic import replacing
-    from bench.numbers import require_whole
+    from bench.numbers import require_seed
     from bench.plugins import loading, selection
 
-    require_whole("the seed", seed, 0)
+    require_seed("the seed", seed)
     console, rows = Console(), {}
     for name in dict.fromkeys(each for given in problems for each in selection.matching(given)):
         problem = loading.load_problem(name, **pairs(problem_option))

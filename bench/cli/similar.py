@@ -49,7 +49,7 @@ def similar(
     from bench.check.behaviour import behaviours, common_problems, recorder
     from bench.execution.progress import steps
     from bench.helpers.atomic import replacing
-    from bench.numbers import require_whole
+    from bench.numbers import require_seed, require_whole
     from bench.plots import style
     from bench.plots.similarity import similarity_map
     from bench.plugins import loading, selection
@@ -57,7 +57,7 @@ def similar(
     from bench.study.budget import checked, described, evaluations
 
     require_whole("the trials", trials, 10)
-    require_whole("the seed", seed, 0)
+    require_seed("the seed", seed)
     if plot.suffix not in (".svg", ".pdf", ".png"):
         raise BenchError(f"the plot {plot} must end with .svg, .pdf or .png")
     names = list(dict.fromkeys(each for given in optimizers for each in loading.matching(given)))

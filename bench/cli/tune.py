@@ -58,7 +58,7 @@ def tune(
     from bench.errors import require
     from bench.execution.progress import steps
     from bench.helpers.atomic import replacing
-    from bench.numbers import require_positive, require_whole
+    from bench.numbers import MOST_TRIALS, require_positive, require_seed, require_whole
     from bench.plugins import loading
     from bench.report.wording import count
     from bench.study.budget import checked, evaluations
@@ -66,10 +66,9 @@ def tune(
     from bench.tuning.tune import OBJECTIVES, Setting, method, spaces
     from bench.tuning.tune import tune as tune_all
 
-    for what, number, least in (("--configurations", configurations, 1), ("--trials", trials, 1), ("--seed", seed, 0)):
-        require_whole(what, number, least)
-    if jobs != -1:
-        require_whole("--jobs", jobs, 1, also=", or -1 for every core")
+    for what, number in (("--configurations", configurations), ("--trials", trials)):
+        require_whole(what, number, 1, MOST_TRIALS)
+    require_seed("--seed", seed)
     if timeout is not None:
         require_positive("--timeout", timeout, unit="seconds")
     if objective not in OBJECTIVES:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from bench.cli.console import Output, Sandbox, Strict
+from bench.cli.console import Output, Sandbox, Strict, checked_jobs
 from bench.helpers.console import print_error, print_line
 
 
@@ -17,7 +17,8 @@ def verify(
     output: Output,
     trials: Annotated[int, typer.Option(help="Trials of each cell to make again.")] = 2,
     jobs: Annotated[
-        int | None, typer.Option(help="Trials made at a time; default: a number other than the run's.")
+        int | None,
+        typer.Option(callback=checked_jobs, help="Trials made at a time; default: a number other than the run's."),
     ] = None,
     strict: Strict = False,
     sandbox: Sandbox = None,

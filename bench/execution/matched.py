@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from bench.execution.descriptions import Description, describe
+from bench.helpers.parsing import parse_json
 from bench.helpers.text import free, option
 from bench.optimizer import CONDITIONS
 from bench.study import Entry, Study
@@ -141,7 +142,7 @@ def _accepted(
 def _value(text: str) -> Any:
     """Return the value that a text of :func:`bench.helpers.text.option` stands for."""
     try:
-        return json.loads(text)
+        return parse_json(text)
     except ValueError:
         return text
 

@@ -18,7 +18,7 @@ from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
 from bench.execution.pool import Answer, OnBegin, Pool
 from bench.execution.supervisor import Checked, Task, check
-from bench.numbers import require_positive, require_whole
+from bench.numbers import require_jobs, require_positive
 from bench.storage import provenance, under_way
 from bench.storage.folder import Folder, default_path
 from bench.storage.mend import mend
@@ -277,8 +277,7 @@ def _make(
 
 
 def _check_limits(n_jobs: object, timeout: object, memory: object) -> None:
-    if n_jobs != -1:
-        require_whole("the number of jobs", n_jobs, 1, also=", or -1 for every core")
+    require_jobs("the number of jobs", n_jobs)
     for name, value, unit in (("timeout", timeout, "seconds"), ("memory", memory, "gigabytes")):
         if value is not None:
             require_positive(f"the {name} of a trial", value, unit=unit)

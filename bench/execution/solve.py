@@ -3,7 +3,7 @@
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError
-from bench.numbers import require_whole
+from bench.numbers import require_seed
 from bench.optimizer import Optimizer
 from bench.plugins import loading
 from bench.problem import Problem
@@ -39,7 +39,7 @@ def solve(
     optimizer = loading.load_optimizer(optimizer) if isinstance(optimizer, str) else optimizer
     if not isinstance(problem, Problem) or not isinstance(optimizer, Optimizer):
         raise BenchError("solve needs a problem and an optimizer, or their names")
-    require_whole("the seed", seed, 0)
+    require_seed("the seed", seed)
     problem = scored(problem, handlings.checked(constraints))
     with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
         return search(problem, optimizer, budget, seed)

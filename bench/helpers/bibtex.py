@@ -23,6 +23,19 @@ ACCENTS = {
 }  # fmt: skip
 """Combining marks that every font encoding has (the ogonek, for example, is missing)."""
 
+_SAFE = """
+ss ae AE oe OE o O l L i j aa AA u v H c d b r k t th TH dh DH
+emph textit textbf textsc textsf texttt textrm textup textsuperscript textsubscript enquote url doi
+em it bf sc sl tt rm slash dots ldots textendash textemdash textquoteright textregistered texttrademark TeX LaTeX
+mathrm mathbf mathcal mathbb ensuremath sqrt frac sum prod int times cdot ell infty le leq ge geq in to pm approx sim
+alpha beta gamma delta epsilon varepsilon zeta eta theta kappa lambda mu nu xi pi rho sigma tau phi varphi chi psi omega
+Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega
+"""
+SAFE = frozenset(_SAFE.split())
+"""The commands of letters, fonts and formulas that entries may have. Others read, write or run files when a paper that
+cites the entry is typeset (\\input, \\openout, \\write18), or change the meaning of what follows (\\catcode, \\def)."""
+
+_COMMAND = re.compile(r"\\([A-Za-z]+|.)|\^\^", re.DOTALL)
 _ENTRY = re.compile(r"@([A-Za-z]+)\s*\{")
 _KEY = re.compile(r"\s*([A-Za-z0-9][A-Za-z0-9.:_+/-]*)\s*,")
 _ACCENT = re.compile(r"""\\(?:([`'^"~=.])|([uvHcdbr])(?=[\s{]))\s*\{?\\?([A-Za-z])\}?""")
@@ -87,7 +100,7 @@ def parse(bibtex: str) -> list[Work]:
 
     Raises:
         BenchError: for a text without entries, and for an entry with unbalanced braces or without a key of ASCII
-            letters, digits and ``.:_+/-``.
+            letters, digits and ``.:_+/-``, or with a command of TeX that is not :data:`SAFE`.
     """
     works, start, bibtex = [], 0, cleandoc(bibtex)
     while entry := _ENTRY.search(bibtex, start):
@@ -97,10 +110,17 @@ def parse(bibtex: str) -> list[Work]:
         body = bibtex[entry.end() : start - 1]
         if not (key := _KEY.match(body)):
             raise BenchError(f"a BibTeX entry needs a plain key and a comma after it: {entry[0]}{body[:40]!r}")
+        if unknown := next((each[0] for each in _COMMAND.finditer(body) if not _is_safe(each[1])), ""):
+            raise BenchError(f"the BibTeX entry {key[1]!r} has {unknown[:40]!r}, TeX that no reference needs")
         works.append(Work(key[1], entry[1], body[key.end() :].strip()))
     if not works and bibtex.strip():
         raise BenchError(f"a BibTeX text holds no entry: {bibtex.strip()[:40]!r}")
     return works
+
+
+def _is_safe(name: str | None) -> bool:
+    """Return whether a reference may have a command; None stands for ^^, with which TeX writes a backslash, too."""
+    return name in SAFE or (name is not None and not name.isalpha())
 
 
 def _closing(text: str, start: int) -> int:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-import tomllib
 from typing import TYPE_CHECKING, Any
 
 from bench.errors import BenchError
+from bench.helpers.parsing import parse_toml
+from bench.helpers.text import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 # rich is imported at the first line: optimizers import this package, and their processes print nothing.
+
+LONGEST = 2000
+"""Characters of an error message."""
 
 
 def print_line(text: str, style: str | None = None, console: Console | None = None) -> None:
@@ -21,10 +25,10 @@ def print_line(text: str, style: str | None = None, console: Console | None = No
 
 
 def print_error(message: str) -> None:
-    """Print one red line on standard error."""
+    """Print one red line on standard error; a message may quote a text of any length, and is cut."""
     from rich.console import Console
 
-    print_line(f"bench: {message}", "red", Console(stderr=True))
+    print_line(f"bench: {printable(message, LONGEST)}", "red", Console(stderr=True))
 
 
 def duration(seconds: float) -> str:
@@ -48,7 +52,7 @@ def pairs(items: list[str] | None) -> dict[str, Any]:
         if not equals or not key.strip():
             raise BenchError(f"{item!r} is not KEY=VALUE, as in agents=300")
         try:
-            options[key.strip()] = tomllib.loads(f"value = {value}")["value"]
-        except tomllib.TOMLDecodeError:
+            options[key.strip()] = parse_toml(f"value = {value}")["value"]
+        except ValueError:
             options[key.strip()] = value
     return options

@@ -15,10 +15,11 @@ from typing import NamedTuple
 from bench.errors import BenchError
 from bench.helpers.text import printable
 from bench.importing import coco, ioh, ioh_info, tables
-from bench.importing.runs import LONGEST, Run
+from bench.importing.runs import Run
 from bench.importing.source import Source, opened
 from bench.importing.write import numbered, study_of, write
 from bench.storage import provenance
+from bench.study.study import LONGEST_LABEL
 
 __all__ = ["FORMATS", "Imported", "import_results"]
 
@@ -82,7 +83,7 @@ def import_results(
         runs = numbered(FORMATS[kinds[0]].runs(found, notes))
         if not runs:
             raise BenchError(f"{source} holds no run")
-        called = printable(name or found.name, LONGEST)
+        called = printable(name or found.name, LONGEST_LABEL)
         study = study_of(called, runs)
         record = {
             "imported": called,

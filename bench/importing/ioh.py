@@ -9,7 +9,6 @@ Iterative Optimization Heuristics", Evolutionary Computation 32(3), 2024.
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Iterator
@@ -20,8 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.helpers.parsing import parse_json
 from bench.importing import naming
-from bench.importing.runs import Run, improvements, label, optimizer_labels, require_increasing, shown
+from bench.importing.runs import Run, evaluation, improvements, label, optimizer_labels, require_increasing, shown
 from bench.importing.source import Source
 from bench.numbers import is_finite, is_whole
 from bench.objective import Trace
@@ -95,8 +95,8 @@ def runs(source: Source, notes: list[str]) -> Iterator[Run]:
 
 def _scenarios(source: Source, file: PurePosixPath) -> Iterator[_Data]:
     try:
-        head = json.loads(source.text(file))
-    except (ValueError, RecursionError) as error:
+        head = parse_json(source.text(file))
+    except ValueError as error:
         raise BenchError(f"{file} is no JSON, or is cut short: {error}") from error
     try:
         if head["maximization"]:
@@ -111,7 +111,7 @@ def _scenarios(source: Source, file: PurePosixPath) -> Iterator[_Data]:
             yield _Data(file, head | {"function_id": numbers[0]}, algorithm, numbers[1], file.parent / path, runs)
     except BenchError:
         raise
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
         what = f"lacks {error}" if isinstance(error, KeyError) else f"has a value of another kind ({error})"
         raise BenchError(f"{file} is no file of IOHprofiler: it {what}") from error
 
@@ -145,7 +145,7 @@ def logged(source: Source, log: PurePosixPath, first: str, value: str) -> list[B
                 raise BenchError(f"{log}, line {number}, has no column {value!r}")
             continue
         try:
-            rows.append((int(cells[0]), float(cells[columns.index(value)])))
+            rows.append((evaluation(cells[0]), float(cells[columns.index(value)])))
         except (ValueError, IndexError) as error:
             raise BenchError(f"{log}, line {number}, is no row of evaluations and values: {shown(line)}") from error
     return blocks

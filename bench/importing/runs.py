@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from bench.errors import BenchError
 from bench.helpers.text import printable
+from bench.numbers import LARGEST_BUDGET, LARGEST_SEED, MOST_TRIALS
 from bench.objective import Trace
+from bench.study.study import LONGEST_LABEL
 from bench.typing import Floats
 
-LONGEST = 200
-"""Characters of a label or of a file's words in a message."""
+LARGEST_DIMENSION = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,19 @@ class Run:
     trace: Trace
     number: int | None = None
     columns: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Raise BenchError for a number that no run has, and that a store or a report could not hold."""
+        what = f"a run of {self.optimizer} on {self.problem} has"
+        seed = self.columns.get("seed")
+        for name, value, most in (
+            ("evaluations", self.nfev, LARGEST_BUDGET), ("dimension", self.dimension, LARGEST_DIMENSION),
+            ("number of the trial", self.number, MOST_TRIALS - 1), ("seed", seed, LARGEST_SEED),
+        ):  # fmt: skip
+            if value is not None and not 0 <= value <= most:
+                raise BenchError(f"{what} the {name} {value}, which must be from 0 to {most}")
+        if -np.inf in (self.fun, self.columns.get("fun")):
+            raise BenchError(f"{what} the value -inf, with which no other value can be compared")
 
     @property
     def fun(self) -> float:
@@ -104,10 +118,18 @@ def optimizer_labels(named: Iterable[tuple[PurePosixPath, str, Hashable]]) -> di
     }
 
 
+def evaluation(text: str) -> int:
+    """Return the number of an evaluation in a file; raises ValueError for a text that is none, or is too large."""
+    found = int(text)
+    if found > LARGEST_BUDGET:
+        raise ValueError(f"{found} is too large")
+    return found
+
+
 def label(text: object, where: str) -> str:
     """Return the name of a problem or an optimizer as a label; raises BenchError for one that cannot be."""
     found = str(text).strip()
-    if not found or not found.isprintable() or len(found) > LONGEST:
+    if not found or not found.isprintable() or len(found) > LONGEST_LABEL:
         raise BenchError(f"{where} has a name that is empty, too long or not printable: {shown(found)}")
     return found
 

@@ -89,8 +89,9 @@ def _table(source: Source, file: PurePosixPath) -> pd.DataFrame:
     for name in ("trial", "evaluations"):
         table[name] = _whole(table, name, file)
     table["value"] = _numbers(table, "value", file)
-    if table["value"].isna().any():
-        raise BenchError(f"{file}, line {table.loc[table['value'].isna(), 'line'].iloc[0]}, has no value")
+    for wrong, what in ((table["value"].isna(), "no value"), (table["value"] == -np.inf, "the value -inf")):
+        if wrong.any():
+            raise BenchError(f"{file}, line {table.loc[wrong, 'line'].iloc[0]}, has {what}")
     for name in ("problem", "optimizer"):
         known = {text: label(text, f"{file}, column {name},") for text in table[name].unique()}
         table[name] = table[name].map(known)
@@ -103,6 +104,16 @@ def _whole(table: pd.DataFrame, name: str, file: PurePosixPath) -> pd.Series[int
         row = table[wrong].iloc[0]
         raise BenchError(f"{file}, line {row['line']}, has {row[name]!r} as {name}, which is no whole number from 0")
     return table[name].astype(np.int64)
+
+
+def _counts(table: pd.DataFrame, name: str, file: PurePosixPath) -> list[int | None]:
+    """Return a column of whole numbers that rows may lack."""
+    given = table[name].str.strip() != ""
+    wrong = given & ~table[name].str.fullmatch(r"\s*[0-9]{1,19}\s*")
+    if wrong.any():
+        row = table[wrong].iloc[0]
+        raise BenchError(f"{file}, line {row['line']}, has {row[name]!r} as {name}, which is no whole number from 0")
+    return [int(text) if text.strip() else None for text in table[name]]
 
 
 def _numbers(table: pd.DataFrame, name: str, file: PurePosixPath) -> pd.Series[float]:
@@ -120,6 +131,7 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
     if lacking := [name for name in ("problem", "optimizer", "trial", "status", "fun", "nfev") if name not in table]:
         raise BenchError(f"{trials} has no column {lacking[0]!r}")
     table["trial"] = _whole(table, "trial", trials)
+    counts = {name: _counts(table, name, trials) for name in _COUNTS if name in table}
     own = {*FRAME_COLUMNS, PRECISION, "line"}
     measured: dict[str, list[float]] = {
         name: _numbers(table, name, trials).tolist()
@@ -130,7 +142,7 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
         key = row["problem"], row["optimizer"], row["trial"]
         numbers = {name: each[place] for name, each in measured.items()}
         columns: dict[str, Any] = {"status": row["status"], "fun": _known(numbers["fun"])}
-        columns |= {name: int(row[name]) if row.get(name) else None for name in _COUNTS}
+        columns |= {name: counts[name][place] for name in _COUNTS if name in counts}
         columns |= {name: _known(numbers.get(name, np.nan)) for name in _TIMES}
         columns |= {name: row.get(name) or None for name in _TEXTS}
         if row["status"] == "ok":

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from bench.errors import BenchError
+from bench.helpers.parsing import parse_json
 from bench.storage import folder as notes
 from bench.storage.store import FILE as TRIALS
 
@@ -87,7 +87,7 @@ def report_files(folder: Path) -> list[str]:
         return []
     again = f"write the report again: bench report {folder}"
     try:
-        listed = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        listed = parse_json((folder / MANIFEST).read_bytes())
     except (OSError, ValueError) as error:
         raise BenchError(f"{folder / MANIFEST}, the list of the report's files, cannot be read; {again}") from error
     names = sorted({MANIFEST, PAGE, *map(str, listed if isinstance(listed, list) else [])})

@@ -66,7 +66,7 @@ def pack(
     target = Path(output) if output is not None else here.with_name(f"{here.name}.zip")
     if target.is_dir():
         raise BenchError(f"{target} is a folder; give the path of a file to write")
-    if target.exists() and not zipfile.is_zipfile(target):
+    if target.exists() and not (target.is_file() and zipfile.is_zipfile(target)):
         raise BenchError(f"{target} is another file than an archive; give another --output")
     folder.fingerprints(), folder.checks(), folder.verification()  # raise where a note is damaged
     reported = report_files(folder.path)

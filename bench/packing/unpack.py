@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import re
 import shutil
 import stat
@@ -17,6 +16,7 @@ from zlib import error as ZlibError  # noqa: N812 - zlib calls it error
 
 from bench.errors import BenchError
 from bench.helpers.atomic import replacing
+from bench.helpers.parsing import parse_json
 from bench.helpers.text import printable
 from bench.packing.contents import CRATE, REQUIRED, SUMS, belongs
 from bench.packing.crate import listed
@@ -62,6 +62,8 @@ def unpack(file: str | PathLike[str], output: str | PathLike[str], *, limit_gb: 
     source, target = Path(file), Path(output)
     if target.exists() and not (target.is_dir() and not any(target.iterdir())):
         raise BenchError(f"{target} is there already; give a new folder by --output")
+    if source.exists() and not source.is_file():
+        raise BenchError(f"{source} is no file; give an archive that 'bench pack' wrote")
     try:
         with zipfile.ZipFile(source) as archive:
             entries = _entries(archive, source, limit_gb)
@@ -151,8 +153,8 @@ def _compare(entries: Mapping[str, object], sums: Mapping[str, str], source: Pat
 def _describes(content: bytes, sums: Mapping[str, str], source: Path) -> None:
     """Raise BenchError where the description does not list the files of the checksums, with the same hashes."""
     try:
-        described: dict[str, str] = listed(json.loads(content))
-    except (ValueError, RecursionError) as error:
+        described: dict[str, str] = listed(parse_json(content))
+    except ValueError as error:
         raise BenchError(f"{source}: {CRATE} is no JSON; get the archive again") from error
     payload = {name: digest for name, digest in sums.items() if name != CRATE}
     if different := sorted({name for name, _ in described.items() ^ payload.items()}):

@@ -17,6 +17,7 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError
+from bench.helpers.parsing import parse_json
 from bench.helpers.text import file_name, free, slug
 from bench.importing.best2009 import NAME
 from bench.plots import style
@@ -290,7 +291,7 @@ class _Report:
         """Remove the files that only an earlier report wrote, and record those of this one."""
         manifest = self.folder / MANIFEST
         try:
-            before = json.loads(manifest.read_text(encoding="utf-8"))
+            before = parse_json(manifest.read_bytes())
         except (OSError, ValueError):
             before = []
         for name in map(str, before if isinstance(before, list) else []):

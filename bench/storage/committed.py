@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bench.errors import BenchError
+from bench.helpers.parsing import parse_json
 
 FILE = "committed.json"
 _LENGTH = 64  # bytes, always: the note is overwritten in place, which costs one short write a commit
@@ -30,9 +31,9 @@ class Committed(NamedTuple):
 def read(folder: Path) -> Committed:
     """Return what was noted last; nothing where the note is missing or damaged."""
     try:
-        noted = json.loads((folder / FILE).read_bytes())
+        noted = parse_json((folder / FILE).read_bytes())
         return Committed(int(noted["commits"]), int(noted["trials"]))
-    except (OSError, KeyError, TypeError, ValueError, RecursionError):
+    except (OSError, KeyError, TypeError, ValueError):
         return Committed()
 
 

@@ -17,6 +17,7 @@ from filelock import FileLock, Timeout
 
 from bench.errors import BenchError
 from bench.helpers.atomic import replacing
+from bench.helpers.parsing import parse_json
 from bench.helpers.text import listed
 from bench.storage import provenance, under_way
 from bench.storage.reading import StoreCheck
@@ -255,12 +256,12 @@ class Folder:
     def _noted(self, name: str) -> dict[str, Any]:
         """Return the content of a JSON file, empty where it is missing; raises BenchError where it is damaged."""
         try:
-            noted = json.loads((self.path / name).read_text(encoding="utf-8"))
+            noted = parse_json((self.path / name).read_bytes())
         except FileNotFoundError:
             return {}
         except OSError as error:
             raise BenchError(f"{self.path / name} cannot be read: {error.strerror}") from error
-        except (ValueError, RecursionError) as error:
+        except ValueError as error:
             raise self._damaged(name) from error
         if not isinstance(noted, dict):
             raise self._damaged(name)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 import sqlite3
 from collections.abc import Mapping
@@ -11,6 +10,7 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.helpers.atomic import replacing
+from bench.helpers.parsing import parse_json
 from bench.storage.folder import ENVIRONMENT, Folder
 from bench.storage.merge import copy
 from bench.storage.reading import Reader, StoreCheck
@@ -60,8 +60,8 @@ def mend(folder: Folder, trials: int) -> str:
 def _environments(folder: Folder, reader: Reader) -> Mapping[int, Mapping[str, Any]]:
     """Return what can be read of the store's environments; environment.json may hold a copy of a damaged record."""
     copies = []
-    with suppress(OSError, ValueError, RecursionError):
-        copies = json.loads((folder.path / ENVIRONMENT).read_text(encoding="utf-8"))
+    with suppress(OSError, ValueError):
+        copies = parse_json((folder.path / ENVIRONMENT).read_bytes())
     with suppress(sqlite3.DatabaseError):
         return reader.environments(copies if isinstance(copies, list) else ())
     return {}

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any
 
+from bench.helpers.parsing import parse_json
 from bench.helpers.text import printable
 from bench.storage.committed import Committed
 from bench.storage.rows import COLUMNS, MEASURED, TEXTS, binding, digest
@@ -246,7 +247,7 @@ def _text(stored: Any) -> str:
 def _record(text: bytes) -> dict[str, Any]:
     """Return a record from its JSON text, an empty one where that is damaged."""
     try:
-        record = json.loads(text or b"{}")
-    except (ValueError, RecursionError):
+        record = parse_json(text or b"{}")
+    except ValueError:
         return {}
     return record if isinstance(record, dict) else {}

@@ -10,6 +10,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from bench.errors import BenchError
+from bench.helpers.parsing import parse_json
 from bench.storage.committed import overwrite
 from bench.trial import Trial
 
@@ -35,7 +37,10 @@ class UnderWay:
 def noting(folder: Path) -> Iterator[UnderWay]:
     """Yield the file of a run's trials under way; it stays where the run is killed, and only there."""
     path = folder / FILE
-    file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o644)
+    try:
+        file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o644)
+    except OSError as error:
+        raise BenchError(f"{path} cannot be written: {error.strerror}") from error
     try:
         yield UnderWay(file)
     finally:
@@ -55,6 +60,7 @@ def left(folder: Path) -> dict[str, Any] | None:
         return None
     trials = []
     for line in lines:
-        with suppress(ValueError, RecursionError):
-            trials.append([str(each) for each in json.loads(line)])
+        with suppress(TypeError, ValueError):
+            problem, optimizer, number = parse_json(line)
+            trials.append([str(problem), str(optimizer), str(number)])
     return {"ended": ended, "trials": trials}

@@ -7,20 +7,19 @@ from collections.abc import Mapping
 from typing import Any
 
 from bench.errors import BenchError
-from bench.numbers import is_whole, require_whole
+from bench.numbers import LARGEST_BUDGET, is_whole, require_whole
 
 Budget = int | str | dict[str, int]
 """As a study holds it: evaluations, the text of a multiple of d, or evaluations by the dimension as a text."""
 
 _MULTIPLE = re.compile(r"\s*([0-9][0-9_]*(?:\.[0-9]+)?(?:[eE]\+?[0-9]+)?)\s*\*\s*d\s*", re.ASCII)
-_LARGEST = 10**15  # evaluations a dimension, which no run reaches
 
 
 def checked(given: Any, what: str) -> Budget:
     """Return a budget as a study holds it.
 
     Args:
-        given: a whole number of at least 1; a text of one, or of a multiple of the dimension such as ``"1e4 * d"``; or
+        given: a whole number from 1 to 1e15; a text of one, or of a multiple of the dimension such as ``"1e4 * d"``; or
             a table of evaluations by dimension, such as ``{"10": 200_000, "20": 1_000_000}``.
         what: the subject of a sentence about it, such as ``"the budget"``.
 
@@ -31,19 +30,20 @@ def checked(given: Any, what: str) -> Budget:
         for dimension, own in given.items():
             if not re.fullmatch(r"[1-9][0-9]{0,8}", str(dimension)):
                 raise BenchError(f"{what} has a table of evaluations by dimension, but {dimension!r} is no dimension")
-            require_whole(f"{what} at d = {dimension}", own, 1)
+            require_whole(f"{what} at d = {dimension}", own, 1, LARGEST_BUDGET)
         if not given:
             raise BenchError(f"{what} is an empty table; give evaluations by dimension, such as {{10 = 200_000}}")
         return {str(dimension): int(own) for dimension, own in given.items()}
     if isinstance(given, str):
-        if re.fullmatch(r"[0-9][0-9_]*", given.strip(), re.ASCII):
+        if re.fullmatch(r"[0-9][0-9_]{0,30}", given.strip(), re.ASCII):
             given = int(given)
-        elif 0 < _multiple(given) <= _LARGEST:
+        elif 0 < _multiple(given) <= LARGEST_BUDGET:
             return given.strip()
-    if is_whole(given) and given >= 1:
+    if is_whole(given) and 1 <= given <= LARGEST_BUDGET:
         return int(given)
     raise BenchError(
-        f"{what} must be a whole number of at least 1 or a multiple of the dimension such as '1e4 * d', not {given!r}"
+        f"{what} must be a whole number from 1 to {LARGEST_BUDGET:g} or a multiple of the dimension such as '1e4 * d', "
+        f"not {given!r}"
     )
 
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 from bench.errors import BenchError, nearest
-from bench.numbers import is_whole
+from bench.numbers import MOST_TRIALS, is_whole
 
 Looks = tuple[int, ...]
 
@@ -37,6 +37,8 @@ def checked(given: Any, what: str) -> Looks:
     looks = tuple(map(int, given))
     if len(looks) < 2:
         raise BenchError(f"{what} must be two or more, {EXAMPLE}; a single look at the end needs no declaration")
+    if max(looks) > MOST_TRIALS:
+        raise BenchError(f"{what} must be at most {MOST_TRIALS:,} trials, not {max(looks)}")
     if not all(one < other for one, other in pairwise(looks)):
         raise BenchError(f"{what} must increase, {EXAMPLE}, not {list(looks)}")
     if looks[0] < LEAST:

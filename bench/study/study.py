@@ -7,7 +7,6 @@ import hashlib
 import json
 import os
 import re
-import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -17,8 +16,9 @@ from typing import Any, NamedTuple
 import tomli_w
 
 from bench.errors import BenchError, nearest
+from bench.helpers.parsing import parse_toml, read_text
 from bench.helpers.text import html_table, listed
-from bench.numbers import require_whole
+from bench.numbers import MOST_TRIALS, require_seed, require_whole
 from bench.optimizer import Optimizer
 from bench.plugins import loading, registry, selection
 from bench.problem import Problem
@@ -37,6 +37,12 @@ from bench.study.sweep import Sweep, expanded, sweeps
 from bench.study.targets import NO_METRIC, Targets
 from bench.study.tuned import Tuning
 from bench.trial import Trial
+
+LONGEST_LABEL = 200
+"""Characters of the label of a problem or an optimizer."""
+
+LONGEST_TITLE = 1000
+"""Characters of the title of a study."""
 
 
 @dataclass(frozen=True)
@@ -114,8 +120,8 @@ class Study:
         """
         text, where = _read(source)
         try:
-            data = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
+            data = parse_toml(text)
+        except ValueError as error:
             raise BenchError(f"study {where} is not valid TOML: {error}") from error
         return cls.from_dict(data, where)
 
@@ -144,6 +150,10 @@ class Study:
         study = cls(**data | lists)
         if not study.title.isprintable():
             raise BenchError(f"study {where}: the title holds a control character or a line break")
+        if len(study.title) > LONGEST_TITLE:
+            raise BenchError(
+                f"study {where}: the title has {len(study.title):,} characters, more than {LONGEST_TITLE:,}"
+            )
         _refuse_duplicates(study.with_controls, "optimizers and controls", where)
         study._require_apart(f"study {where}")
         study.check_looks(f"study {where}: ")
@@ -373,9 +383,10 @@ def _entries_apart(key: str, mine: Mapping[str, Entry], theirs: Mapping[str, Ent
 
 def _checked(given: Mapping[str, Any], where: str) -> dict[str, Any]:
     """Return budget, targets, rope, tuning and looks as a study holds them; raises BenchError for what cannot be."""
-    for key, least in (("seed", None), ("trials", 1)):
-        if key in given:
-            require_whole(f"{where}{key!r}", given[key], least)
+    if "seed" in given:
+        require_seed(f"{where}'seed'", given["seed"])
+    if "trials" in given:
+        require_whole(f"{where}'trials'", given["trials"], 1, MOST_TRIALS)
     if "constraints" in given:
         handlings.checked(given["constraints"], f"{where}'constraints'")
     held = {
@@ -397,10 +408,9 @@ def _read(source: str | os.PathLike[str]) -> tuple[str, str]:
             f"unknown study {str(source)!r}{nearest(str(source), installed)}, or give the path of a TOML file"
         )
     try:
-        return path.read_text(encoding="utf-8-sig"), str(path)
-    except (OSError, ValueError) as error:  # ValueError: text that is not UTF-8, or a path with a NUL
-        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
-        raise BenchError(f"the study file {path} cannot be read: {reason}") from error
+        return read_text(path), str(path)
+    except (OSError, ValueError) as error:
+        raise BenchError(f"the study file {path} cannot be read: {getattr(error, 'strerror', error)}") from error
 
 
 def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
@@ -434,6 +444,11 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
         ]
         if not all(entry.label.isprintable() for entry in entries):
             raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
+        if long := [entry.label for entry in entries if len(entry.label) > LONGEST_LABEL]:
+            raise BenchError(
+                f"study {where}: the label {long[0][:40]!r}… of the {key} has {len(long[0]):,} characters, more than "
+                f"{LONGEST_LABEL}; give the table a shorter 'label'"
+            )
     _refuse_duplicates(entries, key, where)
     return tuple(entries)
 

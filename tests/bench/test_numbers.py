@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench import BenchError
-from bench.numbers import is_finite, require_positive, require_whole
+from bench.numbers import LARGEST_SEED, is_finite, require_jobs, require_positive, require_seed, require_whole
 
 
 @pytest.mark.parametrize("value", [0, 5, np.int64(3)])
@@ -40,3 +40,19 @@ def test_what_is_not_positive_is_one_sentence(value):
 def test_neither_truth_nor_infinity_is_a_finite_number():
     none = True, math.inf, -math.inf, math.nan, 10**400, "1", 1j
     assert [is_finite(each) for each in (1, 1.5, *none)] == [True, True, *[False] * len(none)]
+
+
+def test_seeds_are_what_a_store_can_hold():
+    for seed in (0, LARGEST_SEED):
+        require_seed("the seed", seed)
+    for seed in (-1, LARGEST_SEED + 1, 0.0):
+        with pytest.raises(BenchError, match=r"^the seed must be a whole number from 0 to 9223372036854775807, not "):
+            require_seed("the seed", seed)
+
+
+def test_jobs_are_as_many_as_a_machine_can_have_or_one_for_every_core():
+    for jobs in (-1, 1, 1000):
+        require_jobs("--jobs", jobs)
+    for jobs in (0, -2, 1001, 99_999_999, None):
+        with pytest.raises(BenchError, match=r"^--jobs must be a whole number from 1 to 1000, or -1 for every core, "):
+            require_jobs("--jobs", jobs)

@@ -19,7 +19,7 @@ from bench.check.conformance.recording import ObservedOptimizer, Progress, Recor
 from bench.check.problems import RecordingProblem, bowl
 from bench.errors import BenchError
 from bench.execution.trial_process import STILL_ASKING
-from bench.numbers import require_whole
+from bench.numbers import require_seed
 from bench.optimizer import Optimizer, build, settings
 from bench.plugins.loading import load_optimizer
 from bench.trial import search
@@ -114,7 +114,7 @@ def make_subject(optimizer: object, options: dict[str, Any], seed: int) -> Subje
     Raises:
         BenchError: for anything else, for an unknown name, for options of an instance, and for a seed below 0.
     """
-    require_whole("the seed", seed, 0)
+    require_seed("the seed", seed)
     if isinstance(optimizer, Optimizer):
         if options:
             raise BenchError(

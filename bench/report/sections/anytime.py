@@ -25,9 +25,11 @@ def section(findings: Findings) -> Section:
         return Section(TITLE, ("No trial left a trace, so there is nothing to draw.",))
     budgets, dimensions, hits = findings.budgets, findings.dimensions, findings.hits
     budget = max(budgets.values())
-    groups = analysis.evaluation_grid(max(ceil(budgets[label] / (1 + d)) for label, d in dimensions.items()))
     words = findings.words
-    profiles = analysis.data_profiles(hits, words.level, groups, dimensions)  # Moré and Wild (2009): at 1e-1 to 1e-7
+    # Moré and Wild (2009): at 1e-1 to 1e-7. Of imported problems the dimension may be unknown.
+    sizes = dimensions if dimensions.keys() >= {*findings.problems} else None
+    most = budget if sizes is None else max(ceil(budgets[label] / (1 + d)) for label, d in sizes.items())
+    profiles = analysis.data_profiles(hits, words.level, analysis.evaluation_grid(most), sizes)
     if words.restarts:
         reached = analysis.mean_shares(findings.restart_shares, findings.optimizers)
     elif not findings.scaled:

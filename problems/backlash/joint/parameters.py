@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass, field, fields
 from math import pi, radians, sin
 from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError, nearest
+from bench.helpers import parse_toml, read_text
 from bench.numbers import is_finite, require_positive
 from problems.backlash import LEVELS
 
@@ -186,8 +186,8 @@ def described(joint: Joint) -> str:
 def read_toml(path: str | Path, where: str) -> dict[str, Any]:
     """Return the content of a TOML file; raises BenchError, which begins with ``where``, if it cannot be read."""
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        return parse_toml(read_text(Path(path)))
     except OSError as error:
         raise BenchError(f"{where} cannot be read: {error.strerror}") from error
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise BenchError(f"{where} is not valid TOML: {error}") from error

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from bench.errors import BenchError
 from bench.helpers import printable
-from bench.numbers import require_whole
+from bench.numbers import LARGEST_BUDGET, MOST_TRIALS, require_jobs, require_whole
 from bench.optimizer import Optimizer
 from bench.seeds import trial_seed
 from bench.typing import Floats
@@ -42,7 +42,8 @@ class RunSettings:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        require_whole("the runs of an optimizer", self.runs, 1)
+        require_whole("the runs of an optimizer", self.runs, 1, MOST_TRIALS)
+        require_whole("the budget of an optimizer", self.budget, 1, LARGEST_BUDGET)
         self.optimizer().check_budget(self.budget, self.name)
 
     def optimizer(self) -> Optimizer:
@@ -107,8 +108,7 @@ def estimate_files(
     Raises:
         BenchError: for no worker.
     """
-    if jobs != -1:
-        require_whole("the number of jobs", jobs, 1, also=", or -1 for every core")
+    require_jobs("the number of jobs", jobs)
     work = partial(_estimated, read=read, settings=settings, runs=runs)
     jobs = min(jobs if jobs != -1 else _cores(), len(paths))
     return map(work, paths) if jobs <= 1 or len(paths) <= FEW else in_workers(work, paths, jobs, _lost)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from bench.errors import BenchError
-from bench.numbers import require_positive, require_whole
+from bench.numbers import require_positive, require_seed, require_whole
 from bench.typing import Floats
 from problems.backlash import EARLY_RAD
 from problems.backlash.recordings import Recording
@@ -28,6 +28,7 @@ from problems.backlash.signature.problem import TOLERANCE_RAD, SignatureFit
 Interval = tuple[float, float]
 
 USUAL_PERIOD = 0.4  # s; T_f of the thesis's recordings, assumed where neither signal nor calibration gives one
+MOST_RESAMPLES = 1_000_000
 COARSEST = 0.01  # s; two and a half samples in an oscillation of 40 Hz, the fastest that Table 7.1 allows
 
 
@@ -71,8 +72,8 @@ class Settings:
                 require_positive(name.replace("_", " "), value)
         if not 0.0 < self.confidence < 1.0:
             raise BenchError(f"confidence must lie between 0 and 1, such as 0.95, not {self.confidence!r}")
-        require_whole("resamples", self.resamples, 0)
-        require_whole("seed", self.seed, 0)
+        require_whole("resamples", self.resamples, 0, MOST_RESAMPLES)
+        require_seed("seed", self.seed)
 
 
 @dataclass(frozen=True, eq=False)

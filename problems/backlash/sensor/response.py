@@ -20,6 +20,7 @@ from joblib import Parallel, delayed
 from rich.console import Console
 from rich.progress import track
 
+from bench.numbers import require_jobs
 from bench.typing import Floats
 from problems.backlash.joint import Joint, simulate
 from problems.backlash.recordings import Recording
@@ -41,8 +42,9 @@ def response(joint: Joint, half_gaps: Sequence[float], *, jobs: int = 1, shown: 
         shown: show a progress bar on stderr.
 
     Raises:
-        BenchError: where a half-gap cannot be simulated or fitted.
+        BenchError: where a half-gap cannot be simulated or fitted, and for a number of jobs that cannot be.
     """
+    require_jobs("the number of jobs", jobs)
     fits = Parallel(n_jobs=jobs, return_as="generator")(delayed(_fits)(joint, gap) for gap in half_gaps)
     bar = track(fits, "fits", len(half_gaps), console=Console(stderr=True), transient=True, disable=not shown)
     strengths = 60 * np.array(list(bar))

@@ -1,5 +1,8 @@
+from pathlib import Path
+
 import pytest
 
+from bench import BenchError
 from bench.helpers.atomic import replacing
 
 
@@ -16,6 +19,13 @@ def test_after_an_error_nothing_is_left_and_the_old_file_is_there(tmp_path, erro
         fail(path)
     assert [each.name for each in tmp_path.iterdir()] == ["a.csv"]
     assert path.read_text() == "old"
+
+
+def test_a_device_is_not_replaced():
+    device = Path("/dev/full")
+    with pytest.raises(BenchError, match="it is neither a file nor a folder"), replacing(device):
+        pytest.fail("nothing may be written")
+    assert device.is_char_device()
 
 
 def test_a_folder_replaces_a_folder(tmp_path):

@@ -5,6 +5,13 @@ import pytest
 from bench import BenchError
 from bench.helpers.bibtex import parse
 
+HOSTILE = (
+    r"\input{/etc/passwd}", r"\write18{id}", r"\immediate\openout3=a", r"\catcode`\@=11", r"\def\x{}",
+    r"\csname input\endcsname", r"\\\input x", "^^5cinput x", r"\loop\iftrue\repeat",
+    r"\directlua{os.exit()}", r"\href{run:x}{y}",
+)  # fmt: skip
+"""TeX that reads, writes or runs a file, or never ends, when a paper that cites the entry is typeset."""
+
 
 @pytest.mark.parametrize(
     ("bibtex", "name"),
@@ -41,8 +48,15 @@ def test_entries_are_read_between_comments_and_kept_as_written():
         ("@misc{日, x=1}", "key"),
         ("@misc{a}", "key"),
         ("b", "no entry"),
+        *((f"@misc{{a, note={{{tex}}}}}", "TeX that no reference needs") for tex in HOSTILE),
     ],
 )
 def test_what_is_no_entry_is_refused(bibtex, why):
     with pytest.raises(BenchError, match=why):
         parse(bibtex)
+
+
+def test_letters_fonts_and_formulas_are_kept_as_written():
+    title = r"{\emph{A} \& $\mu^2$-\'{E}S \\ \'\i \c{c} 5\%, \textit{x}\,\url{http://x.org}}"
+    (work,) = parse(f"@misc{{a, title = {title}}}")
+    assert work.fields == f"title = {title}"

@@ -100,6 +100,12 @@ def test_another_suite_keeps_its_name_and_its_values(tmp_path):
         ({"log": LOG.replace("4 7.25\n", "")}, "run 2, ends at 8.0 and its JSON file has 7.25; the log is cut short"),
         ({"log": LOG.replace("43", "51")}, "line 4, has evaluation 50 after evaluation 51"),
         ({"log": LOG.replace("4 7.25", "1 7.25")}, "line 7, has evaluation 1 after evaluation 1"),
+        ({"log": LOG.replace("4 7.25", f"{10**30} 7.25")}, "line 7, is no row of evaluations and values"),
+        ({"function_id": 1e999}, "has a value of another kind .cannot convert float infinity to integer"),
+        (
+            {"runs": [RUNS[0] | {"evals": 10**30}, RUNS[1]]},
+            "evaluations 10{30}, which must be from 0 to 10{15}",
+        ),
         ({"log": LOG.replace("4 7.25", "4 abc")}, "line 7, is no row of evaluations and values: '4 abc'"),
         ({"log": LOG.replace("raw_y", "other")}, "line 1, has no column 'raw_y'"),
     ],

@@ -6,6 +6,8 @@ import pytest
 
 from bench import BenchError, Results
 from bench.importing import import_results
+from bench.report.findings import Findings
+from bench.report.sections import anytime
 from tests.bench.export.made import exported, make, some_fail
 
 TABLE = """optimizer,problem,trial,evaluations,value
@@ -32,6 +34,15 @@ def test_a_table_of_evaluations_becomes_trials(tmp_path):
     assert results.environments[0]["licence"] == "CC-BY-4.0"
 
 
+def test_problems_of_unknown_dimension_have_their_data_profile_over_evaluations(tmp_path):
+    import_results(written(tmp_path), tmp_path / "out")
+    findings = Findings(Results(tmp_path / "out"))
+    together = anytime.section(findings).items[0]
+    assert findings.dimensions == {}
+    profile = together.data[together.data["panel"] == "data profile"]
+    assert profile["evaluations"].max() == 20
+
+
 def test_our_export_comes_back_with_failures_and_times(tmp_path):
     results = make(tmp_path / "s", {"sphere-2": 2, "p": 3, "never": 2}, row=some_fail)
     import_results(exported(results, "csv", tmp_path / "out"), tmp_path / "back")
@@ -54,6 +65,11 @@ def test_our_export_comes_back_with_failures_and_times(tmp_path):
         ("1,9.5", "0,9.5", "line 2, has evaluation 0 where a run begins"),
         ("7,2.25", "7.5,2.25", "line 4, has '7.5' as evaluations, which is no whole number"),
         ("7,2.25", "7,", "line 4, has no value"),
+        ("7,2.25", "7,-inf", "line 4, has the value -inf"),
+        ("7,2.25", "7,-1e999", "line 4, has the value -inf"),
+        ("7,2.25", "7,nan", "line 4, has no value"),
+        ("5,1e-3", f"{10**15 - 1}1,1e-3", "line 6, has '9999999999999991' as evaluations, which is no whole number"),
+        ("q,1,", f"q,{10**6},", "has the number of the trial 1000000, which must be from 0 to 999999"),
         ("7,2.25", "7,two", "has a value that is no number: could not convert string to float: 'two'"),
         ("de,p", "de, ", "has a name that is empty"),
         ("5,1e-3\n", "5,1e-3", "is cut short: its last line has no end"),

@@ -41,6 +41,7 @@ def test_looks_belong_to_the_identity_only_where_there_are_any():
         ({"trials": [10, 10]}, "must increase"),
         ([3, 10], "must begin with 6 trials or more, not 3"),
         ([-4, 10], "must begin with 6"),
+        ([10, 10**30], "must be at most 1,000,000 trials"),
         ([10, 20.5], "list of numbers of trials"),
         ([True, 20], "list of numbers of trials"),
         ("10, 20", "list of numbers of trials"),

@@ -80,7 +80,12 @@ def test_identity_is_what_decides_a_result():
     [
         ({"trails": 3}, "unknown key 'trails'; did you mean 'trials'?"),
         ({"trials": "3"}, "'trials' must be a whole number"),
-        ({"trials": 0}, "at least 1"),
+        ({"trials": 0}, "'trials' must be a whole number from 1 to 1000000, not 0"),
+        ({"trials": 10**30}, "'trials' must be a whole number from 1 to 1000000"),
+        ({"seed": -1}, "'seed' must be a whole number from 0 to 9223372036854775807, not -1"),
+        ({"title": "a" * 1001}, "the title has 1,001 characters, more than 1,000"),
+        ({"optimizers": [{"name": "gwo", "label": "a" * 201}]}, "of the optimizers has 201 characters, more than 200"),
+        ({"problems": [{"name": "a" * 10**6}]}, "of the problems has 1,000,000 characters, more than 200"),
         ({"name": ""}, "has no name"),
         ({"rope": "wide"}, "'rope' must be a positive width in the unit of the objective"),
         ({"targets": "precision"}, "'targets' must be 'precisions', 'relative', 'quantiles' or 'tolerance'"),
@@ -157,6 +162,9 @@ def test_unknown_and_malformed_files(tmp_path):
     (tmp_path / "bad.toml").write_text("name = [")
     with pytest.raises(BenchError, match=r"bad\.toml is not valid TOML"):
         Study.load(tmp_path / "bad.toml")
+    (tmp_path / "deep.toml").write_text("trials = " + "[" * 50_000)
+    with pytest.raises(BenchError, match=r"deep\.toml is not valid TOML: it is nested more than 100 levels deep"):
+        Study.load(tmp_path / "deep.toml")
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(BenchError, match="not UTF-8"):
         Study.load(tmp_path / "bytes.toml")

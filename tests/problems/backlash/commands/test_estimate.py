@@ -150,10 +150,12 @@ def test_nothing_that_can_be_estimated_is_an_error(refused, tmp_path, capsys):
         (["a.csv", "--set", "agents=3"], "give --optimizer too"),
         (["a.csv", "--plot", "a.jpg"], "a.jpg must end in .svg, .png, .pdf"),
         (["a.csv", "--plot", "none/a.svg"], "there is no folder none"),
+        (["a.csv", "--resamples", 10**30], "resamples must be a whole number from 0 to 1000000"),
+        (["a.csv", "--optimizer", "gwo", "--runs", 10**30], "runs of an optimizer must be a whole number from 1 to 1"),
         (["a.csv", "--confidence", 95], "confidence must lie between 0 and 1"),
         (
             ["a.csv", "--jobs", 0],
-            "the number of jobs must be a whole number of at least 1, or -1 for every core, not 0",
+            "the number of jobs must be a whole number from 1 to 1000, or -1 for every core, not 0",
         ),
     ],
 )

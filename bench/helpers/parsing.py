@@ -1,0 +1,65 @@
+"""Read the JSON and TOML that users give or that may be damaged; whatever is wrong with a text is a ValueError."""
+
+from __future__ import annotations
+
+import errno
+import json
+import re
+import stat
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+DEEPEST = 100
+"""Levels of lists and tables; the parsers, and all that copies or prints a value, call themselves for each."""
+
+_DOTTED = re.compile(rf"""(?<![\w"'-])(?:[\w"'-]++\s*+\.\s*+){{{DEEPEST}}}""")
+"""The beginning of a dotted key of so many levels, for which the parser of TOML takes minutes."""
+
+_TOO_DEEP = f"it is nested more than {DEEPEST} levels deep"
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a file, which must be a regular one: others, such as a pipe or /dev/zero, may never end.
+
+    Raises:
+        OSError: where there is no such file, or it cannot be read.
+        ValueError: where it is not UTF-8 text.
+    """
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise OSError(errno.EINVAL, "it is no regular file", str(path))
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError("it is not UTF-8 text") from None
+
+
+def parse_json(text: str | bytes) -> Any:
+    """Return the value of a JSON text; raises ValueError for any other text, and for one that is nested too deeply."""
+    return _parsed(json.loads, text)
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """Return the tables of a TOML text; raises ValueError for any other text, and for one that is nested too deeply."""
+    if _DOTTED.search(text):
+        raise ValueError(_TOO_DEEP)
+    tables: dict[str, Any] = _parsed(tomllib.loads, text)
+    return tables
+
+
+def _parsed(parser: Callable[[Any], Any], text: str | bytes) -> Any:
+    try:
+        value = parser(text)
+    except RecursionError:
+        raise ValueError(_TOO_DEEP) from None
+    level = [value]
+    for _ in range(DEEPEST):
+        level = [inner for each in level if isinstance(each, dict | list) for inner in _inside(each)]
+        if not level:
+            return value
+    raise ValueError(_TOO_DEEP)
+
+
+def _inside(value: dict[str, Any] | list[Any]) -> list[Any]:
+    return list(value.values()) if isinstance(value, dict) else value
