@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import typer
 
 from bench import objective
 from bench.cli import app
@@ -45,13 +46,29 @@ def bench(testing_plugins):
     return run
 
 
+BUILT = {}  # the command line by the commands in it: typer takes half a second to read their annotations
+
+
+def build(application, build=typer.main.get_command):
+    """Return the command line of typer's application, built only where its commands are others than before."""
+    commands = tuple((info.name, info.callback) for info in application.registered_commands)
+    key = (application, commands, tuple(info.typer_instance for info in application.registered_groups))
+    if key not in BUILT:
+        BUILT[key] = build(application)
+    return BUILT[key]
+
+
 @pytest.fixture
 def bench_here(monkeypatch, capsys):
     """Return a function that runs the command line in this process, which spares its start and the imports."""
+    commands, groups = app.app.registered_commands, app.app.registered_groups
+    monkeypatch.setattr("typer.main.get_command", build)
 
     def run(*arguments, cwd="."):
         monkeypatch.chdir(cwd)
         monkeypatch.setattr(sys, "argv", ["bench", *map(str, arguments)])
+        monkeypatch.setattr(app.app, "registered_commands", [*commands])  # without those that plug-ins added before
+        monkeypatch.setattr(app.app, "registered_groups", [*groups])
         capsys.readouterr()
         with pytest.raises(SystemExit) as ended:
             app.main()
