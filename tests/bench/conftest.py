@@ -1,6 +1,7 @@
 import os
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ import typer
 from bench import objective
 from bench.cli import app
 from bench.plugins import registry
+from bench.report.drawing import Drawer, Drawing
 
 INSTALLED = Path(__file__).parent / "installed"
 
@@ -94,6 +96,38 @@ def small_study():
             "optimizers": [{"name": "hill-climber"}, {"name": "scatter", "agents": 7}, {"name": "early"}],
         }
     )
+
+
+PICTURE = Drawing(b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><g id="a"/></svg>', b"%PDF-1.4")
+FINISH = Drawer.finish
+
+
+@pytest.fixture(scope="package", autouse=True)
+def undrawn():
+    """Have reports hold this picture in place of their figures, whose drawing takes half of the time of a report."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.setattr(Drawer, "finish", lambda self, figure: PICTURE)
+        yield
+
+
+@pytest.fixture(scope="session")
+def drawn():
+    """Return a context in which figures are drawn."""
+
+    @contextmanager
+    def drawing():
+        with pytest.MonkeyPatch.context() as monkeypatch:
+            monkeypatch.setattr(Drawer, "finish", FINISH)
+            yield
+
+    return drawing
+
+
+@pytest.fixture
+def draws(drawn):
+    """Have the figures of a test drawn."""
+    with drawn():
+        yield
 
 
 COMPILED, INTERPRETED = objective.passes(10**9, 1), (objective._take, objective._scan)
