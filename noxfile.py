@@ -44,7 +44,8 @@ def nightly(session: nox.Session) -> None:
     """Run the whole suite, slow tests too, and compare the coverage of the core packages with their floors."""
     session.install("-e", ".", *group("test"), *group("coverage"))
     packages = [f"--cov={package}" for package in COVERED]
-    run_tests(session, "-m", "slow or not slow", *packages, "--cov-report=")
+    pages = "--ignore=tests/docs"  # 'nox -s docs' runs them
+    run_tests(session, "-m", "slow or not slow", pages, *packages, "--cov-report=")
     for package, floor in COVERED.items():
         session.run("coverage", "report", f"--include={package}/*", "--skip-covered", f"--fail-under={floor}")
 
