@@ -1,10 +1,11 @@
-"""The project's sessions: ``nox -s tests``, ``tests-3.12`` and so on, ``lint``, ``types``, ``docs``, ``benchmark`` and
-``release``.
+"""The project's sessions: ``nox -s tests``, ``tests-3.12`` and so on, ``lowest``, ``nightly``, ``lint``, ``types``,
+``workflows``, ``docs``, ``benchmark`` and ``release``.
 
 ``tests`` runs on the interpreter that runs nox; ``tests-3.12`` on that version, and is skipped where it is missing.
 """
 
 import os
+from pathlib import Path
 
 import nox
 
@@ -15,6 +16,7 @@ nox.options.sessions = ["lint", "types", "tests"]
 
 PROJECT = nox.project.load_toml("pyproject.toml")
 VERSIONS = nox.project.python_versions(PROJECT)  # from the classifiers in pyproject.toml
+COVERED = {"bench/analysis": 90, "bench/storage": 90, "bench/execution": 70}  # percent of lines, at least
 
 
 def group(name: str) -> list[str]:
@@ -22,21 +24,45 @@ def group(name: str) -> list[str]:
     return nox.project.dependency_groups(PROJECT, name)
 
 
-@nox.session
-def tests(session: nox.Session) -> None:
-    """Run the test suite on every core; arguments after -- go to pytest, such as -m "not slow"."""
-    session.install("-e", ".", *group("test"))
+def run_tests(session: nox.Session, *arguments: str) -> None:
+    """Run pytest on every core, in the order of tests/conftest.py."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     workers = str(cores + 1)  # a third of the time tests wait for processes that they start
-    together = ("-n", workers, "--dist", "loadfile", "--no-loadscope-reorder")  # in the order of tests/conftest.py
-    session.run("python", "-m", "pytest", *together, *session.posargs)
+    together = ("-n", workers, "--dist", "loadfile", "--no-loadscope-reorder")
+    session.run("python", "-m", "pytest", *together, *arguments, *session.posargs)
+
+
+@nox.session
+def tests(session: nox.Session) -> None:
+    """Run the tests that are not slow; arguments after -- go to pytest."""
+    session.install("-e", ".", *group("test"))
+    run_tests(session)
+
+
+@nox.session
+def nightly(session: nox.Session) -> None:
+    """Run the whole suite, slow tests too, and compare the coverage of the core packages with their floors."""
+    session.install("-e", ".", *group("test"), *group("coverage"))
+    packages = [f"--cov={package}" for package in COVERED]
+    pages = "--ignore=tests/docs"  # 'nox -s docs' runs them
+    run_tests(session, "-m", "slow or not slow", pages, *packages, "--cov-report=")
+    for package, floor in COVERED.items():
+        session.run("coverage", "report", f"--include={package}/*", "--skip-covered", f"--fail-under={floor}")
+
+
+@nox.session(python=VERSIONS[0], venv_backend="uv")
+def lowest(session: nox.Session) -> None:
+    """Run the tests that are not slow with the lowest versions that pyproject.toml allows."""
+    session.install("--resolution", "lowest-direct", "-e", ".", *PROJECT["project"]["dependencies"])
+    session.install(*group("test"))  # of what is there already, the versions stay
+    run_tests(session)
 
 
 for version in VERSIONS:
 
     @nox.session(name=f"tests-{version}", python=version)
     def tests_on_version(session: nox.Session) -> None:
-        """Run the test suite on this version of Python; arguments after -- go to pytest."""
+        """Run the tests on this version of Python; arguments after -- go to pytest."""
         tests(session)
 
 
@@ -54,6 +80,14 @@ def types(session: nox.Session) -> None:
     """Check types, strictly."""
     session.install("-e", ".", *group("types"))
     session.run("mypy")
+
+
+@nox.session
+def workflows(session: nox.Session) -> None:
+    """Check the workflows, ours and those that 'bench new' writes; installing actionlint needs GitHub."""
+    session.install(*group("workflows"))
+    files = [str(file) for folder in (".github/workflows", "examples") for file in Path(folder).rglob("*.yml")]
+    session.run("actionlint", *files)
 
 
 @nox.session(venv_backend="uv|venv")  # uv, where it is installed, is ten times as fast as pip
@@ -78,7 +112,7 @@ def docs(session: nox.Session) -> None:
     session.install("-e", ".", *group("docs"), *group("test"))
     strict = "-W", "-n", "-E", "--keep-going"
     session.run("sphinx-build", *strict, "-b", "html", "docs", "docs/_build/html")
-    every = ("-m", "slowest or not slowest")  # the code blocks of the pages, too
+    every = ("-m", "slow or not slow")  # the code blocks of the pages, too
     session.run("python", "-m", "pytest", "tests/docs", *every, env={"BENCH_SITE": "docs/_build/html"})
     if "linkcheck" in session.posargs:
         session.run("sphinx-build", *strict, "-b", "linkcheck", "docs", "docs/_build/linkcheck")

@@ -51,21 +51,29 @@ def test_the_supported_versions_of_python_are_those_of_the_classifiers(release):
 
 
 @pytest.mark.parametrize(
-    ("text", "wrong"),
+    ("text", "fragments", "wrong"),
     [
-        ("# Changelog\n\n## 1.2.0 - 2026-01-31\n\n- A.\n", []),
-        ("## Unreleased\n\n## 1.2.0 - 2026-01-31\n\n- A.\n", []),
-        ("## Unreleased\n\n- B.\n\n## 1.2.0 - 2026-01-31\n\n- A.\n", ["under 'Unreleased'"]),
-        ("## 1.2.0\n\n- A.\n", ["no line '## 1.2.0 - YYYY-MM-DD'"]),
-        ("## 1.2.0 - soon\n\n- A.\n", ["no line '## 1.2.0 - YYYY-MM-DD'"]),
-        ("## Unreleased\n\n- A.\n", ["no line '## 1.2.0 - YYYY-MM-DD'", "under 'Unreleased'"]),
-        ("## 1x2.0 - 2026-01-31\n", ["no line"]),
+        ("# Changelog\n\n## 1.2.0 - 2026-01-31\n\n- A.\n", (), []),
+        ("## 1.2.0 - 2026-01-31\n\n- A.\n", ("+b.fixed.md", "7.added.md"), ["lacks (+b.fixed.md, 7.added.md)"]),
+        ("## 1.2.0\n\n- A.\n", (), ["no line '## 1.2.0 - YYYY-MM-DD'"]),
+        ("## 1.2.0 - YYYY-MM-DD\n\n- A.\n", (), ["no line '## 1.2.0 - YYYY-MM-DD'"]),
+        ("## 1x2.0 - 2026-01-31\n", ("7.added.md",), ["no line", "lacks (7.added.md)"]),
     ],
 )
-def test_a_release_needs_a_dated_entry_and_nothing_unreleased(release, text, wrong):
-    found = list(release.changelog_problems(text, "1.2.0"))
+def test_a_release_needs_a_dated_entry_and_no_fragment_beside_it(release, tmp_path, text, fragments, wrong):
+    (tmp_path / "changelog.d").mkdir()
+    for name in ("README.md", *fragments):
+        (tmp_path / "changelog.d" / name).touch()
+    (tmp_path / "CHANGELOG.md").write_text(text)
+    found = list(release.changelog_problems(tmp_path, "1.2.0"))
     assert len(found) == len(wrong)
     assert all(part in sentence for part, sentence in zip(wrong, found, strict=True))
+
+
+def test_every_change_is_of_a_kind_that_the_changelog_has():
+    kinds = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["towncrier"]["fragment"]
+    names = {file.name for file in (ROOT / "changelog.d").iterdir()} - {"README.md"}
+    assert all(re.fullmatch(rf"\+?[\w-]+\.({'|'.join(kinds)})\.md", name) for name in names), names
 
 
 @pytest.mark.parametrize(

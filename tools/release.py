@@ -2,7 +2,8 @@
 
 The steps, in order; the first that fails ends the release with one sentence and exit code 1:
 
-1. ``version`` of pyproject.toml has a dated entry in CHANGELOG.md, and the checkout has no uncommitted changes.
+1. ``version`` of pyproject.toml has a dated entry in CHANGELOG.md, changelog.d/ has no change that is not in it, and
+   the checkout has no uncommitted changes.
 2. sdist and wheel are built from the commit, twice in different folders, and have the same bytes; the wheel is built
    from the sdist.
 3. ``twine check`` accepts both.
@@ -50,7 +51,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Build a release and try it.")
     parser.add_argument("--rehearse", action="store_true", help="go on without a date in the changelog or a commit")
     rehearse = parser.parse_args().rehearse
-    for problem in (*changelog_problems((ROOT / "CHANGELOG.md").read_text(encoding="utf-8")), *changes()):
+    for problem in (*changelog_problems(), *changes()):
         if not rehearse:
             stop(problem)
         print(f"rehearsal: {problem}")
@@ -82,13 +83,14 @@ def call(*command: object, cwd: Path = ROOT, **environment: str) -> str:
 # 1. What is released
 
 
-def changelog_problems(text: str, version: str = PROJECT["version"]) -> Iterator[str]:
-    """Yield what is wrong with a changelog as that of a version: an entry with a date is needed, and nothing above."""
+def changelog_problems(root: Path = ROOT, version: str = PROJECT["version"]) -> Iterator[str]:
+    """Yield why the changelog is not that of a version: an entry with a date is needed, and no fragment is left."""
+    text = (root / "CHANGELOG.md").read_text(encoding="utf-8")
     if not re.search(rf"^## {re.escape(version)} - \d{{4}}-\d\d-\d\d$", text, re.MULTILINE):
         yield f"CHANGELOG.md has no line '## {version} - YYYY-MM-DD'; give the entry its version and date"
-    unreleased = re.search(r"^## Unreleased\n(.*?)(?=^## |\Z)", text, re.MULTILINE | re.DOTALL)
-    if unreleased and unreleased[1].strip():
-        yield "CHANGELOG.md has changes under 'Unreleased'; move them to the version's entry"
+    left = sorted(file.name for file in (root / "changelog.d").glob("*.*.md"))
+    if left:
+        yield f"changelog.d has changes that CHANGELOG.md lacks ({', '.join(left)}); run 'towncrier build'"
 
 
 def changes() -> Iterator[str]:

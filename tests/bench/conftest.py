@@ -1,13 +1,16 @@
 import os
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+import typer
 
 from bench import objective
 from bench.cli import app
 from bench.plugins import registry
+from bench.report.drawing import Drawer, Drawing
 
 INSTALLED = Path(__file__).parent / "installed"
 
@@ -45,13 +48,29 @@ def bench(testing_plugins):
     return run
 
 
+BUILT = {}  # the command line by the commands in it: typer takes half a second to read their annotations
+
+
+def build(application, build=typer.main.get_command):
+    """Return the command line of typer's application, built only where its commands are others than before."""
+    commands = tuple((info.name, info.callback) for info in application.registered_commands)
+    key = (application, commands, tuple(info.typer_instance for info in application.registered_groups))
+    if key not in BUILT:
+        BUILT[key] = build(application)
+    return BUILT[key]
+
+
 @pytest.fixture
 def bench_here(monkeypatch, capsys):
     """Return a function that runs the command line in this process, which spares its start and the imports."""
+    commands, groups = app.app.registered_commands, app.app.registered_groups
+    monkeypatch.setattr("typer.main.get_command", build)
 
     def run(*arguments, cwd="."):
         monkeypatch.chdir(cwd)
         monkeypatch.setattr(sys, "argv", ["bench", *map(str, arguments)])
+        monkeypatch.setattr(app.app, "registered_commands", [*commands])  # without those that plug-ins added before
+        monkeypatch.setattr(app.app, "registered_groups", [*groups])
         capsys.readouterr()
         with pytest.raises(SystemExit) as ended:
             app.main()
@@ -77,6 +96,38 @@ def small_study():
             "optimizers": [{"name": "hill-climber"}, {"name": "scatter", "agents": 7}, {"name": "early"}],
         }
     )
+
+
+PICTURE = Drawing(b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><g id="a"/></svg>', b"%PDF-1.4")
+FINISH = Drawer.finish
+
+
+@pytest.fixture(scope="package", autouse=True)
+def undrawn():
+    """Have reports hold this picture in place of their figures, whose drawing takes half of the time of a report."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.setattr(Drawer, "finish", lambda self, figure: PICTURE)
+        yield
+
+
+@pytest.fixture(scope="session")
+def drawn():
+    """Return a context in which figures are drawn."""
+
+    @contextmanager
+    def drawing():
+        with pytest.MonkeyPatch.context() as monkeypatch:
+            monkeypatch.setattr(Drawer, "finish", FINISH)
+            yield
+
+    return drawing
+
+
+@pytest.fixture
+def draws(drawn):
+    """Have the figures of a test drawn."""
+    with drawn():
+        yield
 
 
 COMPILED, INTERPRETED = objective.passes(10**9, 1), (objective._take, objective._scan)

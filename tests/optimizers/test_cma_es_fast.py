@@ -131,7 +131,6 @@ def p_values(theirs, ours):
 
 
 @pytest.mark.slow
-@pytest.mark.slowest
 def test_what_runs_find_and_when_they_stop_is_distributed_as_pycma_s(pycma):
     p = [value for cell in CELLS for value in p_values(pycma[cell.function, cell.agents], runs(cell))]
     assert len(p) == len(CELLS) + 2  # runs stop before their budget on two functions

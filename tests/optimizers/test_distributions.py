@@ -17,7 +17,7 @@ from optimizers.gwo import GWO, promote
 from tests.optimizers.functions import AGENTS, BOXES, FUNCTIONS, GENERATIONS, VARIANTS, D, final_bests
 from tests.optimizers.reference import final_best
 
-pytestmark = [pytest.mark.slow, pytest.mark.slowest]
+pytestmark = pytest.mark.slow
 
 CLASSES = {"gwo": GWO, "alo": ALO, "goa": GOA, "da": DA}
 RUNS = 200

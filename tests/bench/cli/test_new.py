@@ -46,7 +46,10 @@ def test_a_package_has_its_own_name_everywhere(tmp_path):
     project = tomllib.loads(made["pyproject.toml"])["project"]
     assert project["entry-points"]["bench.optimizers"] == {"my-swarm-2": "my_swarm_2:MySwarm2"}
     for workflow in ("gate", "tests"):
-        assert yaml.safe_load(made[f".github/workflows/{workflow}.yml"])["name"] == workflow
+        text = made[f".github/workflows/{workflow}.yml"]
+        assert yaml.safe_load(text)["name"] == workflow
+        assert yaml.safe_load(text)["env"] == {"BENCH_SOURCE": "${{ vars.BENCH_SOURCE || 'backlash-bench' }}"}
+        assert 'pip install "$BENCH_SOURCE"' in text
     assert tomllib.loads(made["gate.toml"])["optimizers"] == [{"name": "my-swarm-2"}]
     assert "bench run gate.toml" in made[".github/workflows/gate.yml"]
 

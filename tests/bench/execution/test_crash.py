@@ -157,7 +157,7 @@ def wait_until(condition):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kills", [8, pytest.param(50, marks=pytest.mark.slowest)])
+@pytest.mark.parametrize("kills", [8, pytest.param(50, marks=pytest.mark.slow)])
 def test_kills_lose_nothing_and_change_nothing(start, tmp_path, kills):
     """At random moments, from a run's first: its parent, its whole group, any process that plug-ins are loaded in."""
     folder, whole, chance = tmp_path / "out", tmp_path / "whole", random.Random(kills)

@@ -1,6 +1,5 @@
 """The page in a browser: accessible, sortable, filterable and printable, by keyboard, without scripts and offline."""
 
-import base64
 import importlib.util
 import json
 import os
@@ -122,12 +121,12 @@ class TestFilter:
         browser.run(OPEN_ALL)
         assert browser.run(self.STATUS) == ""
         browser.run(f"{self.INPUT}.focus()")
-        browser("Input.insertText", text="PROBLEM-1")
+        browser.page.keyboard.insert_text("PROBLEM-1")
         assert (browser.run(self.SHOWN), browser.run(self.STATUS)) == (4, "4 of 12 rows")
-        browser("Input.insertText", text="x")
+        browser.page.keyboard.insert_text("x")
         assert (browser.run(self.SHOWN), browser.run(self.STATUS)) == (0, "0 of 12 rows")
         browser.run(f"{self.INPUT}.select()")
-        browser("Input.insertText", text=" ")
+        browser.page.keyboard.insert_text(" ")
         assert (browser.run(self.SHOWN), browser.run(self.STATUS)) == (12, "")
 
     def test_only_long_tables_have_one_and_each_says_whose(self, browser, file):
@@ -204,8 +203,8 @@ class TestOffline:
     def test_only_the_page_is_asked_for_and_nothing_is_complained_of(self, browser, file):
         browser.open(file)
         browser.run(OPEN_ALL)
-        assert [event["request"]["url"] for event in browser.seen("Network.requestWillBeSent")] == [file.as_uri()]
-        assert browser.seen("Log.entryAdded") == []
+        assert browser.requests == [file.as_uri()]
+        assert browser.complaints == []
 
     def test_the_policy_lets_nothing_out_or_in(self, browser, file):
         browser.open(file)
@@ -222,14 +221,15 @@ class TestOffline:
         })"""
         assert browser.run(refused) == ["connect-src", "img-src", "script-src-elem"]
         assert browser.run("window.ran") is None
+        assert len(browser.complaints) >= 3  # the console reports each, so that its silence elsewhere means something
 
     def test_links_to_files_beside_it_work(self, browser, file):
         target = file.parent / "figures" / "a b#.pdf"
         target.parent.mkdir(exist_ok=True)
         target.with_name("a b#.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
         browser.open(file)
-        browser.run("document.querySelector('.downloads a[href$=svg]').click()")
-        browser.until(lambda message: message.get("method") == "Page.loadEventFired")
+        with browser.page.expect_navigation():
+            browser.run("document.querySelector('.downloads a[href$=svg]').click()")
         assert browser.run("document.documentElement.tagName") == "svg"
 
 
@@ -259,7 +259,7 @@ class TestPrint:
 
     def test_a_pdf_has_a_page_or_few(self, browser, file):
         browser.open(file, media="print")
-        pdf = base64.b64decode(browser("Page.printToPDF", preferCSSPageSize=True)["data"])
+        pdf = browser.page.pdf(prefer_css_page_size=True)
         assert 2 <= pdf.count(b"/Type /Page\n") <= 6
 
 

@@ -10,6 +10,8 @@ import pytest
 from bench.plots import style
 from bench.report.drawing import Drawer, Drawing, draw, draw_copy
 
+pytestmark = pytest.mark.usefixtures("draws")
+
 
 def figure(title="a title"):
     with style.context():

@@ -36,10 +36,11 @@ def _no_plugin_sections():
 
 
 @pytest.fixture(scope="module")
-def folder(make, tmp_path_factory):
+def folder(make, drawn, tmp_path_factory):
     """Return the folder of a study that has its report, to be read only."""
     folder = make(tmp_path_factory.mktemp("usual") / "s")
-    write_report(folder)
+    with drawn():
+        write_report(folder)
     return folder
 
 
@@ -83,6 +84,7 @@ def test_every_file_named_on_the_page_exists_and_no_other(usual, folder):
     assert {"tables/comparison.csv", "tables/comparison.tex", "figures/convergence.pdf", "tables/trials.csv"} <= written
 
 
+@pytest.mark.usefixtures("draws")
 def test_the_same_results_give_the_same_bytes(make, tmp_path):
     folder = make(tmp_path / "s", fail=[("p", "a", 0)])
     contents = []
@@ -95,6 +97,7 @@ def test_the_same_results_give_the_same_bytes(make, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("draws")
 def test_the_bytes_do_not_depend_on_the_number_of_processes(make, tmp_path, monkeypatch):
     folder = make(tmp_path / "s", problems=tuple("pqrstu"))
     monkeypatch.setattr("bench.report.drawing.cpu_count", lambda: 2)

@@ -82,7 +82,7 @@ def test_its_regrets_and_the_shares_that_found_the_fit_follow_from_its_trials(tr
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("level", [pytest.param(4, marks=pytest.mark.slowest), 17])
+@pytest.mark.parametrize("level", [4, 17])
 def test_the_code_of_today_repeats_its_means(means, level):
     """Fresh runs of today's code: the same law, so the same means within their own scatter."""
     study = Study.load("thesis")

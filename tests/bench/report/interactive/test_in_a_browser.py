@@ -38,27 +38,22 @@ def look(browser, file):
     """Return a function that opens the page with a state in its address, and waits until the charts are drawn."""
 
     def opened(state="", **options):
-        browser("Runtime.enable")
-        browser("Page.navigate", url="about:blank")
         browser.open(file, state=f"#look-further?{state}", **options)
         browser.wait(READY)
         return browser
 
     yield opened
-    complaints = [browser.seen(f"{kind}") for kind in ("Log.entryAdded", "Runtime.exceptionThrown")]
-    assert complaints == [[], []]
-    assert browser.seen("Runtime.consoleAPICalled") == []
-    assert {event["request"]["url"].split("#")[0] for event in browser.seen("Network.requestWillBeSent")} <= {
-        file.as_uri(), "about:blank"
-    }  # fmt: skip
-    browser("Runtime.disable")
+    assert browser.complaints == []
+    assert {address.split("#")[0] for address in browser.requests} == {file.as_uri()}
+
+
+def middle(browser, selector):
+    box = f"document.querySelector({json.dumps(selector)}).getBoundingClientRect()"
+    return browser.run(f"((box) => [box.x + box.width / 2, box.y + box.height / 2])({box})")
 
 
 def click(browser, selector):
-    box = f"document.querySelector({json.dumps(selector)}).getBoundingClientRect()"
-    x, y = browser.run(f"((box) => [box.x + box.width / 2, box.y + box.height / 2])({box})")
-    for kind in ("mouseMoved", "mousePressed", "mouseReleased"):
-        browser("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+    browser.page.mouse.click(*middle(browser, selector))
 
 
 def state(browser):
@@ -145,7 +140,7 @@ class TestClicks:
         box = "document.querySelector('.chart svg').getBoundingClientRect()"
         x, y = browser.run(f"[{box}.x + {box}.width * .6, {box}.y + {box}.height / 2]")
         for shift in (0, 3):
-            browser("Input.dispatchMouseEvent", type="mouseMoved", x=x + shift, y=y)
+            browser.page.mouse.move(x + shift, y)
         shown = browser.wait("document.querySelector('#vg-tooltip-element.visible')?.innerText")
         assert "evaluations" in shown
         assert "<i>c" in shown
@@ -154,9 +149,10 @@ class TestClicks:
         browser = look("problem=p")
         box = "document.querySelector('.chart svg').getBoundingClientRect()"
         x, y = browser.run(f"[{box}.x + 200, {box}.y + 100]")
-        browser("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, button="left", clickCount=1)
-        browser("Input.dispatchMouseEvent", type="mouseMoved", x=x + 200, y=y + 100, button="left", buttons=1)
-        browser("Input.dispatchMouseEvent", type="mouseReleased", x=x + 200, y=y + 100, button="left")
+        browser.page.mouse.move(x, y)
+        browser.page.mouse.down()
+        browser.page.mouse.move(x + 200, y + 100)
+        browser.page.mouse.up()
         assert "&zoom=" in state(browser)
 
 
