@@ -66,9 +66,7 @@ def test_a_killed_run_leaves_all_it_committed(killed, left, filled):
 
 
 @pytest.mark.parametrize("damage", [flip, cut, remove])
-@pytest.mark.parametrize(
-    "seeds", [range(8), pytest.param(range(8, 80), marks=pytest.mark.slow)], ids=["few", "many"]
-)
+@pytest.mark.parametrize("seeds", [range(8), pytest.param(range(8, 80), marks=pytest.mark.slow)], ids=["few", "many"])
 def test_damage_of_the_log_is_noticed_and_what_it_held_is_made_again(damage, seeds, killed, filled, tmp_path):
     original = Results(filled.path)
     frame, known = original.frame, traces(original)
