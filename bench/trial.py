@@ -79,6 +79,16 @@ class Result:
         """Wall seconds that the optimizer itself took."""
         return self.time - self.objective_time
 
+    def __repr__(self) -> str:
+        """Return the result in a few lines: the trace and a long point are shortened."""
+        point = listed([f"{each:.6g}" for each in self.x], 10)
+        metrics = "".join(f", {name}={value:.6g}" for name, value in self.metrics.items())
+        return (
+            f"Result(fun={self.fun!r}, x=[{point}]{metrics},\n"
+            f"       nfev={self.nfev}, stop={self.stop!r}, improvements={len(self.trace.values)}, "
+            f"time={self.time:.3g}, seed={self.seed})"
+        )
+
     def _repr_html_(self) -> str:
         """Return the result as a table, for a notebook."""
         rows = [

@@ -246,7 +246,7 @@ def test_the_study_in_python_is_that_of_the_file():
 @pytest.mark.slow
 def test_the_study_gives_the_same_numbers_from_python_and_from_the_command_line(programs, tmp_path):
     printed = succeed(programs / "python", STUDY / "smallest.py", cwd=tmp_path)
-    assert re.search(r"^signature-12 +0\.\d+ +0\.\d+$", printed, re.MULTILINE)
+    assert re.search(r"^engineering-spring +0\.\d+ +0\.\d+$", printed, re.MULTILINE)
     assert (tmp_path / "results" / "runs" / "smallest" / "report.html").exists()
     succeed(programs / "bench", "run", STUDY / "smallest.toml", "--output", "other", "--no-report", cwd=tmp_path)
     frames = [load_results(tmp_path / each).drop(columns=TIMES) for each in ("results/runs/smallest", "other")]

@@ -43,12 +43,12 @@ _study, _machines, _protection, _afterwards = (
 
 def run(
     study: Annotated[
-        str,
+        str | None,
         typer.Argument(
             help="An installed study's name (see 'bench list studies') or a TOML file.",
             autocompletion=completion.studies,
         ),
-    ],
+    ] = None,
     output: Annotated[Path | None, typer.Option(help="Folder to write; default: results/runs/STUDY.")] = None,
     jobs: Jobs = -1,
     trials: Annotated[
@@ -120,6 +120,11 @@ def run(
     from bench.execution.runner import run as run_study
     from bench.study import Study
 
+    if study is None:
+        raise BenchError(
+            "name a study: 'bench run quick' runs a small one, 'bench list studies' lists all that are installed, and "
+            "'bench new study mine' writes one to begin with"
+        )
     if check and sandbox:
         raise BenchError("--check runs optimizers outside the sandbox; leave out --check or --sandbox")
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
@@ -141,7 +146,7 @@ def run(
 
         best2009(entry.name for entry in chosen.problems)
     if dry_run:
-        _show_estimate(plan_study(chosen, output, shard=shard, sandbox=sandbox), jobs, console)
+        _show_estimate(plan_study(chosen, output, shard=shard, sandbox=sandbox), jobs, console, sandbox)
         return
     try:
         with Display(console) as display:
@@ -180,10 +185,11 @@ def run(
         sys.exit(1)
 
 
-def _show_estimate(plan: Plan, jobs: int, console: Console) -> None:
-    """Print a plan, each optimizer's part of it, and the duration estimated from the stored trials."""
+def _show_estimate(plan: Plan, jobs: int, console: Console, sandbox: str | None) -> None:
+    """Print a plan, each optimizer's part of it, and its duration, estimated from stored trials or a few short ones."""
     from joblib import cpu_count
 
+    from bench.execution.calibration import calibrated_seconds
     from bench.execution.progress import show_plan
 
     counts = plan.counts()
@@ -191,11 +197,15 @@ def _show_estimate(plan: Plan, jobs: int, console: Console) -> None:
     for entry in plan.study.with_controls:
         mine = [planned - done for (_, label), (planned, done) in counts.items() if label == entry.label]
         print_line(f"  {entry.label}: {sum(mine)} to run", console=console)
-    seconds, workers = plan.seconds(), cpu_count() if jobs == -1 else jobs
+    workers = cpu_count() if jobs == -1 else jobs
+    seconds, source = plan.seconds(), "the stored trials"
     if seconds is None:
-        advice = "" if plan.study.looks else "; run some first, as with --trials 1"
-        estimate = f"no duration can be estimated without a stored trial{advice}"
+        source = "short trials on some of the problems"
+        with console.status(source):
+            seconds = calibrated_seconds(plan, jobs, sandbox)
+    if seconds is None:
+        estimate = "no duration can be estimated: the short trials for it failed"
     else:
         most = "at most " if plan.study.looks else ""
-        estimate = f"{most}about {duration(seconds / workers)} with {workers} jobs, estimated from the stored trials"
+        estimate = f"{most}about {duration(seconds / workers)} with {workers} jobs, estimated from {source}"
     print_line(estimate, console=console)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
@@ -25,6 +25,7 @@ from bench.storage.mend import mend
 from bench.study import Study
 from bench.trial import Trial
 
+StudyLike = Study | Mapping[str, Any] | str | PathLike[str]
 Listener = Callable[[Trial, dict[str, Any]], None]
 OnLook = Callable[[int, Plan], None]
 
@@ -47,7 +48,7 @@ class Outcome:
 
 
 def run(
-    study: Study | str | PathLike[str],
+    study: StudyLike,
     output: str | PathLike[str] | None = None,
     *,
     n_jobs: int = -1,
@@ -72,7 +73,7 @@ def run(
     A study with looks is run look by look: after each, the cells that the look decided get no more trials.
 
     Args:
-        study: a study, the name of an installed one, or a TOML file's path.
+        study: a study, a dict of what its file would hold, the name of an installed one, or a TOML file's path.
         output: the folder to write, ``results/runs/<study name>`` by default.
         n_jobs: trials made at a time; -1 takes every core. Not used with dask, whose workers are the cluster's.
         backend: where trials are made, "local" (this machine) or "dask" (a cluster).
@@ -136,7 +137,7 @@ def run(
 
 
 def plan(
-    study: Study | str | PathLike[str],
+    study: StudyLike,
     output: str | PathLike[str] | None = None,
     *,
     shard: str | None = None,
@@ -170,7 +171,7 @@ def prepare(study: Study, folder: Folder, sandbox: str | None = None) -> Checked
 
 
 def _resolved(
-    study: Study | str | PathLike[str], output: str | PathLike[str] | None, shard: str | None
+    study: StudyLike, output: str | PathLike[str] | None, shard: str | None
 ) -> tuple[Study, Folder, Shard | None]:
     part = None if shard is None else Shard.parse(shard)
     study = study if isinstance(study, Study) else Study.load(study)

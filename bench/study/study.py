@@ -112,12 +112,14 @@ class Study:
     controls: tuple[Entry, ...] = ()
 
     @classmethod
-    def load(cls, source: str | os.PathLike[str]) -> Study:
-        """Return the study of an installed name (``"thesis"``) or of a TOML file's path.
+    def load(cls, source: str | os.PathLike[str] | Mapping[str, Any]) -> Study:
+        """Return the study of an installed name (``"thesis"``), of a TOML file's path, or of what such a file holds.
 
         Raises:
             BenchError: for an unknown name, an unreadable or malformed file, or contents that are no valid study.
         """
+        if isinstance(source, Mapping):
+            return cls.from_dict(dict(source))
         text, where = _read(source)
         try:
             data = parse_toml(text)

@@ -8,7 +8,7 @@ study = bench.Study.from_dict(
         "name": "smallest",
         "trials": 5,
         "budget": 6000,
-        "problems": [{"names": ["signature-08", "signature-12"]}],
+        "problems": [{"names": ["classical-rosenbrock-d5-i1", "engineering-spring"]}],
         "optimizers": [{"name": "gwo", "agents": 50}, {"name": "cma-es"}],
     }
 )

@@ -117,7 +117,7 @@ def test_a_dry_run_prints_the_plan_and_the_time_and_writes_nothing(bench_here, m
     assert "with 2 jobs, estimated from the stored trials" in done.stdout
     fresh = bench_here("run", made / "mixed.toml", "--output", made / "fresh", "--dry-run", "--shard", "2/5")
     assert "shard 2/5 of them: 3 runs" in fresh.stdout
-    assert "no duration can be estimated without a stored trial" in fresh.stdout
+    assert "estimated from short trials on some of the problems" in fresh.stdout
     assert not (made / "fresh").exists()
     assert sorted((path.name, path.stat().st_mtime_ns) for path in (made / "out").iterdir()) == before
 
@@ -160,7 +160,7 @@ def test_resuming_with_other_versions_warns(bench_here, copied):
         (["--memory", "nan"], "the memory of a trial must be a positive number of gigabytes"),
         (["--shard", "3"], "as in 3/20"),
         (["--backend", "dask"], "needs --scheduler"),
-        (["--scheduler", "tcp://localhost:1"], "no other backend takes one"),
+        (["--backend", "local", "--scheduler", "tcp://localhost:1"], "no other backend takes one"),
     ],
 )
 def test_wrong_limits_are_one_sentence(bench_here, made, arguments, said):

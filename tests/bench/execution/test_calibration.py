@@ -1,0 +1,35 @@
+"""How long a study takes, from short trials."""
+
+import pytest
+
+from bench import Study
+from bench.execution.calibration import LEAST, _shortened, calibrated_seconds
+from bench.execution.runner import plan
+
+
+def study(budget, problems=("sphere-2", "sphere-3"), optimizers=("scatter", "early"), **changes):
+    return Study.from_dict(
+        {"name": "s", "trials": 2, "budget": budget, "problems": [{"names": list(problems)}],
+         "optimizers": [{"names": list(optimizers)}]} | changes
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("budget", "short"),
+    [(60, 60), (LEAST, LEAST), (100_000, 5_000), ("1e5 * d", "5000 * d"), ("50 * d", "50 * d"),
+     ({"2": 200_000, "3": 60}, {"2": 10_000, "3": 60})],
+)  # fmt: skip
+def test_a_short_trial_has_a_part_of_a_large_budget(budget, short):
+    assert _shortened(study(budget)) == short
+
+
+def test_it_counts_every_missing_trial_by_its_evaluations(tmp_path, testing_plugins):
+    few = calibrated_seconds(plan(study(60), tmp_path / "a"), 1)
+    many = calibrated_seconds(plan(study(60, trials=2000), tmp_path / "b"), 1)
+    assert 0 < few < many
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_a_short_trial_that_succeeds_there_is_none(tmp_path, testing_plugins):
+    lost = study(60, problems=("sphere-2",), optimizers=("hostile",))
+    assert calibrated_seconds(plan(lost, tmp_path / "a"), 1) is None
