@@ -125,10 +125,10 @@ def _chosen(folder: Folder, store: StoreCheck, trials: int, seed: int) -> list[T
 
 
 def _other_number(folder: Folder) -> int:
-    """Return a number of workers other than the last run's."""
+    """Return a number of workers other than the last run's, and that leaves no core idle."""
     noted = [record.get("jobs") for record in folder.environments()]
     cores = int(cpu_count())
-    return (cores - 1 or 2) if noted[-1:] == [cores] else cores
+    return cores + 1 if noted[-1:] == [cores] else cores
 
 
 def _difference(store: Store, trial: Trial, row: Row) -> str:

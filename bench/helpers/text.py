@@ -74,6 +74,11 @@ def html_table(caption: str, rows: Iterable[Sequence[Any]], heads: Sequence[str]
     return f"<table>{title}{head}<tbody>{''.join(lines)}</tbody></table>"
 
 
+def joined(parts: Sequence[str]) -> str:
+    """Return the parts with commas between them, and "and" before the last one."""
+    return " and ".join(filter(None, (", ".join(parts[:-1]), *parts[-1:])))
+
+
 def listed(names: Sequence[str], most: int = 5, between: str = ", ") -> str:
     """Return the names with commas between them, shortened to the first ones and the number of the others."""
     more = f" and {len(names) - most:,} more" if len(names) > most else ""

@@ -71,16 +71,6 @@ class StoreCheck:
             again = "; 'bench run' makes them again"
         return ", and ".join(parts) + again
 
-    def count(self, rows: int, own: Committed, noted: Committed) -> StoreCheck:
-        """Compare a number of rows with what the store itself counted, and with the note beside it; return the check.
-
-        The note lags behind the store after a kill. Where it is ahead, commits are lost.
-        """
-        self.trials = rows
-        self.lost = max(noted.commits - own.commits, 0)
-        self.missing = max((noted if self.lost else own).trials - rows, 0)
-        return self
-
 
 def _name(problem: str, optimizer: str, trial: int) -> str:
     number = f"trial {trial}" if trial >= 0 else "an unknown trial"
@@ -117,14 +107,21 @@ class Reader:
         return int(self._connection.execute("SELECT count(*) FROM results").fetchone()[0])
 
     def count(self, found: StoreCheck, rows: int) -> StoreCheck:
-        """Compare a number of rows with the counts of commits; note it in a check, and return that."""
-        counts = []
+        """Compare a number of rows with what the store itself counted, and with the note beside it; return the check.
+
+        The note lags behind the store after a kill. Where it is ahead, commits are lost.
+        """
+        noted, own, counts = self._noted, self._noted, []
         with suppress(sqlite3.DatabaseError):
             counts = self._connection.execute("SELECT commits, trials FROM committed").fetchall()
-        if len(counts) != 1 or not all(isinstance(each, int) for each in counts[0]):
+        if len(counts) == 1 and all(isinstance(each, int) for each in counts[0]):
+            own = Committed(*counts[0])
+        else:
             found.structure = "its count of commits cannot be read"
-            return found.count(rows, self._noted, self._noted)
-        return found.count(rows, Committed(*counts[0]), self._noted)
+        found.trials = rows
+        found.lost = max(noted.commits - own.commits, 0)
+        found.missing = max((noted if found.lost else own).trials - rows, 0)
+        return found
 
     def check(self, *, structure: bool) -> StoreCheck:
         """Compare all rows with their digests, and the environments' records with theirs.

@@ -7,7 +7,7 @@ import shutil
 import sqlite3
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -232,9 +232,9 @@ class Store:
                     connection.execute("PRAGMA writable_schema = ON")
                 if (version := layout(connection)) not in (VERSION, None):
                     raise BenchError(
-                        f"the store {self.path} was written by {_author(connection)} in layout {version}, and this "
-                        f"version reads layout {VERSION}; export it with the version that wrote it ('bench export "
-                        "--format csv') and import that, or run the study into another folder"
+                        f"the store {self.path} was written in layout {version}, and this version reads layout "
+                        f"{VERSION}; export it with the version that wrote it ('bench export --format csv') and import "
+                        "that, or run the study into another folder"
                     )
                 yield connection
         except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for a damaged name in SQLite's message
@@ -286,15 +286,6 @@ def _refusal(path: Path, error: Exception) -> BenchError:
     if code in (None, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_NOTADB):  # no such table, another file
         return BenchError(f"{said}; {BEYOND_REPAIR}")
     return BenchError(f"{said}; what it holds is kept")
-
-
-def _author(connection: sqlite3.Connection) -> str:
-    """Return the version that wrote a store of another layout, as far as the store says it."""
-    query = "SELECT json_extract(record, '$.packages.\"backlash-bench\"') FROM environments ORDER BY id DESC LIMIT 1"
-    with suppress(sqlite3.Error, TypeError):
-        if version := connection.execute(query).fetchone()[0]:
-            return f"backlash-bench {printable(str(version), LONGEST)}"
-    return "another version of this package"
 
 
 @contextmanager

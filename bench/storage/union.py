@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 
 from bench.errors import BenchError
 from bench.families import dimension_in
+from bench.helpers.text import joined
 from bench.study import Entry, Study
 from bench.study.budget import Budget, described
 
@@ -72,14 +73,14 @@ def differences(studies: Sequence[Study], names: Sequence[str]) -> list[str]:
             sentences.append(f"Left out of {name}: {len(more):,} problems that not all folders have{parts}.")
     if len({study.trials for study in studies}) > 1:
         each = [f"{study.trials:,} in {name}" for study, name in zip(studies, names, strict=True)]
-        sentences.append(f"Trials of an optimizer on a problem differ: at most {_listed(each)}.")
+        sentences.append(f"Trials of an optimizer on a problem differ: at most {joined(each)}.")
     if len({str(study.budget) for study in studies}) > 1:
         each = [
             f"{'at most ' if study.imported else ''}{described(_within(study.budget, shared))} in {name}"
             for study, name in zip(studies, names, strict=True)
         ]
         sentences.append(
-            f"Budgets differ: {_listed(each)}. Values are compared at the largest budget that all had; running times "
+            f"Budgets differ: {joined(each)}. Values are compared at the largest budget that all had; running times "
             "to targets count what each trial spent."
         )
     return sentences
@@ -139,7 +140,7 @@ def _parts(labels: Iterable[str], shared: set[str]) -> str:
         )
         if more := sorted(own - others):
             found.append(f"{what} {_ranges(more)}")
-    return f", of {_listed(found)} among others" if found else ""
+    return f", of {joined(found)} among others" if found else ""
 
 
 def _ranges(numbers: Sequence[int]) -> str:
@@ -151,7 +152,3 @@ def _ranges(numbers: Sequence[int]) -> str:
         else:
             runs.append([number])
     return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs)
-
-
-def _listed(parts: Sequence[str]) -> str:
-    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from bench.errors import BenchError
+from bench.helpers.text import joined
 from bench.numbers import LARGEST_BUDGET, is_whole, require_whole
 
 Budget = int | str | dict[str, int]
@@ -66,7 +67,7 @@ def described(budget: Budget) -> str:
     if isinstance(budget, str):
         return f"{_multiple(budget):,.10g} d evaluations"
     parts = [f"{own:,} evaluations at d = {dimension}" for dimension, own in budget.items()]
-    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
+    return joined(parts)
 
 
 def _multiple(text: str) -> float:

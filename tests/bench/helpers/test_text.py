@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from bench.helpers.text import file_name, free, printable, unique
+from bench.helpers.text import file_name, free, joined, printable, unique
 
 HOSTILE = [
     "../../etc/passwd",
@@ -51,3 +51,7 @@ def test_names_that_collide_are_numbered():
 )
 def test_printable_text_has_no_hidden_characters_and_a_limit(text, shown):
     assert printable(text, 20) == shown
+
+
+def test_parts_are_joined_with_an_and_before_the_last():
+    assert [joined(parts) for parts in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]

@@ -1,6 +1,5 @@
 """The store: what is committed stays, whoever reads; what is damaged is one sentence."""
 
-import json
 import math
 import sqlite3
 import subprocess
@@ -258,12 +257,8 @@ def _holed(path):
 def _older(path):
     """Of the layout before this one, as far as it is looked at."""
     path.unlink()
-    record = json.dumps({"packages": {"backlash-bench": "0.0.7"}})
     with closing(sqlite3.connect(path)) as connection:
-        connection.executescript(
-            "CREATE TABLE environments (id INTEGER PRIMARY KEY, record TEXT NOT NULL, digest BLOB);"
-            f"INSERT INTO environments VALUES (1, '{record}', NULL); PRAGMA user_version = 2"
-        )
+        connection.executescript("CREATE TABLE environments (record TEXT NOT NULL); PRAGMA user_version = 2")
 
 
 def _foreign(path):
@@ -281,9 +276,9 @@ def _newer(path):
         (_garbage, "cannot be used: file is not a database"),
         (_truncated, "cannot be used: database disk image is malformed"),
         (_holed, "cannot be used: database disk image is malformed"),
-        (_older, "was written by backlash-bench 0.0.7 in layout 2, and this version reads layout 3; export it with"),
-        (_foreign, "was written by another version of this package in layout 0"),
-        (_newer, "was written by another version of this package in layout 99"),
+        (_older, "was written in layout 2, and this version reads layout 3; export it with the version"),
+        (_foreign, "was written in layout 0"),
+        (_newer, "was written in layout 99"),
     ],
 )
 def test_a_damaged_store_is_one_sentence_for_every_command(bench_here, damage, said, study_of_store, tmp_path):
