@@ -7,6 +7,7 @@ A plug-in adds sections by the entry-point group ``bench.report_sections``: a ca
 from bench.report.conditions import repairing
 from bench.report.parts import Card, Figure, Part, Section, Table
 from bench.report.plots import timing_figure
+from bench.report.standalone import write_page
 from bench.report.wording import count, leaders, listing, seconds
 from bench.report.write import write_report
 
@@ -22,5 +23,6 @@ __all__ = [
     "repairing",
     "seconds",
     "timing_figure",
+    "write_page",
     "write_report",
 ]

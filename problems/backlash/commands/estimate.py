@@ -91,6 +91,9 @@ def estimate(
         ),
     ] = None,
     jobs: Annotated[int, typer.Option(help="Worker processes, for many recordings; -1 takes every core.")] = -1,
+    page: Annotated[
+        Path | None, typer.Option(metavar="FILE.html", help="Write a page with verdicts, trends and the fits.")
+    ] = None,
     csv: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a row a recording, with all digits.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print a JSON list with an object a file instead.")] = False,
 ) -> None:
@@ -159,6 +162,11 @@ def estimate(
 
         with replacing(csv) as temporary:
             pd.DataFrame(formatting.csv_rows(outcomes)).to_csv(temporary, index=False)
+    if page is not None:
+        from problems.backlash.sensor import page as pages
+
+        pages.write(page, outcomes, recording_files.short_names(paths), joints, settings)
+        print_line(f"page: {page}", console=stderr)
     if plot is not None and good:
         pictures = plots.save_figures(plot, good, joints, settings, alone=not several)
         line = str(pictures[0]) if len(pictures) == 1 else f"{len(pictures)} pictures in {plot}"

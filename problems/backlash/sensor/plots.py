@@ -81,7 +81,7 @@ def fit_figure(estimate: Estimate, *, single: bool) -> Figure:
     (_draw_oscillation if single else _draw_half_turn)(middle, estimate)
     below.plot(time, recording.speed - estimate.fitted, color=SIGNAL, linewidth=0.5, rasterized=dense)
     below.axhline(0.0, color=FIT, linewidth=0.8)
-    below.set(xlabel="time in s", ylabel="rest in rps")
+    below.set(xlabel="time in s", ylabel="residual in rps")
     for ax in (above, below):
         ax.set_xlim(time[0], time[-1])
         ax.margins(y=0.08)
@@ -116,7 +116,7 @@ def trend_figure(trends: Sequence[Trend], *, limit_rad: float) -> Figure:
 
 
 def _draw_half_turn(ax: Axes, estimate: Estimate) -> None:
-    """Draw all half turns over one another, every other one upside down, their mean and the fit's oscillation."""
+    """Draw all half turns over one another, every second one inverted, their mean and the fit's oscillation."""
     x = np.array([estimate.variables[name] for name in VARIABLES])
     half, dt = estimate.period_s / 2, estimate.recording.dt
     since = estimate.recording.time - estimate.variables["t0"]
@@ -137,7 +137,7 @@ def _draw_half_turn(ax: Axes, estimate: Estimate) -> None:
     fine = np.linspace(0.0, half, 1001)[1:-1]
     wave = oscillation(fine, x) - oscillation(fine + half, x)  # the one before may last into this half turn
     ax.plot(fine, math.copysign(1.0, estimate.variables["A"]) * wave, color=FIT, linewidth=1.0)
-    title = "time in s since the half turn's beginning; every other half turn upside down"
+    title = "time in s since the half turn's beginning; every second half turn inverted"
     ax.set(xlim=(0.0, half), xlabel=title, ylabel="disturbance in rps")
 
 
