@@ -166,15 +166,10 @@ def test_a_run_is_compared_with_a_published_set(published, tmp_path, monkeypatch
     assert "The results of DIRECT were made elsewhere and imported." in page
 
 
-@pytest.mark.parametrize("command", ["archive", "data"])
-def test_the_commands_list_and_fetch(published, kept, command):
-    from bench.cli.app import _add_command
-
-    if command == "data" and not any(group.name == "data" for group in app.registered_groups):
-        _add_command("data")
-    found = CliRunner().invoke(app, [command, "fetch", "bbob/DIRECT", "--from", str(published)])
+def test_the_commands_list_and_fetch(published, kept):
+    found = CliRunner().invoke(app, ["archive", "fetch", "bbob/DIRECT", "--from", str(published)])
     assert found.exit_code == 0, found.output
     assert str(kept / "bbob" / SETS[0]) in found.output.replace("\n", "")
-    listed = CliRunner().invoke(app, [command, "list"]).output.splitlines()
+    listed = CliRunner().invoke(app, ["archive", "list"]).output.splitlines()
     assert listed[0] == "bbob/2009/DIRECT_posik_noiseless  0.0 MB, kept"
     assert len(listed) == 3
