@@ -109,7 +109,7 @@ class Checkup:
             (
                 verdict.check,
                 verdict.outcome,
-                f"{verdict.finding}; to mend it: {verdict.mend}" if verdict.mend else verdict.finding,
+                f"{verdict.finding}; remedy: {verdict.mend}" if verdict.mend else verdict.finding,
             )
             for verdict in self.verdicts
         ]

@@ -52,14 +52,15 @@ def check(
         if option:
             raise BenchError("--set is for an optimizer given by name; a study's optimizers have their own options")
         sys.exit(0 if check_folder(Path(name), console, jobs, anew) else 1)
-    checkup = check_optimizer(
-        name,
-        bias=bias,
-        strict=strict,
-        n_jobs=jobs,
-        on_check=lambda each: show_verdict(name, each, console),
-        **pairs(option),
-    )
+    with console.status(f"checking {name}"):
+        checkup = check_optimizer(
+            name,
+            bias=bias,
+            strict=strict,
+            n_jobs=jobs,
+            on_check=lambda each: show_verdict(name, each, console),
+            **pairs(option),
+        )
     print_line(checkup.summary, console=console)
     if not checkup.conforms:
         sys.exit(1)
@@ -71,14 +72,15 @@ def check_folder(path: Path, console: Console, jobs: int, anew: bool = False) ->
     from bench.storage.folder import Folder
 
     sound, kept = True, []
-    for each in diagnose_folder(Folder(path), jobs, anew=anew):
-        for verdict in each.verdicts:
-            show_verdict(each.label, verdict, console, mend=False)  # 'bench check NAME' prints it
-        if each.failed:
-            sound = False
-            print_error(f"{each.label} could not be checked: {each.failed}")
-        if each.kept:
-            kept.append(each.label)
+    with console.status("checking the optimizers for biases"):
+        for each in diagnose_folder(Folder(path), jobs, anew=anew):
+            for verdict in each.verdicts:
+                show_verdict(each.label, verdict, console, mend=False)  # 'bench check NAME' prints it
+            if each.failed:
+                sound = False
+                print_error(f"{each.label} could not be checked: {each.failed}")
+            if each.kept:
+                kept.append(each.label)
     if kept:
         print_line(f"not changed since their last check: {', '.join(kept)} (--anew repeats it)", console=console)
     return sound
@@ -89,4 +91,4 @@ def show_verdict(label: str, verdict: Verdict, console: Console, mend: bool = Tr
     style = {"passed": None, "BIASED": "yellow", "FAILED": "red"}[verdict.outcome]
     print_line(f"{verdict.outcome}: {label}, {verdict.check}: {verdict.finding}", style, console)
     if mend and verdict.mend:
-        print_line(f"    to mend it: {verdict.mend}", style, console)
+        print_line(f"    remedy: {verdict.mend}", style, console)

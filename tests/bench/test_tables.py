@@ -103,5 +103,5 @@ def test_a_checkup():
     )
     title, heads, *found = rows(Checkup(HOSTILE, verdicts))
     assert title == [f"{HOSTILE} fails the contract in: box"]
-    assert found == [["budget", "passed", "kept"], ["box", "FAILED", f"{HOSTILE}; to mend it: clip them"]]
+    assert found == [["budget", "passed", "kept"], ["box", "FAILED", f"{HOSTILE}; remedy: clip them"]]
     assert heads == ["check", "outcome", "finding"]

@@ -96,7 +96,7 @@ def test_a_broken_rule_fails_its_own_id_alone_and_says_how_to_mend_it(author):
     outcomes, printed = author("@parametrize_with_checks([Chatty, Quitting])")
     assert outcomes == all_but("Chatty", silence="FAILED") | all_but("Quitting", values="FAILED")
     assert "Chatty breaks the rule 'silence': a run printed" in printed
-    assert "to mend it: print and log nothing" in printed
+    assert "remedy: print and log nothing" in printed
     assert "Quitting breaks the rule 'values': it ended the process that it ran in (exit code 3)" in printed
     assert "Traceback" not in printed
 

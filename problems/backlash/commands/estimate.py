@@ -139,15 +139,15 @@ def estimate(
         print_line(remark, console=stderr)
     several = len(paths) > 1
     made = estimate_files(paths, partial(_read, window=part, columns=columns), settings, asked, jobs=jobs)
-    if several and sys.stderr.isatty():
+    if sys.stderr.isatty():
         from rich.progress import track
 
         made = iter(track(made, "estimating", len(paths), console=stderr, transient=True))
-    outcomes = []
-    for outcome in made:
-        outcomes.append(outcome)
-        if several and isinstance(outcome, Failed):
-            print_error(outcome.error)
+    outcomes = list(made)
+    if several:  # after the bar, whose line they would be glued to
+        for outcome in outcomes:
+            if isinstance(outcome, Failed):
+                print_error(outcome.error)
     good = [outcome for outcome in outcomes if isinstance(outcome, Estimated)]
     failed = [outcome for outcome in outcomes if isinstance(outcome, Failed)]
     joints = trends(good, settings)

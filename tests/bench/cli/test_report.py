@@ -162,7 +162,7 @@ def test_checking_an_optimizer_ends_by_whether_it_keeps_the_contract(bench, benc
     broken = bench("check", "mine.py:wandering", "--no-bias", cwd=tmp_path)
     assert broken.returncode == 1
     assert "FAILED: mine.py:wandering, box:" in broken.stdout
-    assert "    to mend it: clip to objective.lower and objective.upper" in broken.stdout
+    assert "    remedy: clip to objective.lower and objective.upper" in broken.stdout
     assert "passed: mine.py:wandering, budget:" in broken.stdout
     assert broken.stdout.rstrip().endswith("mine.py:wandering fails the contract in: box")
     found = [Verdict("centre bias", "bias", False, "errors grow", "report it", 50.0)]
