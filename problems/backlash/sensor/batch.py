@@ -42,7 +42,7 @@ class RunSettings:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        require_whole("the runs of an optimizer", self.runs, 1, MOST_TRIALS)
+        require_whole("the trials of an optimizer", self.runs, 1, MOST_TRIALS)
         require_whole("the budget of an optimizer", self.budget, 1, LARGEST_BUDGET)
         self.optimizer().check_budget(self.budget, self.name)
 
