@@ -151,7 +151,10 @@ def test_nothing_that_can_be_estimated_is_an_error(refused, tmp_path, capsys):
         (["a.csv", "--plot", "a.jpg"], "a.jpg must end in .svg, .png, .pdf"),
         (["a.csv", "--plot", "none/a.svg"], "there is no folder none"),
         (["a.csv", "--resamples", 10**30], "resamples must be a whole number from 0 to 1000000"),
-        (["a.csv", "--optimizer", "gwo", "--trials", 10**30], "trials of an optimizer must be a whole number from 1 to 1"),
+        (
+            ["a.csv", "--optimizer", "gwo", "--trials", 10**30],
+            "trials of an optimizer must be a whole number from 1 to 1",
+        ),
         (["a.csv", "--confidence", 95], "confidence must lie between 0 and 1"),
         (
             ["a.csv", "--jobs", 0],
