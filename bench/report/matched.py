@@ -31,7 +31,7 @@ def differing(findings: Findings) -> str:
     are box, midpoint for cma-es and repair, random for the 4 others, cma-es stopped after 72% of the budget"``. An
     optimizer without an option, such as a search without a population, does not differ in it.
     """
-    spent = 1 - findings.unused.set_index("optimizer")["unused"].astype(float)
+    spent = 1 - findings.anytime.unused.set_index("optimizer")["unused"].astype(float)
     early = [f"{label} stopped after {share:.0%}" for label, share in spent[spent < 1 - UNUSED].sort_values().items()]
     stopped = f"{listing(early, at_most=MOST_LABELS)} of the budget" if early else ""
     return ", ".join(filter(None, (options_differing(findings), stopped)))
@@ -61,8 +61,8 @@ def chances(findings: Findings) -> pd.DataFrame:
     optimizers or controls whose runs are compared, ``probability`` is the mean over problems of A12 with its 95 %
     interval. Conditions are left out under which the leader has no trials.
     """
-    kinds, ranked = algorithms(findings.results.study), findings.ranked
-    if not len(findings.medians):
+    kinds, ranked = algorithms(findings.results.study), findings.final.ranked
+    if not len(findings.final.medians):
         return pd.DataFrame(columns=list(COLUMNS))
     leader = ranked[0]
     best = {kind: label for label in reversed(ranked) if (kind := kinds[label]) != kinds[leader]}  # of each algorithm
@@ -79,8 +79,8 @@ def chances(findings: Findings) -> pd.DataFrame:
 
 def _row(findings: Findings, first: str, second: str) -> tuple[str, str, int, float, float, float]:
     """Return first, second, problems, probability, low and high of two optimizers or controls."""
-    problems = list(findings.medians.index)
-    own = pd.concat([frame for frame in (findings.frame, findings.controls) if len(frame)])
+    problems = list(findings.final.medians.index)
+    own = pd.concat([frame for frame in (findings.trials.frame, findings.trials.controls) if len(frame)])
     own = own[own["optimizer"].isin([first, second]) & own["problem"].isin(problems)]
     own = own.assign(
         problem=pd.Categorical(own["problem"].astype(object), problems),

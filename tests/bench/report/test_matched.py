@@ -76,13 +76,14 @@ def test_each_condition_has_the_chances_of_its_own_runs(made):
 
 def test_controls_are_in_no_ranking_and_in_no_frame(made):
     findings, without = made(), made(controls=(), name="without")
-    assert findings.optimizers == ["cma-es", "gwo", "random-search"]
-    for name in ("ranking", "pairs", "improvement", "running_times", "medians"):
-        own, other = getattr(findings, name), getattr(without, name)
+    assert findings.trials.optimizers == ["cma-es", "gwo", "random-search"]
+    for name in ("ranking", "pairs", "improvement", "medians"):
+        own, other = getattr(findings.final, name), getattr(without.final, name)
         assert own.to_csv() == other.to_csv(), name
-    assert not findings.frame["optimizer"].astype(str).str.contains(r"\(").any()
-    assert {key[1] for key in findings.traces} == {"cma-es", "gwo", "random-search"}
-    assert len(findings.controls) == 2 * 2 * 5
+    assert findings.anytime.running_times.to_csv() == without.anytime.running_times.to_csv()
+    assert not findings.trials.frame["optimizer"].astype(str).str.contains(r"\(").any()
+    assert {key[1] for key in findings.trials.traces} == {"cma-es", "gwo", "random-search"}
+    assert len(findings.trials.controls) == 2 * 2 * 5
 
 
 def test_the_section_says_what_differs_and_what_is_missing(made):
