@@ -1,7 +1,8 @@
 """Compute the statistics of a study once for all sections of its report.
 
-:class:`Findings` holds four parts, each computed from those before it: :class:`Trials` (what was run), :class:`Final`
-(what the trials reached at the end), :class:`Anytime` (on the way) and :class:`Display` (how much of it is shown).
+:class:`Findings` holds five parts, each computed from those before it: :class:`Trials` (what was run), :class:`Final`
+(what the trials reached at the end), :class:`Anytime` (on the way), :class:`Display` (how much of it is shown) and
+:class:`Controls` (the same conditions for all).
 """
 
 from __future__ import annotations
@@ -15,8 +16,9 @@ import pandas as pd
 
 from bench import analysis
 from bench.execution.descriptions import Descriptions, noted
-from bench.execution.matched import Matched, matched
+from bench.execution.matched import matched
 from bench.report.findings.anytime import Anytime
+from bench.report.findings.controls import Controls
 from bench.report.findings.display import COLOURED, CROWD, MANY_OPTIMIZERS, Display
 from bench.report.findings.final import Final
 from bench.report.findings.trials import MANY_PROBLEMS, Trials
@@ -76,9 +78,10 @@ class Findings:
         return noted(self.study, self.results.descriptions)
 
     @cached_property
-    def matched(self) -> list[Matched]:
-        """The conditions that optimizers of the study have, each with all algorithms; none of several folders."""
-        return [] if len(self.results.paths) > 1 else matched(self.study, self.descriptions)
+    def controls(self) -> Controls:
+        """The optimizers under each other's conditions, none of several folders."""
+        several = len(self.results.paths) > 1
+        return Controls(self.trials, self.final, [] if several else matched(self.study, self.descriptions))
 
     @cached_property
     def landscapes(self) -> Landscapes:

@@ -13,8 +13,9 @@ from bench.analysis import ALPHA
 from bench.report import clock
 from bench.report.conditions import sentences
 from bench.report.findings import Final, Findings, Trials
+from bench.report.findings.controls import REPORTED
 from bench.report.first_picture import first_picture
-from bench.report.matched import REPORTED, chances, cost, differing, options_differing
+from bench.report.matched import differing, options_differing
 from bench.report.parts import Card, Part, Section
 from bench.report.ranking import rank_map, ranking_table
 from bench.report.sections import integrity
@@ -91,7 +92,7 @@ def _controls(findings: Findings) -> str:
     """Return how the leader does against the best rival under the same conditions, or what knowing it would cost."""
     if not options_differing(findings):
         return ""  # controls would change nothing
-    found, missing = chances(findings), cost(findings)
+    found, missing = findings.controls.chances, findings.controls.cost
     second = next(iter(found["rival"]), "")
     own = found[(found["conditions"] != REPORTED) & (found["rival"] == second)]
     parts = [
