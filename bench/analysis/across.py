@@ -11,7 +11,7 @@ An interval for *these problems* shows how far other trials on the same problems
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from math import factorial, inf
 from typing import Any
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.stats import bootstrap, f, friedmanchisquare, norm, rankdata, t, trim_mean
 
 from bench.analysis.cells import complete_problems, labels, merge_near_ties, reference_values, scores
-from bench.analysis.direction import ALPHA, Effects, standardised, wilson_form
+from bench.analysis.direction import ALPHA, Effects, a12, effects, mean_of, stacked, standardised, wilson_form
 from bench.analysis.pairwise import RESAMPLES, holm, percentile_interval
 from bench.typing import Floats
 
@@ -183,15 +183,28 @@ def probability_of_improvement(pairs: pd.DataFrame, blocks: Blocks | None = None
     """
     wide = {name: _by_problem(pairs, name) for name in ("a12", "ratio", "smaller")}
     found = Effects(*(wide[name].to_numpy() for name in ("a12", "ratio", "smaller")))
-    number, owners = max(len(found.a12), 1), _owners(wide["a12"].index, blocks)
+    owners = _owners(wide["a12"].index, blocks)
     table = pd.DataFrame(list(wide["a12"].columns), columns=["first", "second"])
     means = wide["a12"].groupby(owners, sort=False).mean().to_numpy()
-    chance = found.a12.mean(axis=0) if len(found.a12) else np.full(len(table), np.nan)
-    centre = found.inside.sum(axis=0) / number
-    with np.errstate(invalid="ignore", divide="ignore"):  # no problem
-        ends = wilson_form(chance, found.variance.sum(axis=0) / number**2 / (centre * (1 - centre)))
-    table = table.assign(problems=len(found.a12), blocks=len(means), probability=chance)
-    return table.assign(**dict(zip(("low", "high"), ends, strict=True)), **_further(means))
+    mean = mean_of(found)
+    low, high = wilson_form(mean.a12, mean.ratio)
+    table = table.assign(problems=len(found.a12), blocks=len(means), probability=mean.a12, low=low, high=high)
+    return table.assign(**_further(means))
+
+
+def improvement_of(samples: Sequence[tuple[Floats, Floats]]) -> tuple[float, float, float]:
+    """Return the probability that a value of the first of two samples ends lower, as a mean over problems, low to high.
+
+    As :func:`probability_of_improvement` does; missing without any problem, and the interval where a sample has a
+    single value.
+    """
+    found = [effects(one[np.newaxis], other[np.newaxis]) for one, other in samples if min(len(one), len(other)) > 1]
+    if len(found) < len(samples) or not found:
+        chances = [a12(one, other) for one, other in samples]
+        return float(np.mean(chances)) if chances else np.nan, np.nan, np.nan
+    mean = mean_of(stacked(found))
+    low, high = wilson_form(mean.a12, mean.ratio)
+    return float(mean.a12[0]), float(low[0]), float(high[0])
 
 
 def normalised_errors(frame: pd.DataFrame, optima: Mapping[str, float] | None = None) -> pd.DataFrame:

@@ -23,7 +23,7 @@ below 2^(1 - min(n, m)), and its interval reaches as far as this chance does.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -50,7 +50,7 @@ class Effects(NamedTuple):
 
     a12: Floats
     ratio: Floats
-    smaller: int | Floats
+    smaller: float | Floats
 
     @property
     def inside(self) -> Floats:
@@ -132,6 +132,27 @@ def _compiled_placements() -> Callable[..., None]:
 
     plane = types.float64[:, ::1]
     return compiled(_placements, types.void(plane, plane, types.int64[:, ::1]))
+
+
+def stacked(found: Sequence[Effects]) -> Effects:
+    """Return the estimates of several problems, (g,) each, as one of (problems, g)."""
+    smaller = np.array([np.broadcast_to(each.smaller, each.a12.shape) for each in found], dtype=np.float64)
+    return Effects(np.array([each.a12 for each in found]), np.array([each.ratio for each in found]), smaller)
+
+
+def mean_of(found: Effects) -> Effects:
+    """Return the mean of independent estimates over the first axis, that of problems; missing where there is none.
+
+    All pairs of trials on all problems are won with a chance of at most the mean to the power of all of them, since the
+    geometric mean is never above the arithmetic one: so their smaller samples add up.
+    """
+    number = max(len(found.a12), 1)
+    inside = found.inside.sum(axis=0) / number
+    with np.errstate(invalid="ignore", divide="ignore"):
+        chance = found.a12.sum(axis=0) / np.where(len(found.a12), number, np.nan)
+        ratio = found.variance.sum(axis=0) / number**2 / (inside * (1 - inside))
+    smallest = float(np.min(found.smaller)) if len(found.a12) else 0.0
+    return Effects(chance, ratio, len(found.a12) * smallest)
 
 
 def p_values(found: Effects) -> Floats:

@@ -31,7 +31,7 @@ import pandas as pd
 from scipy.stats import norm
 
 from bench.analysis.cells import cells, labels
-from bench.analysis.direction import ALPHA, Effects, effects, intervals
+from bench.analysis.direction import ALPHA, Effects, effects, intervals, mean_of, stacked
 from bench.analysis.pairwise import holm
 from bench.errors import BenchError
 from bench.typing import Floats
@@ -135,7 +135,7 @@ def compare_samples(
     problems["p_holm"] = holm(problems["p"].to_numpy(dtype=float))
     problems["worse"] = problems["p_holm"] <= alpha / 2
     problems["not_worse"] = problems["high"] <= bound
-    mean, low, high, p = _inference(_mean(own), bound, level)
+    mean, low, high, p = _inference(mean_of(stacked(own)), bound, level)
     worse = p <= alpha / 2 or bool(problems["worse"].any())
     shown = bool(problems["not_worse"].all()) if every else high <= bound
     return Noninferiority(
@@ -149,16 +149,6 @@ def compare_samples(
         p=p,
         problems=problems,
         needed=_needed(own, margin, level, every),
-    )
-
-
-def _mean(own: Sequence[Effects]) -> Effects:
-    """Return the mean of independent estimates, one of each problem."""
-    inside = float(np.mean([found.inside for found in own]))
-    variance = float(np.sum([found.variance for found in own])) / len(own) ** 2
-    smaller = len(own) * min(found.smaller for found in own)
-    return Effects(
-        np.mean([found.a12 for found in own], axis=0), np.array([variance / (inside * (1 - inside))]), smaller
     )
 
 

@@ -32,11 +32,11 @@ def plan(
     from bench.storage.results import Results
 
     findings, console = Findings(Results(output)), Console()
-    if len(findings.optimizers) < 2:
+    if len(findings.trials.optimizers) < 2:
         raise BenchError(f"{output} holds one optimizer only, so there is no pair to separate")
-    if findings.frame.empty or not len(findings.medians):
+    if findings.trials.frame.empty or not len(findings.final.medians):
         raise BenchError(f"{output} holds no problem with trials of every optimizer yet; run the study first")
-    needed = findings.needed_for(power)
+    needed = findings.final.needed_for(power)
     if len(needed):
         shown = trials.rows(needed)
         for row in shown.head(SHOWN).to_dict("records"):
@@ -47,5 +47,5 @@ def plan(
             print_line(f"{pair}, {chance}: {row['needed']}{about} trials{more}", console=console)
         if len(shown) > SHOWN:
             print_line(f"… and {len(shown) - SHOWN:,} more pairs", console=console)
-    for text in (*trials.extension_text(findings), *trials.summary(needed, len(findings.pairs), power)):
+    for text in (*trials.extension_text(findings), *trials.summary(needed, len(findings.final.pairs), power)):
         print_line(text, console=console)

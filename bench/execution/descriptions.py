@@ -1,54 +1,129 @@
-"""Read the BibTeX and the parameters of a study's optimizers for a report, strangers' in processes that can be lost."""
+"""Read the BibTeX and the parameters of a study's optimizers, strangers' in processes that can be lost.
+
+A run notes them in its folder, so that a report starts no process and loads no stranger's code.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from bench.errors import BenchError
 from bench.execution import trial_process
-from bench.helpers.text import printable
+from bench.helpers.parsing import parse_json
+from bench.helpers.text import option, printable
+from bench.optimizer import CONDITIONS
 from bench.plugins import loading
 from bench.sandbox import bubblewrap
 from bench.sandbox.process import DiedError, LostError, Process, RemoteError, TimeExceededError
 from bench.sandbox.server import FORKS
-from bench.study import Study
+from bench.study import Entry, Study
 
 LOADING = 60.0  # seconds for loading the optimizers of one package
 LONGEST = 200  # characters of a value
+AUTOMATIC = option(None)
+"""The text of a condition that the optimizer chooses by itself, so that others cannot share it."""
+
+Values = dict[str, str]  # of parameters, as texts by name
 _LOSSES = (TimeExceededError, DiedError, RemoteError, LostError)
 
 
 @dataclass(frozen=True)
 class Description:
-    """An optimizer as its plug-in describes it here.
+    """An optimizer as its plug-in describes it where it was run.
 
     Attributes:
-        bibtex: the works that introduced it; "" where the plug-in is missing here or gives no text.
+        bibtex: the works that introduced it; "" where the plug-in is missing there or gives no text.
         values: its parameters as texts, by name; None where it cannot be loaded, so that they are not known.
         defaults: likewise, without a parameter that has no default.
+        accepts: the values of :data:`bench.optimizer.CONDITIONS` that other optimizers of the study have and that it
+            accepts, by condition.
     """
 
     bibtex: str = ""
-    values: dict[str, str] | None = None
-    defaults: dict[str, str] | None = None
+    values: Values | None = None
+    defaults: Values | None = None
+    accepts: dict[str, list[str]] = field(default_factory=dict)
+
+    @property
+    def conditions(self) -> Values:
+        """The conditions that it has."""
+        values = self.values or {}
+        return {name: values[name] for name in CONDITIONS if name in values}
+
+    @property
+    def shareable(self) -> Iterator[tuple[str, str]]:
+        """The conditions that others may share; without an option, it starts at random."""
+        for name in CONDITIONS:
+            value = self.conditions.get(name, "random" if name == "start" else AUTOMATIC)
+            if value != AUTOMATIC:
+                yield name, value
 
 
-def describe(study: Study, sandbox: str | None = None) -> dict[str, Description]:
+Descriptions = dict[str, Description]  # by label
+
+
+def describe(study: Study, sandbox: str | None = None) -> Descriptions:
     """Return the description of each optimizer and control by label.
 
-    Only the optimizers that come with the harness are imported here.
+    Only the optimizers that come with the harness are imported in this process.
 
     Args:
         study: whose optimizers are meant.
         sandbox: in which the study was run; where it cannot be used here, strangers' optimizers are not read.
     """
+    return _accepting(study, partial(_everywhere, sandbox=sandbox))
+
+
+def noted(study: Study, note: Mapping[str, Any]) -> Descriptions:
+    """Return the descriptions in the note of a folder; built-in optimizers that it lacks are read in this process."""
+    labels = [entry.label for entry in study.with_controls]
+    known = _read(note, labels)
+    lacking = any(loading.is_built_in(entry.name) for entry in study.with_controls if entry.label not in known)
+    return {label: Description() for label in labels} | (_accepting(study, _here) if lacking else {}) | known
+
+
+def _accepting(study: Study, read: Callable[[Study], Descriptions]) -> Descriptions:
+    """Return what ``read`` returns of a study, with the conditions that each optimizer accepts of the others."""
+    described = read(study)
+    shared = {pair for entry in study.optimizers for pair in described[entry.label].shareable}
+    asked = [
+        (entry, name, value)
+        for entry in study.optimizers
+        for name, value in sorted(shared)
+        if described[entry.label].conditions.get(name, value) != value
+    ]
+    if not asked:
+        return described
+    tried = tuple(
+        Entry(entry.name, f"{number}", entry.options | {name: value_of(value)})
+        for number, (entry, name, value) in enumerate(asked)
+    )
+    answers = read(replace(study, optimizers=tried, controls=(), looks=()))
+    for (entry, name, value), each in zip(asked, tried, strict=True):
+        if answers[each.label].conditions.get(name) == value:
+            described[entry.label].accepts.setdefault(name, []).append(value)
+    return described
+
+
+def _here(study: Study) -> Descriptions:
+    """Return the descriptions of the optimizers that come with the harness."""
     built_in = [entry.label for entry in study.with_controls if loading.is_built_in(entry.name)]
-    strange = [labels for labels in study.packages().values() if not {*labels} & {*built_in}]
     found = {entry.label: Description() for entry in study.with_controls}
-    found |= _read(trial_process.descriptions_of(study, built_in), built_in)
+    return found | _read(trial_process.descriptions_of(study, built_in), built_in)
+
+
+def _everywhere(study: Study, sandbox: str | None) -> Descriptions:
+    """Return the descriptions of all optimizers, strangers' from processes that hold one package each."""
+    found = _here(study)
+    strange = [
+        labels
+        for labels in study.packages().values()
+        if not any(loading.is_built_in(entry.name) for entry in study.with_controls if entry.label in labels)
+    ]
     if strange:
         with suppress(BenchError, *_LOSSES):
             command = bubblewrap.command(sandbox) if sandbox else ()
@@ -60,25 +135,43 @@ def describe(study: Study, sandbox: str | None = None) -> dict[str, Description]
     return found
 
 
-def _read(answer: Any, labels: Iterable[str]) -> dict[str, Description]:
-    """Return the descriptions in an answer, which may hold anything."""
+def value_of(text: str) -> Any:
+    """Return the value that a text of :func:`bench.helpers.text.option` stands for."""
+    try:
+        return parse_json(text)
+    except ValueError:
+        return text
+
+
+def _read(answer: Any, labels: Iterable[str]) -> Descriptions:
+    """Return the descriptions in an answer or a note, which may hold anything."""
     given = answer if isinstance(answer, dict) else {}
     return {
         label: Description(
             bibtex if isinstance(bibtex := each.get("bibtex"), str) else "",
             _texts(each.get("values")),
             _texts(each.get("defaults")),
+            _lists(each.get("accepts")),
         )
         for label in labels
         if isinstance(each := given.get(label), dict)
     }
 
 
-def _texts(given: Any) -> dict[str, str] | None:
+def _texts(given: Any) -> Values | None:
     if not isinstance(given, dict):
         return None
     return {
         printable(name, LONGEST): " ".join(printable(text, LONGEST).split())
         for name, text in given.items()
         if isinstance(name, str) and isinstance(text, str)
+    }
+
+
+def _lists(given: Any) -> dict[str, list[str]]:
+    texts = given if isinstance(given, dict) else {}
+    return {
+        name: [each for each in values if isinstance(each, str)]
+        for name, values in texts.items()
+        if isinstance(values, list)
     }

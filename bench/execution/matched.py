@@ -3,20 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
-from bench.execution.descriptions import Description, describe
-from bench.helpers.parsing import parse_json
-from bench.helpers.text import free, option
+from bench.execution.descriptions import Description, Values, describe, value_of
+from bench.helpers.text import free
 from bench.optimizer import CONDITIONS
 from bench.study import Entry, Study
-
-AUTOMATIC = option(None)
-"""The text of a condition that the optimizer chooses by itself, so that others cannot share it."""
-
-Values = dict[str, str]  # of conditions, as texts by name
 
 
 @dataclass(frozen=True)
@@ -40,9 +33,7 @@ def with_controls(study: Study, sandbox: str | None = None) -> Study:
 
     Only optimizers that come with the harness are loaded in this process.
     """
-    return replace(
-        study, controls=(*study.controls, *missing(study, matched(study, describe(study, sandbox), sandbox)))
-    )
+    return replace(study, controls=(*study.controls, *missing(study, matched(study, describe(study, sandbox)))))
 
 
 def missing(study: Study, found: list[Matched]) -> list[Entry]:
@@ -58,28 +49,22 @@ def algorithms(study: Study) -> dict[str, str]:
     return {entry.label: firsts.setdefault(_algorithm(entry), entry.label) for entry in study.optimizers}
 
 
-def matched(study: Study, descriptions: Mapping[str, Description], sandbox: str | None = None) -> list[Matched]:
+def matched(study: Study, descriptions: Mapping[str, Description]) -> list[Matched]:
     """Return the conditions that a study's optimizers have, each with all algorithms; none where nothing differs.
 
     Args:
         study: with the controls that it has already.
-        descriptions: of its optimizers and controls (:func:`bench.execution.descriptions.describe`); those that cannot
-            be loaded here take no part.
-        sandbox: in which strangers' optimizers are loaded, to find out which conditions they accept.
+        descriptions: of its optimizers and controls (:func:`bench.execution.descriptions.describe`); those whose
+            parameters are not known take no part.
     """
-    own = {
-        label: {name: each.values[name] for name in CONDITIONS if name in each.values}
-        for label, each in descriptions.items()
-        if each.values is not None
-    }
+    own = {label: each.conditions for label, each in descriptions.items() if each.values is not None}
     compared = [entry for entry in study.optimizers if entry.label in own]
-    wanted = [dict(pairs) for pairs in dict.fromkeys(tuple(_shareable(own[entry.label])) for entry in compared)]
+    wanted = [dict(pairs) for pairs in dict.fromkeys(tuple(descriptions[entry.label].shareable) for entry in compared)]
     differing = [name for name in CONDITIONS if len({each.get(name) for each in wanted}) > 1]
     if not differing:
         return []
     kinds = algorithms(study)
     firsts = [entry for entry in compared if kinds[entry.label] == entry.label]
-    accepted = _accepted(study, firsts, own, wanted, sandbox)
     known = {
         (_algorithm(entry), *own[entry.label].items()): entry for entry in reversed(study.with_controls)
         if entry.label in own
@@ -88,11 +73,11 @@ def matched(study: Study, descriptions: Mapping[str, Description], sandbox: str 
     for values in wanted:
         entries, apart = {}, {}
         for first in firsts:
-            before = own[first.label]
+            before, accepts = own[first.label], descriptions[first.label].accepts
             changes = {
                 name: value
                 for name, value in values.items()
-                if before.get(name) != value and (first.label, name, value) in accepted
+                if before.get(name) != value and value in accepts.get(name, ())
             }
             place = (_algorithm(first), *(before | changes).items())
             if place not in known:
@@ -111,44 +96,8 @@ def _algorithm(entry: Entry) -> str:
     return json.dumps([entry.name, {k: v for k, v in entry.options.items() if k not in CONDITIONS}], default=str)
 
 
-def _shareable(own: Values) -> Iterator[tuple[str, str]]:
-    """Yield the conditions of an optimizer that others may share; without an option, it starts at random."""
-    for name in CONDITIONS:
-        value = own.get(name, "random" if name == "start" else AUTOMATIC)
-        if value != AUTOMATIC:
-            yield name, value
-
-
-def _accepted(
-    study: Study, firsts: list[Entry], own: Mapping[str, Values], wanted: list[Values], sandbox: str | None
-) -> set[tuple[str, str, str]]:
-    """Return (label, condition, value) for each value that an optimizer does not have and, when loaded, accepts."""
-    asked = {
-        (first.label, name, value): first.options | {name: _value(value)}
-        for first in firsts
-        for values in wanted
-        for name, value in values.items()
-        if own[first.label].get(name, value) != value
-    }
-    if not asked:
-        return set()
-    names = {first.label: first.name for first in firsts}
-    tried = tuple(Entry(names[place[0]], f"{number}", each) for number, (place, each) in enumerate(asked.items()))
-    read = describe(replace(study, optimizers=tried, controls=(), looks=()), sandbox)
-    texts = (read[entry.label].values or {} for entry in tried)
-    return {place for place, values in zip(asked, texts, strict=True) if values.get(place[1]) == place[2]}
-
-
-def _value(text: str) -> Any:
-    """Return the value that a text of :func:`bench.helpers.text.option` stands for."""
-    try:
-        return parse_json(text)
-    except ValueError:
-        return text
-
-
 def _control(first: Entry, changes: Values, taken: set[str]) -> Entry:
     """Return an optimizer under other conditions; the label names these."""
     said = ", ".join(f"{value} agents" if name == "agents" else value for name, value in changes.items())
-    options = first.options | {name: _value(value) for name, value in changes.items()}
+    options = first.options | {name: value_of(value) for name, value in changes.items()}
     return Entry(first.name, free(f"{first.label} ({said})", taken), options)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from os import PathLike
 from pathlib import Path
@@ -13,6 +13,7 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.execution.backends import open_pool
+from bench.execution.descriptions import describe
 from bench.execution.interrupts import Interrupts, interrupts_deferred
 from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
@@ -132,6 +133,7 @@ def run(
         made = _make(plan, folder, answers, about, interrupts, listeners)
         if not (counted := folder.store.count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
+        folder.note_descriptions({label: asdict(each) for label, each in describe(study, sandbox).items()})
         failed = sum(cell.failed for cell in folder.store.cells())
         return Outcome(folder.path, made, failed, folder.store.undeclared())
 

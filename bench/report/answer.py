@@ -32,14 +32,14 @@ def answer(findings: Findings, verdict: Section) -> dict[str, Any]:
     sentences = [*(text for card in verdict.cards for text in card.text), *verdict.text, *verdict.warnings]
     rows: list[list[str]] = []
     if verdict.cards:
-        near = analysis.near_best(findings.measured_final, findings.optima, _share(findings), analysis.SOLVED)
-        ranking = findings.ranking.set_index("optimizer").to_dict("index")
-        for label in findings.ranked[:MOST]:
+        near = analysis.near_best(findings.trials.measured_final, findings.trials.optima, _share(findings), analysis.SOLVED)
+        ranking = findings.final.ranking.set_index("optimizer").to_dict("index")
+        for label in findings.final.ranked[:MOST]:
             row = ranking[label]
             first = f"{row['first']:g} of {row['problems']:g}"
             name = style.plain(label, LONGEST).replace(r"\$", "$")
             rows.append([name, f"{row['mean_rank']:.2f}", first, percent(near[label])])
-    more = len(findings.optimizers) - len(rows) if rows else 0
+    more = len(findings.trials.optimizers) - len(rows) if rows else 0
     return {
         "sentence": sentences[0] if sentences else "",
         "columns": ["optimizer", "mean rank", "first on", _solved(findings)],
@@ -50,12 +50,12 @@ def answer(findings: Findings, verdict: Section) -> dict[str, Any]:
 
 
 def _share(findings: Findings) -> float:
-    return 0.0 if findings.words.kind == "precisions" else NEAR
+    return 0.0 if findings.anytime.words.kind == "precisions" else NEAR
 
 
 def _solved(findings: Findings) -> str:
     """Return the head of the column of trials that came near the best value."""
-    if findings.words.kind == "precisions":
+    if findings.anytime.words.kind == "precisions":
         return f"within {analysis.SOLVED:g}"
     return f"within {NEAR:.0%}"
 

@@ -15,7 +15,7 @@ UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
 
 def sentence(findings: Findings) -> str:
     """Return who reaches the targets first in seconds, where that is another one than in evaluations; else ""."""
-    words, table = findings.words, findings.running_times
+    words, table = findings.anytime.words, findings.anytime.running_times
     if table.empty:
         return ""
     solved = table.loc[table["successes"] > 0, words.unit].unique().tolist()
@@ -29,7 +29,7 @@ def sentence(findings: Findings) -> str:
     problems = own["problem"].nunique()
     if leader == fastest or 2 * min(first[leader], fast[fastest]) <= problems:
         return ""  # an order is turned round only where there is one, on most problems
-    costs = break_even(ert, overhead(findings.whole), leader, fastest).dropna()
+    costs = break_even(ert, overhead(findings.trials.whole), leader, fastest).dropna()
     if costs.empty:
         return ""
     return (

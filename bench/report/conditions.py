@@ -41,8 +41,8 @@ def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.Data
     """Return each optimizer's conditions and the options that differ from its defaults, a row an optimizer.
 
     Columns: :data:`bench.optimizer.CONDITIONS`, missing where the optimizer has no such option, and ``UNKNOWN`` where
-    it cannot be loaded here and the study does not give it; and ``changed``, a dict of (value, default) by option, or
-    None where the optimizer cannot be loaded.
+    its description is not known and the study does not give it; and ``changed``, a dict of (value, default) by option,
+    or None where the description is not known.
     """
     rows = []
     for entry in study.optimizers:
@@ -143,16 +143,15 @@ def _changes(table: pd.DataFrame, source: str) -> tuple[str, str]:
         text = f"These options differ from the optimizers’ defaults: {'; '.join(parts)}"
     elif len(known):
         usual = (
-            f"All {'known ' if len(unknown) else ''}options are the optimizers’ defaults in the code that is installed "
-            "here; a default that changed since a trial was made does not show."
+            f"All {'known ' if len(unknown) else ''}options are the optimizers’ defaults, as the last run noted them "
+            "or as they are installed here; a default that changed since a trial was made does not show."
         )
     if parts:
         text += f" ({source})"
     text += "." if text else ""
     if len(unknown):
         names = listing([*map(str, unknown)], at_most=MOST_LABELS)
-        cannot = "it cannot" if len(unknown) == 1 else "they cannot"
-        text += f"{' ' if text else ''}The options of {names} are not all known here, as {cannot} be loaded."
+        text += f"{' ' if text else ''}The options of {names} are not all known: no run noted them in the folder."
     return text, usual
 
 

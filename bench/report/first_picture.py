@@ -20,21 +20,29 @@ ONE_ROW = 4  # panels beside each other
 def first_picture(findings: Findings) -> list[Figure]:
     """Return the picture beside the verdict, none where neither trials nor traces can be drawn."""
     if shows_trials(findings):
-        solved = set(findings.pooled.functions)
-        return [trials_figure(findings.frame, findings.problems, findings.optima, solved, findings.looks)]
+        solved = set(findings.trials.pooled.functions)
+        return [
+            trials_figure(
+                findings.trials.frame, findings.trials.problems, findings.trials.optima, solved, findings.display.looks
+            )
+        ]
     return course(findings)
 
 
 def shows_trials(findings: Findings) -> bool:
     """Return whether the first picture shows every trial: of few problems, or of two optimizers."""
-    optimizers = len(findings.optimizers)
+    optimizers = len(findings.trials.optimizers)
     most = PROBLEMS_OF_TWO if optimizers == 2 else PROBLEMS
-    return len(findings.problems) <= most and optimizers <= MANY_OPTIMIZERS
+    return len(findings.trials.problems) <= most and optimizers <= MANY_OPTIMIZERS
 
 
 def course(findings: Findings) -> list[Figure]:
     """Return the figure of the ranks over the budget, none without a trace."""
-    return [course_figure(findings.stages, findings.looks)] if findings.traces and len(findings.stages) else []
+    return (
+        [course_figure(findings.anytime.stages, findings.display.looks)]
+        if findings.trials.traces and len(findings.anytime.stages)
+        else []
+    )
 
 
 def trials_figure(

@@ -13,7 +13,7 @@ from bench.analysis.direction import ALPHA
 from bench.analysis.dominance import ordered_trials
 from bench.analysis.noninferiority import MARGIN, Noninferiority, noninferiority
 from bench.errors import BenchError, nearest
-from bench.report.findings import Findings
+from bench.report.findings import Findings, Trials
 from bench.report.wording import count, listing, p_text
 from bench.storage.folder import Folder
 from bench.storage.results import Results
@@ -83,7 +83,7 @@ def gate(
     findings = Findings(Results(old, new))
     entries = findings.results.study.optimizers  # those of the old folder first
     chosen = entries[places[0]].label, entries[len(studies[0].optimizers) + places[1]].label
-    frame = findings.frame[findings.frame["optimizer"].isin(chosen)]
+    frame = findings.trials.frame[findings.trials.frame["optimizer"].isin(chosen)]
     missing = _missing(frame, chosen)
     if len(missing) == len(labels(frame, "problem")):
         raise BenchError(f"{old} and {new} have no problem in common on which both versions have trials")
@@ -92,10 +92,10 @@ def gate(
         raise BenchError(f"there are no trials on {where}; run them, or compare the other problems with --common")
     frame = frame[~frame["problem"].isin(list(missing))]
     if target is not None:
-        frame = _by_speed(findings, frame, target)
+        frame = _by_speed(findings.trials, frame, target)
     found = noninferiority(frame, *chosen, margin=margin, alpha=alpha, every=every)
     same = _identical(
-        findings.results.frame, chosen, [each for label in missing for each in findings.pooled.members[label]]
+        findings.results.frame, chosen, [each for label in missing for each in findings.trials.pooled.members[label]]
     )
     return _worded(found, findings, frame, chosen, missing, same, target)
 
@@ -120,20 +120,23 @@ def _missing(frame: pd.DataFrame, chosen: tuple[str, str]) -> dict[str, int]:
     }
 
 
-def _by_speed(findings: Findings, frame: pd.DataFrame, target: float) -> pd.DataFrame:
+def _by_speed(trials: Trials, frame: pd.DataFrame, target: float) -> pd.DataFrame:
     """Return the trials with their rank by trial-based dominance in place of their value."""
     if not target > 0:
         raise BenchError(f"the target is {target!r}, but must be a positive precision, such as 1e-8")
-    problems = [label for label in findings.problems if (frame["problem"] == label).any()]
-    unknown = [label for label in problems if label not in findings.unbeaten]
+    problems = [label for label in trials.problems if (frame["problem"] == label).any()]
+    unknown = [label for label in problems if label not in trials.unbeaten]
     if unknown:
         raise BenchError(
             f"no target can be set on {listing(unknown, at_most=3)}, whose optimum is unknown or beaten; leave out "
             "--target"
         )
-    measured = findings.measured_final.loc[frame.index]
+    measured = trials.measured_final.loc[frame.index]
     return ordered_trials(
-        measured, findings.measured_traces, {label: findings.unbeaten[label] for label in problems}, target
+        measured,
+        trials.measured_traces,
+        {label: trials.unbeaten[label] for label in problems},
+        target,
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,111 +13,35 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from bench.analysis import ALPHA, TIED, Levels
+from bench import analysis
+from bench.analysis import ALPHA, TIED
 from bench.analysis.across import FEWER, MANY
 from bench.analysis.cells import NEAR
 from bench.analysis.certainty import resamples as rank_resamples
 from bench.analysis.equivalence import RESAMPLES as EQUIVALENCE_RESAMPLES
 from bench.analysis.instances import SOLVED
+from bench.analysis.integrity import undeclared
 from bench.analysis.pairwise import RESAMPLES
 from bench.errors import BenchError
 from bench.execution.descriptions import Description
 from bench.helpers.bibtex import Work, parse, read
 from bench.report import problem_words
 from bench.report.conditions import conditions
+from bench.report.findings import Findings
 from bench.report.latex import escape
 from bench.report.replication import Replication, each_problem
-from bench.report.target_words import TargetWords, target_words
 from bench.report.winner import WINNER_RULE
 from bench.report.wording import count, listing, options
 from bench.scoring.constraints import COEFFICIENT
-from bench.storage.results import ProblemFacts
 from bench.study import Study
 from bench.study.budget import described
-from bench.study.rope import Rope
-from bench.study.tuned import Tuning
 
 BIBLIOGRAPHY = "references.bib"  # the file of the cited works, beside the methods
 
 NEUTRAL = ("joblib", "matplotlib", "pandas", "seaborn")
 """Packages on which no trial's result depends: they schedule trials, keep tables and draw."""
 
-ON_PROBLEMS = Levels(ALPHA, 0.0)
-
 _CITATION = re.compile(r" \[@([^]]+)\]")
-
-
-@dataclass(frozen=True)
-class MethodsFacts:
-    """The facts about a run that its methods section states.
-
-    Attributes:
-        study: the study as planned.
-        replications: the trials of the cells (problem and optimizer), by the instances that a problem stands for.
-        known: the facts of the problems, by label.
-        empty: cells without any trial.
-        failed: trials that failed, of all.
-        descriptions: each optimizer as its plug-in describes it, by label; one without BibTeX is not cited.
-        environments: what each run recorded of itself and its machine (:mod:`bench.storage.provenance`).
-        tests: tests of pairs of optimizers on problems, 0 where none can be significant.
-        pairs: the pairs of optimizers over all problems.
-        levels: of the tests on problems and across them.
-        blocks: the independent problems.
-        permutation_tests: the Kolmogorov-Smirnov tests that use the permutation distribution given the ties.
-        ranked_problems: problems that entered the comparison across problems.
-        known_optima: problems whose optimum is known.
-        targets: problems that have targets.
-        early: trials that stopped by a criterion of their own before their budget was spent, by optimizer.
-        checks: what ``bench check`` found of each optimizer, by label; the methods say what it looked for.
-        rope: the region of practical equivalence, where a report has one.
-        landscapes: problems whose landscapes were described by features.
-        dominance: problems on which U-scores compare the optimizers.
-        target_set: the words for the targets.
-        aocc: problems on which the area over the convergence curve is given.
-        budgets: the budget of each optimizer in words, by label, where it may not be the study's.
-        common: the words for the budget at which values are compared, where budgets differ.
-        confined: problems whose optimum some optimizers cannot reach.
-        best2009: problems on which the best of 2009 stands beside the optimizers.
-        sweeps: sweeps whose parameters' contributions are given.
-        tuning: how the optimizers were tuned, where this harness did and the record is as it was written.
-        stopped: cells that a declared look stopped.
-        extensions: the trials of each cell that were complete, and those then asked for without declared looks.
-        needed: how the trials that would separate more pairs were estimated, "simulation" or "formula"; "" where none.
-        stability: whether ranks are given over the number of trials.
-    """
-
-    study: Study
-    replications: Sequence[Replication]
-    known: Mapping[str, ProblemFacts] = field(default_factory=dict)
-    empty: int = 0
-    failed: int = 0
-    descriptions: Mapping[str, Description] = field(default_factory=dict)
-    environments: Sequence[Mapping[str, Any]] = ()
-    tests: int = 0
-    pairs: int = 0
-    levels: Levels = ON_PROBLEMS
-    blocks: int = 0
-    permutation_tests: int = 0
-    ranked_problems: int = 0
-    known_optima: int = 0
-    targets: int = 0
-    early: Mapping[str, int] = field(default_factory=dict)
-    checks: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
-    rope: Rope | None = None
-    landscapes: int = 0
-    dominance: int = 0
-    target_set: TargetWords = field(default_factory=lambda: target_words("relative"))
-    aocc: int = 0
-    budgets: Mapping[str, str] = field(default_factory=dict)
-    common: str = ""
-    confined: int = 0
-    best2009: int = 0
-    sweeps: int = 0
-    tuning: Tuning | None = None
-    stopped: int = 0
-    extensions: Sequence[tuple[int, int]] = ()
-    needed: str = ""
-    stability: bool = False
 
 
 @dataclass(frozen=True)
@@ -139,11 +63,56 @@ class Methods:
     warnings: tuple[str, ...]
 
 
-def methods(facts: MethodsFacts) -> Methods:
+def methods(findings: Findings) -> Methods:
     """Return the methods section of a run; every sentence in it holds for that run."""
-    works, own, warnings = _bibliography(facts)
-    prose = paragraphs(templates().get_template("methods.j2").render(_context(facts), own=own))
-    title = json.dumps(MARKDOWN.plain(f"Methods: {facts.study.title or facts.study.name}"), ensure_ascii=False)
+    return write(findings.study, findings.descriptions, facts(findings))
+
+
+def facts(findings: Findings) -> dict[str, Any]:
+    """Return the facts about a run that its methods state, by the name that the template gives them."""
+    study, results = findings.study, findings.results
+    trials, final, anytime = findings.trials, findings.final, findings.anytime
+    early = analysis.stopped_early(trials.frame)
+    return {
+        "replications": trials.replications,
+        "known": trials.known,  # facts of the problems, by label
+        "empty": int((trials.coverage["stored"] == 0).sum()),
+        "failed": int(trials.coverage["failed"].sum()),
+        "environments": results.environments,
+        "tests": len(final.pairs) if final.levels.problems else 0,  # of which one can be significant
+        "pairs": len(final.pairs),
+        "levels": final.levels,
+        "blocks": len({trials.blocks[str(label)] for label in final.medians.index}),
+        "permutation_tests": int(final.pairs["ks_tied"].sum()),  # Kolmogorov-Smirnov tests given the ties
+        "ranked_problems": len(final.medians),
+        "known_optima": int(anytime.targets.drop_duplicates("problem")["known"].sum()),
+        "targets": anytime.targets["problem"].nunique(),
+        "target_set": anytime.words,
+        "aocc": anytime.aocc["problem"].nunique() if anytime.words.kind == "precisions" else 0,
+        "early": {label: int((early & (trials.frame["optimizer"] == label)).sum()) for label in trials.optimizers},
+        "checks": results.checks,
+        "rope": final.rope if len(final.equivalence) else None,
+        "landscapes": len(findings.landscapes.table),
+        "dominance": anytime.u_scores["problem"].nunique() if len(trials.optimizers) > 1 else 0,
+        "budgets": {label: described(each) for label, each in results.budgets.items()},
+        "common": trials.common_words,
+        "confined": len({problem for (problem, _), by in trials.shifts.items() if by}),  # optimum out of reach
+        "best2009": anytime.best_times.dropna()["problem"].nunique(),
+        "tuning": study.tuning if study.tuning and not study.tuning.doubt else None,
+        "sweeps": sum(not each.levels.empty for each in final.contributions.values()),
+        "stopped": len(trials.decisions.stopped),  # cells, by a declared look
+        "extensions": undeclared(trials.extensions),
+        "needed": "" if final.needed.empty else str(final.needed["method"].iloc[0]),
+        "stability": len(final.stability) > 0,
+    }
+
+
+def write(study: Study, descriptions: Mapping[str, Description], given: Mapping[str, Any]) -> Methods:
+    """Return the methods section of a study with the facts of :func:`facts`."""
+    works, own, warnings = _bibliography(study, descriptions)
+    context = _context(study, descriptions, given)
+    prose = paragraphs(templates().get_template("methods.j2").render(context, own=own))
+    title = json.dumps(MARKDOWN.plain(f"Methods: {study.title or study.name}"), ensure_ascii=False)
     front = f"---\ntitle: {title}\nbibliography: {BIBLIOGRAPHY}\n---"
     comment = f"% {BIBLIOGRAPHY} has the works cited"
     return Methods(
@@ -155,22 +124,24 @@ def methods(facts: MethodsFacts) -> Methods:
     )
 
 
-def _context(facts: MethodsFacts) -> dict[str, Any]:
+def _context(study: Study, descriptions: Mapping[str, Description], given: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the template refers to by name."""
     alike: dict[str, list[str]] = {}
-    for entry in facts.study.optimizers:
+    for entry in study.optimizers:
         alike.setdefault(options(entry.options), []).append(entry.label)
     budgets: dict[str, list[str]] = {}
-    for label, words in facts.budgets.items():
+    for label, words in given["budgets"].items():
         budgets.setdefault(words, []).append(label)
-    known = facts.known
-    pooled = [own for own in facts.replications if own.instances > 1]
-    return vars(facts) | {
+    known, replications = given["known"], given["replications"]
+    pooled = [own for own in replications if own.instances > 1]
+    return {
+        **given,
+        "study": study,
         "pooled": sum(own.problems for own in pooled),
         "instances": listing([f"{own.instances}" for own in pooled]) if pooled else "",
-        "fewest": min((own.fewest for own in facts.replications), default=0),
-        "most": max((own.most for own in facts.replications), default=0),
-        "made": _made(facts),
+        "fewest": min((own.fewest for own in replications), default=0),
+        "most": max((own.most for own in replications), default=0),
+        "made": _made(study, replications),
         "constrained": sum(bool(each.constraints) for each in known.values()),
         "noisy": sum(each.noisy for each in known.values()),
         "mixed": sum(bool(each.integers) for each in known.values()),
@@ -180,8 +151,8 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         "unknown_optima": sum(each.optimum is None for each in known.values()),
         "measures": problem_words.measures(known),
         "steps": problem_words.sweeps(known),
-        "handling": _handling(facts),
-        "tested": {name: _tested(facts, name) for name in ("centre bias", "structural bias")},
+        "handling": _handling(study, descriptions),
+        "tested": {name: _tested(given["checks"], name) for name in ("centre bias", "structural bias")},
         "budgets": [f"{words} for {listing(labels)}" for words, labels in budgets.items()],
         "count": count,
         "described": described,
@@ -190,40 +161,40 @@ def _context(facts: MethodsFacts) -> dict[str, Any]:
         "near": NEAR,
         "tied": TIED,
         "solved": SOLVED,
-        "fewer": len(facts.study.optimizers) > MANY,
+        "fewer": len(study.optimizers) > MANY,
         "winner_rule": WINNER_RULE,
         "fewer_resamples": FEWER,
         "resamples": RESAMPLES,
-        "rank_resamples": rank_resamples(len(facts.study.optimizers)),
+        "rank_resamples": rank_resamples(len(study.optimizers)),
         "equivalence_resamples": EQUIVALENCE_RESAMPLES,
         "coefficient": COEFFICIENT,
         "given": [f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text],
-        "early": [f"{count(number, 'trial')} of {label}" for label, number in facts.early.items() if number],
-        "versions": _versions(facts.environments),
-        "commits": _commits(facts.environments),
-        "processors": _distinct(environment.get("processor") for environment in facts.environments),
+        "early": [f"{count(number, 'trial')} of {label}" for label, number in given["early"].items() if number],
+        "versions": _versions(given["environments"]),
+        "commits": _commits(given["environments"]),
+        "processors": _distinct(environment.get("processor") for environment in given["environments"]),
     }
 
 
-def _made(facts: MethodsFacts) -> str:
+def _made(study: Study, found: Sequence[Replication]) -> str:
     """Return how many independent trials were made of an optimizer on a problem."""
     noun = "independent trial"
-    if len(facts.replications) > 1:
-        return each_problem(facts.replications, noun)
-    at_most = facts.study.trials if facts.study.looks else 0
-    return "".join(own.words(noun, at_most) for own in facts.replications)
+    if len(found) > 1:
+        return each_problem(found, noun)
+    at_most = study.trials if study.looks else 0
+    return "".join(own.words(noun, at_most) for own in found)
 
 
-def _handling(facts: MethodsFacts) -> dict[str, str]:
+def _handling(study: Study, descriptions: Mapping[str, Description]) -> dict[str, str]:
     """Return who has which of the values ``box`` and ``repair`` of the option ``handling``, in words; "" for none."""
-    found = conditions(facts.study, facts.descriptions)["handling"]
+    found = conditions(study, descriptions)["handling"]
     owners = {value: [str(label) for label in found.index[found == value]] for value in ("box", "repair")}
     return {value: listing(labels) if labels else "" for value, labels in owners.items()}
 
 
-def _tested(facts: MethodsFacts, check: str) -> list[str]:
+def _tested(checks: Mapping[str, Sequence[Mapping[str, Any]]], check: str) -> list[str]:
     """Return the optimizers that ``bench check`` tested for a bias."""
-    return [label for label, found in facts.checks.items() if any(each["check"] == check for each in found)]
+    return [label for label, found in checks.items() if any(each["check"] == check for each in found)]
 
 
 def _versions(environments: Sequence[Mapping[str, Any]]) -> dict[str, list[str]]:
@@ -259,12 +230,14 @@ def library() -> dict[str, Work]:
     return read(Path(__file__).with_name(BIBLIOGRAPHY))
 
 
-def _bibliography(facts: MethodsFacts) -> tuple[dict[str, Work], dict[str, list[str]], tuple[str, ...]]:
+def _bibliography(
+    study: Study, descriptions: Mapping[str, Description]
+) -> tuple[dict[str, Work], dict[str, list[str]], tuple[str, ...]]:
     """Return all works by key, the keys of each optimizer's works by label, and warnings."""
     works, own, warnings = list(library().values()), {}, []
-    for entry in facts.study.optimizers:
+    for entry in study.optimizers:
         try:
-            references = parse(facts.descriptions.get(entry.label, Description()).bibtex)
+            references = parse(descriptions.get(entry.label, Description()).bibtex)
         except BenchError as error:
             references = []
             warnings.append(f"{entry.label} is not cited: {error}.")

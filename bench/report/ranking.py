@@ -10,7 +10,7 @@ import pandas as pd
 
 from bench import analysis
 from bench.plots import style
-from bench.report.findings import Findings
+from bench.report.findings import Final, Findings, Trials
 from bench.report.parts import LIKE_FRAME, Table
 from bench.report.wording import count
 
@@ -27,25 +27,27 @@ def rank_map(findings: Findings) -> Table:
     Many optimizers, or those of long names, are the rows, as they do not fit beside each other. A suite of many
     problems has a row for each function and, for each optimizer, a column for each dimension.
     """
-    order = findings.ranked
-    ranks = analysis.table(findings.standings, "rank")[order]
-    best = analysis.table(findings.matrix, "best").astype(bool)[order]
+    order = findings.final.ranked
+    ranks = analysis.table(findings.final.standings, "rank")[order]
+    best = analysis.table(findings.final.matrix, "best").astype(bool)[order]
     frames: Frames = {
         "frame": ranks.map(lambda rank: "" if pd.isna(rank) else f"{rank:g}").astype(object),
         "bold": best,
-        "marks": (_beside_first(findings)[order] & ~best).map(lambda near: NEAR if near else ""),
+        "marks": (_beside_first(findings.final)[order] & ~best).map(lambda near: NEAR if near else ""),
         "shades": (ranks - 1) / max(len(order) - 1, 1),
     }
     names = style.names(order, HEAD)
-    if places := _functions(findings, ranks.index, len(order)):
+    if places := _functions(findings.trials, ranks.index, len(order)):
         arranged, cells = _by_function(frames, places, names)
         rows = "function, a column for each dimension d"
     else:
-        short = {label: label for label in ranks.index} if not findings.upright else style.names(ranks.index, HEAD)
+        short = (
+            {label: label for label in ranks.index} if not findings.display.upright else style.names(ranks.index, HEAD)
+        )
         cells = {(short[problem], names[each]): (problem, each) for problem in ranks.index for each in order}
         arranged = {name: frame.rename(index=short, columns=names) for name, frame in frames.items()}
         arranged["frame"] = arranged["frame"].rename_axis("problem")
-        if findings.upright:
+        if findings.display.upright:
             arranged = {name: frame.T for name, frame in arranged.items()}
             arranged["frame"] = arranged["frame"].rename_axis(index="optimizer", columns=None)
             cells = {(column, row): cell for (row, column), cell in cells.items()}
@@ -60,19 +62,19 @@ def rank_map(findings: Findings) -> Table:
         cells=cells,
         note=f"Bold: ranked first. {NEAR}: no test separates it from the first. Ties share their mean rank; empty: no "
         "trial.",
-        data=findings.standings,
+        data=findings.final.standings,
     )
 
 
-def _functions(findings: Findings, problems: Iterable[str], optimizers: int) -> dict[tuple[str, int], str]:
+def _functions(trials: Trials, problems: Iterable[str], optimizers: int) -> dict[tuple[str, int], str]:
     """Return the problem of each function and dimension of a suite whose map has a row a function; {} for any other."""
-    if not findings.many:
+    if not trials.many:
         return {}
-    known = {label: findings.known[label].features for label in problems}
+    known = {label: trials.known[label].features for label in problems}
     suites = {str(each.get("suite", "")) for each in known.values()}
     places = {
         (f"{each.get('suite', '')} {each.get('function', '')}" if len(suites) > 1 else str(each.get("function", "")),
-         findings.dimensions.get(label, 0)): label
+         trials.dimensions.get(label, 0)): label
         for label, each in known.items()
     }  # fmt: skip
     dimensions = {dimension for _, dimension in places}
@@ -112,18 +114,18 @@ def _by_function(
 
 def pair_matrix(findings: Findings) -> Table:
     """Return the chance that a run of the row ends lower than one of the column, the best optimizers in their order."""
-    order, pairs = findings.ranked[:MOST_PAIRED], findings.improvement
+    order, pairs = findings.final.ranked[:MOST_PAIRED], findings.final.improvement
     wide = pairs.pivot(index="first", columns="second", values="probability").reindex(
-        index=findings.optimizers, columns=findings.optimizers
+        index=findings.trials.optimizers, columns=findings.trials.optimizers
     )
     chances = wide.fillna(1 - wide.T).loc[order, order]
-    tests = findings.overall[findings.overall["significant"]]
+    tests = findings.final.overall[findings.final.overall["significant"]]
     clear = pd.DataFrame(False, index=order, columns=order)
     for first, second in zip(tests["first"], tests["second"], strict=True):
         if first in clear.index and second in clear.index:
             clear.at[first, second] = clear.at[second, first] = True
     texts = chances.map(lambda chance: "" if pd.isna(chance) else f"{chance:.2f}").astype(object)
-    left = len(findings.optimizers) - len(order)
+    left = len(findings.trials.optimizers) - len(order)
     rest = f" The {len(order)} best by mean rank; the file has the {left} others." if left else ""
     return Table(
         "pair-matrix",
@@ -142,9 +144,9 @@ def turned(table: Table, findings: Findings) -> Table:
 
     Columns that are no optimizers are left out.
     """
-    if not findings.upright:
+    if not findings.display.upright:
         return table
-    order = [label for label in findings.ranked if label in table.frame]
+    order = [label for label in findings.final.ranked if label in table.frame]
 
     def turn(frame: pd.DataFrame) -> pd.DataFrame:
         return frame.reindex(columns=order).T.rename_axis("optimizer")
@@ -155,10 +157,10 @@ def turned(table: Table, findings: Findings) -> Table:
     return replace(table, note=note, **swapped)
 
 
-def _beside_first(findings: Findings) -> pd.DataFrame:
+def _beside_first(final: Final) -> pd.DataFrame:
     """Return which optimizers no test separates from a first one of the problem, problems by optimizers."""
-    best = analysis.table(findings.matrix, "best").astype(bool)
-    pairs = findings.pairs[findings.pairs["lower"] == ""]
+    best = analysis.table(final.matrix, "best").astype(bool)
+    pairs = final.pairs[final.pairs["lower"] == ""]
     pairs = pairs[pairs[["n_first", "n_second"]].min(axis=1) > 0]
     row = best.index.get_indexer(pd.Index(pairs["problem"]))
     first, second = (best.columns.get_indexer(pd.Index(pairs[name])) for name in ("first", "second"))
@@ -172,8 +174,8 @@ def _beside_first(findings: Findings) -> pd.DataFrame:
 
 def ranking_table(findings: Findings) -> Table:
     """Return the mean ranks and first places with their intervals, best first."""
-    table = findings.ranking.merge(findings.certainty.drop(columns="problems"), on="optimizer")
-    table = table.set_index("optimizer").loc[findings.ranked]
+    table = findings.final.ranking.merge(findings.final.certainty.drop(columns="problems"), on="optimizer")
+    table = table.set_index("optimizer").loc[findings.final.ranked]
     problems, sure = int(table["problems"].iloc[0]), bool(table["rank_low"].notna().all())
     rank = table["mean_rank"]
     shown = pd.DataFrame(

@@ -27,6 +27,7 @@ from bench.report.drawing import Drawer, Drawing, draw
 from bench.report.findings import CROWD, Findings
 from bench.report.interactive import interactive
 from bench.report.latex import to_latex
+from bench.report.methods import methods
 from bench.report.page import Item, View, inline, render
 from bench.report.parts import Figure, Part, Section, Table
 from bench.report.replication import each_problem
@@ -93,7 +94,7 @@ def write_report(
         raise BenchError(f"the reference of a report is {NAME!r} or None, not {reference!r}")
     results = Results(path, *others)
     findings = Findings(results, chosen, equal, reference == NAME)
-    findings.check_targets()
+    findings.anytime.check_targets()
     folder = _folder(results, None if output is None else Path(output))
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -169,7 +170,7 @@ class _Report:
         lead = (
             f"Study {study.name}: {count(len(study.optimizers), 'optimizer')} on "
             f"{count(len(study.problems), 'problem')}, "
-            f"{each_problem(self.findings.replications, at_most=study.trials if study.looks else 0)}, "
+            f"{each_problem(self.findings.trials.replications, at_most=study.trials if study.looks else 0)}, "
             f"{study.budget_words} a trial."
         )
         further = interactive(self.findings)
@@ -230,20 +231,24 @@ class _Report:
         (self.folder / TABLES).mkdir(exist_ok=True)
         findings = self.findings
         frames = (
-            self.results.frame, findings.summary, findings.written_pairs, self.results.controls, findings.running_times,
-        )  # fmt: skip
+            self.results.frame,
+            findings.final.summary,
+            findings.display.written_pairs,
+            self.results.controls,
+            findings.anytime.running_times,
+        )
         for (name, about), frame in zip(WHOLE.items(), frames, strict=True):
             if name in ("controls", "running-times") and not len(frame):
                 continue  # no control was run, or no trial left a trace
             path = f"{TABLES}/{name}.csv"
             save_csv(frame, self.folder / path, index=False)
-            pooled = name == "cells" and findings.precisions
+            pooled = name == "cells" and findings.trials.precisions
             self.files[path] = f"{about[:-1]}, precisions where instances are pooled." if pooled else about
         if len(self.results.frame):
-            methods = self.findings.methods
-            self.save("methods.md", methods.markdown, "The methods as Markdown.")
-            self.save("methods.tex", methods.latex, "The methods as LaTeX.")
-            self.save("references.bib", methods.bibtex, "The works cited in the methods.")
+            said = methods(self.findings)
+            self.save("methods.md", said.markdown, "The methods as Markdown.")
+            self.save("methods.tex", said.latex, "The methods as LaTeX.")
+            self.save("references.bib", said.bibtex, "The works cited in the methods.")
         text = (
             "Paths are relative to this page. CSV files have all digits, also where the page shows fewer. Figures are "
             f"{style.COLUMN} or {style.TEXT} in wide, for one or both columns of a paper."

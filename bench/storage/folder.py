@@ -30,6 +30,7 @@ DATA = "data.json"
 CODE = "code.json"
 CHECKS = "checks.json"
 VERIFICATION = "verification.json"
+DESCRIPTIONS = "optimizers.json"
 STORE = "store.json"
 RUNNING = ".running.json"
 KILLED = "killed.json"
@@ -162,6 +163,14 @@ class Folder:
     def note_checks(self, checks: dict[str, list[dict[str, Any]]]) -> None:
         """Note the verdicts on the study's optimizers, by label."""
         self._write(CHECKS, json.dumps(checks, indent=1))
+
+    def descriptions(self) -> dict[str, Any]:
+        """Return how the plug-ins described the optimizers when the study ran, by label; empty where none is noted."""
+        return self._noted(DESCRIPTIONS)
+
+    def note_descriptions(self, found: dict[str, Any]) -> None:
+        """Note how the plug-ins describe the optimizers, by label."""
+        self._write(DESCRIPTIONS, json.dumps(found, indent=1))
 
     def verification(self) -> dict[str, Any]:
         """Return the last note of ``bench verify``; empty where it has not run."""

@@ -59,6 +59,8 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
                 if not found.sound:
                     notes.append(f"{source.path}: {found.sentence}")
         target.write_environments()
+        if described := {label: own for source in sources for label, own in source.descriptions().items()}:
+            target.note_descriptions(described)
         rows = sum(cell.done + cell.failed for cell in target.store.cells())
     return Merged(rows, added, same, tuple(notes))
 

@@ -6,7 +6,7 @@ import dataclasses
 import math
 import warnings
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache, cached_property
 from itertools import compress
 from os import PathLike
@@ -102,12 +102,7 @@ class Results:
         self.differences = differences([source.study for source in self._sources], self.names)
         self.environments = [record for source in self._sources for record in source.environments]
         self.fingerprints = _agreed([source.folder.fingerprints().data for source in self._sources], self.paths)
-        self.checks = {
-            source.shown[label]: noted
-            for source in self._sources
-            for label, noted in source.folder.checks().items()
-            if label in source.shown
-        }
+        self.checks = _by_label(self._sources, Folder.checks)
         self.verifications = [source.folder.verification() for source in self._sources]
         self._problem = cache(self.study.problem)
         self._facts = cache(self._look_up)
@@ -170,6 +165,11 @@ class Results:
         """The folders, whose stores are checked while the frame is read."""
         _ = self._frame_and_origins
         return self._sources
+
+    @cached_property
+    def descriptions(self) -> dict[str, Any]:
+        """How the plug-ins described the optimizers when the study ran, by label, as it is noted."""
+        return _by_label(self._sources, Folder.descriptions)
 
     @cached_property
     def _parts(self) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -322,6 +322,16 @@ class _Source:
                     )
                 if chosen := [row for row in rows if row[CELL] in wanted]:
                     tidy.add(chosen, cells, reader.names, self.environment_places)
+
+
+def _by_label(sources: Iterable[_Source], read: Callable[[Folder], dict[str, Any]]) -> dict[str, Any]:
+    """Return the notes of the folders on their optimizers, by the label shown."""
+    return {
+        source.shown[label]: noted
+        for source in sources
+        for label, noted in read(source.folder).items()
+        if label in source.shown
+    }
 
 
 def _sources(folders: list[Folder]) -> list[_Source]:

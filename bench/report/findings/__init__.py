@@ -1,4 +1,9 @@
-"""Compute the statistics of a study once for all sections of its report."""
+"""Compute the statistics of a study once for all sections of its report.
+
+:class:`Findings` holds five parts, each computed from those before it: :class:`Trials` (what was run), :class:`Final`
+(what the trials reached at the end), :class:`Anytime` (on the way), :class:`Display` (how much of it is shown) and
+:class:`Controls` (the same conditions for all).
+"""
 
 from __future__ import annotations
 
@@ -10,102 +15,106 @@ from typing import cast
 import pandas as pd
 
 from bench import analysis
-from bench.analysis.integrity import undeclared
-from bench.execution.descriptions import Description, describe
-from bench.execution.matched import Matched, matched
+from bench.execution.descriptions import Descriptions, noted
+from bench.execution.matched import matched
 from bench.report.findings.anytime import Anytime
-from bench.report.findings.final import COLOURED, CROWD, MANY_OPTIMIZERS
-from bench.report.findings.trials import MANY_PROBLEMS
-from bench.report.methods import Methods, MethodsFacts, methods
-from bench.study.budget import described
+from bench.report.findings.controls import Controls
+from bench.report.findings.display import COLOURED, CROWD, MANY_OPTIMIZERS, Display
+from bench.report.findings.final import Final
+from bench.report.findings.trials import MANY_PROBLEMS, Trials
+from bench.report.landscapes import Landscapes, landscapes
+from bench.storage.results import Results
+from bench.study import Study
+from bench.study.rope import Rope
+from bench.study.targets import Targets
 
-__all__ = ["COLOURED", "CROWD", "MANY_OPTIMIZERS", "MANY_PROBLEMS", "Findings"]
+__all__ = ["COLOURED", "CROWD", "MANY_OPTIMIZERS", "MANY_PROBLEMS", "Anytime", "Display", "Final", "Findings", "Trials"]
 
 
 @dataclass(frozen=True)
-class Findings(Anytime):
-    """The analysis of a study; every frame has the cells of the study in the study's order."""
+class Findings:
+    """The analysis of a study; every frame has the cells of the study in the study's order.
+
+    Attributes:
+        results: the content of the study's folder.
+        asked: targets other than the study's own.
+        asked_rope: a region of practical equivalence other than the study's own.
+        beside_best: whether the best of 2009 stands beside the optimizers.
+    """
+
+    results: Results
+    asked: Targets | None = None
+    asked_rope: Rope | None = None
+    beside_best: bool = False
+
+    @cached_property
+    def trials(self) -> Trials:
+        """What was run."""
+        return Trials(self.results)
+
+    @cached_property
+    def final(self) -> Final:
+        """What the trials reached at the end."""
+        return Final(self.trials, self.asked_rope)
+
+    @cached_property
+    def anytime(self) -> Anytime:
+        """What the trials reached on the way."""
+        return Anytime(self.trials, self.asked, self.beside_best)
+
+    @cached_property
+    def display(self) -> Display:
+        """How much of it is shown."""
+        return Display(self.trials, self.final)
+
+    @property
+    def study(self) -> Study:
+        """The study as it is compared."""
+        return self.trials.study
+
+    @cached_property
+    def descriptions(self) -> Descriptions:
+        """The optimizers and controls as their plug-ins described them when the study ran, by label."""
+        return noted(self.study, self.results.descriptions)
+
+    @cached_property
+    def controls(self) -> Controls:
+        """The optimizers under each other's conditions, none of several folders."""
+        several = len(self.results.paths) > 1
+        return Controls(self.trials, self.final, [] if several else matched(self.study, self.descriptions))
+
+    @cached_property
+    def landscapes(self) -> Landscapes:
+        """The features of the problems' landscapes."""
+        members = self.trials.pooled.members
+        return landscapes(self.results, {label: members[label][0] for label in self.trials.problems})
 
     @cached_property
     def integrity(self) -> pd.DataFrame:
         """The checks of the results themselves, of which instances are problems of their own."""
-        study, results = self.results.study, self.results
-        members = {label: self.pooled.members[label] for label in self.problems}
-        budgets: analysis.Budgets = {each: self.budgets[label] for label, own in members.items() for each in own}
-        if self.allowed != self.budgets:
-            cells = cast("Mapping[tuple[str, str], int]", self.allowed)
+        study, results, trials = self.results.study, self.results, self.trials
+        members = {label: trials.pooled.members[label] for label in trials.problems}
+        budgets: analysis.Budgets = {each: trials.budgets[label] for label, own in members.items() for each in own}
+        if trials.allowed != trials.budgets:
+            cells = cast("Mapping[tuple[str, str], int]", trials.allowed)
             budgets = {(each, optimizer): most for (label, optimizer), most in cells.items() for each in members[label]}
         facts = {each: results.facts(each) for own in members.values() for each in own}
-        pool = {each: label for label, own in self.pooled.members.items() for each in own}
+        pool = {each: label for label, own in trials.pooled.members.items() for each in own}
         frame = analysis.in_study_order(results.frame, study)
         return analysis.integrity(
             frame.assign(pool=frame["problem"].astype(object).map(pool)),
-            study_budget=study.budget if isinstance(study.budget, int) and self.allowed == self.budgets else budgets,
+            study_budget=study.budget
+            if isinstance(study.budget, int) and trials.allowed == trials.budgets
+            else budgets,
             planned_trials={
-                (entry.label, label): self.decisions.stopped.get((entry.label, label), trials)
+                (entry.label, label): trials.decisions.stopped.get((entry.label, label), planned)
                 for entry in study.problems
-                for label, trials in results.planned.items()
+                for label, planned in results.planned.items()
             },
             traces=results.traces,
             boxes={label: each.continuous for label, each in facts.items() if each.box},
-            diagnoses=self.results.checks,
-            verifications=self.results.verifications,
-            stores=self.results.stores,
-            extensions=self.extensions,
-        )
-
-    @cached_property
-    def descriptions(self) -> dict[str, Description]:
-        """The optimizers and controls as their plug-ins describe them here, by label."""
-        return describe(self.study, self._sandbox)
-
-    @cached_property
-    def matched(self) -> list[Matched]:
-        """The conditions that optimizers of the study have, each with all algorithms; none of several folders."""
-        return [] if len(self.results.paths) > 1 else matched(self.study, self.descriptions, self._sandbox)
-
-    @property
-    def _sandbox(self) -> str | None:
-        """The sandbox in which the study was run."""
-        return next(filter(None, (record.get("sandbox") for record in self.results.environments)), None)
-
-    @cached_property
-    def methods(self) -> Methods:
-        """The methods section of a paper about this run."""
-        study, pairs, early = self.study, self.pairs, analysis.stopped_early(self.frame)
-        return methods(
-            MethodsFacts(
-                study=study,
-                replications=self.replications,
-                known=self.known,
-                empty=int((self.coverage["stored"] == 0).sum()),
-                failed=int(self.coverage["failed"].sum()),
-                descriptions=self.descriptions,
-                environments=self.results.environments,
-                tests=len(pairs) if self.levels.problems else 0,
-                pairs=len(pairs),
-                levels=self.levels,
-                blocks=len({self.blocks[str(label)] for label in self.medians.index}),
-                permutation_tests=int(pairs["ks_tied"].sum()),
-                ranked_problems=len(self.medians),
-                known_optima=int(self.targets.drop_duplicates("problem")["known"].sum()),
-                targets=self.targets["problem"].nunique(),
-                target_set=self.words,
-                aocc=self.aocc["problem"].nunique() if self.words.kind == "precisions" else 0,
-                early={label: int((early & (self.frame["optimizer"] == label)).sum()) for label in self.optimizers},
-                checks=self.results.checks,
-                rope=self.rope if len(self.equivalence) else None,
-                landscapes=len(self.landscapes.table),
-                dominance=self.u_scores["problem"].nunique() if len(self.optimizers) > 1 else 0,
-                budgets={label: described(each) for label, each in self.results.budgets.items()},
-                common=self.common_words,
-                confined=len({problem for (problem, _), by in self.shifts.items() if by}),
-                best2009=self.best_times.dropna()["problem"].nunique(),
-                tuning=self.study.tuning if self.study.tuning and not self.study.tuning.doubt else None,
-                sweeps=sum(not each.levels.empty for each in self.contributions.values()),
-                stopped=len(self.decisions.stopped),
-                extensions=undeclared(self.extensions),
-                needed="" if self.needed.empty else str(self.needed["method"].iloc[0]),
-                stability=len(self.stability) > 0,
-            )
+            diagnoses=results.checks,
+            verifications=results.verifications,
+            stores=results.stores,
+            extensions=trials.extensions,
         )

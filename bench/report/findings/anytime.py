@@ -12,35 +12,38 @@ import pandas as pd
 from bench import analysis
 from bench.errors import BenchError
 from bench.importing.best2009 import best2009, function_of
-from bench.report.findings.final import Final
-from bench.report.landscapes import Landscapes, landscapes
+from bench.report.findings.trials import Trials
 from bench.report.target_words import TargetWords, default_targets, target_words
-from bench.study.targets import NO_METRIC
+from bench.study.targets import NO_METRIC, Targets
 
 
 @dataclass(frozen=True)
-class Anytime(Final):
+class Anytime:
     """What the trials reached on the way."""
+
+    trials: Trials
+    asked: Targets | None = None  # other than the study's own
+    beside_best: bool = False  # whether the best of 2009 stands beside the optimizers
 
     @cached_property
     def stages(self) -> pd.DataFrame:
         """The rank of each cell after some shares of the budget."""
-        return analysis.stage_ranks(self.frame, self.traces, self.common or self.budgets)
+        return analysis.stage_ranks(self.trials.frame, self.trials.traces, self.trials.common or self.trials.budgets)
 
     @cached_property
     def unused(self) -> pd.DataFrame:
         """The share of the budget that each optimizer left."""
-        return analysis.unused_budget(self.whole, self.allowed)
+        return analysis.unused_budget(self.trials.whole, self.trials.allowed)
 
     @cached_property
     def words(self) -> TargetWords:
         """The words for the targets: those asked for, the study's own, or the usual ones of its problems."""
-        usual = default_targets(self.known, self.precisions)
-        return target_words(self.asked or self.results.study.targets or usual)
+        usual = default_targets(self.trials.known, self.trials.precisions)
+        return target_words(self.asked or self.trials.results.study.targets or usual)
 
     def check_targets(self) -> None:
         """Raise BenchError where no problem has what the targets, or the best of 2009, are measured by."""
-        if self.words.kind == "tolerance" and not any(each.expected for each in self.known.values()):
+        if self.words.kind == "tolerance" and not any(each.expected for each in self.trials.known.values()):
             raise BenchError(NO_METRIC)
         if self.beside_best and self.words.kind != "precisions":
             raise BenchError(
@@ -60,17 +63,19 @@ class Anytime(Final):
         return self._hits(self.words)
 
     def _targets(self, words: TargetWords) -> pd.DataFrame:
-        table = analysis.target_table(words.chosen, self.measured, self.measured_traces, self.optima)
+        table = analysis.target_table(
+            words.chosen, self.trials.measured, self.trials.measured_traces, self.trials.optima
+        )
         if words.kind != "tolerance":
             return table
-        return table[table["problem"].isin([label for label, each in self.known.items() if each.expected])]
+        return table[table["problem"].isin([label for label, each in self.trials.known.items() if each.expected])]
 
     def _hits(self, words: TargetWords) -> pd.DataFrame:
         if words.kind == "tolerance":
-            expected = {label: each.expected for label, each in self.known.items()}
-            return analysis.tolerance_times(self.whole, self.traces, expected, self.allowed)
+            expected = {label: each.expected for label, each in self.trials.known.items()}
+            return analysis.tolerance_times(self.trials.whole, self.trials.traces, expected, self.trials.allowed)
         targets = self.targets if words == self.words else self._targets(words)
-        return analysis.hitting_times(self.measured, self.measured_traces, targets, self.allowed)
+        return analysis.hitting_times(self.trials.measured, self.trials.measured_traces, targets, self.trials.allowed)
 
     @cached_property
     def success(self) -> pd.DataFrame:
@@ -88,12 +93,14 @@ class Anytime(Final):
         tabled = np.isclose(taus[:, np.newaxis], self.words.tabled, rtol=1e-9, atol=0)
         kept = tabled.any(axis=1)[codes]
         rounded = np.array(self.words.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
-        own = hits[kept].assign(tau=rounded[codes[kept]], budget=lambda rows: analysis.budgets(rows, self.allowed))
+        own = hits[kept].assign(
+            tau=rounded[codes[kept]], budget=lambda rows: analysis.budgets(rows, self.trials.allowed)
+        )
         table = analysis.running_times(own)
-        times = analysis.running_times(analysis.in_seconds(own, self.whole))
+        times = analysis.running_times(analysis.in_seconds(own, self.trials.whole))
         names = ["ert", "low", "high", "p10", "p90"]
         seconds = times[names].add_suffix("_s") if len(times) else pd.DataFrame(columns=[f"{each}_s" for each in names])
-        dimension = table["problem"].astype(object).map(self.dimensions).astype(float)
+        dimension = table["problem"].astype(object).map(self.trials.dimensions).astype(float)
         table = table.assign(ert_per_d=table["ert"].astype(float) / dimension)
         if self.beside_best:
             best = self.best_times.set_index(["problem", "precision"])["ert"]
@@ -109,11 +116,11 @@ class Anytime(Final):
         """
         if not self.beside_best:
             return pd.DataFrame(columns=["problem", "precision", "ert"])
-        names = {entry.label: entry.name for entry in self.results.study.problems}
-        functions = {label: function_of(names[self.pooled.members[label][0]]) for label in self.problems}
+        names = {entry.label: entry.name for entry in self.trials.results.study.problems}
+        functions = {label: function_of(names[self.trials.pooled.members[label][0]]) for label in self.trials.problems}
         known = best2009(functions.values())
         levels = sorted({*self.words.tabled, *self.words.levels}, reverse=True)
-        kept = {label: name for label, name in functions.items() if label in self.unbeaten}
+        kept = {label: name for label, name in functions.items() if label in self.trials.unbeaten}
         return analysis.reference_times(known, kept, levels)
 
     @cached_property
@@ -122,13 +129,13 @@ class Anytime(Final):
 
         Over evaluations / d where budgets differ.
         """
-        return self.restarts_per_dimension if self.scaled else self._restart_shares(self.budgets)
+        return self.restarts_per_dimension if self.trials.scaled else self._restart_shares(self.trials.budgets)
 
     @cached_property
     def restarts_per_dimension(self) -> pd.DataFrame:
         """The same over evaluations / d, of the problems whose dimension is known."""
-        most = {label: self.budgets[label] / d for label, d in self.dimensions.items()}
-        return self._restart_shares(most, self.dimensions)
+        most = {label: self.trials.budgets[label] / d for label, d in self.trials.dimensions.items()}
+        return self._restart_shares(most, self.trials.dimensions)
 
     def _restart_shares(self, most: Mapping[str, float], dimensions: dict[str, int] | None = None) -> pd.DataFrame:
         budget, hits = max(most.values(), default=1.0), self.hits
@@ -141,37 +148,30 @@ class Anytime(Final):
     def target_sets(self) -> pd.DataFrame:
         """The mean area under the runtime ECDF, and the rank, of each optimizer under three sets of targets."""
         others = [kind for kind in ("precisions", "relative", "quantiles") if kind != self.words.chosen][:2]
-        areas = {self.words.short: analysis.target_areas(self.hits, self.budgets)}
+        areas = {self.words.short: analysis.target_areas(self.hits, self.trials.budgets)}
         for each in map(target_words, others):
             targets = dict(list(self._targets(each).groupby("problem", observed=True)))
             # Problem by problem: the hits of all trials on all targets may take a gigabyte.
             tables = [
                 analysis.target_areas(
-                    analysis.hitting_times(own, self.measured_traces, targets[label], self.allowed), self.budgets
+                    analysis.hitting_times(own, self.trials.measured_traces, targets[label], self.trials.allowed),
+                    self.trials.budgets,
                 )
-                for label, own in self.measured.groupby("problem", observed=True)
+                for label, own in self.trials.measured.groupby("problem", observed=True)
                 if label in targets
             ]
             areas[each.short] = pd.concat(tables, ignore_index=True) if tables else areas[self.words.short].head(0)
-        return analysis.compare_sets(areas, self.optimizers)
+        return analysis.compare_sets(areas, self.trials.optimizers)
 
     @cached_property
     def aocc(self) -> pd.DataFrame:
         """The area over the convergence curve of each cell on problems whose optimum is known and not beaten."""
-        return analysis.aocc(self.measured, self.measured_traces, self.unbeaten, self.budgets)
-
-    @cached_property
-    def suite_functions(self) -> list[str]:
-        """The labels of the problems that are functions of a suite."""
-        return [label for label, each in self.known.items() if "suite" in each.features]
+        return analysis.aocc(
+            self.trials.measured, self.trials.measured_traces, self.trials.unbeaten, self.trials.budgets
+        )
 
     @cached_property
     def u_scores(self) -> pd.DataFrame:
         """The U-scores of each cell on functions of suites, by trial-based dominance."""
-        own = self.measured[self.measured["problem"].isin(self.suite_functions)]
-        return analysis.u_scores(own, self.measured_traces, self.unbeaten)
-
-    @cached_property
-    def landscapes(self) -> Landscapes:
-        """The features of the problems' landscapes."""
-        return landscapes(self.results, {label: self.pooled.members[label][0] for label in self.problems})
+        own = self.trials.measured[self.trials.measured["problem"].isin(self.trials.suite_functions)]
+        return analysis.u_scores(own, self.trials.measured_traces, self.trials.unbeaten)

@@ -12,43 +12,37 @@ import pandas as pd
 from bench import analysis
 from bench.analysis.equivalence import differences
 from bench.analysis.factors import Contributions, contributions
-from bench.plots import style
 from bench.report.findings.trials import Trials
 from bench.study.rope import Rope
 
-MANY_OPTIMIZERS = 10
-"""Of more optimizers than these only the best are drawn in colour, and pairs are shown as a matrix."""
-
-WIDE = 160  # letters of the names of optimizers above which they are the rows of tables
-COLOURED = 8  # optimizers, as many as there are colours
-CROWD = 60
-"""Of more optimizers than these only the best are shown problem by problem; the files of the whole study have all."""
-
 
 @dataclass(frozen=True)
-class Final(Trials):
-    """What the trials reached in the end."""
+class Final:
+    """What the trials reached at the end of the budget, or of the largest that all had."""
 
-    # at the end of the budget, or of the largest that all had, problem by problem
+    trials: Trials
+    asked_rope: Rope | None = None  # other than the study's own
+
+    # problem by problem
 
     @cached_property
     def summary(self) -> pd.DataFrame:
         """The summary of each cell."""
-        return analysis.summarise(self.frame)
+        return analysis.summarise(self.trials.frame)
 
     @cached_property
     def measured_summary(self) -> pd.DataFrame:
         """The summary of each cell with values that count from the optimum that each optimizer can reach."""
-        return analysis.summarise(self.measured_final) if self.shifts else self.summary
+        return analysis.summarise(self.trials.measured_final) if self.trials.shifts else self.summary
 
     @cached_property
     def pairs(self) -> pd.DataFrame:
         """The tests of each pair of optimizers on each problem, those of the looks where the study declares any."""
         level = self.levels.problems
-        pairs = analysis.pairwise_tests(self.frame, level or analysis.ALPHA)
+        pairs = analysis.pairwise_tests(self.trials.frame, level or analysis.ALPHA)
         if not level:  # the whole level belongs to the tests over all problems
             pairs = analysis.adjusted(pairs, level).assign(testable=False)
-        return analysis.at_looks(pairs, self.decisions, level) if self.results.study.looks else pairs
+        return analysis.at_looks(pairs, self.trials.decisions, level) if self.trials.results.study.looks else pairs
 
     @cached_property
     def levels(self) -> analysis.Levels:
@@ -58,18 +52,14 @@ class Final(Trials):
         """
         sizes = analysis.table(self.summary, "n").apply(lambda own: sorted(own, reverse=True)[1:2], axis=1)
         smaller = [int(own[0]) for label, own in sizes.items() if own and label in self.medians.index]
-        pairs = comb(len(self.optimizers), 2)
+        pairs = comb(len(self.trials.optimizers), 2)
         tests = sum(comb(int((own > 0).sum()), 2) for _, own in self.summary.groupby("problem", observed=True)["n"])
-        blocks = 0 if self.results.study.looks else len({self.blocks[str(label)] for label in self.medians.index})
+        blocks = (
+            0
+            if self.trials.results.study.looks
+            else len({self.trials.blocks[str(label)] for label in self.medians.index})
+        )
         return analysis.levels(smaller, pairs, tests, blocks)
-
-    @property
-    def written_pairs(self) -> pd.DataFrame:
-        """The tests that a report writes as a file: of a crowd, those among the best, as all would fill a disk."""
-        if not self.crowd:
-            return self.pairs
-        best = self.ranked[:CROWD]
-        return self.pairs[self.pairs["first"].isin(best) & self.pairs["second"].isin(best)]
 
     @cached_property
     def matrix(self) -> pd.DataFrame:
@@ -97,12 +87,12 @@ class Final(Trials):
     @cached_property
     def certainty(self) -> pd.DataFrame:
         """How far other trials on the same problems could move the ranking."""
-        return analysis.ranking_certainty(self.frame)
+        return analysis.ranking_certainty(self.trials.frame)
 
     @cached_property
     def stability(self) -> pd.DataFrame:
         """The mean rank of each optimizer over the number of trials that count."""
-        return analysis.rank_stability(self.frame)
+        return analysis.rank_stability(self.trials.frame)
 
     @cached_property
     def needed(self) -> pd.DataFrame:
@@ -112,16 +102,16 @@ class Final(Trials):
     def needed_for(self, power: float) -> pd.DataFrame:
         """Return the trials that would separate the pairs that are not separated, with a power."""
         return analysis.trials_needed(
-            self.frame, self.pairs, self.standings, power=power, looks=self.results.study.looks
+            self.trials.frame, self.pairs, self.standings, power=power, looks=self.trials.results.study.looks
         )
 
     @cached_property
     def improvement(self) -> pd.DataFrame:
         """The probability that a trial of one optimizer ends below one of another, over all problems."""
-        table = analysis.probability_of_improvement(self.pairs, self.blocks)
+        table = analysis.probability_of_improvement(self.pairs, self.trials.blocks)
         # Trials stop where a difference looks large, so the effects of cells that a look stopped are biased.
         biased = ["probability", "low", "high", "further_low", "further_high"]
-        return table.assign(**dict.fromkeys(biased, float("nan"))) if self.decisions.stopped else table
+        return table.assign(**dict.fromkeys(biased, float("nan"))) if self.trials.decisions.stopped else table
 
     @cached_property
     def medians(self) -> pd.DataFrame:
@@ -131,72 +121,33 @@ class Final(Trials):
     @cached_property
     def friedman(self) -> dict[str, Any]:
         """Friedman's test of the ranks and its Iman-Davenport form."""
-        return dict(analysis.friedman(analysis.ranks_by_block(self.standings, self.blocks)).iloc[0])
+        return dict(analysis.friedman(analysis.ranks_by_block(self.standings, self.trials.blocks)).iloc[0])
 
     @cached_property
     def overall(self) -> pd.DataFrame:
         """The test of each pair of optimizers over all problems: across blocks, or of the mean over these problems."""
         test = analysis.wilcoxon_tests if self.levels.further else analysis.stratified_tests
-        return test(self.pairs, self.blocks, self.levels.across)
+        return test(self.pairs, self.trials.blocks, self.levels.across)
 
     @property
     def rope(self) -> Rope | None:
         """The differences of medians that count as equal, where any are given."""
-        return self.asked_rope or self.results.study.rope
+        return self.asked_rope or self.trials.results.study.rope
 
     @cached_property
     def equivalence(self) -> pd.DataFrame:
         """The differences of each pair on each problem beside the rope; none without a rope."""
-        return differences(self.frame, self.rope) if self.rope else pd.DataFrame()
+        return differences(self.trials.frame, self.rope) if self.rope else pd.DataFrame()
 
     @cached_property
     def contributions(self) -> dict[str, Contributions]:
         """What the parameters of each sweep contribute, by its name; a sweep that lacks a combination has no entry."""
-        return {each.name: contributions(self.frame, each) for each in self.study.sweeps if not each.missing}
-
-    # what is shown of many optimizers
+        return {
+            each.name: contributions(self.trials.frame, each) for each in self.trials.study.sweeps if not each.missing
+        }
 
     @cached_property
     def ranked(self) -> list[str]:
         """The labels of the optimizers by mean rank, those without one last."""
         ranks = self.ranking.set_index("optimizer")["mean_rank"]
         return list(ranks.sort_values(kind="stable", na_position="last").index)
-
-    @cached_property
-    def looks(self) -> style.Looks:
-        """The look of each optimizer in every figure: of many, only the best have one of their own."""
-        return style.looks(self.optimizers, self.coloured)
-
-    @property
-    def coloured(self) -> list[str] | None:
-        """The optimizers that alone have a colour of their own, of many the best; None for all."""
-        return self.ranked[:COLOURED] if len(self.optimizers) > MANY_OPTIMIZERS else None
-
-    @property
-    def upright(self) -> bool:
-        """Whether optimizers are the rows of tables, because there are too many, or too long names, for columns."""
-        longest = max(map(len, self.optimizers), default=0)
-        return len(self.optimizers) > MANY_OPTIMIZERS or len(self.optimizers) * longest > WIDE
-
-    @property
-    def crowd(self) -> bool:
-        """Whether there are too many optimizers to show all of them problem by problem."""
-        return len(self.optimizers) > CROWD
-
-    @cached_property
-    def drawn(self) -> style.Looks:
-        """The looks of those whose curves are drawn problem by problem: of a crowd, the best."""
-        return {label: look for label, look in self.looks.items() if not (self.crowd and look.background)}
-
-    @property
-    def drawn_words(self) -> tuple[str, ...]:
-        """The sentence that says that not all are drawn, where that is so."""
-        drawn, every = len(self.drawn), len(self.optimizers)
-        return (f"Drawn are the {drawn} best of {every} optimizers by mean rank.",) if drawn < every else ()
-
-    @cached_property
-    def unbeaten(self) -> dict[str, float]:
-        """The known optima that no trial beat by more than rounding; regret is counted from them."""
-        lowest = analysis.scores(self.measured).groupby(self.measured["problem"].astype(object)).min()
-        found = analysis.reference_values({str(label): float(best) for label, best in lowest.items()}, self.optima)
-        return {label: reference.value for label, reference in found.items() if reference.known}

@@ -17,8 +17,6 @@ from bench.report.replication import Replication, replications
 from bench.storage.results import ProblemFacts, Results
 from bench.study import Entry, Study
 from bench.study.budget import evaluations
-from bench.study.rope import Rope
-from bench.study.targets import Targets
 
 MANY_PROBLEMS = 20
 """More problems than these are folded away one by one, below what can be said of all."""
@@ -29,9 +27,6 @@ class Trials:
     """The trials of a study; every frame has the cells of the study in the study's order."""
 
     results: Results
-    asked: Targets | None = None  # targets other than the study's own
-    asked_rope: Rope | None = None  # likewise
-    beside_best: bool = False  # whether the best of 2009 stands beside the optimizers
 
     @cached_property
     def pooled(self) -> analysis.Pooled:
@@ -243,7 +238,7 @@ class Trials:
         return len(set(self.budgets.values())) > 1
 
     @cached_property
-    def trials(self) -> tuple[int, int]:
+    def per_cell(self) -> tuple[int, int]:
         """The fewest and the most trials of a cell that has any; (0, 0) where no cell has."""
         stored = self.coverage.loc[self.coverage["stored"] > 0, "stored"]
         return (int(stored.min()), int(stored.max())) if len(stored) else (0, 0)
@@ -262,3 +257,15 @@ class Trials:
     def sweeps(self) -> dict[str, list[str]]:
         """The problems, three or more, that are steps of one sweep, by its name."""
         return sweeps(self.known)
+
+    @cached_property
+    def unbeaten(self) -> dict[str, float]:
+        """The known optima that no trial beat by more than rounding; regret is counted from them."""
+        lowest = analysis.scores(self.measured).groupby(self.measured["problem"].astype(object)).min()
+        found = analysis.reference_values({str(label): float(best) for label, best in lowest.items()}, self.optima)
+        return {label: reference.value for label, reference in found.items() if reference.known}
+
+    @cached_property
+    def suite_functions(self) -> list[str]:
+        """The labels of the problems that are functions of a suite."""
+        return [label for label, each in self.known.items() if "suite" in each.features]

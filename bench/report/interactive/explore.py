@@ -69,7 +69,11 @@ def explore(findings: Findings) -> dict[str, Any] | None:
     ``cells``, of which each has its ``problem`` and ``optimizer`` by place; ``texts``, to which records refer by place;
     ``complete``, whether all runs are there; ``notes``, sentences on what was left out.
     """
-    return None if len(findings.problems) * len(findings.optimizers) > MOST_CELLS else _Explored(findings).data()
+    return (
+        None
+        if len(findings.trials.problems) * len(findings.trials.optimizers) > MOST_CELLS
+        else _Explored(findings).data()
+    )
 
 
 @dataclass(frozen=True)
@@ -79,7 +83,7 @@ class _Explored:
     def data(self) -> dict[str, Any]:
         findings = self.findings
         cells = [self.cell(*key, rows) for key, rows in self.rows.items()]
-        problems = [self.problem(label) for label in findings.problems]
+        problems = [self.problem(label) for label in findings.trials.problems]
         return {
             "name": findings.study.name,
             "optimizers": self.optimizers(),
@@ -97,7 +101,7 @@ class _Explored:
     @cached_property
     def rows(self) -> dict[tuple[str, str], list[int]]:
         """The numbers of the frame's rows of each cell that has any, in the study's order."""
-        frame, optimizers = self.findings.whole, self.findings.optimizers
+        frame, optimizers = self.findings.trials.whole, self.findings.trials.optimizers
         places = frame["problem"].cat.codes.to_numpy(int) * len(optimizers) + frame["optimizer"].cat.codes.to_numpy(int)
         order = np.argsort(places, kind="stable")
         kinds, starts = np.unique(places[order], return_index=True)
@@ -110,14 +114,14 @@ class _Explored:
     @cached_property
     def columns(self) -> dict[str, list[Any]]:
         """The frame's columns as lists, which are read faster than the frame."""
-        frame = self.findings.whole
+        frame = self.findings.trials.whole
         names = ["trial", "seed", "status", "fun", "nfev", "wall_s", "objective_s", "stop", "error"]
         points = [f"x_{name}" for own in self.variables.values() for name in own] if self.points_too else []
         return {name: frame[name].tolist() for name in dict.fromkeys([*names, *points, *self.metrics])}
 
     @cached_property
     def complete(self) -> bool:
-        return len(self.findings.whole) <= MOST_RUNS
+        return len(self.findings.trials.whole) <= MOST_RUNS
 
     @cached_property
     def kept(self) -> int:
@@ -126,16 +130,16 @@ class _Explored:
 
     @cached_property
     def grid(self) -> NDArray[np.int64]:
-        curves = len(self.findings.whole) if self.complete else (self.kept + 3) * len(self.rows)
+        curves = len(self.findings.trials.whole) if self.complete else (self.kept + 3) * len(self.rows)
         points = min(max(MOST_LEVELS // max(curves, 1), FEWEST_POINTS), MOST_POINTS)
         return analysis.evaluation_grid(max(self.budgets.values()), points)
 
     @cached_property
     def budgets(self) -> dict[str, int]:
         """The most evaluations that a trial on each problem was allowed."""
-        allowed: Mapping[Any, int] | int = self.findings.allowed
+        allowed: Mapping[Any, int] | int = self.findings.trials.allowed
         if isinstance(allowed, int):
-            return dict.fromkeys(self.findings.problems, allowed)
+            return dict.fromkeys(self.findings.trials.problems, allowed)
         most: dict[str, int] = {}
         for key, budget in allowed.items():
             label = key[0] if isinstance(key, tuple) else key
@@ -144,15 +148,17 @@ class _Explored:
 
     @cached_property
     def references(self) -> dict[str, ReferenceValue]:
-        whole = self.findings.whole
+        whole = self.findings.trials.whole
         lowest = analysis.scores(whole).groupby(whole["problem"].astype(object)).min()
         finite = {str(label): float(best) for label, best in lowest.items() if np.isfinite(best)}
-        return analysis.reference_values(finite, self.findings.optima)
+        return analysis.reference_values(finite, self.findings.trials.optima)
 
     @cached_property
     def points_too(self) -> bool:
         """Whether the runs' best points are kept."""
-        runs = sum(len(self.shown(rows)) * self.findings.dimensions.get(key[0], 0) for key, rows in self.rows.items())
+        runs = sum(
+            len(self.shown(rows)) * self.findings.trials.dimensions.get(key[0], 0) for key, rows in self.rows.items()
+        )
         return runs <= MOST_COORDINATES
 
     def shown(self, rows: list[int]) -> list[int]:
@@ -170,7 +176,7 @@ class _Explored:
 
     def optimizers(self) -> list[dict[str, Any]]:
         entries = {entry.label: entry for entry in self.findings.study.optimizers}
-        looks = style.looks(self.findings.optimizers, self.findings.coloured, grey=False)
+        looks = style.looks(self.findings.trials.optimizers, self.findings.display.coloured, grey=False)
         return [
             {
                 "label": label,
@@ -180,23 +186,23 @@ class _Explored:
                 "options": _options(entries[label]),
                 "command": optimizer_words(entries[label]),
             }
-            for label in self.findings.optimizers
+            for label in self.findings.trials.optimizers
         ]
 
     def problem(self, label: str) -> dict[str, Any]:
         findings = self.findings
         entries = {entry.label: entry for entry in findings.results.study.problems}
-        members = findings.pooled.members[label]
+        members = findings.trials.pooled.members[label]
         reference = self.references.get(label)
-        dimension = findings.dimensions.get(label)
-        features = {name: value for name, value in findings.known[label].features.items() if name != "instance"}
+        dimension = findings.trials.dimensions.get(label)
+        features = {name: value for name, value in findings.trials.known[label].features.items() if name != "instance"}
         return {
             "label": label,
             "features": features | ({"dimension": dimension} if dimension else {}),
             "budget": self.budgets[label],
             "reference": None if reference is None else short(reference.value, 10),
             "known": reference is not None and reference.known,
-            "precision": label in findings.precisions,
+            "precision": label in findings.trials.precisions,
             "targets": self.targets.get(label, []),
             "members": [] if members == [label] else members,
             "options": _options(entries[members[0]]),
@@ -209,16 +215,20 @@ class _Explored:
     @cached_property
     def words(self) -> Any:
         """The words of the report's targets, or of relative ones where those are no values of the objective."""
-        return self.findings.words if self.findings.words.kind != "tolerance" else target_words("relative")
+        return (
+            self.findings.anytime.words if self.findings.anytime.words.kind != "tolerance" else target_words("relative")
+        )
 
     @cached_property
     def targets(self) -> dict[str, list[list[float | int | None]]]:
         """Each target of each problem, from the easiest: its level, and its distance from the reference."""
         findings = self.findings
-        if self.words == findings.words:
-            table = findings.targets
+        if self.words == findings.anytime.words:
+            table = findings.anytime.targets
         else:
-            table = analysis.target_table(self.words.chosen, findings.whole, findings.traces, findings.optima)
+            table = analysis.target_table(
+                self.words.chosen, findings.trials.whole, findings.trials.traces, findings.trials.optima
+            )
         found: dict[str, list[list[float | int | None]]] = {}
         for label, level, target in zip(table["problem"], table["tau"], table["target"], strict=True):
             if label in self.references:
@@ -229,13 +239,13 @@ class _Explored:
 
     @cached_property
     def variables(self) -> dict[str, list[str]]:
-        by_problem = self.findings.whole.groupby("problem", observed=True)
+        by_problem = self.findings.trials.whole.groupby("problem", observed=True)
         return {str(label): [name[2:] for name in analysis.variables(own)] for label, own in by_problem}
 
     @cached_property
     def metrics(self) -> list[str]:
         """The domain metrics, columns of numbers."""
-        frame = self.findings.whole
+        frame = self.findings.trials.whole
         others = (*FRAME_COLUMNS, PRECISION, "instance")
         own = [name for name in map(str, frame) if name not in others and not name.startswith("x_")]
         return [name for name in own if pd.api.types.is_numeric_dtype(frame[name])]
@@ -244,14 +254,14 @@ class _Explored:
     def signals(self) -> dict[str, dict[str, Any]]:
         """The data of the problems to which points are fitted, of the first such problems; a failing one has none."""
         found: dict[str, dict[str, Any]] = {}
-        for label in self.findings.problems if self.points_too else ():
-            if len(found) < MOST_SIGNALS and self.findings.pooled.members[label] == [label]:
+        for label in self.findings.trials.problems if self.points_too else ():
+            if len(found) < MOST_SIGNALS and self.findings.trials.pooled.members[label] == [label]:
                 own = self._signal(label)
                 found |= {label: own} if own else {}
         return found
 
     def _signal(self, label: str) -> dict[str, Any] | None:
-        if self.findings.known[label].reason:
+        if self.findings.trials.known[label].reason:
             return None
         try:
             data = self.findings.results.problem(label).unscored.fitted_data()
@@ -303,7 +313,7 @@ class _Explored:
         numbers = [trial % self.stride for trial in own["trial"]]
         if numbers != list(range(len(shown))):
             cell["number"] = numbers
-        if len(members := self.findings.pooled.members[problem]) > 1:
+        if len(members := self.findings.trials.pooled.members[problem]) > 1:
             cell["member"] = [min(trial // self.stride, len(members) - 1) for trial in own["trial"]]
         if not all(ok):
             reasons = zip(own["status"], own["error"], ok, strict=True)
@@ -317,7 +327,7 @@ class _Explored:
     @cached_property
     def finals(self) -> list[int]:
         """The place of each row's final value among those of its problem, near-ties as ties, failed trials last."""
-        return final_places(self.findings.frame)
+        return final_places(self.findings.trials.frame)
 
     @cached_property
     def stride(self) -> int:
@@ -327,7 +337,7 @@ class _Explored:
 
     @cached_property
     def places(self) -> tuple[dict[str, int], dict[str, int]]:
-        problems, optimizers = self.findings.problems, self.findings.optimizers
+        problems, optimizers = self.findings.trials.problems, self.findings.trials.optimizers
         return {label: i for i, label in enumerate(problems)}, {label: i for i, label in enumerate(optimizers)}
 
     def distances(self, problem: str, optimizer: str, rows: list[int]) -> Floats:
@@ -335,7 +345,7 @@ class _Explored:
 
         A trial without a trace has its best value from its last evaluation on.
         """
-        budget, columns, traces = self.budgets[problem], self.columns, self.findings.traces
+        budget, columns, traces = self.budgets[problem], self.columns, self.findings.trials.traces
         spent = np.maximum(np.floor(self.grid * (budget / self.grid[-1]) + 0.5), 1).astype(np.int64)
         values = np.full((len(rows), len(spent)), np.inf)
         for own, row in zip(values, rows, strict=True):
@@ -355,7 +365,7 @@ class _Explored:
 
     def notes(self, problems: Sequence[dict[str, Any]]) -> list[str]:
         """Return sentences on what was left out, and on what is not as in the rest of the report."""
-        runs, notes = len(self.findings.whole), []
+        runs, notes = len(self.findings.trials.whole), []
         if not self.complete:
             which = f"the first {self.kept} runs of each cell" if self.kept else "no single runs"
             notes.append(
@@ -365,7 +375,7 @@ class _Explored:
             )
         if not self.points_too:
             notes.append("The runs’ best points are left out, as the page would grow; tables/trials.csv has them.")
-        if any(len(each["targets"]) for each in problems) and self.words != self.findings.words:
+        if any(len(each["targets"]) for each in problems) and self.words != self.findings.anytime.words:
             notes.append("Targets are relative here: those of the report are no values of the objective.")
         if len(self.signals) == MOST_SIGNALS < len(problems):
             notes.append(f"The data of the first {MOST_SIGNALS} problems are here.")

@@ -50,7 +50,7 @@ def interactive(findings: Findings) -> Interactive:
     """Return the interactive part of a report, or a sentence on why it has none."""
     if not available():
         return Interactive(hint=f"For an interactive part here, {EXTRA} and write the report again.")
-    if findings.frame.empty:
+    if findings.trials.frame.empty:
         return Interactive(hint="Without a trial there is nothing to look into.")
     data = explore(findings)
     if data is None:

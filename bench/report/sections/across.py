@@ -20,14 +20,14 @@ TITLE = "Across problems"
 
 def section(findings: Findings) -> Section:
     """Return ranks, tests and effect sizes over all problems; the unit is the problem."""
-    medians, optimizers = findings.medians, findings.optimizers
+    medians, optimizers = findings.final.medians, findings.trials.optimizers
     if len(optimizers) < 2:
         return Section(TITLE, ("There is only one optimizer, so there is nothing to compare.",))
     if medians.empty:
         return Section(TITLE, ("No problem has trials of every optimizer, so there is nothing to compare.",))
-    left_out = len(findings.problems) - len(medians)
+    left_out = len(findings.trials.problems) - len(medians)
     text = [
-        f"{_friedman(findings.friedman)} {across(findings)}",
+        f"{_friedman(findings.final.friedman)} {across(findings)}",
         *filter(None, [dependent(findings)]),
     ]
     if left_out:
@@ -36,14 +36,20 @@ def section(findings: Findings) -> Section:
         )
     items: list[Part] = []
     if len(medians) > 1 and len(optimizers) > 2:
-        ranks = analysis.mean_ranks(findings.standings)
-        items.append(rank_figure(ranks, analysis.cliques(ranks, findings.overall)))
-    means = _aggregate(analysis.interquartile_mean(findings.frame, findings.optima))
+        ranks = analysis.mean_ranks(findings.final.standings)
+        items.append(rank_figure(ranks, analysis.cliques(ranks, findings.final.overall)))
+    means = _aggregate(analysis.interquartile_mean(findings.trials.frame, findings.trials.optima))
     if len(optimizers) <= MANY_OPTIMIZERS:
-        items += [forest_figure(findings.improvement), _tests(findings.overall, findings.levels.further), means]
+        items += [
+            forest_figure(findings.final.improvement),
+            _tests(findings.final.overall, findings.final.levels.further),
+            means,
+        ]
         return Section(TITLE, tuple(text), tuple(items))
     items += [pair_matrix(findings), means]
-    pairs = Section("Every pair of optimizers", items=(_tests(findings.overall, findings.levels.further),), folded=True)
+    pairs = Section(
+        "Every pair of optimizers", items=(_tests(findings.final.overall, findings.final.levels.further),), folded=True
+    )
     return Section(TITLE, tuple(text), tuple(items), sections=(pairs,))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from bench import analysis
-from bench.report.findings import Findings
+from bench.report.findings import Findings, Trials
 from bench.report.first_picture import course, shows_trials
 from bench.report.parts import Figure, Part, Section, Table
 from bench.report.plots import convergence_figure, ecdf_figure, ert_figure, regret_figure
@@ -21,39 +21,41 @@ TITLE = "Convergence and targets"
 
 def section(findings: Findings) -> Section:
     """Return the anytime view: convergence, targets reached, expected running time and success rates."""
-    if not findings.traces:
+    if not findings.trials.traces:
         return Section(TITLE, ("No trial left a trace, so there is nothing to draw.",))
-    budgets, dimensions, hits = findings.budgets, findings.dimensions, findings.hits
+    budgets, dimensions, hits = findings.trials.budgets, findings.trials.dimensions, findings.anytime.hits
     budget = max(budgets.values())
-    words = findings.words
+    words = findings.anytime.words
     # Moré and Wild (2009): at 1e-1 to 1e-7. Of imported problems the dimension may be unknown.
-    sizes = dimensions if dimensions.keys() >= {*findings.problems} else None
+    sizes = dimensions if dimensions.keys() >= {*findings.trials.problems} else None
     most = budget if sizes is None else max(ceil(budgets[label] / (1 + d)) for label, d in sizes.items())
     profiles = analysis.data_profiles(hits, words.level, analysis.evaluation_grid(most), sizes)
     if words.restarts:
-        reached = analysis.mean_shares(findings.restart_shares, findings.optimizers)
-    elif not findings.scaled:
+        reached = analysis.mean_shares(findings.anytime.restart_shares, findings.trials.optimizers)
+    elif not findings.trials.scaled:
         reached = analysis.ecdf(hits, analysis.evaluation_grid(budget))
     else:
         along = np.geomspace(1 / max(dimensions.values()), max(budgets[label] / d for label, d in dimensions.items()))
         reached = analysis.ecdf(hits, along, dimensions)
-    together = ecdf_figure(reached, profiles, findings.looks, target=words.at(words.level), restarts=words.restarts)
-    rates: list[Part] = [_success(findings.success, words), *_areas(findings)]
+    together = ecdf_figure(
+        reached, profiles, findings.display.looks, target=words.at(words.level), restarts=words.restarts
+    )
+    rates: list[Part] = [_success(findings.anytime.success, words), *_areas(findings)]
     text = (
-        *_leaders(findings, budget),
+        *_leaders(findings.trials, budget),
         *_fastest(findings),
         *_sets_agree(findings),
-        *_ladder(words, findings.targets, len(findings.problems)),
+        *_ladder(words, findings.anytime.targets, len(findings.trials.problems)),
     )
     times = analysis.expected_running_time(hits)
     # A figure with a panel for each is a page or longer, and the problems of one dimension belong together.
     by_dimension: dict[int | None, list[str]] = {}
-    for label in findings.problems:
-        by_dimension.setdefault(dimensions.get(label) if findings.many else None, []).append(label)
+    for label in findings.trials.problems:
+        by_dimension.setdefault(dimensions.get(label) if findings.trials.many else None, []).append(label)
     own_parts = tuple(
         Section(
             "Each problem" if dimension is None or len(by_dimension) == 1 else f"Each problem in dimension {dimension}",
-            findings.drawn_words,
+            findings.display.drawn_words,
             tuple(_by_problem(findings, labels, times, suffix=f"-d{dimension}" if len(by_dimension) > 1 else "")),
             folded=True,
         )
@@ -68,36 +70,36 @@ def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, 
 
     A precision is a regret already, so that the convergence of pooled instances is their regret.
     """
-    optimizers, unbeaten, frame = findings.drawn, findings.unbeaten, findings.frame
+    optimizers, unbeaten, frame = findings.display.drawn, findings.trials.unbeaten, findings.trials.frame
     frame, times = (each[each["optimizer"].isin(optimizers)] for each in (frame, times))
-    grid = analysis.evaluation_grid(max(findings.budgets[label] for label in labels))
-    curves = analysis.convergence(frame[frame["problem"].isin(labels)], findings.traces, grid)
-    precisions = set(findings.precisions) & unbeaten.keys()
+    grid = analysis.evaluation_grid(max(findings.trials.budgets[label] for label in labels))
+    curves = analysis.convergence(frame[frame["problem"].isin(labels)], findings.trials.traces, grid)
+    precisions = set(findings.trials.precisions) & unbeaten.keys()
     values = curves[~curves["problem"].isin(precisions)]
     if len(values):
         yield convergence_figure(values, optimizers, suffix)
-    if findings.shifts:
-        own = findings.measured[findings.measured["optimizer"].isin(optimizers)]
-        curves = analysis.convergence(own[own["problem"].isin(labels)], findings.measured_traces, grid)
+    if findings.trials.shifts:
+        own = findings.trials.measured[findings.trials.measured["optimizer"].isin(optimizers)]
+        curves = analysis.convergence(own[own["problem"].isin(labels)], findings.trials.measured_traces, grid)
     above = analysis.regret(curves, unbeaten, ("median", "q1", "q3"))
     if len(above):
-        yield regret_figure(above, optimizers, suffix, precisions=findings.precisions)
-    yield ert_figure(times[times["problem"].isin(labels)], optimizers, suffix, unit=findings.words.unit)
+        yield regret_figure(above, optimizers, suffix, precisions=findings.trials.precisions)
+    yield ert_figure(times[times["problem"].isin(labels)], optimizers, suffix, unit=findings.anytime.words.unit)
 
 
-def _leaders(findings: Findings, budget: int) -> list[str]:
-    if len(findings.optimizers) < 2:
+def _leaders(trials: Trials, budget: int) -> list[str]:
+    if len(trials.optimizers) < 2:
         return []
     stages = np.unique([max(round(share * budget), 1) for share in (0.01, 0.1, 1.0)])
-    if not findings.scaled:
-        curves = analysis.convergence(findings.frame, findings.traces, stages)
+    if not trials.scaled:
+        curves = analysis.convergence(trials.frame, trials.traces, stages)
         return [
             " ".join(_lowest(own, count(int(str(spent)), "evaluation")) for spent, own in curves.groupby("evaluations"))
         ]
     shares, each = (0.01, 0.1, 1.0), []  # of each problem's own budget
-    for label, own in findings.frame.groupby("problem", observed=True, sort=False):
-        spent = [max(round(share * findings.budgets[str(label)]), 1) for share in shares]
-        reached = analysis.convergence(own, findings.traces, np.array(spent))
+    for label, own in trials.frame.groupby("problem", observed=True, sort=False):
+        spent = [max(round(share * trials.budgets[str(label)]), 1) for share in shares]
+        reached = analysis.convergence(own, trials.traces, np.array(spent))
         each.append(reached.assign(share=np.tile(shares, len(reached) // len(shares))))
     return [" ".join(_lowest(own, f"{share:.0%} of the budget") for share, own in pd.concat(each).groupby("share"))]
 
@@ -111,13 +113,13 @@ def _lowest(reached: pd.DataFrame, spent: str) -> str:
 
 def _fastest(findings: Findings) -> list[str]:
     """Return who has the lowest ERT in evaluations, and in seconds, where there are several optimizers."""
-    words, table = findings.words, findings.running_times
+    words, table = findings.anytime.words, findings.anytime.running_times
     solved = table.loc[table["successes"] > 0, words.unit].unique().tolist()
     level = words.level if words.level in solved else min(solved, default=np.nan)
     own = table[table[words.unit] == level]
     reached = [analysis.table(own, name).astype(float) for name in ("ert", "ert_s")] if len(own) else []
     lowest = [each.eq(each.min(axis=1), axis=0) & np.isfinite(each) for each in reached]
-    if len(findings.optimizers) < 2 or not any(each.any(axis=None) for each in lowest[:1]):
+    if len(findings.trials.optimizers) < 2 or not any(each.any(axis=None) for each in lowest[:1]):
         return []
     sentence = f"To {words.at(level)}, {leaders(lowest[0], 'the lowest expected running time in evaluations')}"
     if lowest[1].any(axis=None):
@@ -127,12 +129,14 @@ def _fastest(findings: Findings) -> list[str]:
 
 def _sets_agree(findings: Findings) -> list[str]:
     """Return whether the choice of targets changes the order of the optimizers."""
-    sets = findings.target_sets
+    sets = findings.anytime.target_sets
     sets = sets[sets.groupby("set")["area"].transform("max") > 0]  # where nothing is reached, there is no order
     ranks = sets.pivot(index="optimizer", columns="set", values="rank").reindex(
         columns=list(dict.fromkeys(sets["set"]))
     )
-    ranks = ranks.dropna(axis=1, how="any").reindex([each for each in findings.optimizers if each in ranks.index])
+    ranks = ranks.dropna(axis=1, how="any").reindex(
+        [each for each in findings.trials.optimizers if each in ranks.index]
+    )
     if len(ranks) < 2 or ranks.shape[1] < 2:
         return []
     shown = f"{count(ranks.shape[1], 'set')} of targets ({listing(list(map(str, ranks.columns)))})"
@@ -150,16 +154,16 @@ def _sets_agree(findings: Findings) -> list[str]:
 
 def _areas(findings: Findings) -> list[Table]:
     """Return the tables of the areas under the ECDF of three sets of targets, and of AOCC."""
-    sets = findings.target_sets
+    sets = findings.anytime.target_sets
     tables = []
     names = list(dict.fromkeys(sets["set"]))
-    if len(sets) and len(findings.optimizers) > 1:
+    if len(sets) and len(findings.trials.optimizers) > 1:
         wide = {
             f"{name}: {column}": sets[sets["set"] == name].set_index("optimizer")[column]
             for name in names
             for column in ("area", "rank")
         }
-        shown = pd.DataFrame(wide).reindex(findings.optimizers).rename_axis("optimizer")
+        shown = pd.DataFrame(wide).reindex(findings.trials.optimizers).rename_axis("optimizer")
         best = pd.DataFrame({name: own.eq(own.min()) for name, own in shown.items() if str(name).endswith("rank")})
         tables.append(
             Table(
@@ -174,7 +178,7 @@ def _areas(findings: Findings) -> list[Table]:
                 data=sets,
             )
         )
-    if findings.words.kind == "precisions" and len(own := findings.aocc):
+    if findings.anytime.words.kind == "precisions" and len(own := findings.anytime.aocc):
         mean = own.groupby("optimizer")[["aocc", "aocc_from_zero"]].mean()
         problems = own["problem"].nunique()
         tables.append(
@@ -182,7 +186,10 @@ def _areas(findings: Findings) -> list[Table]:
                 "aocc",
                 f"The area over the convergence curve (AOCC), the mean over {count(problems, 'problem')} with a known "
                 "optimum.",
-                mean[["aocc"]].rename(columns={"aocc": "AOCC"}).reindex(findings.optimizers).rename_axis("optimizer"),
+                mean[["aocc"]]
+                .rename(columns={"aocc": "AOCC"})
+                .reindex(findings.trials.optimizers)
+                .rename_axis("optimizer"),
                 decimals=4,
                 note="van Stein et al. (2024): the mean over the evaluations of the budget of 1 − (log10 y + 8) / 10, "
                 "where y is the best precision so far, between 1e-8 and 1e2; 1 is best. In the CSV file, "

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from bench.report.findings import Findings
+from bench.report.findings import Anytime, Findings
 from bench.report.parts import Section, Table
 from bench.report.wording import count, listing
 
@@ -14,7 +14,7 @@ TITLE = "Beside the best of 2009"
 
 def section(findings: Findings) -> Section | None:
     """Return the ERT of each optimizer over that of the best of 2009; None where that was not asked for."""
-    if not findings.beside_best:
+    if not findings.anytime.beside_best:
         return None
     ratios = _ratios(findings)
     about = (
@@ -22,8 +22,8 @@ def section(findings: Findings) -> Section | None:
         "time (ERT) of the 31 algorithms of the BBOB workshop of 2009 (Hansen et al. 2010), chosen afterwards for each "
         "target. They ran on instances of 2009, three times each. The times are read from the package cocopp."
     )
-    without = len(findings.problems) - ratios["problem"].nunique()
-    text = [about, *_sentences(findings, ratios)]
+    without = len(findings.trials.problems) - ratios["problem"].nunique()
+    text = [about, *_sentences(findings.anytime, ratios)]
     if without:
         text.append(f"{count(without, 'problem')} without such a time, or whose optimum was beaten, are left out.")
     return Section(TITLE, tuple(text), (_table(findings, ratios),) if len(ratios) else ())
@@ -31,20 +31,20 @@ def section(findings: Findings) -> Section | None:
 
 def _ratios(findings: Findings) -> pd.DataFrame:
     """Return the ERT over that of the best of 2009, where that is finite: problem, precision, optimizer, ratio, …"""
-    unit = findings.words.unit
-    table = findings.running_times
+    unit = findings.anytime.words.unit
+    table = findings.anytime.running_times
     own = table[np.isfinite(table["best2009"].astype(float))]
     return own[["problem", "optimizer", unit, "trials", "successes", "ert", "best2009"]].assign(
         ratio=own["ert"].astype(float) / own["best2009"].astype(float),
-        dimension=own["problem"].astype(object).map(findings.dimensions),
+        dimension=own["problem"].astype(object).map(findings.trials.dimensions),
     )
 
 
-def _sentences(findings: Findings, ratios: pd.DataFrame) -> list[str]:
+def _sentences(anytime: Anytime, ratios: pd.DataFrame) -> list[str]:
     """Return on how many problems each optimizer needs no more evaluations than the best of 2009."""
     said = []
-    for level in findings.words.levels:
-        own = ratios[np.isclose(ratios[findings.words.unit].astype(float), level)]
+    for level in anytime.words.levels:
+        own = ratios[np.isclose(ratios[anytime.words.unit].astype(float), level)]
         if own.empty:
             continue
         problems = count(own["problem"].nunique(), "problem")
@@ -57,18 +57,18 @@ def _sentences(findings: Findings, ratios: pd.DataFrame) -> list[str]:
         who = (
             listing(parts) if parts else f"every optimizer needed more evaluations than the best of 2009 on {problems}"
         )
-        said.append(f"To {findings.words.at(level)}, {who}.")
+        said.append(f"To {anytime.words.at(level)}, {who}.")
     return [" ".join(said)] if said else []
 
 
 def _table(findings: Findings, ratios: pd.DataFrame) -> Table:
-    unit, levels = findings.words.unit, findings.words.levels
+    unit, levels = findings.anytime.words.unit, findings.anytime.words.levels
     rows = ratios[np.isclose(ratios[unit].astype(float).to_numpy()[:, np.newaxis], levels).any(axis=1)]
     keys = [rows["dimension"], rows[unit].astype(float)]
     wide = rows["ratio"].groupby([*keys, rows["optimizer"].astype(object)]).median().unstack()
-    wide = wide.sort_index(ascending=[True, False]).reindex(columns=findings.optimizers)
+    wide = wide.sort_index(ascending=[True, False]).reindex(columns=findings.trials.optimizers)
     problems = rows["problem"].astype(object).groupby(keys).nunique().reindex(wide.index)
-    names = [f"d = {dimension:g}, {findings.words.at(level)}" for dimension, level in wide.index]
+    names = [f"d = {dimension:g}, {findings.anytime.words.at(level)}" for dimension, level in wide.index]
     shown = wide.set_axis(pd.Index(names, name="dimension and target")).rename_axis(columns=None)
     lowest = shown.eq(shown.min(axis=1), axis=0) & np.isfinite(shown)
     shown.insert(0, "problems", problems.to_numpy())

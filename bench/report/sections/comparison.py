@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from bench.analysis import NEAR, SOLVED, regret, table
-from bench.report.findings import Findings
+from bench.report.findings import Findings, Trials
 from bench.report.parts import Section, Table
 from bench.report.ranking import turned
 from bench.report.sections import feasibility
@@ -28,9 +28,9 @@ VALUES = ("mean", "median", "median_low", "median_high", "q1", "q3", "best", "wo
 
 def section(findings: Findings) -> Section:
     """Return the matrix of medians, its best values, those not distinguishable from them, and letters."""
-    matrix = findings.matrix
+    matrix = findings.final.matrix
     best, alike = table(matrix, "best").astype(bool), table(matrix, "alike").astype(bool)
-    odd = findings.disagreements
+    odd = findings.final.disagreements
     if not best.to_numpy().any():
         text = ["No problem has two optimizers with a finite value, so no best optimizer is marked."]
     else:
@@ -40,15 +40,15 @@ def section(findings: Findings) -> Section:
             if unclear
             else "The first optimizers are separably lower than all others on each of these problems."
         )
-        text = [f"{leaders(best, 'the first rank')}. {test}", *filter(None, (_odd(odd), _gaps(findings)))]
+        text = [f"{leaders(best, 'the first rank')}. {test}", *filter(None, (_odd(odd), _gaps(findings.trials)))]
     items = _medians(findings)
-    regrets = regret(findings.measured_summary, findings.unbeaten, VALUES)
+    regrets = regret(findings.final.measured_summary, findings.trials.unbeaten, VALUES)
     if len(regrets):
-        text.append(_at_optimum(findings, table(regrets, "median")))
-        above = regrets[~regrets["problem"].isin(findings.precisions)]  # their values are regrets already
+        text.append(_at_optimum(findings.trials, table(regrets, "median")))
+        above = regrets[~regrets["problem"].isin(findings.trials.precisions)]  # their values are regrets already
         items += [_regret(findings, above)] if len(above) else []
     feasible = feasibility.sections(findings)
-    if findings.many:
+    if findings.trials.many:
         each = Section("Each problem", items=tuple(items), folded=True)
         return Section(TITLE, tuple(text), sections=(each, *feasible))
     return Section(TITLE, tuple(text), tuple(items), sections=feasible)
@@ -56,25 +56,25 @@ def section(findings: Findings) -> Section:
 
 def _medians(findings: Findings) -> list[Table]:
     """Return the matrix of medians: a table of objective values, and one of the precisions of pooled instances."""
-    precise = findings.matrix["problem"].isin(findings.precisions)
+    precise = findings.final.matrix["problem"].isin(findings.trials.precisions)
     caption = "over the trials of each cell (lower is better), and who beats the most rivals."
     tables = []
     if not precise.all():
-        values = findings.matrix[~precise]
+        values = findings.final.matrix[~precise]
         tables.append(_matrix(findings, "comparison", f"Median of the best objective value {caption}", values, NOTE))
     if precise.any():
         name = "comparison-precisions" if tables else "comparison"
         what = f"Median precision, the best objective value less the optimum of the instance, {caption}"
-        made = listing([own.words() for own in findings.replications if own.instances > 1])
+        made = listing([own.words() for own in findings.trials.replications if own.instances > 1])
         marked = "Marked as the comparison of objective values." if tables else NOTE
         how = f" A cell holds the trials of all instances, {made}; a precision of at most {SOLVED:g} counts as 0."
-        tables.append(_matrix(findings, name, what, findings.matrix[precise], marked + how))
+        tables.append(_matrix(findings, name, what, findings.final.matrix[precise], marked + how))
     return tables
 
 
 def _matrix(findings: Findings, name: str, caption: str, matrix: pd.DataFrame, note: str) -> Table:
     """Return the medians of some problems by optimizers, with the first of each row and letters."""
-    values, odd = table(matrix, "value"), findings.disagreements
+    values, odd = table(matrix, "value"), findings.final.disagreements
     odd = odd[odd["problem"].isin(values.index)]
     other = _other_best(odd).reindex(values.index, fill_value="")
     shown = Table(
@@ -85,8 +85,8 @@ def _matrix(findings: Findings, name: str, caption: str, matrix: pd.DataFrame, n
         bold=table(matrix, "best").astype(bool),
         italic=table(matrix, "alike").astype(bool),
         marks=table(matrix, "letters"),
-        lost=_lost(findings, values),
-        note=note + (OTHER_NOTE if len(odd) and not findings.upright else ""),
+        lost=_lost(findings.trials, values),
+        note=note + (OTHER_NOTE if len(odd) and not findings.display.upright else ""),
         data=matrix,
     )
     return turned(shown, findings)
@@ -98,28 +98,28 @@ def _texts(values: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, values.index, values.columns, dtype=object)
 
 
-def _lost(findings: Findings, shown: pd.DataFrame) -> pd.DataFrame:
+def _lost(trials: Trials, shown: pd.DataFrame) -> pd.DataFrame:
     """Return which cells of a table of problems by optimizers have failed trials."""
-    return (table(findings.coverage, "failed") > 0).reindex_like(shown)
+    return (table(trials.coverage, "failed") > 0).reindex_like(shown)
 
 
-def _at_optimum(findings: Findings, medians: pd.DataFrame) -> str:
+def _at_optimum(trials: Trials, medians: pd.DataFrame) -> str:
     """Return on how many problems the median trial of each optimizer reached the known optimum."""
     reached = [f"on {number} with {label}" for label, number in medians.eq(0).sum().items() if number]
     outcome = f"The median trial reached it {listing(reached)}" if reached else "No optimizer’s median trial reached it"
-    within = f" (on pooled instances, to {SOLVED:g})" if findings.precisions and reached else ""
+    within = f" (on pooled instances, to {SOLVED:g})" if trials.precisions and reached else ""
     return f"The optimum is known on {count(len(medians), 'problem')}. {outcome}{within}."
 
 
 def _regret(findings: Findings, regrets: pd.DataFrame) -> Table:
     medians = table(regrets, "median")
-    data = regrets.drop(columns="sd").assign(optimum=regrets["problem"].map(findings.unbeaten))
+    data = regrets.drop(columns="sd").assign(optimum=regrets["problem"].map(findings.trials.unbeaten))
     shown = Table(
         "regret",
         "Median regret: the median of the best objective value minus the optimum of the problem.",
         medians,
         texts=_texts(medians),
-        lost=_lost(findings, medians),
+        lost=_lost(findings.trials, medians),
         note=f"0: at the optimum within a relative {NEAR:g}; –: no trial; ∞: the median trial failed; in red with ✗: a "
         "cell with failed trials. Problems without a known optimum, or with a trial below it, are left out.",
         data=data,
@@ -127,10 +127,10 @@ def _regret(findings: Findings, regrets: pd.DataFrame) -> Table:
     return turned(shown, findings)
 
 
-def _gaps(findings: Findings) -> str:
+def _gaps(trials: Trials) -> str:
     """Return a caveat where the optimizers were not run on the same problems, else ""."""
-    empty = findings.coverage[findings.coverage["stored"] == 0]
-    gaps = empty.loc[empty["problem"].isin(findings.problems), "problem"].nunique()
+    empty = trials.coverage[trials.coverage["stored"] == 0]
+    gaps = empty.loc[empty["problem"].isin(trials.problems), "problem"].nunique()
     if not gaps:
         return ""
     return (

@@ -29,7 +29,7 @@ def section(findings: Findings) -> Section | None:
     """Return what the parameters of each sweep contribute; None where the study has no sweep."""
     if not findings.study.sweeps:
         return None
-    parts = [_of(sweep, findings.contributions.get(sweep.name)) for sweep in findings.study.sweeps]
+    parts = [_of(sweep, findings.final.contributions.get(sweep.name)) for sweep in findings.study.sweeps]
     if len(parts) == 1:
         return Section(TITLE, (MEANING, *parts[0].text), parts[0].items, parts[0].warnings)
     return Section(TITLE, (MEANING,), sections=tuple(parts))

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis import CUTOFFS, SOLVED, TIED, effect_size
-from bench.report.findings import CROWD, MANY_OPTIMIZERS, Findings
+from bench.report.findings import CROWD, MANY_OPTIMIZERS, Final, Findings
 from bench.report.parts import MOST_ROWS, Part, Section, Table
 from bench.report.plots import distribution_figure
 from bench.report.wording import count, interval, listing, usual_decimals
@@ -21,7 +21,7 @@ SHOWN = 20  # of many optimizers, in the figure of a problem; of a crowd, in its
 def section(findings: Findings) -> Section:
     """Return a section for each problem of the study: all its trials, their statistics and the tests of every pair."""
     every = [entry.label for entry in findings.study.problems]
-    rates = findings.success if findings.traces else pd.DataFrame()
+    rates = findings.anytime.success if findings.trials.traces else pd.DataFrame()
     words, bounds = zip(*reversed(CUTOFFS.items()), strict=True)  # from small to large
     above, below = (listing([f"{bound:.2f}" for bound in side]) for side in (bounds, [1 - each for each in bounds]))
     how_to_read = (
@@ -37,29 +37,29 @@ def section(findings: Findings) -> Section:
 
 
 def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
-    if problem not in findings.problems:
+    if problem not in findings.trials.problems:
         missing = ("No optimizer has a trial on this problem yet.",)
         return Section(problem, warnings=missing, folded=True, problem=problem)
-    own = findings.coverage[findings.coverage["problem"] == problem]
+    own = findings.trials.coverage[findings.trials.coverage["problem"] == problem]
     empty = list(own.loc[own["stored"] == 0, "optimizer"])
     warnings = [f"No trial of {listing(empty)} on this problem."] if empty else []
     items: list[Part] = [
         distribution_figure(
-            findings.frame,
+            findings.trials.frame,
             problem,
-            findings.optima.get(problem),
-            findings.known[problem].expected,
-            SOLVED if problem in findings.precisions else None,
+            findings.trials.optima.get(problem),
+            findings.trials.known[problem].expected,
+            SOLVED if problem in findings.trials.precisions else None,
             _best(findings, problem),
         ),
         _abridged(findings, problem, _cells(findings, problem, rates)),
     ]
-    if len(table := findings.running_times) and (table["problem"] == problem).any():
+    if len(table := findings.anytime.running_times) and (table["problem"] == problem).any():
         items.append(_abridged(findings, problem, _running_times(findings, problem)))
-    pairs = findings.pairs[findings.pairs["problem"] == problem]
+    pairs = findings.final.pairs[findings.final.pairs["problem"] == problem]
     text = []
-    if problem in findings.precisions:
-        instances = len(findings.pooled.members[problem])
+    if problem in findings.trials.precisions:
+        instances = len(findings.trials.pooled.members[problem])
         text.append(
             f"A cell holds the trials of {instances} instances, and a value is a precision, the best objective value "
             "less the optimum of the instance."
@@ -79,19 +79,19 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
 
 def _best(findings: Findings, problem: str) -> list[str] | None:
     """Return the best of many optimizers on a problem, in their order; None where there are few."""
-    return _by_rank(findings, problem)[:SHOWN] if len(findings.optimizers) > MANY_OPTIMIZERS else None
+    return _by_rank(findings.final, problem)[:SHOWN] if len(findings.trials.optimizers) > MANY_OPTIMIZERS else None
 
 
-def _by_rank(findings: Findings, problem: str) -> list[str]:
-    own = findings.standings[findings.standings["problem"] == problem]
+def _by_rank(final: Final, problem: str) -> list[str]:
+    own = final.standings[final.standings["problem"] == problem]
     return list(own.sort_values("rank", kind="stable")["optimizer"])
 
 
 def _abridged(findings: Findings, problem: str, table: Table) -> Table:
     """Return a table with a row an optimizer; of a crowd, the page shows the best ones of the problem."""
-    if not findings.crowd:
+    if not findings.display.crowd:
         return table
-    order = [label for label in _by_rank(findings, problem) if label in table.frame.index]
+    order = [label for label in _by_rank(findings.final, problem) if label in table.frame.index]
     order += [label for label in table.frame.index if label not in order]  # a row beside the optimizers
     frames = {name: getattr(table, name) for name in ("frame", "bold", "lost")}
     moved = {name: frame.reindex(order) for name, frame in frames.items() if frame is not None}
@@ -99,7 +99,7 @@ def _abridged(findings: Findings, problem: str, table: Table) -> Table:
 
 
 def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
-    summary, matrix = findings.summary, findings.matrix
+    summary, matrix, words = findings.final.summary, findings.final.matrix, findings.anytime.words
     own = summary[summary["problem"] == problem].set_index("optimizer").drop(columns="problem")
     shown = own[["n", "failed", "median", "mean", "sd", "best", "worst"]].rename(columns={"sd": "SD"})
     decimals = usual_decimals(own["median"])
@@ -107,13 +107,13 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
     shown["letters"] = matrix[matrix["problem"] == problem].set_index("optimizer")["letters"]
     if len(rates):
         reached = (
-            rates[(rates["problem"] == problem) & (rates["tau"] == findings.words.level)]
+            rates[(rates["problem"] == problem) & (rates["tau"] == words.level)]
             .set_index("optimizer")
             .reindex(own.index)
         )
         shown["success %"] = 100 * reached["rate"]
         shown["success 95%"] = _intervals(100 * reached["low"], 100 * reached["high"], 0)
-    value = "precision" if problem in findings.precisions else "best objective value"
+    value = "precision" if problem in findings.trials.precisions else "best objective value"
     return Table(
         f"cells-{problem}",
         f"{problem}: trials, failures, and the {value} over trials.",
@@ -121,15 +121,15 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
         lost=shown[["failed"]] > 0,
         decimals={"success %": 0},
         note="The interval of the median is distribution-free; letters as in the comparison; success: trials that "
-        f"reached {findings.words.at(findings.words.level)}, with a 95% Wilson interval. –: too few trials.",
+        f"reached {words.at(words.level)}, with a 95% Wilson interval. –: too few trials.",
         data=own.reset_index(),
     )
 
 
 def _running_times(findings: Findings, problem: str) -> Table:
-    words, table = findings.words, findings.running_times
+    words, table = findings.anytime.words, findings.anytime.running_times
     own = table[table["problem"] == problem]
-    shown = own.pivot(index="optimizer", columns=words.unit, values="ert").reindex(findings.optimizers)
+    shown = own.pivot(index="optimizer", columns=words.unit, values="ert").reindex(findings.trials.optimizers)
     shown = shown.rename(columns=lambda level: f"{level:g}").rename_axis(index="optimizer", columns=None)
     shown = shown.astype(float).iloc[:, ::-1]
     lowest = shown.eq(shown.min()) & np.isfinite(shown)
@@ -138,7 +138,7 @@ def _running_times(findings: Findings, problem: str) -> Table:
     hardest = own[words.unit].min()
     note = f"Bold: the lowest of a column; ∞: no trial succeeded; successes: trials that reached {hardest:g}."
     if len(of):
-        of = of.set_index("optimizer").reindex(findings.optimizers)
+        of = of.set_index("optimizer").reindex(findings.trials.optimizers)
         ert = of["ert"].astype(float)
         seconds = of["ert_s"].astype(float)
         shown["95%"] = _intervals(of["low"], of["high"], usual_decimals(ert))
@@ -152,12 +152,12 @@ def _running_times(findings: Findings, problem: str) -> Table:
             "over the ERT, the dispersion that COCO prints; and the ERT in evaluations / d and in seconds of wall "
             "time, at the pace of each trial."
         )
-    last = own[own[words.unit] == hardest].set_index("optimizer").reindex(findings.optimizers)
+    last = own[own[words.unit] == hardest].set_index("optimizer").reindex(findings.trials.optimizers)
     shown["successes"] = [
         "" if pd.isna(trials) else f"{reached:.0f}/{trials:.0f}"
         for reached, trials in zip(last["successes"], last["trials"], strict=True)
     ]
-    best = findings.best_times
+    best = findings.anytime.best_times
     own_best = best[(best["problem"] == problem) & best["ert"].notna()].set_index("precision")["ert"]
     if len(own_best):
         shown.loc[BEST] = own_best.rename(index=lambda level: f"{level:g}").reindex(shown.columns)
@@ -182,9 +182,9 @@ def _level(own: pd.DataFrame, unit: str) -> float:
 
 def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
     """Return the tests of every pair, of many optimizers those of the first one alone; the file has all."""
-    pairs, which, crowd = every, "every pair of optimizers", findings.crowd
-    if len(findings.optimizers) > MANY_OPTIMIZERS:
-        own = findings.standings[findings.standings["problem"] == problem].dropna(subset="rank")
+    pairs, which, crowd = every, "every pair of optimizers", findings.display.crowd
+    if len(findings.trials.optimizers) > MANY_OPTIMIZERS:
+        own = findings.final.standings[findings.final.standings["problem"] == problem].dropna(subset="rank")
         best = own.sort_values("rank", kind="stable")["optimizer"].iloc[0]
         pairs = every[(every["first"] == best) | (every["second"] == best)].sort_values("p_holm", kind="stable")
         which = f"{best}, the first in rank, and every other optimizer; "
@@ -219,8 +219,8 @@ def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
         bold=pd.DataFrame({"p (Holm)": pairs["significant"].to_numpy(dtype=bool)}, index=shown.index),
         decimals={"KS D": 3, "A12": 3},
         note="p: of the hypothesis A12 = 0.5; Holm’s adjustment is over the "
-        f"{len(findings.pairs):,} pairs of all problems. Bold: significant; lower: then, the one that is separably "
-        "lower. Jointly: intervals of which all together hold. KS: the exact Kolmogorov-Smirnov test "
+        f"{len(findings.final.pairs):,} pairs of all problems. Bold: significant; lower: then, the one that is "
+        "separably lower. Jointly: intervals of which all together hold. KS: the exact Kolmogorov-Smirnov test "
         "of one distribution, raw, which differences in spread reject, too.",
         data=pairs if crowd else every,
         most_rows=SHOWN if crowd else MOST_ROWS,

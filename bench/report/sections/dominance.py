@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from bench import analysis
-from bench.report.findings import Findings
+from bench.report.findings import Findings, Trials
 from bench.report.parts import Section, Table
 from bench.report.wording import count
 
@@ -14,10 +14,10 @@ TITLE = "Speed and accuracy in one ranking"
 
 def section(findings: Findings) -> Section | None:
     """Return the ranking of two or more optimizers on functions of suites; None without such a function."""
-    functions = findings.suite_functions
-    if len(findings.optimizers) < 2 or not functions:
+    functions = findings.trials.suite_functions
+    if len(findings.trials.optimizers) < 2 or not functions:
         return None
-    found = findings.u_scores
+    found = findings.anytime.u_scores
     problems = found["problem"].nunique()
     meaning = (
         "A U-score counts pairs of trials of two optimizers on the same problem (Price, Kumar and Suganthan 2023): of "
@@ -32,12 +32,12 @@ def section(findings: Findings) -> Section | None:
             f"{count(left, 'problem')} of {len(functions):,} {'is' if left == 1 else 'are'} left out: the optimum is "
             "unknown or beaten, or the optimizers have different numbers of trials."
         )
-    return Section(TITLE, tuple(text), (_scores(findings, found),) if problems else ())
+    return Section(TITLE, tuple(text), (_scores(findings.trials, found),) if problems else ())
 
 
-def _scores(findings: Findings, found: pd.DataFrame) -> Table:
-    dimension = found["problem"].astype(object).map(findings.dimensions)
-    total = found.groupby("optimizer")[["u", "pairs", "reached", "trials"]].sum().reindex(findings.optimizers)
+def _scores(trials: Trials, found: pd.DataFrame) -> Table:
+    dimension = found["problem"].astype(object).map(trials.dimensions)
+    total = found.groupby("optimizer")[["u", "pairs", "reached", "trials"]].sum().reindex(trials.optimizers)
     shown = pd.DataFrame({"rank": total["u"].rank(ascending=False, method="min").astype(int), "U-score": total["u"]})
     if dimension.nunique() > 1:
         for each, own in found.groupby(dimension):

@@ -23,7 +23,7 @@ COLUMNS = 12  # environments with a column of their own; the others share one
 def section(findings: Findings) -> Section:
     """Return the entries with their options, the hashes of study and data, the runs and their environments."""
     results = findings.results
-    instance = " with its instance" if findings.precisions else ""
+    instance = " with its instance" if findings.trials.precisions else ""
     seeds = (
         f"The seed of the study is {results.study.seed}. The seed of a trial is a hash of the study’s seed, the "
         f"problem{instance}, the optimizer and the trial’s number; trials.csv lists it. bench.solve with that seed and "

@@ -9,7 +9,7 @@ from bench.analysis.equivalence import FEWEST, probabilities
 from bench.plots import style
 from bench.plots.equivalence import equivalence_bars
 from bench.plots.ranks import forest_names
-from bench.report.findings import Findings
+from bench.report.findings import Final, Findings
 from bench.report.parts import Figure, Part, Section, Table
 from bench.report.wording import count, listing
 
@@ -19,23 +19,27 @@ SURE = 0.95  # a probability from which on the text names a pair
 
 def section(findings: Findings) -> Section | None:
     """Return what can be said of practical equality; None where the study gives no rope."""
-    if findings.rope is None:
+    if findings.final.rope is None:
         return None
-    rope = f"{findings.rope} of the smaller median" if isinstance(findings.rope, str) else f"{findings.rope:g}"
-    if len(findings.optimizers) < 2:
+    rope = (
+        f"{findings.final.rope} of the smaller median"
+        if isinstance(findings.final.rope, str)
+        else f"{findings.final.rope:g}"
+    )
+    if len(findings.trials.optimizers) < 2:
         return Section(TITLE, ("There is only one optimizer, so none can be equal to another.",))
-    table = findings.equivalence
+    table = findings.final.equivalence
     if table.empty:
         return Section(TITLE, ("No problem has trials of two optimizers, so none can be equal to another.",))
     if table["wide"].all():
         useless = f"The rope of {rope} is wider than the range of all values on every problem, so it shows nothing."
         return Section(TITLE, warnings=(useless,))
     meaning = f"Two optimizers count as practically equal where their medians differ by at most {rope}."
-    text, warnings = [meaning, _each(findings, table)], []
+    text, warnings = [meaning, _each(findings.final, table)], []
     if wide := [str(label) for label in dict.fromkeys(table.loc[table["wide"], "problem"])]:
         where = f"{listing(wide)}, where every pair is equal by definition"
         warnings.append(f"The rope is wider than the range of all values on {where}.")
-    items: list[Part] = [_counts(findings, table)]
+    items: list[Part] = [_counts(findings.final, table)]
     if table["problem"].nunique() > 1:
         found = probabilities(table)
         text.append(_across(found))
@@ -43,9 +47,9 @@ def section(findings: Findings) -> Section | None:
     return Section(TITLE, tuple(text), tuple(items), tuple(warnings))
 
 
-def _each(findings: Findings, table: pd.DataFrame) -> str:
+def _each(final: Final, table: pd.DataFrame) -> str:
     """Return how many cells are equivalent, beside those that are merely not separable."""
-    joined = _with_tests(findings, table)
+    joined = _with_tests(final, table)
     open_pairs = joined[~joined["significant"]]
     level = f"{100 * (1 - 2 * ALPHA / joined.groupby('problem', observed=True).size().max()):.4g}%"
     equal, close = int(open_pairs["equivalent"].sum()), int((joined["equivalent"] & joined["significant"]).sum())
@@ -76,14 +80,14 @@ def _across(found: pd.DataFrame) -> str:
     return f"{start} these have a probability of {SURE:g} or more: {listing(parts)}."
 
 
-def _with_tests(findings: Findings, table: pd.DataFrame) -> pd.DataFrame:
+def _with_tests(final: Final, table: pd.DataFrame) -> pd.DataFrame:
     """Return the table with the outcome of the test of each pair."""
-    tests = findings.pairs[["problem", "first", "second", "p_holm", "significant"]]
+    tests = final.pairs[["problem", "first", "second", "p_holm", "significant"]]
     return table.merge(tests, on=["problem", "first", "second"])
 
 
-def _counts(findings: Findings, table: pd.DataFrame) -> Table:
-    joined = _with_tests(findings, table)
+def _counts(final: Final, table: pd.DataFrame) -> Table:
+    joined = _with_tests(final, table)
     equal, apart = joined["equivalent"], joined["significant"]
     kinds = {
         "separable": apart & ~equal, "separable, but equivalent": apart & equal, "equivalent": ~apart & equal,

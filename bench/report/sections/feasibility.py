@@ -12,12 +12,12 @@ TITLE = "Feasibility"
 
 def sections(findings: Findings) -> tuple[Section, ...]:
     """Return the section with the feasibility rate of each cell on a constrained problem; none without such a one."""
-    found = feasibility(findings.frame, findings.traces, findings.constrained)
+    found = feasibility(findings.trials.frame, findings.trials.traces, findings.trials.constrained)
     if found.empty:
         return ()
     lost = int((found["trials"] - found["feasible"]).sum())
     text = (
-        f"{count(len(findings.constrained), 'problem')} with constraints, handled by "
+        f"{count(len(findings.trials.constrained), 'problem')} with constraints, handled by "
         f"{findings.study.constraints!r}. Only feasible points are recorded. "
         + (
             f"{lost:,} of {count(int(found['trials'].sum()), 'trial')} found no feasible point and score worse than "

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from bench.analysis.integrity import TRAITS
-from bench.report.findings import Findings
+from bench.report.findings import Findings, Trials
 from bench.report.parts import Section, Table
 from bench.report.wording import count, listing
 
@@ -36,11 +36,11 @@ def section(findings: Findings) -> Section:
         f"These results cannot show some traits of an optimizer ({listing([*TRAITS])}): 'bench check' makes separate "
         "runs to look for these. 'bench verify' repeats stored trials."
     )
-    apart = ("In these checks every instance is a problem of its own.",) if findings.precisions else ()
+    apart = ("In these checks every instance is a problem of its own.",) if findings.trials.precisions else ()
     return Section(
         TITLE,
         (text, *apart, unseen),
-        (table, *_incomplete(findings)),
+        (table, *_incomplete(findings.trials)),
         on_demand=True,  # the verdict has the warnings
     )
 
@@ -52,7 +52,7 @@ def warnings(findings: Findings) -> tuple[str, ...]:
         f"{'Error: ' if row.verdict == 'error' else ''}{str(row.check).capitalize()}: {row.finding}"
         for row in checks[checks["verdict"].isin(TROUBLE)].itertuples()
     ]
-    if reasons := {label: each.reason for label, each in findings.known.items() if each.reason}:
+    if reasons := {label: each.reason for label, each in findings.trials.known.items() if each.reason}:
         found.append(
             f"{count(len(reasons), 'problem')} cannot be loaded here, so the optimum, the bounds and the expected "
             f"values are unknown: {listing([*reasons], at_most=5)} ({next(iter(reasons.values()))})."
@@ -60,8 +60,8 @@ def warnings(findings: Findings) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _incomplete(findings: Findings) -> list[Table]:
-    coverage, frame = findings.coverage, findings.frame
+def _incomplete(trials: Trials) -> list[Table]:
+    coverage, frame = trials.coverage, trials.frame
     short = coverage[(coverage["missing"] > 0) | (coverage["failed"] > 0)]
     lost = short[["failed"]] > 0
     tables = [Table("incomplete-cells", "Cells with missing or failed trials.", short, lost=lost)] if len(short) else []

@@ -37,7 +37,7 @@ def section(findings: Findings) -> Section | None:
     if found.table.empty:
         return None
     table = found.table
-    text = [MEANING + (" Of pooled instances, the first is described." if findings.precisions else "")]
+    text = [MEANING + (" Of pooled instances, the first is described." if findings.trials.precisions else "")]
     if found.left_out:
         text.append(
             f"Not described: {listing(sorted(found.left_out))}, which cannot be loaded or sampled here in time."
@@ -60,13 +60,13 @@ def section(findings: Findings) -> Section | None:
 
 def _ranks(findings: Findings, table: pd.DataFrame) -> tuple[list[str], list[Part]]:
     """Return what can be said about features and ranks, and the table behind it."""
-    if len(findings.optimizers) < 2:
+    if len(findings.trials.optimizers) < 2:
         return [], []
-    problems = int(findings.medians.index.isin(table.index).sum())
+    problems = int(findings.final.medians.index.isin(table.index).sum())
     if problems < LEAST_PROBLEMS:
         few = f"Features are compared with the ranks of the optimizers from {LEAST_PROBLEMS} problems on"
         return [f"{few}; here are {problems}."], []
-    found = feature_ranks(table, findings.medians)
+    found = feature_ranks(table, findings.final.medians)
     if found.empty:
         return ["The features or the ranks are the same on all problems, so none goes with another."], []
     clear = found[found["significant"]]

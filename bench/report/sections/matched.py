@@ -5,7 +5,8 @@ from __future__ import annotations
 import pandas as pd
 
 from bench.report.findings import Findings
-from bench.report.matched import REPORTED, chances, cost, differing
+from bench.report.findings.controls import REPORTED
+from bench.report.matched import differing
 from bench.report.parts import Section, Table
 from bench.report.wording import MISSING, count, listing, options
 
@@ -14,7 +15,7 @@ TITLE = "Under the same conditions"
 
 def section(findings: Findings) -> Section | None:
     """Return the table of the leader against its rivals, None where nothing differs or nothing ran under the same."""
-    found = chances(findings)
+    found = findings.controls.chances
     reported = found.loc[found["conditions"] == REPORTED, ["first", "second"]]
     if found[["first", "second"]].drop_duplicates().shape[0] <= len(reported):
         return None
@@ -32,7 +33,7 @@ def section(findings: Findings) -> Section | None:
         text.append(
             f"The controls, {listing(controls)}, were run for this table alone: no rank, test or figure has them."
         )
-    if missing := cost(findings):
+    if missing := findings.controls.cost:
         text.append(f"The table is not complete: {missing}.")
     return Section(TITLE, tuple(text), (_table(findings, found, leader, conditions),))
 
@@ -46,7 +47,7 @@ def _table(findings: Findings, found: pd.DataFrame, leader: str, conditions: lis
     shown = shown.reindex(index=found["rival"].unique(), columns=conditions).fillna(MISSING).rename_axis(columns=None)
     apart = [
         f"{listing(labels)} {'has' if len(labels) == 1 else 'have'} no such option as {options({name: value})}"
-        for each in findings.matched
+        for each in findings.controls.matched
         for name, value in each.values.items()
         if (labels := [label for label, names in each.apart.items() if name in names])
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bench.report.conditions import conditions_table
 from bench.report.findings import Findings
+from bench.report.methods import methods
 from bench.report.parts import Section
 from bench.report.problem_words import problems_table
 
@@ -12,11 +13,11 @@ TITLE = "Methods"
 
 def section(findings: Findings) -> Section:
     """Return paragraphs that are true of this run, with the BibTeX of the works they cite."""
-    if findings.frame.empty:
+    if findings.trials.frame.empty:
         return Section(TITLE, ("The study has no trial yet, so there are no methods to describe.",))
-    methods = findings.methods
+    said = methods(findings)
     tables = (
-        problems_table(findings.known, findings.pooled.members),
+        problems_table(findings.trials.known, findings.trials.pooled.members),
         conditions_table(findings.study, findings.descriptions),
     )
-    return Section(TITLE, methods.text, tables, methods.warnings, code=methods.bibtex)
+    return Section(TITLE, said.text, tables, said.warnings, code=said.bibtex)

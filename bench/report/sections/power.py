@@ -19,11 +19,11 @@ TITLE = "Power"
 
 def section(findings: Findings) -> Section:
     """Return the differences that the tests can and cannot find with this study's trials."""
-    if findings.frame.empty or len(findings.optimizers) < 2 or not len(findings.medians):
+    if findings.trials.frame.empty or len(findings.trials.optimizers) < 2 or not len(findings.final.medians):
         return Section(TITLE, ("There is nothing to compare, so no test has any power.",))
-    tests, pairs, level = len(findings.pairs), len(findings.overall), findings.levels.problems
+    tests, pairs, level = len(findings.final.pairs), len(findings.final.overall), findings.final.levels.problems
     rows = []
-    for n in sorted(set(findings.trials)):
+    for n in sorted(set(findings.trials.per_cell)):
         kinds = {"a single test": ALPHA} | ({"the first of all tests": level / tests} if level else {})
         for name, level_of_test in kinds.items():
             found = analysis.detectable_a12(n, level_of_test)
@@ -46,7 +46,7 @@ def section(findings: Findings) -> Section:
 
 def blindness(findings: Findings) -> str:
     """Return a sentence on the differences that the tests would often miss."""
-    n, tests, levels = findings.trials[0], len(findings.pairs), findings.levels
+    n, tests, levels = findings.trials.per_cell[0], len(findings.final.pairs), findings.final.levels
     trials = f"with {count(n, 'trial')} in the smallest cell"
     parts = []
     found = analysis.detectable_a12(n, levels.problems / tests) if levels.problems else nan
@@ -59,7 +59,7 @@ def blindness(findings: Findings) -> str:
     else:
         parts.append(f"{trials} the tests on problems would often miss an A12 below {found:.2f}")
     if levels.across:
-        tested = findings.overall
+        tested = findings.final.overall
         number = int(tested["blocks" if levels.further else "problems"].iloc[0])
         each = analysis.detectable_across(n, number, levels.across / len(tested), levels.further)
         if not isnan(each):
@@ -69,15 +69,15 @@ def blindness(findings: Findings) -> str:
 
 def error_text(findings: Findings) -> tuple[str, ...]:
     """Return how often this page would claim a difference where there is none, simulated for its design."""
-    complete = [str(label) for label in findings.medians.index]
-    scores = analysis.scores(findings.frame, merge=True)
-    pools = [np.asarray(scores[findings.frame["problem"] == label], dtype=np.float64) for label in complete]
-    blocks, optimizers = [findings.blocks[label] for label in complete], len(findings.optimizers)
-    trials = findings.trials[0]
+    complete = [str(label) for label in findings.final.medians.index]
+    scores = analysis.scores(findings.trials.frame, merge=True)
+    pools = [np.asarray(scores[findings.trials.frame["problem"] == label], dtype=np.float64) for label in complete]
+    blocks, optimizers = [findings.trials.blocks[label] for label in complete], len(findings.trials.optimizers)
+    trials = findings.trials.per_cell[0]
     if trials < 2:
         return ("With one trial a cell nothing is tested on single problems, and no rate is simulated.",)
-    equal = analysis.rates_of_equals(pools, optimizers, blocks, findings.levels)
-    spread = analysis.rates_of_spreads(trials, optimizers, blocks, findings.levels)
+    equal = analysis.rates_of_equals(pools, optimizers, blocks, findings.final.levels)
+    spread = analysis.rates_of_spreads(trials, optimizers, blocks, findings.final.levels)
     design = f"{optimizers} optimizers, {count(len(complete), 'problem')}, {count(trials, 'trial')} a cell"
     return (
         f"How often a page of this design ({design}) claims any difference where there is none; the rule allows 5%.",

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from bench import analysis
-from bench.report.findings import Findings
+from bench.report.findings import Anytime, Findings, Trials
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import group_figure, scaling_figure
 from bench.report.wording import count, listing
@@ -18,42 +18,50 @@ SAME_SHARE = 5e-4  # of the targets: shares closer than this are printed alike
 
 def section(findings: Findings) -> Section | None:
     """Return the overview of a study whose problems are functions of groups, in dimensions; None for any other."""
-    members = _members(findings)
-    if len(findings.optimizers) < 2 or members.empty or len(members[["group", "dimension"]].drop_duplicates()) < 2:
+    members = _members(findings.trials)
+    if (
+        len(findings.trials.optimizers) < 2
+        or members.empty
+        or len(members[["group", "dimension"]].drop_duplicates()) < 2
+    ):
         return None
     items: list[Part] = [_ranks(findings, members)]
-    if findings.traces:
+    if findings.trials.traces:
         reached = _reached(findings, members)
-        items.insert(0, group_figure(reached, findings.drawn, restarts=findings.words.restarts))
+        items.insert(0, group_figure(reached, findings.display.drawn, restarts=findings.anytime.words.restarts))
         if members.groupby("function")["dimension"].nunique().max() > 1:
-            words = findings.words
-            items.append(scaling_figure(_scaling(findings, members), findings.drawn, target=words.at(words.level)))
-    text = [_meaning(findings, members)]
-    if findings.traces:
-        most = max(findings.budgets[label] / d for label, d in findings.dimensions.items())
+            words = findings.anytime.words
+            items.append(
+                scaling_figure(
+                    _scaling(findings.anytime, members), findings.display.drawn, target=words.at(words.level)
+                )
+            )
+    text = [_meaning(findings.trials, members)]
+    if findings.trials.traces:
+        most = max(findings.trials.budgets[label] / d for label, d in findings.trials.dimensions.items())
         text.insert(0, _most_targets(reached[reached["per_dimension"] <= most * (1 + 1e-9)]))
-    return Section(TITLE, (*text, *findings.drawn_words), tuple(items))
+    return Section(TITLE, (*text, *findings.display.drawn_words), tuple(items))
 
 
-def _members(findings: Findings) -> pd.DataFrame:
+def _members(trials: Trials) -> pd.DataFrame:
     """Return problem, function, group and dimension of the problems that have all of these features."""
     rows = [
         (label, f"{known.features.get('suite', '')} {known.features.get('function', label)}".strip(),
-         str(known.features["group"]), findings.dimensions[label])
-        for label, known in findings.known.items()
-        if "group" in known.features and label in findings.dimensions
+         str(known.features["group"]), trials.dimensions[label])
+        for label, known in trials.known.items()
+        if "group" in known.features and label in trials.dimensions
     ]  # fmt: skip
     return pd.DataFrame(rows, columns=["problem", "function", "group", "dimension"])
 
 
-def _meaning(findings: Findings, members: pd.DataFrame) -> str:
+def _meaning(trials: Trials, members: pd.DataFrame) -> str:
     functions, dimensions = members["function"].nunique(), sorted(members["dimension"].unique())
     shown = listing([f"{each:g}" for each in dimensions])
     text = (
         f"{count(functions, 'function')} in {count(members['group'].nunique(), 'group')}, in "
         f"{'dimensions' if len(dimensions) > 1 else 'dimension'} {shown}. A problem is a function in one dimension."
     )
-    pools = [own for own in findings.pooled.members.values() if len(own) > 1]
+    pools = [own for own in trials.pooled.members.values() if len(own) > 1]
     if pools:
         each = f"instances ({listing(sorted({f'{len(own)}' for own in pools}, key=int))} each)"
         some = len(pools) < len(members)
@@ -78,11 +86,11 @@ def _panels(members: pd.DataFrame) -> list[tuple[str, int, list[str]]]:
 
 
 def _ranks(findings: Findings, members: pd.DataFrame) -> Table:
-    ranks, panels = analysis.table(findings.standings, "rank").dropna(), _panels(members)
+    ranks, panels = analysis.table(findings.final.standings, "rank").dropna(), _panels(members)
     rows = {
         f"{group}, d = {dimension}": ranks[ranks.index.isin(problems)].mean() for group, dimension, problems in panels
     }
-    shown = pd.DataFrame(rows).T.reindex(columns=findings.optimizers).rename_axis("group and dimension")
+    shown = pd.DataFrame(rows).T.reindex(columns=findings.trials.optimizers).rename_axis("group and dimension")
     problems = [len(problems) for _, _, problems in panels]
     return Table(
         "ranks-by-group",
@@ -119,33 +127,33 @@ def _most_targets(reached: pd.DataFrame) -> str:
 
 def _reached(findings: Findings, members: pd.DataFrame) -> pd.DataFrame:
     """Return the ECDF of each optimizer in each panel, over evaluations / d."""
-    if findings.words.restarts:
+    if findings.anytime.words.restarts:
         return _restarted(findings, members)
-    hits = findings.hits
-    most = max(findings.budgets[label] / d for label, d in findings.dimensions.items())
-    grid = np.geomspace(1 / max(findings.dimensions.values()), most, 60)
+    hits = findings.anytime.hits
+    most = max(findings.trials.budgets[label] / d for label, d in findings.trials.dimensions.items())
+    grid = np.geomspace(1 / max(findings.trials.dimensions.values()), most, 60)
     curves = []
     for group, dimension, problems in _panels(members):
         own = hits[hits["problem"].isin(problems)]
-        curve = analysis.ecdf(own, grid, findings.dimensions)
+        curve = analysis.ecdf(own, grid, findings.trials.dimensions)
         curves.append(curve.assign(problem=f"{group}, d = {dimension}"))
     return pd.concat(curves, ignore_index=True)
 
 
 def _restarted(findings: Findings, members: pd.DataFrame) -> pd.DataFrame:
     """Return the share of simulated restarts of each optimizer in each panel, over evaluations / d."""
-    shares = findings.restarts_per_dimension
+    shares = findings.anytime.restarts_per_dimension
     curves = [
-        analysis.mean_shares(own, findings.optimizers).assign(problem=f"{group}, d = {dimension}")
+        analysis.mean_shares(own, findings.trials.optimizers).assign(problem=f"{group}, d = {dimension}")
         for group, dimension, problems in _panels(members)
         if len(own := shares[shares["problem"].isin(problems)])
     ]
     return pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(columns=[*shares, "problem"])
 
 
-def _scaling(findings: Findings, members: pd.DataFrame) -> pd.DataFrame:
+def _scaling(anytime: Anytime, members: pd.DataFrame) -> pd.DataFrame:
     """Return function, dimension, optimizer and ERT / d at the target of each problem."""
-    table = analysis.expected_running_time(findings.hits[np.isclose(findings.hits["tau"], findings.words.level)])
+    table = analysis.expected_running_time(anytime.hits[np.isclose(anytime.hits["tau"], anytime.words.level)])
     own = table.merge(members, on="problem")
     return own.assign(problem=own["function"], ert=own["ert"] / own["dimension"])[
         ["problem", "dimension", "optimizer", "trials", "successes", "ert"]

@@ -18,7 +18,7 @@ TITLE = "Time"
 
 def section(findings: Findings) -> Section:
     """Return the wall and processor time of a trial, the objective's share, and signs of a disturbed measurement."""
-    timing = analysis.timing(findings.whole)
+    timing = analysis.timing(findings.trials.whole)
     known = timing[timing["trials"] > 0].sort_values("wall_mean", kind="stable")
     if len(known) and known["wall_mean"].isna().all():
         return Section(TITLE, ("The times of these trials are unknown, as of imported results.",))

@@ -8,7 +8,7 @@ import pandas as pd
 from bench.analysis.integrity import undeclared
 from bench.analysis.sequential import levels
 from bench.analysis.trials_needed import LARGEST
-from bench.report.findings import Findings
+from bench.report.findings import Final, Findings
 from bench.report.parts import Part, Section, Table
 from bench.report.plots import stability_figure
 from bench.report.wording import count, interval, listing
@@ -28,18 +28,22 @@ CAUTION = (
 
 def section(findings: Findings) -> Section:
     """Return the section, or one that states that there is nothing to compare."""
-    if findings.frame.empty or len(findings.optimizers) < 2 or not len(findings.medians):
+    if findings.trials.frame.empty or len(findings.trials.optimizers) < 2 or not len(findings.final.medians):
         return Section(TITLE, ("There is nothing to compare, so no number of trials can be judged.",), on_demand=True)
-    text = [*looks_text(findings), *extension_text(findings), *summary(findings.needed, len(findings.pairs))]
-    if findings.precisions:
+    text = [
+        *looks_text(findings),
+        *extension_text(findings),
+        *summary(findings.final.needed, len(findings.final.pairs)),
+    ]
+    if findings.trials.precisions:
         text.append("Where instances are pooled, the trials of all of them count, one of each instance in turn.")
     items: list[Part] = []
     if findings.results.study.looks:
         items.append(_looks(findings))
-    if len(findings.needed):
-        items.append(_needed(findings))
-    if len(findings.stability):
-        items.append(stability_figure(findings.stability, findings.looks))
+    if len(findings.final.needed):
+        items.append(_needed(findings.final))
+    if len(findings.final.stability):
+        items.append(stability_figure(findings.final.stability, findings.display.looks))
     return Section(TITLE, tuple(text), tuple(items), on_demand=True)
 
 
@@ -70,16 +74,16 @@ def _of(number: int, pairs: int, it: str) -> str:
 
 def looks_text(findings: Findings) -> list[str]:
     """Return what the study's looks decided; nothing without looks."""
-    looks, decisions = findings.results.study.looks, findings.decisions
+    looks, decisions = findings.results.study.looks, findings.trials.decisions
     if not looks:
         return []
-    cells = len(findings.coverage)
+    cells = len(findings.trials.coverage)
     at = {each: list(decisions.stopped.values()).count(each) for each in looks[:-1]}
     stopped = [f"{number:,} at {each}" for each, number in at.items() if number]
     ended = f"Of {count(cells, 'cell')}, {listing(stopped)} trials were stopped early" if stopped else (
         f"None of the {count(cells, 'cell')} was stopped early"
     )  # fmt: skip
-    unseen = [label for label in findings.problems if not decisions.reached.get(label)]
+    unseen = [label for label in findings.trials.problems if not decisions.reached.get(label)]
     return [
         f"The study declares looks at {listing([str(each) for each in looks])} trials: at each, the pairs of a problem "
         f"are tested, and a cell all of whose pairs are decided gets no more trials. {ended}. The p-value of a pair is "
@@ -94,14 +98,14 @@ def extension_text(findings: Findings) -> list[str]:
         f"Optional stopping: {held:,} trials of each cell were complete, and could be looked at, when {asked:,} were "
         "asked for, and no looks had been declared. If the results were a reason for that, the p-values are too small "
         "and the tests err more often than alpha says."
-        for held, asked in undeclared(findings.extensions)
+        for held, asked in undeclared(findings.trials.extensions)
     ]
 
 
 def _looks(findings: Findings) -> Table:
-    looks, stopped = findings.results.study.looks, list(findings.decisions.stopped.values())
+    looks, stopped = findings.results.study.looks, list(findings.trials.decisions.stopped.values())
     named: dict[int, list[str]] = {}
-    for (problem, optimizer), look in findings.decisions.stopped.items():
+    for (problem, optimizer), look in findings.trials.decisions.stopped.items():
         named.setdefault(look, []).append(f"{optimizer} on {problem}")
     frame = pd.DataFrame(
         {
@@ -112,7 +116,7 @@ def _looks(findings: Findings) -> Table:
         }
     )
     data = pd.DataFrame(
-        [(problem, optimizer, look) for (problem, optimizer), look in findings.decisions.stopped.items()],
+        [(problem, optimizer, look) for (problem, optimizer), look in findings.trials.decisions.stopped.items()],
         columns=["problem", "optimizer", "look"],
     )
     return Table(
@@ -154,8 +158,8 @@ def _number(trials: float) -> str:
     return "–" if np.isnan(trials) else f">{LARGEST:,}" if np.isinf(trials) else f"{trials:,.0f}"
 
 
-def _needed(findings: Findings) -> Table:
-    shown, method = rows(findings.needed), findings.needed["method"].iloc[0]
+def _needed(final: Final) -> Table:
+    shown, method = rows(final.needed), final.needed["method"].iloc[0]
     how = (
         "simulated by drawing from the samples, with the test and level of this report"
         if method == "simulation"
@@ -169,5 +173,5 @@ def _needed(findings: Findings) -> Table:
         decimals={"A12": 2},
         note="A12 with its 95% interval; the range of the number is that of the interval. The level of a pair is alpha "
         f"over the pairs of all problems that are not separated.{rest}",
-        data=findings.needed,
+        data=final.needed,
     )

@@ -11,7 +11,7 @@ from bench.helpers.text import option
 from bench.optimizer import CONDITIONS
 from bench.plots import style
 from bench.plots.tuning import sensitivity
-from bench.report.findings import Findings
+from bench.report.findings import Final, Findings, Trials
 from bench.report.parts import Figure, Part, Section, Table
 from bench.report.wording import MISSING, cell_text, count, listing, p_text, seconds
 from bench.study.budget import described
@@ -29,14 +29,14 @@ INSTANCE = re.compile(r"-i[0-9]+$")
 def section(findings: Findings) -> Section | None:
     """Return what tuning gained; None where the optimizers were not tuned by this harness."""
     tuning = findings.study.tuning
-    known = [each for each in tuning.optimizers if each.default in findings.optimizers] if tuning else []
+    known = [each for each in tuning.optimizers if each.default in findings.trials.optimizers] if tuning else []
     if tuning is None or not known:
         return None
-    gains = {each.name: _gain(findings, each) for each in known if each.tuned in findings.optimizers}
+    gains = {each.name: _gain(findings.final, each) for each in known if each.tuned in findings.trials.optimizers}
     text = [
         _what(findings, tuning, known),
         _cost(known),
-        *(_gained(findings, each, gains.get(each.name)) for each in known),
+        *(_gained(findings.trials, each, gains.get(each.name)) for each in known),
     ]
     items: list[Part] = [_results(known, gains), _parameters(known)]
     if panels := _panels(known):
@@ -69,13 +69,13 @@ def _cost(known: list[Tuned]) -> str:
     )
 
 
-def _gain(findings: Findings, own: Tuned) -> dict[str, Any]:
+def _gain(final: Final, own: Tuned) -> dict[str, Any]:
     """Return how the tuned parameters compare with the defaults, over the problems on which both have trials."""
-    pairs = findings.pairs.dropna(subset="a12")  # it is missing where a cell has no trial
+    pairs = final.pairs.dropna(subset="a12")  # it is missing where a cell has no trial
     mine = pairs[pairs["first"].isin([own.default, own.tuned]) & pairs["second"].isin([own.default, own.tuned])]
     chance = mine["a12"].where(mine["first"].astype(object) == own.tuned, 1 - mine["a12"])
     clear = mine[mine["lower"] != ""]
-    tests = findings.overall
+    tests = final.overall
     across = tests[tests["first"].isin([own.default, own.tuned]) & tests["second"].isin([own.default, own.tuned])]
     return {
         "problems": len(mine), "chance": float(chance.mean()) if len(mine) else float("nan"),
@@ -84,7 +84,7 @@ def _gain(findings: Findings, own: Tuned) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _gained(findings: Findings, own: Tuned, gain: dict[str, Any] | None) -> str:
+def _gained(trials: Trials, own: Tuned, gain: dict[str, Any] | None) -> str:
     """Return what the tuning of one optimizer gained, as far as trials and problems allow a statement."""
     if own.tuned == own.default:
         return f"{own.name}: no configuration scored better than the defaults, so nothing was gained."
@@ -97,7 +97,7 @@ def _gained(findings: Findings, own: Tuned, gain: dict[str, Any] | None) -> str:
         f"{gain['chance']:.2f}{mean} (0.5: no gain). "
     )
     if not gain["testable"]:
-        return sentence + f"{findings.trials[1]:,} trials are too few to show a difference on a problem."
+        return sentence + f"{trials.per_cell[1]:,} trials are too few to show a difference on a problem."
     sentence += (
         f"The tuned parameters are separably lower on {gain['lower']:,} and separably higher on {gain['higher']:,} of "
         f"{problems}."
@@ -121,7 +121,7 @@ def _warnings(findings: Findings, tuning: Tuning, known: list[Tuned]) -> list[st
             "meet the other optimizers under conditions of their own."
         )
     named = {label for each in known for label in (each.default, each.tuned)}
-    others = [label for label in findings.optimizers if label not in named]
+    others = [label for label in findings.trials.optimizers if label not in named]
     if others:
         plural = len(others) > 1
         found.append(

@@ -6,14 +6,16 @@ from collections import Counter
 from math import comb
 
 import numpy as np
+import pandas as pd
 
 from bench import analysis
 from bench.analysis import ALPHA
 from bench.report import clock
 from bench.report.conditions import sentences
-from bench.report.findings import Findings
+from bench.report.findings import Final, Findings, Trials
+from bench.report.findings.controls import REPORTED
 from bench.report.first_picture import first_picture
-from bench.report.matched import REPORTED, chances, cost, differing, options_differing
+from bench.report.matched import differing, options_differing
 from bench.report.parts import Card, Part, Section
 from bench.report.ranking import rank_map, ranking_table
 from bench.report.sections import integrity
@@ -29,13 +31,13 @@ TOO_FEW = "; with so few trials beside so many tests, nothing is tested on singl
 
 def section(findings: Findings) -> Section:
     """Return the verdict, or a section that states why there is nothing to compare."""
-    if findings.frame.empty:
+    if findings.trials.frame.empty:
         return Section(TITLE, warnings=("The study has no trial yet, so there is no verdict.",))
-    lost, warnings = unfinished_trials(findings.frame), integrity.warnings(findings)
+    lost, warnings = unfinished_trials(findings.trials.frame), integrity.warnings(findings)
     nothing = ""
-    if len(findings.ranking) < 2:
-        nothing = f"There is nothing to compare: {findings.optimizers[0]} is the only optimizer."
-    elif not len(findings.medians):
+    if len(findings.final.ranking) < 2:
+        nothing = f"There is nothing to compare: {findings.trials.optimizers[0]} is the only optimizer."
+    elif not len(findings.final.medians):
         nothing = "There is nothing to compare yet: no problem has trials of every optimizer."
     if nothing:
         return Section(TITLE, (nothing,), lost=lost, warnings=warnings)
@@ -55,29 +57,31 @@ def section(findings: Findings) -> Section:
 
 def standing(findings: Findings) -> Standing:
     """Return what the verdict is written from."""
-    complete = list(findings.medians.index)
-    ranking = findings.ranking.merge(findings.certainty.drop(columns="problems"), on="optimizer")
-    clear = findings.pairs[findings.pairs["problem"].isin(complete) & (findings.pairs["lower"] != "")]
+    trials, final = findings.trials, findings.final
+    complete = list(final.medians.index)
+    ranking = final.ranking.merge(final.certainty.drop(columns="problems"), on="optimizer")
+    clear = final.pairs[final.pairs["problem"].isin(complete) & (final.pairs["lower"] != "")]
     beaten: Counter[tuple[str, str]] = Counter()
     for first, second, lower in zip(clear["first"], clear["second"], clear["lower"], strict=True):
         beaten[str(lower), str(second if lower == first else first)] += 1
-    known = all(label in findings.unbeaten for label in complete)
+    known = all(label in trials.unbeaten for label in complete)
     best = "the optimum" if known else "the best known value"
-    precise = findings.words.kind == "precisions"  # a share of an optimum that was shifted at will means nothing
-    least, most = findings.trials
+    # A share of an optimum that was shifted at will means nothing.
+    precise = findings.anytime.words.kind == "precisions"
+    least, most = trials.per_cell
     return Standing(
-        ranking, beaten, _across(findings), findings.levels, len({findings.blocks[str(each)] for each in complete}),
-        budget=findings.common_words.removeprefix("at ") or findings.study.budget_words,
+        ranking, beaten, _across(final), final.levels, len({trials.blocks[str(each)] for each in complete}),
+        budget=trials.common_words.removeprefix("at ") or findings.study.budget_words,
         problem=str(complete[0]) if len(complete) == 1 else "",
         trials=count(least, "trial") if least == most else f"{least} to {count(most, 'trial')}",
         conditions=differing(findings),
         matched=_controls(findings),
         differing=_dimensions(findings),
         size=_size(findings),
-        found=analysis.near_best(findings.measured_final, findings.optima, 0.0 if precise else NEAR, analysis.SOLVED),
+        found=analysis.near_best(trials.measured_final, trials.optima, 0.0 if precise else NEAR, analysis.SOLVED),
         near=f"within {analysis.SOLVED:g} of {best}" if precise else f"within {NEAR:.0%} of {best}",
         course=_course(findings),
-        unit="of the budget" if findings.scaled else "evaluations",
+        unit="of the budget" if trials.scaled else "evaluations",
         clock=clock.sentence(findings),
         sweep=dependent(findings),
     )  # fmt: skip
@@ -87,7 +91,7 @@ def _controls(findings: Findings) -> str:
     """Return how the leader does against the best rival under the same conditions, or what knowing it would cost."""
     if not options_differing(findings):
         return ""  # controls would change nothing
-    found, missing = chances(findings), cost(findings)
+    found, missing = findings.controls.chances, findings.controls.cost
     second = next(iter(found["rival"]), "")
     own = found[(found["conditions"] != REPORTED) & (found["rival"] == second)]
     parts = [
@@ -98,9 +102,9 @@ def _controls(findings: Findings) -> str:
     return f"{same} {missing[0].upper()}{missing[1:]}.".strip() if missing else same
 
 
-def _across(findings: Findings) -> dict[tuple[str, str], Across]:
+def _across(final: Final) -> dict[tuple[str, str], Across]:
     """Return each pair over all problems, seen from either side."""
-    table = findings.improvement.merge(findings.overall[["first", "second", "p_holm", "significant", "lower"]])
+    table = final.improvement.merge(final.overall[["first", "second", "p_holm", "significant", "lower"]])
     found = {}
     for pair in table.to_dict("records"):
         first, second = str(pair["first"]), str(pair["second"])
@@ -116,12 +120,12 @@ def _across(findings: Findings) -> dict[tuple[str, str], Across]:
 
 def _dimensions(findings: Findings) -> str:
     """Return in which dimensions of a suite another optimizer leads; "" where none does."""
-    standing = findings.standings[findings.standings["problem"].isin(list(findings.medians.index))]
-    dimension = standing["problem"].astype(object).map(findings.dimensions)
-    suite = {label for label in findings.suite_functions if label in findings.dimensions}
-    if dimension.nunique() < 2 or not set(findings.medians.index) <= suite:
+    standing = findings.final.standings[findings.final.standings["problem"].isin(list(findings.final.medians.index))]
+    dimension = standing["problem"].astype(object).map(findings.trials.dimensions)
+    suite = {label for label in findings.trials.suite_functions if label in findings.trials.dimensions}
+    if dimension.nunique() < 2 or not set(findings.final.medians.index) <= suite:
         return ""
-    leader, others = findings.ranked[0], []
+    leader, others = findings.final.ranked[0], []
     for each, own in standing.groupby(dimension):
         ranks = analysis.mean_ranks(own)
         lowest = ranks.index[np.isclose(ranks, ranks.min(), rtol=0, atol=TIED)]
@@ -132,10 +136,10 @@ def _dimensions(findings: Findings) -> str:
 
 def _size(findings: Findings) -> str:
     """Return by how much the first in rank is lower than the second: in evaluations on suites, else in medians."""
-    first, second = findings.ranked[:2]
-    words = findings.words
-    if words.kind == "precisions" and not findings.running_times.empty:
-        table = findings.running_times
+    first, second = findings.final.ranked[:2]
+    words = findings.anytime.words
+    if words.kind == "precisions" and not findings.anytime.running_times.empty:
+        table = findings.anytime.running_times
         own = table[np.isclose(table[words.unit].astype(float), words.level, rtol=1e-9, atol=0)]
         ert = analysis.table(own, "ert").astype(float).reindex(columns=[first, second]).replace(np.inf, np.nan).dropna()
         if ert.empty:
@@ -146,7 +150,7 @@ def _size(findings: Findings) -> str:
             f"To {words.at(words.level)}, {second} needs {factor} evaluations (median ratio of expected running times "
             f"over the {count(len(ert), 'problem')} where both reach it)."
         )
-    medians = findings.medians[[first, second]].replace(np.inf, np.nan).dropna().astype(float)
+    medians = findings.final.medians[[first, second]].replace(np.inf, np.nan).dropna().astype(float)
     medians = medians[medians[first] != 0]
     if medians.empty:
         return ""
@@ -165,31 +169,32 @@ def _size(findings: Findings) -> str:
 
 def _course(findings: Findings) -> list[Stage]:
     """Return who has the lowest mean rank at the budgets of the figure beside the verdict."""
-    if not findings.traces:
+    if not findings.trials.traces:
         return []
-    stages = findings.stages
+    stages = findings.anytime.stages
     means = stages.pivot_table(index="share", columns="optimizer", values="rank", sort=False, observed=True)
     spent = stages.drop_duplicates("share")["evaluations"]
     course = []
     for (share, own), evaluations in zip(means.iterrows(), spent, strict=True):
         lowest = own.index[np.isclose(own, own.min(), rtol=0, atol=TIED)]
-        text = f"{float(str(share)):.0%}" if findings.scaled else f"{evaluations:,}"
+        text = f"{float(str(share)):.0%}" if findings.trials.scaled else f"{evaluations:,}"
         course.append(Stage(text, tuple(map(str, lowest))))
     return course
 
 
 def _evidence(findings: Findings) -> str:
     """Return on how much evidence the verdict rests."""
-    study, levels = findings.study, findings.levels
-    low, high = findings.trials
+    study, levels = findings.study, findings.final.levels
+    low, high = findings.trials.per_cell
     trials = count(low, "trial") if low == high else f"{low} to {count(high, 'trial')}"
-    failed = findings.coverage.groupby("optimizer", sort=False, observed=False)["failed"].sum()
+    failed = findings.trials.coverage.groupby("optimizer", sort=False, observed=False)["failed"].sum()
     lost = [f"{count(number, 'trial')} of {label}" for label, number in failed.items() if number]
     parts = [f"{levels.problems:g} for tests on problems"] if levels.problems else []
     parts += [f"{levels.across:g} for tests over all"] if levels.across else []
+    problems = count(len(findings.final.medians), "problem")
     alpha = f"alpha = {ALPHA:g}" + (f" ({listing(parts)})" if len(parts) > 1 else "")
     return (
-        f"n = {trials} of at most {study.budget_words} on each of N = {count(len(findings.medians), 'problem')}; "
+        f"n = {trials} of at most {study.budget_words} on each of N = {problems}; "
         f"{alpha}, adjusted by Holm’s method over all pairs and problems; in brackets: 95% intervals"
         + (f"; failed: {listing(lost)}" if lost else "")
         + "."
@@ -197,38 +202,38 @@ def _evidence(findings: Findings) -> str:
 
 
 def _limits(findings: Findings) -> tuple[str, ...]:
-    problems = len(findings.medians)
+    problems = len(findings.final.medians)
     counted = "this one problem" if problems == 1 else f"these {problems} problems"
     texts = [
         f"The counts describe {counted} at this budget and with these options; others may give another ranking.",
         across(findings),
     ]
     texts += extension_text(findings)
-    if findings.decisions.stopped:
+    if findings.trials.decisions.stopped:
         texts.append(NOT_ADJUSTED)
     if looked := findings.results.looked:
         texts.append(
             f"The runs in {listing(looked)} were stopped by declared looks; the tests of this comparison do not "
             "account for these, so their p-values are too small."
         )
-    if findings.common:
-        texts.insert(0, unequal_budgets(findings))
-    return tuple(filter(None, (*texts, unused(findings))))
+    if findings.trials.common:
+        texts.insert(0, unequal_budgets(findings.trials))
+    return tuple(filter(None, (*texts, unused(findings.anytime.unused))))
 
 
-def unequal_budgets(findings: Findings) -> str:
+def unequal_budgets(trials: Trials) -> str:
     """Return at which budget values are compared where the optimizers had different ones."""
-    left_out = [f"{count(number, 'trial')} of {label}" for label, number in findings.incomparable.items()]
+    left_out = [f"{count(number, 'trial')} of {label}" for label, number in trials.incomparable.items()]
     return (
-        f"The optimizers had different budgets: ranks, medians and tests compare values {findings.common_words}, and "
+        f"The optimizers had different budgets: ranks, medians and tests compare values {trials.common_words}, and "
         "running times to targets count all evaluations."
         + (f" Left out, as it is unknown what they had found by then: {listing(left_out)}." if left_out else "")
     )
 
 
-def unused(findings: Findings) -> str:
+def unused(shares: pd.DataFrame) -> str:
     """Return who left a part of the budget unused, which restarts could have spent; "" where nobody did."""
-    own = findings.unused[findings.unused["unused"] > 0.01].sort_values("unused", ascending=False, kind="stable")
+    own = shares[shares["unused"] > 0.01].sort_values("unused", ascending=False, kind="stable")
     if own.empty:
         return ""
     shown = [f"{label} {share:.0%}" for label, share in zip(own["optimizer"], own["unused"], strict=True)]
@@ -240,20 +245,20 @@ def unused(findings: Findings) -> str:
 
 def across(findings: Findings) -> str:
     """Return what the tests across problems do not show."""
-    tests, friedman = findings.overall, findings.friedman
+    tests, friedman = findings.final.overall, findings.final.friedman
     blocks, p = int(tests["blocks"].iloc[0]), friedman["p_iman_davenport"]
-    if not findings.levels.across:
+    if not findings.final.levels.across:
         few = f"{count(blocks, 'independent problem')} and {count(len(tests), 'pair')} of optimizers"
         return f"Nothing is tested over all problems: {few} leave no test that could be significant beside the others."
     apart = tests[~tests["significant"]]
     open_pairs = [f"{first} and {second}" for first, second in zip(apart["first"], apart["second"], strict=True)]
-    if not findings.levels.further:
+    if not findings.final.levels.further:
         shown = f" They show no difference between {listing(open_pairs, at_most=4)}." if open_pairs else ""
         return (
             f"Nothing is claimed of further problems: {count(blocks, 'independent problem')} would be too few for a "
             f"test. The tests over all problems are of the mean over these ones.{shown}"
         )
-    if not friedman["note"] and p > findings.levels.across:
+    if not friedman["note"] and p > findings.final.levels.across:
         return f"The tests show no difference across problems (Friedman with Iman-Davenport’s correction, {p_text(p)})."
     if apart.empty:
         return "Every pair of optimizers differs significantly across problems, but not on every problem or trial."
@@ -262,12 +267,12 @@ def across(findings: Findings) -> str:
 
 def dependent(findings: Findings) -> str:
     """Return which problems are no independent sample; "" where none is known to be."""
-    ranked = set(findings.medians.index)
-    steps = {name: len(ranked & set(own)) for name, own in findings.sweeps.items()}
+    ranked = set(findings.final.medians.index)
+    steps = {name: len(ranked & set(own)) for name, own in findings.trials.sweeps.items()}
     which = [f"{number} of {len(ranked)} problems are steps of one sweep, {name}" for name, number in steps.items()]
     if not which:
         return ""
-    blocks = len({findings.blocks[str(label)] for label in ranked})
+    blocks = len({findings.trials.blocks[str(label)] for label in ranked})
     return (
         f"{listing(which)}: they are {count(blocks, 'independent problem')}, so the counts describe this sweep and no "
         "further problems."
@@ -275,11 +280,11 @@ def dependent(findings: Findings) -> str:
 
 
 def _grounds(findings: Findings) -> str:
-    looks, levels = findings.results.study.looks, findings.levels
+    looks, levels = findings.results.study.looks, findings.final.levels
     over = [f"for looks at {listing([str(each) for each in looks])} trials"] if looks else []
-    over += [f"by Holm’s method over the {count(len(findings.pairs), 'pair')} of all problems"]
+    over += [f"by Holm’s method over the {count(len(findings.final.pairs), 'pair')} of all problems"]
     both = levels.problems and levels.across
-    pairs = f"at alpha = {levels.across:g} with Holm’s method over the {comb(len(findings.optimizers), 2)} pairs"
+    pairs = f"at alpha = {levels.across:g} with Holm’s method over the {comb(len(findings.trials.optimizers), 2)} pairs"
     over_all = (
         f"Across problems, Wilcoxon’s signed-rank test compares A12 − 0.5 of a pair, {pairs}; problems of one sweep, "
         "and one function in several dimensions, count once."

@@ -1,11 +1,14 @@
-"""What a report reads of optimizers: of every one that can be loaded, and no stranger's code runs in the report."""
+"""How optimizers describe themselves: every one that can be loaded, noted by the run, and read by the report alone."""
 
 import os
 
 import pytest
 
-from bench import Study, load_optimizer
-from bench.execution.descriptions import Description, describe
+from bench import Results, Study, load_optimizer, run, write_report
+from bench.execution import descriptions
+from bench.execution.descriptions import Description, describe, noted
+from bench.storage.folder import Folder
+from bench.storage.merge import merge
 
 CODE = """
 import os
@@ -84,3 +87,57 @@ def test_parameters_and_fixed_conditions_are_read_as_texts(file, testing_plugins
         "sigma": "0.25",
         "active": "true",
     }
+
+
+WORK = "@misc{mine2020,\n  author = {Doe, Jane},\n  title = {Mine},\n  year = {2020},\n}"
+
+
+@pytest.fixture
+def made(file, tmp_path, testing_plugins):
+    """Return the folder of a run of a stranger's optimizer beside a built-in one."""
+    study = Study.from_dict({
+        "name": "s", "trials": 1, "budget": 30, "problems": [{"name": "sphere-2"}],
+        "optimizers": [{"name": file("mine", WORK), "label": "mine"}, {"name": "gwo", "agents": 9}],
+    })  # fmt: skip
+    run(study, tmp_path / "out", n_jobs=1)
+    return tmp_path / "out"
+
+
+def refuse(*args, **more):
+    raise AssertionError("a report starts no process")
+
+
+def test_a_run_notes_what_a_report_reads_and_the_report_starts_no_process(made, monkeypatch):
+    monkeypatch.setattr(descriptions, "Process", refuse)
+    results = Results(made)
+    mine, gwo = noted(results.study, results.descriptions).values()
+    assert mine == Description(
+        WORK, {"agents": "7", "handling": "mirror"}, {"agents": "7", "handling": "mirror"}, {"agents": ["9"]}
+    )
+    assert gwo.accepts == {"agents": ["7"]}
+    assert "Doe, Jane" in write_report(made, n_jobs=1).read_text(encoding="utf-8")
+
+
+def test_a_folder_without_the_note_has_the_built_in_ones_only_and_says_so(made, monkeypatch):
+    monkeypatch.setattr(descriptions, "Process", refuse)
+    (made / "optimizers.json").unlink()
+    results = Results(made)
+    mine, gwo = noted(results.study, results.descriptions).values()
+    assert mine == Description()
+    assert gwo.values == {"agents": "9", "handling": "repair", "variant": "code", "start": "random"}
+    page = write_report(made, n_jobs=1).read_text(encoding="utf-8")
+    assert "The options of mine are not all known: no run noted them in the folder." in page
+
+
+def test_a_note_may_hold_anything(made):
+    strange = {"bibtex": 5, "values": ["a"], "accepts": {"agents": [7, "9"], "start": "x"}}
+    Folder(made).note_descriptions({"mine": strange, "gwo": "none", "z": {}})
+    results = Results(made)
+    mine, gwo = noted(results.study, results.descriptions).values()
+    assert mine == Description(accepts={"agents": ["9"]})
+    assert gwo.bibtex.startswith("@")
+
+
+def test_a_merged_folder_keeps_the_notes(made, tmp_path):
+    merge([made], tmp_path / "merged")
+    assert Folder(tmp_path / "merged").descriptions() == Folder(made).descriptions()

@@ -13,6 +13,7 @@ from bench.execution.verify import verify
 from bench.importing import import_results
 from bench.report import write_report
 from bench.report.findings import Findings
+from bench.report.methods import methods
 from bench.storage.folder import Folder
 from bench.study import Entry, Study
 from bench.trial import Trial
@@ -49,8 +50,8 @@ class TestUnited:
     def test_the_problems_that_both_have_are_compared(self, mine, archive):
         both = Results(mine, archive)
         assert [entry.label for entry in both.study.problems] == ["box-f01-d2-i1", "box-f01-d2-i2"]
-        assert both.frame.groupby("optimizer").size().to_dict() == {"own": 6, "archived": 4}
-        assert {problem for problem, _, _ in both.traces} == {"box-f01-d2-i1", "box-f01-d2-i2"}
+        assert both.trials.frame.groupby("optimizer").size().to_dict() == {"own": 6, "archived": 4}
+        assert {problem for problem, _, _ in both.trials.traces} == {"box-f01-d2-i1", "box-f01-d2-i2"}
 
     def test_the_differences_are_said(self, mine, archive):
         shared, mine_more, archive_more, trials, budgets = Results(mine, archive).differences
@@ -68,29 +69,29 @@ class TestUnited:
 
     def test_each_optimizer_keeps_its_own_budget(self, mine, archive):
         both = Findings(Results(mine, archive))
-        assert both.budgets == {"box-f01-d2-i1": 801, "box-f01-d2-i2": 801}
-        assert {cell: most for cell, most in both.allowed.items() if cell[0].endswith("i1")} == {
+        assert both.trials.budgets == {"box-f01-d2-i1": 801, "box-f01-d2-i2": 801}
+        assert {cell: most for cell, most in both.trials.allowed.items() if cell[0].endswith("i1")} == {
             ("box-f01-d2-i1", "own"): 120,
             ("box-f01-d2-i1", "archived"): 801,
         }
         verdicts = both.integrity.set_index("check")["verdict"]
         assert verdicts["budget"] == "pass"
         frame = pd.DataFrame({"problem": ["box-f01-d2-i1"] * 2, "optimizer": ["own", "archived"]})
-        assert analysis.budgets(frame, both.allowed).tolist() == [120.0, 801.0]
+        assert analysis.budgets(frame, both.trials.allowed).tolist() == [120.0, 801.0]
 
     def test_values_are_compared_at_the_largest_budget_that_all_had(self, mine, archive):
         both = Findings(Results(mine, archive))
-        assert both.common == {"box-f01-d2-i1": 120, "box-f01-d2-i2": 120}
-        assert both.common_words == "at 120 evaluations, the largest budget that all had"
-        whole, compared = both.whole, both.frame
+        assert both.trials.common == {"box-f01-d2-i1": 120, "box-f01-d2-i2": 120}
+        assert both.trials.common_words == "at 120 evaluations, the largest budget that all had"
+        whole, compared = both.trials.whole, both.trials.frame
         for place, row in whole.iterrows():
-            value = both.traces[row["problem"], row["optimizer"], row["trial"]].at(120)
+            value = both.trials.traces[row["problem"], row["optimizer"], row["trial"]].at(120)
             assert compared.loc[place, "fun"] == value
         assert (compared["fun"] > whole["fun"]).any()
         assert compared.drop(columns="fun").equals(whole.drop(columns="fun"))
-        assert both.incomparable == {}
-        assert both.hits["spent"].max() > 120  # targets count all evaluations
-        assert Findings(Results(mine)).common_words == ""
+        assert both.trials.incomparable == {}
+        assert both.anytime.hits["spent"].max() > 120  # targets count all evaluations
+        assert Findings(Results(mine)).trials.common_words == ""
 
     def test_each_optimizer_has_its_own_plan(self, mine, archive):
         """Two trials of an archived optimizer are not too few beside three of ours."""
@@ -98,10 +99,10 @@ class TestUnited:
         assert both.planned == {"own": 3, "archived": 0}
         found = Findings(both)
         assert found.integrity.set_index("check").loc["completeness", "verdict"] == "pass"
-        assert not found.coverage["missing"].any()
+        assert not found.trials.coverage["missing"].any()
 
     def test_the_methods_give_each_budget_and_say_what_was_imported(self, mine, archive):
-        text = Findings(Results(mine, archive)).methods.text[0]
+        text = methods(Findings(Results(mine, archive))).text[0]
         assert "each with a budget of 120 evaluations for own and 801 evaluations at d = 2" in text
         assert "The results of archived were made elsewhere and imported." in text
         assert "All parameters of the optimizers that we ran have their default values." in text
@@ -167,6 +168,6 @@ def test_a_second_import_of_our_export_holds_the_same(archive, tmp_path):
     """What was imported can be exported and imported again."""
     import_results(exported(Results(archive), "csv", tmp_path / "out"), tmp_path / "again")
     again, first = Results(tmp_path / "again"), Results(archive)
-    assert again.frame["fun"].tolist() == first.frame["fun"].tolist()
-    assert again.frame["seed"].isna().all()
-    assert all(np.array_equal(again.traces[key].values, trace.values) for key, trace in first.traces.items())
+    assert again.trials.frame["fun"].tolist() == first.frame["fun"].tolist()
+    assert again.trials.frame["seed"].isna().all()
+    assert all(np.array_equal(again.trials.traces[key].values, trace.values) for key, trace in first.traces.items())

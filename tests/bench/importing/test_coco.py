@@ -58,7 +58,7 @@ class TestArchive:
         results, found = both
         findings, reached = Findings(results), 0
         targets = analysis.precision_targets(found, PRECISIONS)
-        hits = analysis.hitting_times(findings.frame, findings.traces, targets, findings.allowed)
+        hits = analysis.hitting_times(findings.trials.frame, findings.trials.traces, targets, findings.trials.allowed)
         table = analysis.expected_running_time(hits).set_index(["problem", "tau"])["ert"]
         for problem, data in found.items():
             for precision, ert in zip(PRECISIONS, data["ert"], strict=True):

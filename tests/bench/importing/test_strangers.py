@@ -69,7 +69,7 @@ def test_running_times_and_evaluations_are_those_of_cocopp(logged, tmp_path, sui
     import_results(logged / suite, tmp_path / "out")
     found = Findings(Results(tmp_path / "out"))
     targets = analysis.precision_targets(found.problems, PRECISIONS)
-    hits = analysis.hitting_times(found.frame, found.traces, targets, found.allowed)
+    hits = analysis.hitting_times(found.frame, found.traces, targets, found.trials.allowed)
     ours = analysis.expected_running_time(hits).set_index("problem")
     assert len(theirs) == 2
     for data in theirs:

@@ -17,16 +17,18 @@ def findings(make, tmp_path):
 
 def timed(findings, overheads):
     """Set the seconds of each optimizer for an evaluation beside those of the objective, by problem and optimizer."""
-    frame = findings.whole
+    frame = findings.trials.whole
     keys = zip(frame["problem"], frame["optimizer"], strict=True)
     own = pd.Series([overheads[key] for key in keys], index=frame.index)
-    findings.__dict__["whole"] = frame.assign(objective_s=frame["nfev"] * 1e-7, wall_s=frame["nfev"] * (own + 1e-7))
+    findings.trials.__dict__["whole"] = frame.assign(
+        objective_s=frame["nfev"] * 1e-7, wall_s=frame["nfev"] * (own + 1e-7)
+    )
     rows = [
         (p, o, 1e-2, 3, ert, ert * (overheads[p, o] + 1e-7))
         for p in "pqr"
         for o, ert in (("a", 10.0), ("b", 20.0), ("c", 90.0))
     ]
-    findings.__dict__["running_times"] = pd.DataFrame(rows, columns=COLUMNS)
+    findings.anytime.__dict__["running_times"] = pd.DataFrame(rows, columns=COLUMNS)
 
 
 def test_the_break_even_cost_is_that_at_which_both_take_as_long(findings):
@@ -34,12 +36,12 @@ def test_the_break_even_cost_is_that_at_which_both_take_as_long(findings):
     scale = {"p": 1.0, "q": 0.5, "r": 10.0}
     timed(findings, {(p, o): scale[p] * own[o] for p in "pqr" for o in "abc"})
     ert = pd.DataFrame({"a": [10.0] * 3, "b": [20.0] * 3}, index=list("pqr"))
-    costs = clock.break_even(ert, clock.overhead(findings.whole), "a", "b")
+    costs = clock.break_even(ert, clock.overhead(findings.trials.whole), "a", "b")
     for problem, cost in costs.items():  # 10 evaluations of a take as long as 20 of b
         assert 10 * (4e-6 * scale[problem] + cost) == pytest.approx(20 * (1e-6 * scale[problem] + cost))
     assert clock.sentence(findings) == (
         "b is faster by the clock than a as long as an evaluation takes less than 2 us (median of 3 problems; 1 to 20 "
-        f"us): to the target {clock._target(findings.words, 1e-2)}, a has the lowest expected running time in "
+        f"us): to the target {clock._target(findings.anytime.words, 1e-2)}, a has the lowest expected running time in "
         "evaluations on 3 of 3 problems, and b the lowest in seconds on 3."
     )
 
@@ -47,10 +49,10 @@ def test_the_break_even_cost_is_that_at_which_both_take_as_long(findings):
 def test_no_sentence_where_the_order_stays_or_times_are_unknown(findings):
     timed(findings, {(p, o): 1e-6 for p in "pqr" for o in "abc"})
     assert clock.sentence(findings) == ""
-    table = findings.running_times
-    findings.__dict__["running_times"] = table.assign(ert_s=float("nan"))
+    table = findings.anytime.running_times
+    findings.anytime.__dict__["running_times"] = table.assign(ert_s=float("nan"))
     assert clock.sentence(findings) == ""
-    findings.__dict__["running_times"] = table.head(0)
+    findings.anytime.__dict__["running_times"] = table.head(0)
     assert clock.sentence(findings) == ""
 
 

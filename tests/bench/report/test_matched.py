@@ -5,7 +5,7 @@ import pytest
 
 from bench import Results, Study, Trace
 from bench.report.findings import Findings
-from bench.report.matched import chances, cost, differing
+from bench.report.matched import differing
 from bench.report.sections import matched
 from bench.report.write import write_report
 from bench.storage.folder import Folder
@@ -57,7 +57,7 @@ def by_hand(first, second):
 
 
 def test_each_condition_has_the_chances_of_its_own_runs(made):
-    found = chances(made()).set_index(["conditions", "rival"])
+    found = made().controls.chances.set_index(["conditions", "rival"])
     expected = {
         ("as reported", "gwo"): ("cma-es", "gwo"),
         ("as reported", "random-search"): ("cma-es", "random-search"),
@@ -76,13 +76,14 @@ def test_each_condition_has_the_chances_of_its_own_runs(made):
 
 def test_controls_are_in_no_ranking_and_in_no_frame(made):
     findings, without = made(), made(controls=(), name="without")
-    assert findings.optimizers == ["cma-es", "gwo", "random-search"]
-    for name in ("ranking", "pairs", "improvement", "running_times", "medians"):
-        own, other = getattr(findings, name), getattr(without, name)
+    assert findings.trials.optimizers == ["cma-es", "gwo", "random-search"]
+    for name in ("ranking", "pairs", "improvement", "medians"):
+        own, other = getattr(findings.final, name), getattr(without.final, name)
         assert own.to_csv() == other.to_csv(), name
-    assert not findings.frame["optimizer"].astype(str).str.contains(r"\(").any()
-    assert {key[1] for key in findings.traces} == {"cma-es", "gwo", "random-search"}
-    assert len(findings.controls) == 2 * 2 * 5
+    assert findings.anytime.running_times.to_csv() == without.anytime.running_times.to_csv()
+    assert not findings.trials.frame["optimizer"].astype(str).str.contains(r"\(").any()
+    assert {key[1] for key in findings.trials.traces} == {"cma-es", "gwo", "random-search"}
+    assert len(findings.trials.controls) == 2 * 2 * 5
 
 
 def test_the_section_says_what_differs_and_what_is_missing(made):
@@ -103,8 +104,12 @@ def test_the_section_says_what_differs_and_what_is_missing(made):
 def test_without_shared_conditions_there_is_a_cost_and_no_section(made):
     findings = made(controls=())
     assert matched.section(findings) is None
-    assert cost(findings) == ("matched controls (bench run STUDY --matched) would add 30 trials, about 45 s on 2 jobs")
-    assert cost(made(controls=(), name="quick")).startswith("matched controls (bench run quick --matched) would")
+    assert findings.controls.cost == (
+        "matched controls (bench run STUDY --matched) would add 30 trials, about 45 s on 2 jobs"
+    )
+    assert made(controls=(), name="quick").controls.cost.startswith(
+        "matched controls (bench run quick --matched) would"
+    )
 
 
 def test_one_trial_has_no_interval(made):
@@ -115,7 +120,7 @@ def test_one_trial_has_no_interval(made):
 def test_nothing_differs_among_equal_conditions(made):
     alike = [{"name": name, "agents": 9} for name in ("gwo", "random-search")]
     findings = made(controls=(), optimizers=alike)
-    assert (differing(findings), cost(findings), matched.section(findings)) == ("", "", None)
+    assert (differing(findings), findings.controls.cost, matched.section(findings)) == ("", "", None)
 
 
 def test_populations_of_one_algorithm_are_conditions_that_need_no_control(made, monkeypatch):
@@ -127,7 +132,7 @@ def test_populations_of_one_algorithm_are_conditions_that_need_no_control(made, 
         for agents in (5, 9)
     ]
     findings = made(controls=(), optimizers=both)
-    found = chances(findings).set_index("conditions")
+    found = findings.controls.chances.set_index("conditions")
     assert found.loc["as reported", ["first", "rival"]].tolist() == ["gwo 9", "random-search 5"]
     assert found.loc["agents = 5", ["first", "second"]].tolist() == ["gwo 5", "random-search 5"]
     assert found.loc["agents = 5", "probability"] == pytest.approx(by_hand("gwo 5", "random-search 5"))

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from bench.analysis import Levels
 from bench.execution.descriptions import Description
 from bench.helpers.bibtex import parse
 from bench.plugins import registry
@@ -16,13 +17,12 @@ from bench.report.methods import (
     LATEX,
     MARKDOWN,
     TEXT,
-    MethodsFacts,
     cited_keys,
     library,
     merge_works,
-    methods,
     paragraphs,
     templates,
+    write,
 )
 from bench.report.replication import Replication
 from bench.report.target_words import target_words
@@ -53,18 +53,30 @@ def described(*names):
     return {name: Description(registry.load("optimizers", name).bibtex) for name in names}
 
 
+NOTHING = {
+    "study": study(), "descriptions": {}, "replications": ONE, "known": {}, "empty": 0, "failed": 0, "environments": [],
+    "tests": 0, "pairs": 0, "levels": Levels(0.05, 0.0), "blocks": 0, "permutation_tests": 0, "ranked_problems": 0,
+    "known_optima": 0, "targets": 0, "target_set": target_words("relative"), "aocc": 0, "early": {}, "checks": {},
+    "rope": None, "landscapes": 0, "dominance": 0, "budgets": {}, "common": "", "confined": 0, "best2009": 0,
+    "tuning": None, "sweeps": 0, "stopped": 0, "extensions": [], "needed": "", "stability": False,
+}  # fmt: skip
+
+
 def full(**changes):
     """Return facts of which every sentence can be said."""
-    facts = MethodsFacts(
-        study(optimizers=[Entry("gwo", "gwo", {"agents": 7, "handling": "box"}), "alo", "cma-es"]),
-        [Replication(3, 1, 28, 30, 30)], known=KNOWN, failed=2, descriptions=described("gwo", "alo", "cma-es"),
-        environments=[ENVIRONMENT], tests=9, pairs=9, permutation_tests=1, ranked_problems=2, known_optima=1, targets=3,
-        early={"cma-es": 3, "gwo": 0},
-        checks={"gwo": [CENTRE, STRUCTURE], "alo": [CENTRE, STRUCTURE], "cma-es": [CENTRE]},
-        dominance=2, landscapes=3, rope="1%",
-        common="at 400 evaluations", confined=2,
-    )  # fmt: skip
-    return replace(facts, **changes)
+    return NOTHING | {
+        "study": study(optimizers=[Entry("gwo", "gwo", {"agents": 7, "handling": "box"}), "alo", "cma-es"]),
+        "replications": [Replication(3, 1, 28, 30, 30)], "known": KNOWN, "failed": 2,
+        "descriptions": described("gwo", "alo", "cma-es"), "environments": [ENVIRONMENT], "tests": 9, "pairs": 9,
+        "permutation_tests": 1, "ranked_problems": 2, "known_optima": 1, "targets": 3,
+        "early": {"cma-es": 3, "gwo": 0},
+        "checks": {"gwo": [CENTRE, STRUCTURE], "alo": [CENTRE, STRUCTURE], "cma-es": [CENTRE]},
+        "dominance": 2, "landscapes": 3, "rope": "1%", "common": "at 400 evaluations", "confined": 2,
+    } | changes  # fmt: skip
+
+
+def methods(given):
+    return write(given["study"], given["descriptions"], given)
 
 
 TUNING = Tuning("aocc", 20, 3, "100 * d", 0, ["s", "t"], "", "optuna 5, TPESampler and WilcoxonPruner", (
@@ -90,15 +102,15 @@ class TestMethods:
             place |= {"incollection": "booktitle", "book": "publisher"}
             assert f"  {place[work.kind]} = " in work.bibtex
             assert work.kind != "article" or "pages = " in work.fields
-        looked = replace(full().study, looks=(10, 20, 30))
-        fields_own = replace(full(), study=looked, target_set=target_words("precisions"), aocc=2, best2009=2)
-        many = replace(full(), study=study([f"o{place}" for place in range(33)]), needed="formula", stability=True)
-        swept = replace(full(), sweeps=1, tuning=TUNING)
+        looked = replace(full()["study"], looks=(10, 20, 30))
+        fields_own = full(study=looked, target_set=target_words("precisions"), aocc=2, best2009=2)
+        many = full(study=study([f"o{place}" for place in range(33)]), needed="formula", stability=True)
+        swept = full(sweeps=1, tuning=TUNING)
         known = [cited(methods(facts)) for facts in (full(), fields_own, many, swept)]
         assert library().keys() <= set.union(*known)
 
     def test_the_looks_are_told(self):
-        several = replace(full().study, looks=(10, 20, 30))
+        several = replace(full()["study"], looks=(10, 20, 30))
         text = said(full(study=several, stopped=1))
         assert "28 to 30 independent trials (at most 30, by declared looks)" in text
         assert "declared looks at 10, 20 and 30 trials, at each of which all pairs of a problem are tested" in text
@@ -138,7 +150,7 @@ class TestMethods:
         ],
     )
     def test_the_targets_are_stated(self, chosen, sentence):
-        text = said(replace(full(), target_set=target_words(chosen), aocc=2))
+        text = said(full(target_set=target_words(chosen), aocc=2))
         assert sentence in text
         assert (", with simulated restarts" in text) == (chosen != "relative")
         assert "The area over the convergence curve (van Stein et al., 2024) is given on 2 problems with a" in text
@@ -151,7 +163,7 @@ class TestMethods:
             "20 configurations, the defaults first, 3 runs of 100 d evaluations on each of 2 training problems" in text
         )
         assert "training problems that are not among the test problems, with optuna 5" in text
-        trained = replace(TUNING, train=[full().study.problems[0].name]).sealed()
+        trained = replace(TUNING, train=[full()["study"].problems[0].name]).sealed()
         assert "not among the test problems" not in said(full(tuning=trained))
         assert "for the area over the convergence curve (van Stein et al., 2024); this took 9,000 evaluations." in text
         assert "for the mean logarithm of the median regret" in said(full(tuning=replace(TUNING, objective="regret")))
@@ -283,7 +295,9 @@ class TestMethods:
         assert "Mean ranks have" not in said(full(replications=[Replication(3, 1, 1, 30, 30)]))
 
     def test_one_optimizer_one_problem_one_trial(self):
-        facts = MethodsFacts(study([Entry("gwo", "wolf")], ["p"], trials=1), [Replication(1, 1, 1, 1, 1)])
+        facts = NOTHING | {
+            "study": study([Entry("gwo", "wolf")], ["p"], trials=1), "replications": [Replication(1, 1, 1, 1, 1)]
+        }  # fmt: skip
         (paragraph,) = methods(facts).text
         assert paragraph.startswith(
             "We ran wolf (the optimizer gwo) on 1 problem (p). All parameters have their default"
@@ -313,7 +327,7 @@ class TestMethods:
     def test_any_label_leaves_the_rest_as_it_is(self, label):
         entries = study([Entry("x", label, {"o": label}), "b"], [label])
         known = {label: ProblemFacts(measure=label, optimum_source=label, optimum=0.0, box={label: (0, 1)})}
-        hostile = replace(full(), study=entries, known=known, descriptions={}, tests=1)
+        hostile = full(study=entries, known=known, descriptions={}, tests=1)
         found = methods(hostile)
         assert cited(found) == {work.key for work in parse(found.bibtex)}
         assert found.latex.replace("\n", "").isascii()

@@ -21,7 +21,9 @@ def cell(data, problem, optimizer):
 def test_every_run_is_there_with_its_seed_value_and_reason_to_stop(data, findings):
     assert data["complete"]
     assert len(data["cells"]) == 6
-    frame = findings.frame[(findings.frame["problem"] == "p") & (findings.frame["optimizer"] == "a")]
+    frame = findings.trials.frame[
+        (findings.trials.frame["problem"] == "p") & (findings.trials.frame["optimizer"] == "a")
+    ]
     own = cell(data, 0, 0)
     assert own["seed"] == [str(each) for each in frame["seed"]]
     assert own["fun"] == pytest.approx(frame["fun"].tolist(), rel=1e-6)
@@ -40,7 +42,7 @@ def test_a_failed_run_has_no_value_and_its_first_line_of_error(data):
 def test_a_curve_is_the_trace_above_the_reference(data, findings, decoded):
     grid = np.array(data["grid"])
     curve = decoded(cell(data, 0, 2)["curve"][0], len(grid))
-    trace = findings.traces["p", "<i>c", 0]
+    trace = findings.trials.traces["p", "<i>c", 0]
     values = data["problems"][0]["reference"] + curve
     assert values == pytest.approx(trace.at(grid), rel=1e-3)
 
@@ -81,7 +83,7 @@ def test_a_larger_study_keeps_quartiles_of_all_runs_and_the_first_runs(study, mo
     own = cell(data, 0, 1)  # one of its four trials failed
     assert (own["trials"], len(own["fun"]), len(own["curve"])) == (4, 2, 2)
     grid = np.array(data["grid"])
-    curves = analysis.convergence(findings.frame, findings.traces, grid)
+    curves = analysis.convergence(findings.trials.frame, findings.trials.traces, grid)
     curves = curves[(curves["problem"] == "p") & (curves["optimizer"] == "b")]
     reference = data["problems"][0]["reference"]
     for text, name in zip(own["quartiles"], ("q1", "median", "q3"), strict=True):

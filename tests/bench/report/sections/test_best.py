@@ -9,6 +9,7 @@ import pytest
 from bench import BenchError, Results, load_problem
 from bench.report.findings import Findings
 from bench.report.findings import anytime as findings_module
+from bench.report.methods import methods
 from bench.report.sections import best, datasets
 from tests.bench.export.made import BUDGET, make, record
 
@@ -51,7 +52,7 @@ def beside(results, monkeypatch):
 
 def test_the_tables_have_its_times(beside):
     found = beside()
-    times = found.running_times.set_index(["problem", "optimizer", "precision"])["best2009"]
+    times = found.anytime.running_times.set_index(["problem", "optimizer", "precision"])["best2009"]
     assert times["bbob-f08-d2", "a"].loc[[10.0, 1.0, 1e-2, 1e-8]].tolist() == [5.0, 10.0, 10.0, 20.0]
     assert times["bbob-f08-d5", "b"].loc[[10.0, 1.0]].tolist() == [40.0, np.inf]
     table = datasets._running_times(found, "bbob-f08-d2")
@@ -92,7 +93,7 @@ def test_problems_without_a_time_are_counted(beside):
 
 def test_where_every_optimum_is_beaten_nothing_is_compared(beside):
     found = beside()
-    found.__dict__["unbeaten"] = {}
+    found.trials.__dict__["unbeaten"] = {}
     section = best.section(found)
     assert section.items == ()
     assert section.text[-1].startswith("2 problems without such a time")
@@ -100,12 +101,12 @@ def test_where_every_optimum_is_beaten_nothing_is_compared(beside):
 
 def test_other_targets_than_precisions_are_refused(beside):
     with pytest.raises(BenchError, match="the targets are quantiles; add --targets precisions or leave out best2009"):
-        beside("quantiles").check_targets()
+        beside("quantiles").anytime.check_targets()
 
 
 def test_the_methods_name_it(beside, results):
     assert "the lowest running times of the algorithms of BBOB 2009 (Hansen et al., 2010)" in " ".join(
-        beside().methods.text
+        methods(beside()).text
     )
-    assert "2009" not in " ".join(Findings(results).methods.text).replace("Moré and Wild, 2009", "")
+    assert "2009" not in " ".join(methods(Findings(results)).text).replace("Moré and Wild, 2009", "")
     assert best.section(Findings(results)) is None

@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from bench import Results
-from bench.report.findings import Findings
+from bench.report.findings import Display, Findings
 from bench.report.latex import to_latex
 from bench.report.page import grid
 from bench.report.sections import comparison
@@ -29,7 +29,7 @@ def test_different_values_have_different_texts_in_every_file(close):
 
 
 def test_turned_tables_keep_the_texts(close, monkeypatch):
-    monkeypatch.setattr(Findings, "upright", True)
+    monkeypatch.setattr(Display, "upright", True)
     texts = {row[0].text: row[1].text for row in shown(close).rows}
     assert texts == {"a": "263.896", "b": "263.900", "c": "1.25000"}
 
@@ -37,9 +37,9 @@ def test_turned_tables_keep_the_texts(close, monkeypatch):
 def test_the_column_of_other_winners_is_explained_where_it_stands(close, monkeypatch):
     assert "Lowest by" not in shown(close).note
     odd = pd.DataFrame({"problem": ["p"], "standing": [["c"]], "median": [["c"]], "mean": [["a"]]})
-    monkeypatch.setitem(close.__dict__, "disagreements", odd)
+    monkeypatch.setitem(close.final.__dict__, "disagreements", odd)
     table = shown(close)
     assert table.frame["lowest by"].tolist() == ["mean a", ""]
     assert "Lowest by: the optimizer with the lowest median or mean" in table.note
-    monkeypatch.setattr(Findings, "upright", True)
+    monkeypatch.setattr(Display, "upright", True)
     assert "Lowest by" not in shown(close).note

@@ -4,13 +4,14 @@ import pytest
 
 from bench import Results
 from bench.report.findings import Findings
+from bench.report.methods import methods
 from bench.report.sections import dominance
 
 
 def findings(folder, functions=("p", "q"), **optima):
     """Return findings for which some problems are functions of a suite with such optima."""
     found = Findings(Results(folder))
-    found.__dict__.update(suite_functions=list(functions), optima=optima or {"p": 1.0, "q": 1.0})
+    found.trials.__dict__.update(suite_functions=list(functions), optima=optima or {"p": 1.0, "q": 1.0})
     return found
 
 
@@ -49,17 +50,17 @@ def test_without_a_problem_to_score_there_is_a_sentence_and_no_table(make, tmp_p
     section = dominance.section(found)
     assert "2 problems of 2 are left out" in section.text[1]
     assert section.items == ()
-    assert "U-score" not in "".join(found.methods.text)
+    assert "U-score" not in "".join(methods(found).text)
 
 
 def test_the_methods_cite_the_paper(make, tmp_path):
     found = findings(make(tmp_path / "s", trials=2))
-    assert "by U-scores: the pairs of trials" in "".join(found.methods.text)
-    assert "Price, Kenneth V." in found.methods.bibtex
+    assert "by U-scores: the pairs of trials" in "".join(methods(found).text)
+    assert "Price, Kenneth V." in methods(found).bibtex
 
 
 def test_there_is_no_ranking_of_one_optimizer_or_without_a_suite(make, tmp_path):
     one = findings(make(tmp_path / "one", optimizers=("a",), trials=2))
     assert dominance.section(one) is None
-    assert "U-score" not in "".join(one.methods.text)
+    assert "U-score" not in "".join(methods(one).text)
     assert dominance.section(findings(make(tmp_path / "s", trials=2), functions=())) is None

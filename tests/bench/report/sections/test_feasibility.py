@@ -8,6 +8,7 @@ import pytest
 from bench import BenchError, Results, Study
 from bench.objective import Trace
 from bench.report.findings import Findings
+from bench.report.methods import methods
 from bench.report.sections import comparison, feasibility
 from bench.storage.folder import Folder
 from bench.study import Entry, Fingerprints
@@ -50,7 +51,7 @@ def test_the_share_of_trials_with_a_feasible_point(testing_plugins, tmp_path):
 def test_it_is_part_of_the_comparison_and_the_methods(testing_plugins, tmp_path):
     found = written(tmp_path / "s")
     assert [each.title for each in comparison.section(found).sections] == ["Feasibility"]
-    assert "1 problem has constraints" in "".join(found.methods.text)
+    assert "1 problem has constraints" in "".join(methods(found).text)
 
 
 def test_without_handled_constraints_there_is_none(testing_plugins, make, tmp_path):

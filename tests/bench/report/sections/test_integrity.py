@@ -4,6 +4,7 @@ import re
 
 from bench import Results
 from bench.report.findings import Findings
+from bench.report.methods import methods
 from bench.report.sections import integrity, verdict
 from bench.storage.folder import Folder
 
@@ -38,7 +39,7 @@ def test_the_biases_that_a_check_noted_are_warned_of(make, tmp_path):
     assert "not uniform in the box: a p = 5e-10." in warnings[1]
     verdicts = findings.integrity.set_index("check")["verdict"]
     assert set(verdicts[["boundary clamping", "starts and seeds"]]) == {"pass"}
-    paragraph = findings.methods.text[0]  # what was tested; what was found is a result
+    paragraph = methods(findings).text[0]  # what was tested; what was found is a result
     assert "We tested a and b for a bias towards the centre of the search space, by errors" in paragraph
     assert "We tested a and b for structural bias" in paragraph
     assert "found" not in paragraph.partition("We tested")[2]

@@ -41,7 +41,7 @@ def test_the_feature_that_goes_with_ranks_is_named(make, tmp_path):
     found = findings(folder, table(12, extra=np.arange(12.0)))
     section = landscape.section(found)
     assert section.text[-1].startswith("The features or the ranks are the same on all problems")
-    found.__dict__["medians"] = pd.DataFrame(
+    found.final.__dict__["medians"] = pd.DataFrame(
         {"a": np.arange(12.0), "b": np.full(12, 5.5), "c": np.full(12, 99.0)}, index=[f"p{i}" for i in range(12)]
     )
     section = landscape.section(found)

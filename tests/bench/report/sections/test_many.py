@@ -54,7 +54,7 @@ def test_the_curves_of_many_problems_are_folded_below_those_of_all(many):
 
 def test_problems_of_several_dimensions_are_folded_by_dimension(make, tmp_path):
     findings = Findings(Results(make(tmp_path / "s", tuple(f"p{i}" for i in range(MANY_PROBLEMS + 1)), trials=1)))
-    findings.__dict__["dimensions"] = {label: 2 if label == "p3" else 5 for label in findings.problems}
+    findings.trials.__dict__["dimensions"] = {label: 2 if label == "p3" else 5 for label in findings.trials.problems}
     sections = anytime.section(findings).sections
     assert [each.title for each in sections] == ["Each problem in dimension 5", "Each problem in dimension 2"]
     assert [item.name for item in sections[1].items] == ["convergence-d2", "expected-running-time-d2"]
@@ -93,8 +93,8 @@ class TestManyOptimizers:
         assert "of the column" in medians.note
 
     def test_only_the_best_have_a_colour(self, wide):
-        own = [label for label, look in wide.looks.items() if not look.background]
-        assert own == wide.ranked[:COLOURED]
+        own = [label for label, look in wide.display.looks.items() if not look.background]
+        assert own == wide.final.ranked[:COLOURED]
 
     def test_pairs_are_a_matrix_and_their_table_is_folded(self, wide):
         section = across.section(wide)
@@ -102,7 +102,7 @@ class TestManyOptimizers:
         (pairs,) = section.sections
         assert (pairs.folded, [item.name for item in pairs.items]) == (True, ["mean-over-problems"])
         matrix = section.items[1]
-        first, last = wide.ranked[0], wide.ranked[-1]
+        first, last = wide.final.ranked[0], wide.final.ranked[-1]
         assert (matrix.frame.at[first, last], matrix.frame.at[last, first]) == ("1.00", "0.00")
         assert matrix.frame.at[first, first] == ""
         assert len(matrix.data) == (MANY_OPTIMIZERS + 2) * (MANY_OPTIMIZERS + 1) / 2
@@ -110,7 +110,7 @@ class TestManyOptimizers:
     def test_a_problem_shows_the_pairs_of_its_first_optimizer(self, wide):
         tests = next(item for item in datasets.section(wide).sections[0].items if item.name == "tests-p")
         assert len(tests.frame) == MANY_OPTIMIZERS + 1
-        assert all(wide.ranked[0] in pair for pair in tests.frame.index)
+        assert all(wide.final.ranked[0] in pair for pair in tests.frame.index)
         assert len(tests.data) == (MANY_OPTIMIZERS + 2) * (MANY_OPTIMIZERS + 1) / 2
 
 
@@ -119,7 +119,7 @@ def crowd(make, tmp_path_factory):
     labels = ("e", "d", "c", "b", "a")  # the last one is the worst
     with pytest.MonkeyPatch.context() as patch:
         for name, value in (("CROWD", 4), ("MANY_OPTIMIZERS", 3), ("COLOURED", 2)):
-            patch.setattr(f"bench.report.findings.final.{name}", value)
+            patch.setattr(f"bench.report.findings.display.{name}", value)
         patch.setattr(datasets, "MANY_OPTIMIZERS", 3)
         patch.setattr(datasets, "SHOWN", 3)
         findings = Findings(Results(make(tmp_path_factory.mktemp("crowd") / "out", ("p",), labels)))
@@ -141,9 +141,9 @@ class TestACrowd:
 
     def test_pairs_are_written_among_the_best(self, crowd):
         findings, _ = crowd
-        assert len(findings.pairs) == 10
+        assert len(findings.final.pairs) == 10
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("bench.report.findings.final.CROWD", 4)
-            written = findings.written_pairs
+            patch.setattr("bench.report.findings.display.CROWD", 4)
+            written = findings.display.written_pairs
         assert set(written["first"]) | set(written["second"]) == {"e", "d", "c", "b"}
         assert len(written) == 6

@@ -17,7 +17,7 @@ class TestRegret:
     @staticmethod
     def findings(folder, **optima):
         found = Findings(Results(folder))
-        found.__dict__["optima"] = optima
+        found.trials.__dict__["optima"] = optima
         return found
 
     @staticmethod
@@ -30,7 +30,7 @@ class TestRegret:
         table = shown.items[1]
         assert self.names(shown) == ["comparison", "regret"]
         assert table.frame.index.tolist() == ["p"]
-        medians = found.summary.set_index(["problem", "optimizer"])["median"]
+        medians = found.final.summary.set_index(["problem", "optimizer"])["median"]
         assert table.frame.loc["p"].tolist() == [medians["p", each] - 4.0 for each in "abc"]
         assert table.data["optimum"].tolist() == [4.0] * 3
         assert "The optimum is known on 1 problem. No optimizer’s median trial reached it." in shown.text[-1]

@@ -27,15 +27,15 @@ def items(findings):
 
 
 def test_instances_are_pooled(findings):
-    assert findings.problems == [f"classical-{each}-d{d}" for each in ("sphere", "rastrigin") for d in (2, 5)]
-    assert findings.trials == (6, 6)
-    assert set(findings.optima.values()) == {0.0}
-    assert findings.budgets == {label: 200 * d for label, d in findings.dimensions.items()}
+    assert findings.trials.problems == [f"classical-{each}-d{d}" for each in ("sphere", "rastrigin") for d in (2, 5)]
+    assert findings.trials.per_cell == (6, 6)
+    assert set(findings.trials.optima.values()) == {0.0}
+    assert findings.trials.budgets == {label: 200 * d for label, d in findings.trials.dimensions.items()}
 
 
 def test_the_checks_count_instances_and_problems_each_by_its_name(findings, monkeypatch):
     again = Findings(findings.results)
-    assert len(again.pooled.members) == 4
+    assert len(again.trials.pooled.members) == 4
     monkeypatch.setattr(Results, "frame", findings.results.frame.assign(fun=1.0))  # every cell hits a ceiling
     said = again.integrity.set_index("check").at["ceiling", "finding"]
     assert "cma-es-fast on 8 instances of 4 problems, random-search on 8 instances of 4 problems" in said
@@ -86,7 +86,7 @@ def test_shares_of_the_budget_are_compared_where_budgets_differ(findings):
 
 def test_ranks_are_given_by_group_and_dimension(findings, items):
     table = items["ranks-by-group"].frame
-    ranks = table_of(findings.standings, "rank")
+    ranks = table_of(findings.final.standings, "rank")
     assert table["problems"].tolist() == [2, 2, 1, 1, 1, 1]
     assert table.loc["all functions, d = 5", "cma-es-fast"] == pytest.approx(
         ranks.loc[["classical-sphere-d5", "classical-rastrigin-d5"], "cma-es-fast"].mean()
@@ -95,21 +95,25 @@ def test_ranks_are_given_by_group_and_dimension(findings, items):
 
 def test_one_rule_ranks_everywhere(findings, items):
     """The ranks by group were those of medians, and differed from the figure and the ranking of the same page."""
-    by_group, of_all = items["ranks-by-group"].frame, findings.ranking.set_index("optimizer")["mean_rank"]
+    by_group, of_all = items["ranks-by-group"].frame, findings.final.ranking.set_index("optimizer")["mean_rank"]
     overall = by_group.loc[["all functions, d = 2", "all functions, d = 5"], list(of_all.index)]
     assert overall.mean().to_dict() == pytest.approx(of_all.to_dict())
-    last = findings.stages[findings.stages["share"] == 1.0].groupby("optimizer", observed=True)["rank"].mean()
+    last = (
+        findings.anytime.stages[findings.anytime.stages["share"] == 1.0]
+        .groupby("optimizer", observed=True)["rank"]
+        .mean()
+    )
     assert last.to_dict() == pytest.approx(of_all.to_dict())
 
 
 def test_the_map_of_a_suite_has_a_row_a_function(findings, monkeypatch):
     monkeypatch.setattr("bench.report.findings.trials.MANY_PROBLEMS", 3)
     found = rank_map(findings)
-    first, second = findings.ranked
+    first, second = findings.final.ranked
     assert list(found.frame) == [f"{name}, d = {d}" for name in (first, second) for d in (2, 5)]
     assert list(found.frame.index) == ["sphere", "rastrigin"]
     assert found.cells["rastrigin", f"{second}, d = 5"] == ("classical-rastrigin-d5", second)
-    ranks = table_of(findings.standings, "rank")
+    ranks = table_of(findings.final.standings, "rank")
     for (row, column), (problem, optimizer) in found.cells.items():
         assert float(found.frame.at[row, column]) == ranks.at[problem, optimizer]
     assert len(found.cells) == 8
@@ -124,7 +128,7 @@ def test_targets_are_shown_for_the_groups_over_evaluations_by_dimension(items):
 
 def test_running_times_are_shown_over_the_dimension(findings, items):
     table = items["scaling"].data.set_index(["problem", "dimension", "optimizer"])["ert"]
-    hits = findings.hits
+    hits = findings.anytime.hits
     own = hits[(hits["problem"] == "classical-sphere-d5") & (hits["optimizer"] == "cma-es-fast")]
     own = own[np.isclose(own["tau"], 1e-2)]
     reached = np.isfinite(own["evaluations"])
@@ -137,8 +141,8 @@ def test_a_study_of_one_kind_has_no_overview(make, tmp_path):
 
 
 def test_expected_running_times_are_given_to_coco_s_precisions(findings):
-    table = findings.running_times.set_index(["problem", "optimizer", "precision"])
-    pooled, paid, solved = findings.pooled, 0, 0
+    table = findings.anytime.running_times.set_index(["problem", "optimizer", "precision"])
+    pooled, paid, solved = findings.trials.pooled, 0, 0
     for (problem, optimizer, _), trace in pooled.traces.items():
         if (problem, optimizer) == ("classical-sphere-d2", "cma-es-fast"):
             hits = trace.evaluations[trace.values <= 0.1]
@@ -152,7 +156,7 @@ def test_expected_running_times_are_given_to_coco_s_precisions(findings):
 def test_a_function_s_own_section_has_its_expected_running_times(findings):
     (own, *_) = datasets.section(findings).sections
     table = next(item for item in own.items if item.name == "running-times-classical-sphere-d2")
-    shown, times = table.frame, findings.running_times.set_index(["problem", "optimizer", "precision"])
+    shown, times = table.frame, findings.anytime.running_times.set_index(["problem", "optimizer", "precision"])
     assert list(shown) == ["10", "1", "0.1", "0.01", "0.001", "1e-05", "1e-07", "1e-08", "95%", "10–90%", "ERT / d",
                            "seconds", "successes"]  # fmt: skip
     assert shown.loc["cma-es-fast", "10"] == times.loc[("classical-sphere-d2", "cma-es-fast", 10.0), "ert"]

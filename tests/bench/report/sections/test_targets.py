@@ -6,6 +6,7 @@ import pytest
 
 from bench import BenchError, Results
 from bench.report.findings import Findings
+from bench.report.methods import methods
 from bench.report.sections import anytime, datasets
 from bench.report.target_words import default_targets, meaning, target_words
 from bench.storage.results import ProblemFacts
@@ -22,7 +23,7 @@ def findings(folder, asked=None, expected=None, **optima):
     found = Findings(Results(folder), asked)
     if expected:
         found.results._facts = lambda label: ProblemFacts(expected=expected)
-    found.__dict__["optima"] = optima
+    found.trials.__dict__["optima"] = optima
     return found
 
 
@@ -45,10 +46,10 @@ class TestDefault:
     def test_those_asked_for_come_before_the_study_s(self, folder):
         found = findings(folder)
         found.results.study = found.results.study.override(targets="quantiles")
-        assert found.words.kind == "quantiles"
+        assert found.anytime.words.kind == "quantiles"
         again = findings(folder, [0.1])
         again.results.study = found.results.study
-        assert again.words.chosen == [0.1]
+        assert again.anytime.words.chosen == [0.1]
 
 
 class TestSections:
@@ -65,18 +66,18 @@ class TestSections:
     )
     def test_every_set_has_its_parts(self, folder, chosen, optima):
         found = findings(folder, chosen, {"speed": (1.0, 2.0)} if chosen == "tolerance" else None, **optima)
-        found.check_targets()
+        found.anytime.check_targets()
         section = anytime.section(found)
         names = [item.name for item in section.items]
         assert names.count("target-sets") == 1
-        assert ("aocc" in names) == (found.words.kind == "precisions" and bool(found.unbeaten))
+        assert ("aocc" in names) == (found.anytime.words.kind == "precisions" and bool(found.trials.unbeaten))
         assert "nan" not in " ".join(section.text)
         assert datasets.section(found).sections
-        assert found.methods.text
+        assert methods(found).text
 
     def test_running_times_have_their_spread_and_seconds(self, folder):
         found = findings(folder, [5.0, 2.0, 1e-3], p=4.0, q=4.0)
-        table = found.running_times
+        table = found.anytime.running_times
         spread = ["low", "high", "p10", "p90", "ert_per_d", "ert_s", "low_s", "high_s", "p10_s", "p90_s"]
         assert list(table) == ["problem", "optimizer", "precision", "trials", "successes", "ert", *spread]
         own = table[table["successes"] > 0]
@@ -94,12 +95,12 @@ class TestSections:
     def test_failed_trials_alone_have_no_targets(self, make, tmp_path):
         folder = make(tmp_path / "s", fail=[(p, o) for p in "pq" for o in "abc"])
         found = findings(folder, "precisions")
-        assert found.running_times.empty
+        assert found.anytime.running_times.empty
         assert anytime.section(found).text
 
     def test_a_tolerance_needs_an_expected_metric(self, folder):
         with pytest.raises(BenchError, match="need a problem with an expected metric, and this study has none"):
-            findings(folder, "tolerance").check_targets()
+            findings(folder, "tolerance").anytime.check_targets()
 
 
 class TestOrder:
@@ -111,7 +112,7 @@ class TestOrder:
             for name, own in ranks.items()
             for label, rank in zip("abc", own, strict=True)
         ]
-        found.__dict__["target_sets"] = pd.DataFrame(rows)
+        found.anytime.__dict__["target_sets"] = pd.DataFrame(rows)
         return " ".join(anytime._sets_agree(found))
 
     def test_the_choice_matters_or_not(self, folder):

@@ -36,7 +36,7 @@ def test_pairs_that_are_not_separated(folder):
 
 def test_looks(folder):
     known = findings_of(folder, looks=(4, 10, 12))
-    assert set(known.decisions.stopped) == {("p", "a"), ("q", "a")}
+    assert set(known.trials.decisions.stopped) == {("p", "a"), ("q", "a")}
     found = trials.section(known)
     assert found.text[0].startswith("The study declares looks at 4, 10 and 12 trials: at each, the pairs of a problem")
     assert "Of 6 cells, 2 at 10 trials were stopped early" in found.text[0]
@@ -74,7 +74,7 @@ def test_looks_that_are_not_reached(folder):
 def test_trials_that_were_added_to_complete_ones(folder):
     record = {"trials": 12, "extends": 8, "packages": {}}
     known = findings_of(folder, records=[{"trials": 8, "extends": None}, record, record])
-    assert known.extensions == [(8, 12)]
+    assert known.trials.extensions == [(8, 12)]
     sentence = trials.section(known).text[0]
     assert sentence.startswith(
         "Optional stopping: 8 trials of each cell were complete, and could be looked at, when 12"

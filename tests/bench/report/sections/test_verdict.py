@@ -57,9 +57,9 @@ def test_one_trial_has_no_intervals_and_no_winner(make, tmp_path):
 
 def test_steps_of_one_sweep_are_no_independent_sample(fresh):
     assert verdict.dependent(fresh) == ""
-    fresh.__dict__.pop("sweeps"), fresh.__dict__.pop("blocks", None)
-    fresh.__dict__["known"] = {
-        label: replace(each, features={"sweep": "the load"}) for label, each in fresh.known.items()
+    fresh.trials.__dict__.pop("sweeps"), fresh.trials.__dict__.pop("blocks", None)
+    fresh.trials.__dict__["known"] = {
+        label: replace(each, features={"sweep": "the load"}) for label, each in fresh.trials.known.items()
     }
     said = verdict.dependent(fresh)
     assert said == (
@@ -91,8 +91,8 @@ def test_the_page_prints_how_often_it_would_be_wrong(fresh):
 def test_unused_budget_is_said_with_its_share(make, tmp_path):
     changes = {"a": {"nfev": 60, "stop": "tolfun"}}
     found = Findings(Results(make(tmp_path / "s", trials=4, changes=changes)))
-    assert verdict.unused(found).startswith("A part of the budget was left unused (mean share): a 40%.")
-    assert verdict.unused(Findings(Results(make(tmp_path / "t", trials=4)))) == ""
+    assert verdict.unused(found.anytime.unused).startswith("A part of the budget was left unused (mean share): a 40%.")
+    assert verdict.unused(Findings(Results(make(tmp_path / "t", trials=4))).anytime.unused) == ""
 
 
 def test_smaller_budgets_are_the_points_of_the_figure(fresh):
@@ -103,7 +103,9 @@ def test_smaller_budgets_are_the_points_of_the_figure(fresh):
         for place, share in enumerate((0.01, 0.03, 1.0))
         for optimizer, own in ranks.items()
     ]
-    fresh.__dict__["stages"] = pd.DataFrame(rows, columns=["problem", "optimizer", "share", "evaluations", "rank"])
+    fresh.anytime.__dict__["stages"] = pd.DataFrame(
+        rows, columns=["problem", "optimizer", "share", "evaluations", "rank"]
+    )
     claim, (figure,) = dict(verdict.section(fresh).cards[0].lines)["At what budget"], course(fresh)
     assert claim == "At smaller budgets the lowest mean rank is that of b at 80 evaluations."
     lowest = figure.shown.eq(figure.shown.min(axis=1), axis=0)

@@ -1,0 +1,105 @@
+"""Compare the leader with its rivals under the same conditions, and estimate what the missing controls would cost."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import pandas as pd
+
+from bench.analysis.across import improvement_of
+from bench.analysis.cells import cells
+from bench.execution.matched import Matched, algorithms
+from bench.helpers.console import duration
+from bench.plugins import registry
+from bench.report.findings.final import Final
+from bench.report.findings.trials import Trials
+from bench.report.wording import count, options
+from bench.typing import Floats
+
+REPORTED = "as reported"
+RIVALS = 5
+"""The rivals of the leader that are compared, the best by mean rank."""
+
+COLUMNS = ("conditions", "rival", "first", "second", "problems", "probability", "low", "high")
+
+
+@dataclass(frozen=True)
+class Controls:
+    """The optimizers under each other's conditions.
+
+    Attributes:
+        matched: the conditions that optimizers of the study have, each with all algorithms; none of several folders.
+    """
+
+    trials: Trials
+    final: Final
+    matched: Sequence[Matched]
+
+    @cached_property
+    def chances(self) -> pd.DataFrame:
+        """The probability that a run of the leader beats one of each rival, as reported and under each condition.
+
+        One row a condition and rival, with the columns ``COLUMNS``: ``first`` and ``second`` are the labels of the
+        optimizers or controls whose runs are compared, ``probability`` is the mean over problems of A12 with its 95 %
+        interval. Conditions are left out under which the leader has no trials.
+        """
+        kinds, ranked = algorithms(self.trials.results.study), self.final.ranked
+        if not len(self.final.medians):
+            return pd.DataFrame(columns=list(COLUMNS))
+        leader = ranked[0]
+        best = {kind: label for label in reversed(ranked) if (kind := kinds[label]) != kinds[leader]}  # of an algorithm
+        rivals = sorted(best.values(), key=ranked.index)[:RIVALS]
+        rows = [(REPORTED, rival, leader, rival, *self._chance(leader, rival)) for rival in rivals]
+        for each in self.matched:
+            name = options(each.values)
+            for rival in rivals:
+                pair = [each.entries[kinds[label]].label for label in (leader, rival) if kinds[label] in each.entries]
+                if len(pair) == 2 and (chance := self._chance(*pair))[0]:
+                    rows.append((name, rival, pair[0], pair[1], *chance))
+        return pd.DataFrame(rows, columns=list(COLUMNS))
+
+    def _chance(self, first: str, second: str) -> tuple[int, float, float, float]:
+        """Return problems, probability, low and high of two optimizers or controls."""
+        pairs = [[self._samples.get((label, each)) for each in (first, second)] for label in self.final.medians.index]
+        samples = [(one, other) for one, other in pairs if one is not None and other is not None]
+        return len(samples), *improvement_of(samples)
+
+    @cached_property
+    def _samples(self) -> dict[tuple[str, str], Floats]:
+        """The scores of each cell that has any, of optimizers and controls."""
+        frames = [frame for frame in (self.trials.frame, self.trials.controls) if len(frame)]
+        names = ["problem", "optimizer", "fun", "status"]
+        every = pd.concat([frame[names].astype(dict.fromkeys(names[:2], object)) for frame in frames])
+        return {key: own for key, own in cells(every, merge=True).items() if len(own)}
+
+    @cached_property
+    def cost(self) -> str:
+        """What the missing controls would cost, as a clause; "" where no control is missing.
+
+        Such as ``"matched controls (bench run thesis --matched) would add 2,700 trials, about 4 min on 2 jobs"``. The
+        time is the mean of the trials that each algorithm has made, and the number of jobs that of the last run.
+        """
+        results = self.trials.results
+        study, frame = results.study, results.frame
+        made = results.controls["optimizer"].value_counts()
+        compared = {entry.label for entry in study.optimizers}
+        controls = {
+            entry.label: kind
+            for each in self.matched
+            for kind, entry in each.entries.items()
+            if entry.label not in compared
+        }
+        lacking = {label: len(study.problems) * study.trials - int(made.get(label, 0)) for label in controls}
+        total = sum(lacking.values())
+        if not total:
+            return ""
+        kinds = frame["optimizer"].astype(object).map(algorithms(study))
+        mean = pd.to_numeric(frame["wall_s"], errors="coerce").astype(float).groupby(kinds).mean()
+        jobs = next((n for each in reversed(results.environments) if isinstance(n := each.get("jobs"), int)), 1)
+        seconds = sum(number * mean.get(controls[label], math.nan) for label, number in lacking.items())
+        time = "" if math.isnan(seconds) else f", about {duration(seconds / jobs)} on {count(jobs, 'job')}"
+        name = study.name if study.name in registry.entries("studies") else "STUDY"
+        return f"matched controls (bench run {name} --matched) would add {count(total, 'trial')}{time}"
