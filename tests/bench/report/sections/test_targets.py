@@ -52,6 +52,7 @@ class TestDefault:
 
 
 class TestSections:
+    @pytest.mark.sampled(3)
     @pytest.mark.parametrize(
         ("chosen", "optima"),
         [
