@@ -2,6 +2,7 @@ import gc
 import os
 import shutil
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -21,15 +22,27 @@ os.environ.setdefault("LOKY_MAX_CPU_COUNT", "1")
 if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
     sys.dont_write_bytecode = False
 
-SLOWEST = (
-    "test_pages.py", "test_distributions.py", "test_examples.py", "test_reference_results.py", "test_hostile.py",
-    "test_crash.py", "test_cma_es_fast.py", "test_app.py", "test_dask.py", "test_problem.py", "test_checker.py",
+LONGEST = (
+    "test_distributions.py", "test_examples.py", "test_reference_results.py", "test_hostile.py", "test_cma_es_fast.py",
+    "test_crash.py", "test_dask.py", "test_write.py", "test_app.py", "test_report.py", "test_checker.py",
 )  # fmt: skip
 
 
+@pytest.hookimpl(tryfirst=True)  # before -m chooses
 def pytest_collection_modifyitems(items):
-    """Begin with the files that take longest, so that no worker is left alone with one of them at the end."""
-    items.sort(key=lambda item: SLOWEST.index(item.path.name) if item.path.name in SLOWEST else len(SLOWEST))
+    """Mark as slow what is beyond the sample of a parametrisation, and begin with the files that take longest.
+
+    So no worker is left alone with one of these files at the end.
+    """
+    seen = Counter()
+    for item in items:
+        sampled = item.get_closest_marker("sampled")
+        if sampled:
+            test = item.nodeid.partition("[")[0]
+            seen[test] += 1
+            if seen[test] > sampled.args[0]:
+                item.add_marker("slow")
+    items.sort(key=lambda item: LONGEST.index(item.path.name) if item.path.name in LONGEST else len(LONGEST))
 
 
 @pytest.fixture(scope="session")

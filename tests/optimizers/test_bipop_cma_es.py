@@ -79,6 +79,7 @@ def test_restarts_begin_at_points_of_their_own_with_the_step_of_their_regime():
     assert np.median(steps[~doubled]) == pytest.approx(0.1, rel=0.5)  # 10^(-2U)
 
 
+@pytest.mark.slow
 def test_rastrigin_is_solved_where_a_single_run_fails():
     solved = {
         optimizer: sum(solve(problem(), optimizer, budget=45_000, seed=seed).fun < 1e-8 for seed in range(8))

@@ -88,6 +88,7 @@ def signature():
 MIDPOINT = {"handling": "box", "start": "midpoint"}
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("problem", "options", "generations"),
     [

@@ -49,6 +49,7 @@ def test_every_member_loads_and_says_what_it_is():
         assert loaded.code == f"nevergrad {ng.__version__}"
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", SAMPLE)
 def test_a_run_keeps_the_budget_and_depends_on_the_seed_alone(name):
     points = []
@@ -94,6 +95,7 @@ def test_the_search_space_is_centred_where_start_says():
     assert not np.allclose(run("OnePlusOne")[1][0], middle)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("name", "option"),
     [

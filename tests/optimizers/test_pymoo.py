@@ -81,6 +81,7 @@ def variants():
     yield "CMAES", {"bipop": True, "restarts": 2}
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(("name", "options"), list(variants()), ids=str)
 def test_a_seed_repeats_a_run_and_another_does_not(name, options):
     """Also where pymoo makes generators without a seed, as it does in many places: none of them may be drawn from."""

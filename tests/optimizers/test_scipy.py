@@ -109,6 +109,7 @@ def test_deferred_updating_evaluates_a_generation_at_once():
     assert set(run("differential_evolution", agents=25, budget=110)[2]) == {1}
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     ("name", "option"),
     [

@@ -82,6 +82,7 @@ SMALL = [
 ]  # fmt: skip
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", SMALL)
 def test_no_search_beats_the_optimum(name):
     problem = load_problem(name)

@@ -186,6 +186,7 @@ print("\\n" + json.dumps(found))
 
 
 @pytest.mark.skipif(find_spec("cocopp") is None, reason="compares with cocopp")
+@pytest.mark.slow
 def test_simulated_restarts_and_dispersion_are_cocopp_s(tmp_path):
     rng = np.random.default_rng(7)
     cells = []

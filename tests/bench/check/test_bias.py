@@ -50,6 +50,7 @@ def test_a_method_without_bias_passes_every_check():
     assert 1 / LIMIT < verdicts["centre bias"].figure < LIMIT
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("optimizer", "check", "seen", "mend"),
     [

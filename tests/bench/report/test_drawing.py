@@ -118,6 +118,7 @@ def test_a_drawing_is_sent_as_json():
     assert answer["svg"].encode() == draw(figure()).svg
 
 
+@pytest.mark.slow
 def test_many_points_are_drawn_as_the_same_image(elsewhere):
     def cloud():
         with style.context():

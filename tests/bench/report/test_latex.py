@@ -36,7 +36,7 @@ def compiled(folder, body, preamble=PACKAGES, options="", engine="pdflatex"):
     (folder / "document.tex").write_text(source, encoding="utf-8")
     command = [engine, "-halt-on-error", "-interaction=nonstopmode", "-no-shell-escape", "document.tex"]
     done = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, errors="replace", timeout=120, check=False,
+        command, cwd=folder, capture_output=True, text=True, errors="replace", timeout=300, check=False,
         env=os.environ | {"max_print_line": "1000"},
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-2000:]

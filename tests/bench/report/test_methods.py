@@ -379,7 +379,7 @@ def test_data_is_never_read_as_a_template(label):
 
 def run(folder, *command):
     done = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, errors="replace", timeout=60, check=False
+        command, cwd=folder, capture_output=True, text=True, errors="replace", timeout=300, check=False
     )
     assert done.returncode == 0, done.stdout[-2000:]
     return done.stdout

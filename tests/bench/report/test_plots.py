@@ -69,6 +69,7 @@ class TestEveryFigure:
             assert each.table.rows or optimizers == ["one"]
         assert len({each.name for each in figures}) == len(figures)
 
+    @pytest.mark.slow
     def test_a_hundred_optimizers_fit_on_a_page(self):
         optimizers = [f"optimizer-{i}" for i in range(100)]
         for each in every_figure(optimizers, ("p",)):

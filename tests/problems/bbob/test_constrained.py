@@ -25,6 +25,7 @@ def test_values_constraints_and_optimum_are_those_of_coco(case, best):
     assert (problem.violations(best[case][None]) <= 0).all()
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("function", range(1, 55, 4))
 def test_no_feasible_point_beats_the_optimum(function):
     problem = scored(load_problem(name("bbob-constrained", function, 3, 1)), "death")

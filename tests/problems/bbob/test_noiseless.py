@@ -36,6 +36,7 @@ def test_the_optimum_is_the_value_of_coco_s_best_point(case, best):
     assert problem.optimum <= value <= problem.optimum + 1e-8
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("function", range(1, 25))
 def test_no_search_beats_the_optimum(function, best):
     case = ("bbob", function, 5, 1)

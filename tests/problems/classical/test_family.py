@@ -18,6 +18,7 @@ def place(problem):
     return problem.lower + shares * (problem.upper - problem.lower), rotation
 
 
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.parametrize("dimension", [2, 10, 100])
 def test_the_optimum_is_zero_and_well_within_the_box(function, dimension):
@@ -29,6 +30,7 @@ def test_the_optimum_is_zero_and_well_within_the_box(function, dimension):
     assert (share <= 1 - MARGIN + 1e-12).all()
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.parametrize("options", [{}, {"rotate": False}])
 def test_no_search_beats_the_optimum(function, options):

@@ -53,6 +53,7 @@ class TestDefault:
 
 
 class TestSections:
+    @pytest.mark.sampled(3)
     @pytest.mark.parametrize(
         ("chosen", "optima"),
         [

@@ -86,6 +86,7 @@ def test_without_a_known_point_nothing_is_drawn(tmp_path, change, values):
     assert fits.sections(*make(tmp_path / "s", BOTH, values, **change)) == []
 
 
+@pytest.mark.slow
 def test_failed_cells_one_trial_one_oscillation_and_a_late_start_are_drawn(tmp_path):
     def values(problem, optimizer, trial):
         return None if (problem, optimizer) == ("signature-03", "gwo 30") else 2.0

@@ -375,6 +375,7 @@ def test_mean_times_are_those_of_the_finished_trials(tmp_path):
     assert "One trial takes 1 s with my gwo and 1 s with my alo on average" in words(results)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
     "change",

@@ -34,6 +34,7 @@ def test_levels_with_noise_are_measured(level, verdict, strength):
     assert found.p_value < 1e-50
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("colour", [0.0, 0.8], ids=["white", "coloured"])
 def test_noise_alone_is_no_backlash(colour):
     for seed in range(4):
@@ -46,6 +47,7 @@ def test_noise_alone_is_no_backlash(colour):
         assert "no period was found" in " ".join(found.notes)
 
 
+@pytest.mark.slow
 def test_the_ripple_of_a_joint_without_backlash_is_none():
     ripple = simulate(half_gap=0.0).speed
     for speed in (ripple, ripple + noise(1)):

@@ -61,12 +61,15 @@ def test_an_exception_of_the_work_is_a_death():
 
 
 @forks
-def test_items_are_made_at_once_and_slow_ones_hold_no_others_back():
+def test_items_are_made_at_once_and_slow_ones_hold_no_others_back(tmp_path):
     def work(item):
-        time.sleep(item)
+        if item:
+            (tmp_path / str(item)).touch()
+        while not item and len(list(tmp_path.iterdir())) < 3:  # the first ends after the others
+            time.sleep(0.01)
         return os.getpid()
 
-    first, *others = in_workers(work, [0.5, 0.0, 0.0, 0.0], 2, lost)
+    first, *others = in_workers(work, [0, 1, 2, 3], 2, lost)
     assert len(set(others)) == 1
     assert first not in others
 
@@ -86,7 +89,7 @@ SCRIPT = """if True:
 
     def work(item):
         os.write(1, b"%d\\n" % item)
-        time.sleep(60)
+        time.sleep(600)
 
     try:
         list(in_workers(work, [1, 2, 3], 2, None))
@@ -97,7 +100,7 @@ SCRIPT = """if True:
 
 @pytest.fixture
 def script():
-    """A process of its own with two workers that are busy for a minute; yield it and the workers."""
+    """A process of its own with two workers that are busy for ten minutes; yield it and the workers."""
     with subprocess.Popen(
         [sys.executable, "-c", SCRIPT],
         stdout=subprocess.PIPE,
@@ -115,14 +118,14 @@ def test_an_interrupt_ends_everything_without_a_word(script):
     process, busy = script
     assert len(busy) == 2
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does
-    assert process.wait(10) == 130
+    assert process.wait(120) == 130
     assert process.stderr.read() == ""
-    assert not psutil.wait_procs(busy, timeout=5)[1]
+    assert not psutil.wait_procs(busy, timeout=120)[1]
 
 
 @forks
 def test_workers_end_with_a_parent_that_is_killed(script):
     process, busy = script
     process.kill()
-    assert not psutil.wait_procs(busy, timeout=5)[1]
+    assert not psutil.wait_procs(busy, timeout=120)[1]
     assert not re.search("Traceback", process.stderr.read())

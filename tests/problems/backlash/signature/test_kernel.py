@@ -39,6 +39,7 @@ def repaired(points, t, lower, upper, train):
     return kernel.repair(points, lower, upper, t[0], t[-1], train["period"] / 2)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", CASES)
 def test_equals_the_literal_formula(name):
     t, speed, lower, upper, folded, train = case(name)

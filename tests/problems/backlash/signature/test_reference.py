@@ -45,6 +45,7 @@ def best_run(problem, constrained, budget=100_000, seeds=(1,)):
     return min(bench.solve(problem, optimizer, budget=budget, seed=seed).fun for seed in seeds)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("constrained", [False, True], ids=["box", "constrained"])
 @pytest.mark.parametrize("name", ["signature-02", "noisy-00", "noisy-01", "noisy-20"])
 def test_no_long_run_finds_less(name, constrained):
@@ -107,6 +108,7 @@ def test_places_between_samples_are_those_of_the_recording_s_half_turns_and_not_
     assert ((places >= 0) & (places < 0.002)).all()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("period", [0.3, 0.2, 0.1])
 def test_windows_that_may_overlap_are_exhausted_too(period):
     """T2 is up to 0.204 s: 1.4, 2.04 and 4.08 half turns."""
