@@ -32,7 +32,8 @@ def answer(findings: Findings, verdict: Section) -> dict[str, Any]:
     sentences = [*(text for card in verdict.cards for text in card.text), *verdict.text, *verdict.warnings]
     rows: list[list[str]] = []
     if verdict.cards:
-        near = analysis.near_best(findings.trials.measured_final, findings.trials.optima, _share(findings), analysis.SOLVED)
+        trials = findings.trials
+        near = analysis.near_best(trials.measured_final, trials.optima, _share(findings), analysis.SOLVED)
         ranking = findings.final.ranking.set_index("optimizer").to_dict("index")
         for label in findings.final.ranked[:MOST]:
             row = ranking[label]
