@@ -43,7 +43,7 @@ def test_looks(folder):
     table = found.items[0].frame
     assert table["cells decided"].tolist() == [0, 2, 0]
     assert table.index.tolist() == [4, 10, 12]
-    assert set(known.pairs["look"]) == {0, 10}
+    assert set(known.final.pairs["look"]) == {0, 10}
     shown = verdict.section(known)
     assert trials.NOT_ADJUSTED in shown.cards[1].text
     adjusted = "adjusted for looks at 4, 10 and 12 trials and by Holm’s method over the 6 pairs of all problems"
@@ -61,14 +61,14 @@ def test_a_cell_that_a_look_stopped_is_complete(folder):
         own.results.__dict__["_frame_and_origins"] = (missing.reset_index(drop=True), pd.Series([1] * len(missing)))
         checks = own.integrity.set_index("check")
         assert checks.loc["completeness", "verdict"] == verdicts
-        assert own.coverage["missing"].sum() == (0 if looks else 4)
+        assert own.trials.coverage["missing"].sum() == (0 if looks else 4)
 
 
 def test_looks_that_are_not_reached(folder):
     known = findings_of(folder, looks=(20, 30))
     assert "Not even the first look is complete on 2 problems." in trials.section(known).text[0]
     assert "None of the 6 cells was stopped early" in trials.section(known).text[0]
-    assert not known.pairs["significant"].any()
+    assert not known.final.pairs["significant"].any()
 
 
 def test_trials_that_were_added_to_complete_ones(folder):
@@ -84,7 +84,7 @@ def test_trials_that_were_added_to_complete_ones(folder):
     assert "this is optional stopping" in " ".join(methods.section(known).text)
     early = findings_of(folder, records=[{"trials": 12, "extends": 3}, {"started": "of an older version"}])
     assert trials.extension_text(early) == []
-    assert findings_of(folder, looks=(8, 12), records=[record]).extensions == []
+    assert findings_of(folder, looks=(8, 12), records=[record]).trials.extensions == []
 
 
 def test_nothing_to_compare(make, tmp_path):
