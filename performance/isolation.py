@@ -18,11 +18,11 @@ from time import perf_counter
 import psutil
 
 from bench import Study
-from bench.execution import templates
+from bench.execution import job
 from bench.execution.supervisor import Supervisor, Task
 
 CALLS = 3000
-DEFAULT = templates.WORTH
+DEFAULT = job.WORTH
 
 
 def main() -> None:
@@ -36,8 +36,8 @@ def main() -> None:
         for how, worth, strict in (
             ("default", DEFAULT, False), ("a fork each", 0.0, False), ("strict", 0.0, True)
         ):  # fmt: skip
-            templates.WORTH = worth
-            ms, memory = overhead(study.override(trials=trials), Task(study.to_toml(), strict=strict))
+            job.WORTH = worth
+            ms, memory = overhead(study.override(trials=trials), Task(study, strict=strict))
             print(f"{study.name:<8}{how:<14}{ms:7.2f} ms a trial beside its search; {memory:6.0f} MB a job", flush=True)
     for optimizer, agents in (("random-search", 1), ("random-search", 300)):
         print(
@@ -72,7 +72,7 @@ def call_cost(optimizer: str, agents: int) -> float:
         {"name": "calls", "trials": 6, "budget": CALLS * agents, "problems": [{"name": "signature-12"}],
          "optimizers": [{"name": optimizer, "agents": agents, "handling": "box"}]}
     )  # fmt: skip
-    plain, strict = (Supervisor(Task(study.to_toml(), strict=each)) for each in (False, True))
+    plain, strict = (Supervisor(Task(study, strict=each)) for each in (False, True))
     try:
         pairs = [[row["wall_s"] for each in (plain, strict) for _, row in each.make([trial])] for trial in study.plan()]
     finally:

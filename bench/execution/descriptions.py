@@ -9,16 +9,14 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.execution import trial_process
+from bench.execution.job import root
 from bench.helpers.text import printable
 from bench.plugins import loading
-from bench.sandbox import bubblewrap
-from bench.sandbox.process import DiedError, LostError, Process, RemoteError, TimeExceededError
-from bench.sandbox.server import FORKS
+from bench.sandbox.process import FAILURES, LostError
 from bench.study import Study
 
 LOADING = 60.0  # seconds for loading the optimizers of one package
 LONGEST = 200  # characters of a value
-_LOSSES = (TimeExceededError, DiedError, RemoteError, LostError)
 
 
 @dataclass(frozen=True)
@@ -50,13 +48,11 @@ def describe(study: Study, sandbox: str | None = None) -> dict[str, Description]
     found = {entry.label: Description() for entry in study.with_controls}
     found |= _read(trial_process.descriptions_of(study, built_in), built_in)
     if strange:
-        with suppress(BenchError, *_LOSSES):
-            command = bubblewrap.command(sandbox) if sandbox else ()
-            with Process(0, forks=FORKS, command=command) as root:
-                root.call(trial_process.begin, study.to_toml())
-                for labels in strange:
-                    with suppress(*_LOSSES), root.fork() as process:
-                        found |= _read(process.call(trial_process.descriptions, labels, seconds=LOADING), labels)
+        with suppress(BenchError, LostError, *FAILURES), root(study, sandbox) as server:
+            server.call(trial_process.begin, study, seconds=LOADING)
+            for labels in strange:
+                with suppress(LostError, *FAILURES), server.process() as process:
+                    found |= _read(process.call(trial_process.descriptions, labels, seconds=LOADING), labels)
     return found
 
 

@@ -230,7 +230,7 @@ def test_honest_results_with_points_outside_the_box_pass(batches):
 def confirm(fun=0.125, first=3.0, again=None):
     trace = ([first, fun], [1, 2]) if fun < inf else ([], [])
     claimed = read(fun=fun, values=text(trace[0]), evaluations=text(trace[1], "<i8"))
-    return answers.confirm(claimed, {"fun": 0.125, "metrics": {"radius": 0.5}, "spread": 0.0} | (again or {}))
+    return answers.confirm(claimed, BOX, {"fun": 0.125, "metrics": {"radius": 0.5}, "spread": 0.0} | (again or {}))
 
 
 @pytest.mark.parametrize(
@@ -289,7 +289,7 @@ def test_what_is_no_value_confirms_nothing(again):
 @pytest.mark.parametrize("again", [None, 5, "text", [], {}, {"fun": 0.125}, {"fun": 0.125, "spread": 0.0}])
 def test_an_answer_without_its_fields_confirms_nothing(again):
     with pytest.raises(RefusedError, match="best point"):
-        answers.confirm(read(), again)
+        answers.confirm(read(), BOX, again)
 
 
 # Boxes
