@@ -110,10 +110,10 @@ def result(answer: Mapping[str, Any], box: Box, budget: int, seed: int, seconds:
     _check_trace(trace, fun, nfev)
     if x.shape != box.lower.shape:
         raise RefusedError(f"its best point has {len(x)} values, in {len(box.lower)} dimensions")
-    if not np.isfinite(x).all():
-        raise RefusedError("its best point has values that are no numbers")
     if fun < inf and not box.holds(x):
         raise RefusedError("its best point lies outside the box")
+    if not np.isfinite(x).all():  # nothing was evaluated there
+        raise RefusedError("its best point has values that are no numbers")
     if (np.rint(x) != x)[box.integer].any():
         raise RefusedError("its best point has an integer variable that is no whole number")
     stop = answer.get("stop")
