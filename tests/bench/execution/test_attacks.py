@@ -28,7 +28,7 @@ PROBLEMS = ["signature-12", "sphere-3"]
 HONEST = [{"name": "gwo", "agents": 6}, {"name": "random-search"}, {"name": "hill-climber"}]
 REFUSED, NO_ANSWER = "its answer is refused: ", "it sent what answers no call"
 FALSE = f"{REFUSED}its best value is"
-ENDED = "a process that its own was forked from was ended or stopped twice|with signal SIGKILL twice"
+ENDED = "its process or one that it was forked from was ended or stopped twice|with signal SIGKILL twice"
 
 CLAIMS = {  # fail in every trial
     "send-pickle": NO_ANSWER,
