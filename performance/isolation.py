@@ -2,12 +2,13 @@
 
     python performance/isolation.py [TRIALS]        # default: 200 of each
 
-One job makes trials of a tiny budget, which are all overhead, in three ways: in a process that makes several (the
-default, where trials are short), in a process forked for every trial (the default, where trials take 0.1 s), and
-strictly. Then the cost of a call of the objective in a strict trial is measured against the default, and the memory
+One job makes trials of a tiny budget, which are all overhead, in several ways: in a process that makes several (the
+default, where trials are short), in a process forked for every trial (the default, where trials take 0.1 s), strictly,
+and, where bubblewrap can be used, in its sandbox. Then the cost of a call of the objective in a strict trial is measured against the default, and the memory
 of the job's processes: the pages that they share are counted once (proportional set size).
 """
 
+import shutil
 import sys
 from dataclasses import replace
 from itertools import islice
@@ -33,11 +34,14 @@ def main() -> None:
          "optimizers": [{"name": "random-search", "agents": 10}]}
     )  # fmt: skip
     for study in (small, replace(thesis.override(budget=300), problems=thesis.problems[:2])):
-        for how, worth, strict in (
-            ("default", DEFAULT, False), ("a fork each", 0.0, False), ("strict", 0.0, True)
+        for how, worth, strict, sandbox in (
+            ("default", DEFAULT, False, None), ("a fork each", 0.0, False, None), ("strict", 0.0, True, None),
+            ("bwrap", 0.0, False, "bwrap"), ("strict, bwrap", 0.0, True, "bwrap"),
         ):  # fmt: skip
+            if sandbox and not shutil.which(sandbox):
+                continue
             job.WORTH = worth
-            ms, memory = overhead(study.override(trials=trials), Task(study, strict=strict))
+            ms, memory = overhead(study.override(trials=trials), Task(study, strict=strict, sandbox=sandbox))
             print(f"{study.name:<8}{how:<14}{ms:7.2f} ms a trial beside its search; {memory:6.0f} MB a job", flush=True)
     for optimizer, agents in (("random-search", 1), ("random-search", 300)):
         print(

@@ -20,7 +20,7 @@ def little_work(monkeypatch):
 
 
 class InThisProcess:
-    """Stands in for a crew: makes every call at once, and passes its answer on as JSON."""
+    """Stands in for a pool: makes every call at once, and passes its answer on as JSON."""
 
     def __init__(self, jobs, ready):
         ready()

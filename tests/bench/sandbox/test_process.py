@@ -326,6 +326,16 @@ def test_one_that_takes_too_much_memory_is_ended(calls, process, function):
     assert not process.alive
 
 
+def test_one_beside_it_that_takes_too_much_memory_is_ended(calls, process):
+    with Process() as beside:
+        beside.start(calls.hog, 600)
+        process.start(calls.sleep, LONG)
+        with pytest.raises(MemoryExceededError):
+            process.finish(seconds=LONG, memory=300_000_000, beside=[beside])
+        assert not beside.alive
+        assert process.alive
+
+
 @LINUX
 def test_what_it_started_ends_with_it(calls, process):
     others = process.call(calls.start_others, seconds=LONG)
