@@ -42,7 +42,8 @@ ATTACKS = """
         return minimize
 
     def others():
-        return [each for each in map(int, filter(str.isdigit, os.listdir("/proc"))) if each != int(os.readlink("/proc/self"))]
+        own = int(os.readlink("/proc/self"))
+        return [each for each in map(int, filter(str.isdigit, os.listdir("/proc"))) if each != own]
 
     def refuse(condition, what):
         if condition:
