@@ -4,9 +4,9 @@
 
 One job makes trials of a tiny budget, which are all overhead, in several ways: in a process that makes several (the
 default, where trials are short), in a process forked for every trial (the default, where trials take 0.1 s), strictly,
-and, where bubblewrap can be used, in its sandbox. Then the cost of a call of the objective in a strict trial is measured
-against the default, and the memory of the job's processes: the pages that they share are counted once (proportional
-set size).
+and, where bubblewrap can be used, in its sandbox. Then the cost of a call of the objective in a strict trial is
+measured against the default, and the memory of the job's processes: the pages that they share are counted once
+(proportional set size).
 """
 
 import shutil
