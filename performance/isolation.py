@@ -2,12 +2,14 @@
 
     python performance/isolation.py [TRIALS]        # default: 200 of each
 
-One job makes trials of a tiny budget, which are all overhead, in three ways: in a process that makes several (the
-default, where trials are short), in a process forked for every trial (the default, where trials take 0.1 s), and
-strictly. Then the cost of a call of the objective in a strict trial is measured against the default, and the memory
-of the job's processes: the pages that they share are counted once (proportional set size).
+One job makes trials of a tiny budget, which are all overhead, in several ways: in a process that makes several (the
+default, where trials are short), in a process forked for every trial (the default, where trials take 0.1 s), strictly,
+and, where bubblewrap can be used, in its sandbox. Then the cost of a call of the objective in a strict trial is
+measured against the default, and the memory of the job's processes: the pages that they share are counted once
+(proportional set size).
 """
 
+import shutil
 import sys
 from dataclasses import replace
 from itertools import islice
@@ -18,11 +20,11 @@ from time import perf_counter
 import psutil
 
 from bench import Study
-from bench.execution import templates
+from bench.execution import job
 from bench.execution.supervisor import Supervisor, Task
 
 CALLS = 3000
-DEFAULT = templates.WORTH
+DEFAULT = job.WORTH
 
 
 def main() -> None:
@@ -33,11 +35,14 @@ def main() -> None:
          "optimizers": [{"name": "random-search", "agents": 10}]}
     )  # fmt: skip
     for study in (small, replace(thesis.override(budget=300), problems=thesis.problems[:2])):
-        for how, worth, strict in (
-            ("default", DEFAULT, False), ("a fork each", 0.0, False), ("strict", 0.0, True)
+        for how, worth, strict, sandbox in (
+            ("default", DEFAULT, False, None), ("a fork each", 0.0, False, None), ("strict", 0.0, True, None),
+            ("bwrap", 0.0, False, "bwrap"), ("strict, bwrap", 0.0, True, "bwrap"),
         ):  # fmt: skip
-            templates.WORTH = worth
-            ms, memory = overhead(study.override(trials=trials), Task(study.to_toml(), strict=strict))
+            if sandbox and not shutil.which(sandbox):
+                continue
+            job.WORTH = worth
+            ms, memory = overhead(study.override(trials=trials), Task(study, strict=strict, sandbox=sandbox))
             print(f"{study.name:<8}{how:<14}{ms:7.2f} ms a trial beside its search; {memory:6.0f} MB a job", flush=True)
     for optimizer, agents in (("random-search", 1), ("random-search", 300)):
         print(
@@ -72,7 +77,7 @@ def call_cost(optimizer: str, agents: int) -> float:
         {"name": "calls", "trials": 6, "budget": CALLS * agents, "problems": [{"name": "signature-12"}],
          "optimizers": [{"name": optimizer, "agents": agents, "handling": "box"}]}
     )  # fmt: skip
-    plain, strict = (Supervisor(Task(study.to_toml(), strict=each)) for each in (False, True))
+    plain, strict = (Supervisor(Task(study, strict=each)) for each in (False, True))
     try:
         pairs = [[row["wall_s"] for each in (plain, strict) for _, row in each.make([trial])] for trial in study.plan()]
     finally:

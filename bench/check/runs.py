@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
@@ -11,20 +10,19 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from bench.check.conformance.subject import PRINTED, make_subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
 from bench.check.verdict import LONGEST
 from bench.errors import BenchError
-from bench.execution.trial_process import STILL_ASKING
+from bench.execution import solve
 from bench.helpers.text import printable
 from bench.optimizer import Optimizer
-from bench.sandbox.crew import Crew
 from bench.sandbox.messages import describe_error
+from bench.sandbox.pool import Pool
 from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, RemoteError
+from bench.sandbox.server import STILL_ASKING
 from bench.seeds import trial_seed
-from bench.trial import search
 from bench.typing import Floats
 
 GENERATIONS = 50  # of a run, at least: a bias of the moves needs time to show
@@ -34,8 +32,6 @@ NOISE_BUDGET = 1_000  # evaluations of noise, at least: without a field ``agents
 BOXES = {"[0, 1]": (0.0, 1.0), "[-1, 1]": (-1.0, 1.0)}
 """The boxes of the noise. The origin is a corner of the first, the box of the toolbox BIAS, and the centre of the
 second, so that a method that is drawn to the origin shows it in one of them."""
-
-_REFUSALS = 10_000  # calls after the end of the budget until the process is ended
 
 
 @dataclass(frozen=True)
@@ -98,18 +94,18 @@ def make_runs(
         for run in range(runs)
     ]
     tasks += [Task("noise", box, run, dimension, NOISE_BUDGET, seed) for box in BOXES for run in range(noise_runs)]
-    with Crew(n_jobs, ready) as crew:
-        begun = [_begin(crew, number, optimizer, tasks) for number, optimizer in enumerate(optimizers)]
+    with Pool(n_jobs, ready) as pool:
+        begun = [_begin(pool, number, optimizer, tasks) for number, optimizer in enumerate(optimizers)]
         for each in begun:
             yield each if isinstance(each, BenchError) else _collect(tasks, each)
 
 
-def _begin(crew: Crew, group: int, optimizer: Optimizer, tasks: list[Task]) -> list[Future[Any]] | BenchError:
+def _begin(pool: Pool, group: int, optimizer: Optimizer, tasks: list[Task]) -> list[Future[Any]] | BenchError:
     try:
         packed = pack(make_subject(optimizer, {}, 0))
     except Exception as error:  # pickling runs a plug-in's code
         return BenchError(f"the optimizer cannot be sent to another process: {describe_error(error)}")
-    return [crew.submit(group, make_run, packed, task, printed=PRINTED) for task in tasks]
+    return [pool.submit(group, make_run, packed, task, printed=PRINTED) for task in tasks]
 
 
 def _collect(tasks: list[Task], begun: list[Future[Any]]) -> Runs | BenchError:
@@ -163,8 +159,7 @@ def summarise(optimizer: Optimizer, task: Task) -> RunSummary:
         own = trial_seed(task.seed, label, "centre bias", task.run)
     generation = optimizer.minimum_budget
     try:
-        with threadpool_limits(limits=1):  # results must not depend on the number of BLAS threads
-            found = search(problem, optimizer, max(task.budget, GENERATIONS * generation), own, _end_if_stuck)
+        found = solve.make_run(problem, optimizer, budget=max(task.budget, GENERATIONS * generation), seed=own)
     except BenchError:
         raise
     except (Exception, SystemExit) as error:  # a plug-in may raise anything
@@ -196,9 +191,3 @@ def _summary(answer: Any, dimension: int) -> RunSummary:
     except (TypeError, ValueError, KeyError) as error:
         raise BenchError("the optimizer's process gave an answer that is no record of a run") from error
     return made
-
-
-def _end_if_stuck(number: int) -> None:
-    """End this process when an optimizer keeps ignoring BudgetExhausted: nothing else stops it."""
-    if number > _REFUSALS:
-        os._exit(STILL_ASKING)

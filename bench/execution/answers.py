@@ -57,6 +57,10 @@ class Box:
             raise RefusedError("its problem's bounds cannot be read")
         return cls(variables, lower, upper, integer)
 
+    def holds(self, x: Floats) -> bool:
+        """Return whether the (d,) point lies in the box."""
+        return bool(((x >= self.lower) & (x <= self.upper)).all())
+
 
 def boxes(found: Any, labels: Iterable[str]) -> dict[str, Box | str]:
     """Return for each label what :func:`bench.execution.trial_process.load_problems` found: a box, or an error."""
@@ -99,15 +103,17 @@ def result(answer: Mapping[str, Any], box: Box, budget: int, seed: int, seconds:
     if not 0 <= outside <= nfev:
         raise RefusedError(f"{outside} of its {nfev} evaluations lie outside the box")
     wall, cpu, objective = (_number(answer, name) for name in ("wall_s", "cpu_s", "objective_s"))
-    if not (0 <= objective <= wall + _SECONDS and wall <= seconds + _SECONDS and 0 <= cpu < inf):
+    if not (0 <= wall <= seconds + _SECONDS and 0 <= objective <= wall + _SECONDS and 0 <= cpu < inf):
         raise RefusedError("its times contradict the clock")
     fun, x = _number(answer, "fun"), _array(answer, "x", "<f8")
     trace = Trace(_array(answer, "evaluations", "<i8"), _array(answer, "values", "<f8"))
     _check_trace(trace, fun, nfev)
     if x.shape != box.lower.shape:
         raise RefusedError(f"its best point has {len(x)} values, in {len(box.lower)} dimensions")
-    if fun < inf and not ((x >= box.lower) & (x <= box.upper)).all():
+    if fun < inf and not box.holds(x):
         raise RefusedError("its best point lies outside the box")
+    if not np.isfinite(x).all():  # nothing was evaluated there
+        raise RefusedError("its best point has values that are no numbers")
     if (np.rint(x) != x)[box.integer].any():
         raise RefusedError("its best point has an integer variable that is no whole number")
     stop = answer.get("stop")
@@ -118,18 +124,19 @@ def result(answer: Mapping[str, Any], box: Box, budget: int, seed: int, seconds:
     return Result(x, fun, nfev, trace, wall, cpu, objective, printable(stop, 201), outside, {}, seed)
 
 
-def confirm(claimed: Result, again: Any) -> dict[str, float]:
+def confirm(claimed: Result, box: Box, again: Any) -> dict[str, float]:
     """Return the metrics of a claimed result whose best point has been evaluated again.
 
     Args:
         claimed: what the trial answered.
+        box: of its problem.
         again: the answer of :func:`bench.execution.trial_process.evaluate`.
 
     Raises:
         RefusedError: where the value is another one, or there is none.
     """
     found = metrics(again)
-    if claimed.fun == inf:  # no point inside the box
+    if not box.holds(claimed.x):  # nor has any point of the trial
         return found
     value, spread = again.get("fun"), again.get("spread")
     if type(value) is not float or type(spread) is not float:

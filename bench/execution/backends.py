@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from contextlib import AbstractContextManager, nullcontext
 
-from joblib import cpu_count
-
 from bench.errors import BenchError, nearest
 from bench.execution.local import Local
 from bench.execution.pool import Pool
+from bench.sandbox.pool import number
 
 BACKENDS = ("dask", "local")
 
@@ -24,7 +23,7 @@ def open_pool(backend: str, jobs: int, scheduler: str | None) -> AbstractContext
     if (backend == "dask") != (scheduler is not None):
         raise BenchError("the dask backend needs --scheduler tcp://HOST:PORT, and no other backend takes one")
     if scheduler is None:
-        return nullcontext(Local(cpu_count() if jobs == -1 else jobs))
+        return nullcontext(Local(number(jobs)))
     from bench.execution.dask import cluster  # needs an extra
 
     return cluster(scheduler)

@@ -20,6 +20,7 @@ _lock, _checking = Lock(), Lock()
 _wanted: dict[Supervisor, Callable[[], bool]] = {}  # with what states whether a supervisor is still needed
 _idle: dict[Supervisor, str] = {}  # those of them that wait for a batch, with their run
 _ended: set[str] = set()  # runs
+_machines: dict[str, str] = {}  # this machine's record, by run
 
 
 def work(run: str, task: Task, trials: Sequence[Trial]) -> tuple[list[tuple[Trial, Row]], str, float]:
@@ -44,7 +45,9 @@ def work(run: str, task: Task, trials: Sequence[Trial]) -> tuple[list[tuple[Tria
             "both"
         )
     with _checking:
-        machine = _machine(task)
+        if run not in _machines:
+            _machines[run] = _machine(task)
+        machine = _machines[run]
     began = monotonic()
     is_wanted = _is_wanted()
     with _lock:
@@ -96,7 +99,6 @@ def _watch() -> None:
                 del _wanted[supervisor]
 
 
-@cache
 def _machine(task: Task) -> str:
     """Return this machine's record, with the packages of the study's plug-ins."""
     try:

@@ -13,13 +13,12 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.execution import trial_process
+from bench.execution.job import root
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import option, printable
 from bench.optimizer import CONDITIONS
 from bench.plugins import loading
-from bench.sandbox import bubblewrap
-from bench.sandbox.process import DiedError, LostError, Process, RemoteError, TimeExceededError
-from bench.sandbox.server import FORKS
+from bench.sandbox.process import FAILURES, LostError
 from bench.study import Entry, Study
 
 LOADING = 60.0  # seconds for loading the optimizers of one package
@@ -28,7 +27,6 @@ AUTOMATIC = option(None)
 """The text of a condition that the optimizer chooses by itself, so that others cannot share it."""
 
 Values = dict[str, str]  # of parameters, as texts by name
-_LOSSES = (TimeExceededError, DiedError, RemoteError, LostError)
 
 
 @dataclass(frozen=True)
@@ -125,13 +123,11 @@ def _everywhere(study: Study, sandbox: str | None) -> Descriptions:
         if not any(loading.is_built_in(entry.name) for entry in study.with_controls if entry.label in labels)
     ]
     if strange:
-        with suppress(BenchError, *_LOSSES):
-            command = bubblewrap.command(sandbox) if sandbox else ()
-            with Process(0, forks=FORKS, command=command) as root:
-                root.call(trial_process.begin, study.to_toml())
-                for labels in strange:
-                    with suppress(*_LOSSES), root.fork() as process:
-                        found |= _read(process.call(trial_process.descriptions, labels, seconds=LOADING), labels)
+        with suppress(BenchError, LostError, *FAILURES), root(study, sandbox) as server:
+            server.call(trial_process.begin, study, seconds=LOADING)
+            for labels in strange:
+                with suppress(LostError, *FAILURES), server.process() as process:
+                    found |= _read(process.call(trial_process.descriptions, labels, seconds=LOADING), labels)
     return found
 
 

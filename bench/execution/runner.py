@@ -14,12 +14,12 @@ from typing import Any
 from bench.errors import BenchError
 from bench.execution.backends import open_pool
 from bench.execution.descriptions import describe
-from bench.execution.interrupts import Interrupts, interrupts_deferred
 from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
 from bench.execution.pool import Answer, OnBegin, Pool
 from bench.execution.supervisor import Checked, Task, check
 from bench.numbers import require_jobs, require_positive
+from bench.sandbox.signals import Interrupts, interrupts_deferred
 from bench.storage import provenance, under_way
 from bench.storage.folder import Folder, default_path
 from bench.storage.mend import mend
@@ -104,7 +104,8 @@ def run(
             checked = prepare(study, folder, sandbox)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
         held.enter_context(folder.lock())
-        study = folder.claim(study)
+        folder.claim(study)
+        study = folder.study()  # as every later run reads it
         mended = mend(folder, study.trials)  # before anything else reads the store
         before = folder.trials_asked()
         folder.note_fingerprints(checked.fingerprints)
@@ -125,7 +126,7 @@ def run(
             sandbox=sandbox,
             extends=before if 0 < before < study.trials and _complete(study, folder, part, before) else None,
         )
-        task = Task(study.to_toml(), timeout, _bytes(memory, pool.jobs, backend), strict=strict, sandbox=sandbox)
+        task = Task(study, timeout, _bytes(memory, pool.jobs, backend), strict=strict, sandbox=sandbox)
         noted = held.enter_context(under_way.noting(folder.path))
         listeners = ([] if display is None else [display.trial]) + ([] if on_trial is None else [on_trial])
         lookers = ([] if display is None else [display.look]) + ([] if on_look is None else [on_look])
@@ -167,7 +168,7 @@ def prepare(study: Study, folder: Folder, sandbox: str | None = None) -> Checked
             f"study {study.name!r} holds imported trials, such as those of {study.imported[0]}, and no optimizer that "
             "could make or repeat them"
         )
-    checked = check(Task(study.to_toml(), sandbox=sandbox))
+    checked = check(Task(study, sandbox=sandbox))
     folder.refuse_changes(checked.fingerprints)
     return checked
 

@@ -7,6 +7,7 @@ from bench.numbers import require_seed
 from bench.optimizer import Optimizer
 from bench.plugins import loading
 from bench.problem import Problem
+from bench.sandbox.server import end_if_stuck
 from bench.scoring import constraints as handlings
 from bench.scoring import scored
 from bench.trial import Result, search
@@ -41,5 +42,13 @@ def solve(
         raise BenchError("solve needs a problem and an optimizer, or their names")
     require_seed("the seed", seed)
     problem = scored(problem, handlings.checked(constraints))
+    return make_run(problem, optimizer, budget=budget, seed=seed)
+
+
+def make_run(problem: Problem, optimizer: Optimizer, *, budget: int, seed: int) -> Result:
+    """Make one run as a trial is made, on any problem.
+
+    A process of :mod:`bench.sandbox` ends where the optimizer keeps asking for values after the end of its budget.
+    """
     with threadpool_limits(limits=1):  # results and times must not depend on the number of BLAS threads
-        return search(problem, optimizer, budget, seed)
+        return search(problem, optimizer, budget, seed, end_if_stuck)

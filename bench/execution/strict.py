@@ -9,13 +9,13 @@ from __future__ import annotations
 import socket
 import struct
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
-from importlib.machinery import ModuleSpec
+from importlib.util import find_spec
 from io import BufferedReader
+from pathlib import Path
 from threading import Lock
 from time import perf_counter
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,7 @@ from bench.typing import Flags, Floats
 _HEAD = struct.Struct("<BQ")  # what is asked or answered, and how many rows (or bytes of text) come with it
 _EVALUATE, _REPAIR, _INITIAL, _STOP, _BEGIN, _END = range(6)
 _DONE, _EXHAUSTED, _RAISED = range(3)
-_LONGEST = 1 << 24  # rows of a request
+_LONGEST = 1 << 26  # bytes of the points of a request
 _CHUNK = 1 << 16  # bytes read at once: a message and its head rarely need two reads
 
 
@@ -118,6 +118,8 @@ class RemoteObjective:
 
     def _ask(self, request: int, n: int, rows: np.ndarray[Any, Any], width: int) -> tuple[bool, Floats]:
         """Return whether the budget is spent, and the (n * width,) numbers of the answer."""
+        if 8 * n * self.dimension > _LONGEST:
+            raise ValueError(f"a strict trial takes {_LONGEST // (8 * self.dimension):,} points at a time, not {n:,}")
         self._end.sendall(_HEAD.pack(request, n) + rows.tobytes())
         kind, count = _HEAD.unpack(_receive(self._arriving, _HEAD.size))
         if kind == _RAISED:
@@ -137,12 +139,12 @@ def serve(objective: Objective, file: int) -> float:
     Raises:
         Exception: what the problem raises, after the optimizer has been given it.
     """
-    began, ended = 0.0, None
+    began = ended = 0.0
     d, raised = objective.dimension, None
     with _opened(file) as end, _arriving(end) as arriving, suppress(EOFError, OSError):
-        while ended is None:
+        while not ended:
             request, n = _HEAD.unpack(_receive(arriving, _HEAD.size))
-            if n > _LONGEST:
+            if 8 * n * d > _LONGEST or (request == _BEGIN) == bool(began):  # the clock begins once, and first
                 break
             answer, kind, count = np.empty(0), _DONE, 0
             try:
@@ -169,7 +171,7 @@ def serve(objective: Objective, file: int) -> float:
             end.sendall(_HEAD.pack(kind, count) + answer.tobytes())
     if raised is not None:
         raise raised
-    return (perf_counter() if ended is None else ended) - began if began else 0.0
+    return (ended or perf_counter()) - began if began else 0.0
 
 
 def _opened(file: int) -> socket.socket:
@@ -193,12 +195,23 @@ def hide_problems() -> None:
     """Refuse to import the installed problems in this process: an optimizer could evaluate them uncounted."""
     hidden = _problem_modules()
 
-    def find_spec(name: str, path: object = None, target: object = None) -> ModuleSpec | None:  # noqa: ARG001
+    def refuse(event: str, arguments: tuple[object, ...]) -> None:  # no code in Python can undo it
+        name = str(arguments[0]) if event == "import" else ""
         if any(name == each or name.startswith(f"{each}.") for each in hidden):
             raise ImportError(f"{name} is hidden from the optimizers of strict trials")
-        return None
 
-    sys.meta_path.insert(0, SimpleNamespace(find_spec=find_spec))
+    sys.addaudithook(refuse)
+
+
+def problem_files() -> Iterator[Path]:
+    """Yield the folders and files with the code of the installed problems; none of it is imported for this."""
+    for name in _problem_modules():
+        top, *parts = name.split(".")
+        spec = find_spec(top)
+        if spec is None or spec.origin is None:
+            continue
+        path = Path(spec.origin).parent.joinpath(*parts) if spec.submodule_search_locations else Path(spec.origin)
+        yield from (each for each in path.iterdir() if each.name != "__init__.py") if path.is_dir() else [path]
 
 
 def _problem_modules() -> set[str]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import signal
 import threading
-import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -15,26 +14,25 @@ from typing import Any, TypeVar
 
 from bench.errors import BenchError
 from bench.execution import answers, trial_process
-from bench.execution.answers import RefusedError
-from bench.execution.templates import LOSSES, PRINTED, Templates
+from bench.execution.answers import Box, RefusedError
+from bench.execution.job import LOADING, PRINTED, Job, root
 from bench.helpers.text import printable
 from bench.plugins import from_file
-from bench.sandbox import bubblewrap
+from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import (
+    FAILURES,
     DiedError,
     LostError,
     MemoryExceededError,
     PrintedTooMuchError,
-    Process,
     RemoteError,
     TimeExceededError,
 )
-from bench.sandbox.server import FORKS, UNANSWERABLE
+from bench.sandbox.server import FORKS, STILL_ASKING, UNANSWERABLE
 from bench.storage import provenance
 from bench.study import Fingerprints, Study
 from bench.trial import Result, Row, Trial, as_row
 
-CHECKING = 300.0  # seconds for loading all plug-ins of a study once
 CHECKS = 4  # attempts at it, where its process is killed from outside
 TOGETHER = 0.1  # seconds of trials whose best points are evaluated again together: a call costs more than a point
 ATTEMPTS = 2  # at a trial whose process, or the one it was forked from, is killed from outside
@@ -47,7 +45,7 @@ KILLED = {code for number in _SIGNALS for code in (-number, 128 + number)}
 class Task:
     """What every trial of a run has in common."""
 
-    study: str  # as TOML, so that processes load plug-ins by name
+    study: Study  # as frozen in its folder; processes load its plug-ins by name
     timeout: float | None = None  # wall seconds that a trial may take
     memory: int | None = None  # bytes that a trial's process may hold
     hash_seed: int = 0  # PYTHONHASHSEED of the processes, which orders sets of strings
@@ -70,7 +68,8 @@ class _Claim:
 
     trial: Trial
     result: Result  # without metrics
-    variables: tuple[str, ...]
+    box: Box
+    seconds: float  # that it took
 
     @property
     def point(self) -> tuple[str, list[float]]:
@@ -79,7 +78,7 @@ class _Claim:
 
     def row(self, metrics: dict[str, float]) -> Row:
         """Return the row of the result; raises ValueError for metrics or variables that are no columns."""
-        return as_row(replace(self.result, metrics=metrics), self.variables)
+        return as_row(replace(self.result, metrics=metrics), self.box.variables)
 
 
 _Found = TypeVar("_Found")
@@ -103,11 +102,10 @@ def check(task: Task) -> Checked:
             crash while they are loaded.
     """
     doing = "loading the study's problems and optimizers"
-    command = bubblewrap.command(task.sandbox) if task.sandbox else ()
     for left in reversed(range(CHECKS)):
         try:
-            with Process(task.hash_seed, forks=FORKS, command=command) as root:
-                return _checked(root, task)
+            with root(task.study, task.sandbox, hash_seed=task.hash_seed) as server:
+                return _checked(server, task.study)
         except BenchError:
             raise
         except TimeExceededError as error:
@@ -123,28 +121,25 @@ def check(task: Task) -> Checked:
     raise AssertionError("the last loss is raised")
 
 
-def _checked(root: Process, task: Task) -> Checked:
-    """Return what the copies of a process find; raises what they raise, or whatever a strange answer leads to."""
+def _checked(first: ForkServer, study: Study) -> Checked:
+    """Return what forks of a process find; raises what they raise, or whatever a strange answer leads to."""
 
-    def ask(process: Process, labels: Iterable[str], *call: Any) -> tuple[dict[str, str], dict[str, Any]]:
-        found = process.call(*call, seconds=CHECKING)
+    def ask(server: ForkServer, labels: Iterable[str], *call: Any) -> tuple[dict[str, str], dict[str, Any]]:
+        found = server.call(*call, seconds=LOADING)
         if "error" in found:
             raise BenchError(printable(str(found["error"]), 4000))
         return {label: str(found["hashes"][label]) for label in labels if label in found["hashes"]}, found
 
-    study = Study.from_dict(tomllib.loads(task.study))
-    # In a copy, so that the parent of the process in which plug-ins run is not this one.
-    problems = root.fork() if FORKS else root
-    problems.call(trial_process.begin, task.study)
+    problems = first.branch()  # so that the parent of the process in which plug-ins run is not this one
+    problems.call(trial_process.begin, study, seconds=LOADING)
     data, found = ask(problems, [each.label for each in study.problems], trial_process.check_problems)
     code: dict[str, str] = {}
     machine, least = dict(found["machine"]), int(found["least"])
     for labels in study.packages().values():
-        process = problems.fork() if FORKS else problems
-        hashes, found = ask(process, labels, trial_process.check_optimizers, labels, least)
+        hashes, found = ask(problems.branch(), labels, trial_process.check_optimizers, labels, least)
         code, machine = code | hashes, provenance.united(machine, dict(found["machine"]))
-    files = {each.label: from_file.fingerprint(each.name) for each in study.with_controls if from_file.split(each.name)}
-    return Checked(Fingerprints(data, code | files), json.dumps(machine))
+    named = {each.label: from_file.fingerprint(each.name) for each in study.with_controls if from_file.split(each.name)}
+    return Checked(Fingerprints(data, code | named), json.dumps(machine))
 
 
 def failed(reason: str) -> Row:
@@ -161,24 +156,24 @@ class Supervisor:
     def __init__(self, task: Task) -> None:
         if task.strict and not FORKS:
             raise BenchError("strict trials need processes that fork, which this system does not offer; use Linux")
-        self._task, self._study = task, Study.from_dict(tomllib.loads(task.study))
+        self._task = task
         self._lock, self._killed = threading.Lock(), False
-        self._processes: Templates | None = None
+        self._job: Job | None = None
         self._doing = ""  # beside the trial itself, for messages
 
     def close(self) -> None:
-        """End all processes."""
+        """End all processes; others are started for the next trial."""
         with self._lock:
-            processes, self._processes = self._processes, None
-        if processes is not None:
-            processes.close()
+            job, self._job = self._job, None
+        if job is not None:
+            job.kill()
 
     def kill(self) -> None:
         """End all processes from another thread; a trial under way then ends with KilledError."""
         with self._lock:
             self._killed = True
-            if self._processes is not None:
-                self._processes.kill()
+            if self._job is not None:
+                self._job.kill()
 
     def make(self, trials: Iterable[Trial]) -> Iterator[tuple[Trial, Row]]:
         """Yield each trial with its row, whether it finishes, fails or times out.
@@ -190,36 +185,30 @@ class Supervisor:
             KilledError: after :meth:`kill`.
         """
         claims: list[_Claim] = []
-        judged = monotonic()
+        evaluated = monotonic()
         for trial in trials:
             found = self._insist(partial(self._claim, trial))
             if isinstance(found, _Claim):
                 claims.append(found)
             else:
                 yield trial, found
-            if monotonic() - judged > TOGETHER:
-                yield from self._judge(claims)
-                claims, judged = [], monotonic()
-        yield from self._judge(claims)
+            if monotonic() - evaluated > TOGETHER:
+                yield from self._confirm(claims)
+                claims, evaluated = [], monotonic()
+        yield from self._confirm(claims)
 
-    def _started(self) -> Templates:
+    def _started(self) -> Job:
         with self._lock:
             if self._killed:
                 raise KilledError
-            if self._processes is None:
+            if self._job is None:
                 task = self._task
-                try:
-                    self._processes = Templates(
-                        self._study, task.hash_seed, task.timeout, task.memory, strictly=task.strict,
-                        command=bubblewrap.command(task.sandbox) if task.sandbox else (),
-                    )  # fmt: skip
-                except DiedError as error:
-                    if error.code in KILLED:
-                        raise _KilledFromOutsideError(f"the first process of its job ended with {error}") from error
-                    raise BenchError(f"no process can be started: {_why_it_ended(error)}") from error
-            return self._processes
+                self._job = Job(
+                    task.study, task.hash_seed, task.timeout, task.memory, strictly=task.strict, sandbox=task.sandbox
+                )
+            return self._job
 
-    def _insist(self, work: Callable[[Templates], _Found]) -> _Found | Row:
+    def _insist(self, work: Callable[[Job], _Found]) -> _Found | Row:
         """Return what ``work`` finds with the processes, or the row of its failure; repeat it where one is killed."""
         lost = ""
         for _ in range(ATTEMPTS):
@@ -228,7 +217,7 @@ class Supervisor:
             except _KilledFromOutsideError as error:
                 lost = str(error)
             except LostError:
-                lost = "a process that its own was forked from was ended or stopped"
+                lost = "its process or one that it was forked from was ended or stopped"
             else:
                 if not self._killed:
                     return found
@@ -237,10 +226,10 @@ class Supervisor:
                 raise KilledError
         return failed(f"{lost} twice; the machine may be short of memory")
 
-    def _try(self, work: Callable[[Templates], _Found], processes: Templates) -> _Found | Row:
+    def _try(self, work: Callable[[Job], _Found], job: Job) -> _Found | Row:
         self._doing = ""
         try:
-            return work(processes)
+            return work(job)
         except TimeExceededError as error:
             where = f"{self._doing}, after {error}" if self._doing else f"after {error}, the limit of a trial"
             return {"status": "timeout", "error": f"stopped {where} (--timeout)"}
@@ -257,48 +246,50 @@ class Supervisor:
         except (RemoteError, ValueError) as error:  # ValueError: metrics or variables that are no columns
             return failed(f"{error} {self._doing}".strip())
 
-    def _claim(self, trial: Trial, processes: Templates) -> Row | _Claim:
+    def _claim(self, trial: Trial, job: Job) -> Row | _Claim:
         """Have a trial made; return what its optimizer's process claims, or the row where another one kept account."""
         self._doing = "while its plug-ins were loaded"
-        box = processes.box(trial.problem)
+        box = job.box(trial.problem)
         if isinstance(box, str):
             return failed(box)
-        template = processes.prepare(trial)
+        server = job.prepare(trial)
         self._doing = ""
-        make = processes.make_strictly if self._task.strict else processes.make
-        answer, seconds = make(trial, template)
+        make = job.make_strictly if self._task.strict else job.make
+        answer, seconds = make(trial, server)
         if reason := answers.error(answer):
             return failed(reason)
-        budget = self._study.evaluations(len(box.lower))
-        claim = _Claim(trial, answers.result(answer, box, budget, trial.seed, seconds), box.variables)
+        budget = self._task.study.evaluations(len(box.lower))
+        claim = _Claim(trial, answers.result(answer, box, budget, trial.seed, seconds), box, seconds)
         return claim.row(answers.metrics(answer)) if self._task.strict else claim
 
-    def _judge(self, claims: Sequence[_Claim]) -> Iterator[tuple[Trial, Row]]:
+    def _confirm(self, claims: Sequence[_Claim]) -> Iterator[tuple[Trial, Row]]:
         """Yield the trials of claims with their rows, once their best points have been evaluated again.
 
         Where anything goes wrong with one of many, each is evaluated alone, so that it alone fails.
         """
         found: list[Any] = [None] * len(claims)
         if claims:
-            with suppress(*LOSSES, LostError, _KilledFromOutsideError):
-                found = self._started().evaluate([claim.point for claim in claims])
+            with suppress(*FAILURES, LostError):
+                found = self._started().evaluate(
+                    [claim.point for claim in claims], sum(each.seconds for each in claims)
+                )
         for claim, again in zip(claims, found, strict=True):
             try:
-                row = claim.row(answers.confirm(claim.result, again))
+                row = claim.row(answers.confirm(claim.result, claim.box, again))
             except (RefusedError, ValueError):
                 row = self._insist(partial(self._reconsider, claim))
             yield claim.trial, row
 
-    def _reconsider(self, claim: _Claim, processes: Templates) -> Row:
-        """Return the row of a claim whose best point is evaluated again by a new judge."""
+    def _reconsider(self, claim: _Claim, job: Job) -> Row:
+        """Return the row of a claim whose best point is evaluated again by a new evaluator."""
         self._doing = "while its best point was evaluated again"
-        (again,) = processes.evaluate([claim.point], anew=True)
-        return claim.row(answers.confirm(claim.result, again))
+        (again,) = job.evaluate([claim.point], claim.seconds, anew=True)
+        return claim.row(answers.confirm(claim.result, claim.box, again))
 
 
 def _why_it_ended(error: DiedError) -> str:
     """Return why a trial's process ended."""
-    if error.code == trial_process.STILL_ASKING:
+    if error.code == STILL_ASKING:
         return "went on asking for values after its budget was spent; let BudgetExhausted pass"
     if error.code == UNANSWERABLE:
         return "closed files that are not its own, through which its process answers"

@@ -9,7 +9,6 @@ import base64
 import contextlib
 import os
 import sys
-import tomllib
 import traceback
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -28,7 +27,7 @@ from bench.objective import integer_flags, passes
 from bench.optimizer import CONDITIONS, defaults, settings
 from bench.problem import FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
-from bench.sandbox.server import note
+from bench.sandbox.server import end_if_stuck, note
 from bench.sandbox.side_effects import SideEffects, reset_random
 from bench.seeds import streams
 from bench.storage import provenance
@@ -36,17 +35,13 @@ from bench.study import Study
 from bench.trial import Result, Trial, measured, numbers, result, run, search
 from bench.typing import Floats
 
-STILL_ASKING = 87
-"""The exit code of a process whose optimizer kept asking for values after its budget was spent."""
-
 _BATCHES = 2, 7, 32  # points; libraries of linear algebra treat small numbers of rows in different ways
-_REFUSALS = 10  # of BudgetExhausted; one suffices for an optimizer that lets it pass
 
 
-def begin(study_text: str) -> None:
-    """Set the study (TOML) of all other calls in this process and its copies."""
+def begin(study: Study) -> None:
+    """Set the study of all other calls in this process and its copies."""
     global _begun
-    _begun = Study.from_dict(tomllib.loads(study_text))
+    _begun = study
 
 
 def check_problems() -> dict[str, Any]:
@@ -157,7 +152,7 @@ def make(trial: Trial) -> dict[str, Any]:
         problem, optimizer = _problem(trial.problem), study.optimizer(trial.optimizer)
         with effects:
             budget = study.evaluations(problem.dimension)
-            answer |= as_answer(search(problem, optimizer, budget, trial.seed, _end_if_stuck))
+            answer |= as_answer(search(problem, optimizer, budget, trial.seed, end_if_stuck))
     return answer | {"altered": effects.any}
 
 
@@ -179,7 +174,7 @@ def make_strictly(
         optimizer = _study().optimizer(trial.optimizer)
         budget = _study().evaluations(len(lower))
         box = np.array(lower), np.array(upper), np.array(integer, bool)
-        objective = strict.RemoteObjective(end, *box, budget, _end_if_stuck)
+        objective = strict.RemoteObjective(end, *box, budget, end_if_stuck)
         with effects:
             objective.begin()
             cpu = process_time()
@@ -240,7 +235,7 @@ def _warm_up(load: Callable[[], Problem], optimizer: str, *, counts: bool) -> bo
         _warm.add(kind)
         budget = study.evaluations(loaded.dimension)
         with _noting():
-            search(loaded, chosen, min(budget, 3 * chosen.minimum_budget), 0, _end_if_stuck)
+            search(loaded, chosen, min(budget, 3 * chosen.minimum_budget), 0, end_if_stuck)
             if counts:
                 passes(budget, loaded.dimension)  # the optimizer may have imported numba
     _settle()
@@ -315,12 +310,6 @@ def _problem(label: str) -> Problem:
 
 _begun: Study | None = None
 _warm: set[tuple[type, str]] = set()
-
-
-def _end_if_stuck(number: int) -> None:
-    """End this process when an optimizer keeps ignoring BudgetExhausted: nothing else stops it."""
-    if number > _REFUSALS:
-        os._exit(STILL_ASKING)
 
 
 @contextlib.contextmanager

@@ -94,7 +94,7 @@ def verify(
     made = 0
     different: dict[Trial, str] = {}
     with open_pool("local", jobs, None) as pool:
-        task = Task(study.to_toml(), hash_seed=HASH_SEED, strict=strict, sandbox=sandbox)
+        task = Task(study, hash_seed=HASH_SEED, strict=strict, sandbox=sandbox)
         for trial, row, _ in pool.answers(task, machine, lambda: planned):
             made += 1
             if what := _difference(folder.store, trial, row):

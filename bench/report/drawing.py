@@ -18,7 +18,7 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 
 from bench.plots import style
-from bench.sandbox.crew import Crew
+from bench.sandbox.pool import Pool
 
 MOST = 3  # processes beside this one, which takes about as long to prepare figures as one of them to draw them
 
@@ -53,28 +53,28 @@ class Drawer:
 
     def __init__(self, jobs: int) -> None:
         others = min(MOST, (cpu_count() if jobs == -1 else jobs) - 1)
-        self._crew = Crew(others, ready) if others else None
+        self._pool = Pool(others, ready) if others else None
         self._begun: dict[int, tuple[matplotlib.figure.Figure, Future[Any]]] = {}  # by identity: figures have no hash
         self._drawn: dict[int, tuple[matplotlib.figure.Figure, Drawing]] = {}
-        if self._crew is not None:
+        if self._pool is not None:
             for _ in range(others):  # start now, while the first figures are prepared
-                self._crew.submit(0, ready)
+                self._pool.submit(0, ready)
 
     def __enter__(self) -> Drawer:
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        if self._crew is not None:
-            self._crew.close()
+        if self._pool is not None:
+            self._pool.close()
 
     def begin(self, figures: Iterable[matplotlib.figure.Figure]) -> None:
         """Have figures drawn by other processes, as far as they can be sent there; their drawing may not change."""
-        if self._crew is None:
+        if self._pool is None:
             return
         for figure in figures:
             with suppress(Exception):  # it may hold anything
                 if figure.canvas.manager is None:  # a copy of pyplot's own would open a window
-                    future = self._crew.submit(0, draw_copy, pickle.dumps(figure))
+                    future = self._pool.submit(0, draw_copy, pickle.dumps(figure))
                     self._begun[id(figure)] = figure, future
 
     def help(self) -> None:

@@ -1,27 +1,69 @@
-"""Run processes in a sandbox of bubblewrap (Linux): nothing to write to, no network, and no other process in sight."""
+"""Run processes in a sandbox of bubblewrap (Linux): nothing to write to, no network, and no other process in sight.
+
+Each has namespaces of its own (mounts, processes, interprocess communication, network), which end with it: so do its
+files, its shared memory, its message queues, and all processes that it has started.
+"""
 
 from __future__ import annotations
 
+import os
+import platform
 import shutil
+import struct
 import subprocess
+import sys
+from collections.abc import Collection, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from bench.errors import BenchError, nearest
+from bench.sandbox import namespaces
 
 SANDBOXES = ("bwrap",)
 
-SCRATCH = "/dev/shm"
-"""The only folder that can be written in a sandbox: a memory file system of its own, emptied after each trial."""
+HIDDEN = ("/tmp", "/var/tmp", "/run")
+"""Folders that are empty in a sandbox, but for what processes need to read: programs outside leave sockets there."""
 
 _SECONDS = 20.0  # for the sandbox to start
 
 
-def command(sandbox: str) -> list[str]:
-    """Return the words that run a program in a sandbox when they are put before its command line.
+@dataclass(frozen=True)
+class Sandbox:
+    """The command line that runs a program in a sandbox.
+
+    Attributes:
+        words: to put before that of the program.
+        nests: whether a process in the sandbox can have namespaces of its own.
+    """
+
+    words: tuple[str, ...]
+    nests: bool = True
+
+    @contextmanager
+    def opened(self) -> Iterator[tuple[list[str], list[int]]]:
+        """Yield these words and the numbers of the open files to pass on with them."""
+        with os.fdopen(os.memfd_create("filter"), "wb") as file:
+            file.write(_filter())
+            file.flush()
+            file.seek(0)
+            number = file.fileno()
+            yield [*self.words, "--seccomp", str(number), "--"], [number]
+
+
+def find(sandbox: str | None, *, shown: Iterable[Path] = (), hidden: Iterable[Path] = ()) -> Sandbox | None:
+    """Return the sandbox of that name, None for None.
+
+    Args:
+        sandbox: one of ``SANDBOXES``.
+        shown: files and folders that processes need to read, wherever they are.
+        hidden: files and folders that they must not read.
 
     Raises:
         BenchError: for an unknown sandbox, or one that is not installed or cannot be used here.
     """
+    if sandbox is None:
+        return None
     if sandbox not in SANDBOXES:
         raise BenchError(f"unknown sandbox {sandbox!r}{nearest(sandbox, SANDBOXES)}")
     program = shutil.which("bwrap")
@@ -30,27 +72,76 @@ def command(sandbox: str) -> list[str]:
             "--sandbox bwrap needs bubblewrap, which is not installed here; install it (on Debian: apt install "
             "bubblewrap), or run without a sandbox"
         )
-    scratch = {"TMPDIR": SCRATCH, "NUMBA_CACHE_DIR": f"{SCRATCH}/numba", "MPLCONFIGDIR": f"{SCRATCH}/matplotlib"}
-    words = [program, "--ro-bind", "/", "/", "--proc", "/proc"]
-    words += ["--dev", "/dev", "--tmpfs", SCRATCH, "--remount-ro", "/dev"]
-    words += ["--unshare-all", "--die-with-parent", "--cap-drop", "ALL"]
-    for name, value in scratch.items():
-        words += ["--setenv", name, value]
-    words.append("--")
+    found = Sandbox((program, *_words([*shown, *_installed()], [*hidden])))
+    if reason := _refusal(found, "true"):
+        raise BenchError(f"the sandbox cannot be used here: {reason}")
+    return replace(found, nests=not _refusal(found, sys.executable, "-ISc", Path(namespaces.__file__).read_text()))
+
+
+def _refusal(sandbox: Sandbox, *command: str) -> str:
+    """Return why a command fails in the sandbox, "" where it does not."""
     try:
-        tried = subprocess.run([*words, "true"], capture_output=True, text=True, timeout=_SECONDS, check=False)
-        reason = tried.stderr.strip() if tried.returncode else ""
+        with sandbox.opened() as (words, files):
+            tried = subprocess.run(
+                [*words, *command], capture_output=True, text=True, timeout=_SECONDS, check=False, pass_fds=files
+            )
     except (OSError, subprocess.TimeoutExpired) as error:
-        reason = str(error)
-    if reason:
-        raise BenchError(f"the sandbox cannot be used here: {reason.splitlines()[-1]}")
-    return words
+        return str(error)
+    return (tried.stderr.strip().splitlines() or ["it ended"])[-1] if tried.returncode else ""
 
 
-def empty_scratch() -> None:
-    """Remove all that the scratch folder holds; called in the sandbox."""
-    for each in Path(SCRATCH).iterdir():
-        if each.is_dir() and not each.is_symlink():
-            shutil.rmtree(each, ignore_errors=True)
-        else:
-            each.unlink(missing_ok=True)
+def _words(shown: Iterable[Path], hidden: Collection[Path]) -> Iterator[str]:
+    yield from ("--unshare-all", "--unshare-user", "--uid", _USER, "--gid", _USER, "--die-with-parent")
+    yield from ("--cap-drop", "ALL", "--ro-bind", "/", "/", "--proc", "/proc", "--dev", "/dev")
+    yield from ("--size", str(namespaces.SIZE), "--tmpfs", namespaces.SCRATCH)
+    for folder in HIDDEN:
+        yield from ("--tmpfs", folder)
+    for path in shown:
+        if any(Path(folder) in path.parents for folder in HIDDEN):
+            yield from ("--ro-bind-try", str(path), str(path))
+    for path in hidden:
+        yield from ("--tmpfs", str(path)) if path.is_dir() else ("--ro-bind", "/dev/null", str(path))
+    for folder in (*HIDDEN, "/dev", *(str(each) for each in hidden if each.is_dir())):
+        yield from ("--remount-ro", folder)
+    caches = {"NUMBA_CACHE_DIR": "numba", "MPLCONFIGDIR": "matplotlib"}
+    for name, folder in ({"TMPDIR": ""} | caches).items():
+        yield from ("--setenv", name, str(Path(namespaces.SCRATCH, folder)))
+
+
+def _installed() -> set[Path]:
+    """Return the folders that Python and its packages are imported from, and the working folder."""
+    return {Path(each).resolve() for each in (sys.prefix, sys.base_prefix, *sys.path) if each} | {Path.cwd()}
+
+
+def _filter() -> bytes:
+    """Return the program by which the kernel refuses the system calls that reach out of the namespaces.
+
+    These are the calls of the keyring, which is one for all, and sockets of the family AF_UNIX by name, by which
+    programs outside answer through the file system; pairs of sockets remain. The form is that of seccomp(2): each
+    instruction is an operation, two jumps and a number. On a processor not known here, nothing is refused.
+    """
+    known = _CALLS.get(platform.machine())
+    if known is None:
+        return struct.pack("<HBBI", _RETURN, 0, 0, _ALLOW)
+    architecture, keys, socket = known
+    program = [
+        (_LOAD, 0, 0, 4), (_EQUAL, 1, 0, architecture), (_RETURN, 0, 0, _REFUSE),
+        (_LOAD, 0, 0, 0), (_AT_LEAST, 0, 1, 1 << 30), (_RETURN, 0, 0, _REFUSE),  # other tables of calls
+    ]  # fmt: skip
+    for key in keys:
+        program += [(_EQUAL, 0, 1, key), (_RETURN, 0, 0, _REFUSE)]
+    program += [
+        (_EQUAL, 0, 3, socket), (_LOAD, 0, 0, 16), (_EQUAL, 0, 1, _AF_UNIX), (_RETURN, 0, 0, _REFUSE),
+        (_RETURN, 0, 0, _ALLOW),
+    ]  # fmt: skip
+    return b"".join(struct.pack("<HBBI", *each) for each in program)
+
+
+_LOAD, _EQUAL, _AT_LEAST, _RETURN = 0x20, 0x15, 0x35, 0x06  # linux/bpf_common.h
+_ALLOW, _REFUSE = 0x7FFF0000, 0x00050001  # linux/seccomp.h; refused with EPERM
+_AF_UNIX = 1
+_USER = "1000"  # the number of the user and of the group in there, as namespaces inside cannot have those of root
+_CALLS = {  # the number of the architecture (linux/audit.h), those of add_key, request_key and keyctl, and of socket
+    "x86_64": (0xC000003E, (248, 249, 250), 41),
+    "aarch64": (0xC00000B7, (217, 218, 219), 198),
+}

@@ -20,15 +20,21 @@ from threading import Thread
 from time import monotonic, sleep
 from typing import Any
 
+from bench.sandbox import namespaces
 from bench.sandbox.channel import LONGEST, BrokenChannelError, Channel
 from bench.sandbox.messages import describe_error
-from bench.sandbox.tree import children, kill, resident
+from bench.sandbox.tree import children, kill, look
 
 FORKS = sys.platform == "linux"
 """Whether processes fork: elsewhere forks are unsafe, or nothing ends a copy together with its original."""
 
+STILL_ASKING = 87
+"""The exit code of a process whose optimizer kept asking for values after its budget was spent."""
+
 UNANSWERABLE = 88
 """The exit code of a process that cannot answer because the code it called has closed the channel."""
+
+_REFUSALS = 10_000  # of values after the end of the budget; one suffices for an optimizer that lets it pass
 
 _LOOK = 0.5  # seconds between looks for the owner
 _REAP = 5.0  # seconds for killed processes to end
@@ -62,13 +68,19 @@ def note(value: Any) -> None:
         _serving.note(value)
 
 
+def end_if_stuck(refusals: int) -> None:
+    """End this process where an optimizer keeps asking for values after its budget is spent: nothing else stops it."""
+    if _serving is not None and refusals > _REFUSALS:
+        _exit(STILL_ASKING)
+
+
 class _Server:
     def __init__(self, channel: Channel) -> None:
-        self._channel, self._process = channel, os.getpid()
+        self._channel, self._process = channel, _getpid()
         self._number = 0  # of the present call
         self._called = True  # since the last fork
         self._before: set[int] = set()  # children that calls have left running
-        self._copies: set[int] = set()
+        self._copies: dict[int, int] = {}  # with their numbers in /proc, which may be that of other namespaces
 
     def loop(self) -> None:
         global _serving
@@ -86,7 +98,7 @@ class _Server:
                 self._answer(["error", describe_error(error)])
                 continue
             if request == "fork":
-                answer = self._fork()
+                answer = self._fork(*arguments)
                 if answer is None:
                     continue  # in the copy
             else:
@@ -96,12 +108,12 @@ class _Server:
             self._answer(answer)
 
     def note(self, value: Any) -> None:
-        if os.getpid() == self._process:
+        if _getpid() == self._process:
             self._channel.send(self._number, json.dumps(["note", value]).encode())
 
     def _answer(self, answer: list[Any]) -> None:
-        if os.getpid() != self._process:  # a fork that has returned from its call and arrives here
-            os._exit(0)
+        if _getpid() != self._process:  # a fork that has returned from its call and arrives here
+            _exit(0)
         try:
             payload = json.dumps(answer).encode()
             if len(payload) > LONGEST:
@@ -111,7 +123,7 @@ class _Server:
         try:
             self._channel.send(self._number, payload)
         except BrokenChannelError:
-            os._exit(UNANSWERABLE)
+            _exit(UNANSWERABLE)
 
     def _call(self, function: Callable[..., Any], *arguments: Any) -> list[Any]:
         self._called = True
@@ -128,33 +140,45 @@ class _Server:
         files, self._channel.files = self._channel.files, []
         return files
 
-    def _fork(self) -> list[Any] | None:
+    def _fork(self, apart: bool) -> list[Any] | None:
         """Fork a copy, which serves the channel and writes to the output that came with the request.
 
-        Return its number, or minus the number of other threads, with which a fork is unsafe; None in the copy.
+        Args:
+            apart: whether the copy has namespaces of its own.
+
+        Returns:
+            Its number, or 0 where a fork is unsafe, as this process runs other threads, or would share with others of
+            its kind what namespaces do not keep apart; None in the copy.
         """
         end, output = self._take_files()
-        threads = len(list(Path("/proc/self/task").iterdir())) - 1
-        if threads:
+        safe = len(list(Path("/proc/self/task").iterdir())) == 1
+        if not safe or (apart and namespaces.shares(own=6)):
             os.close(end)
             os.close(output)
-            return ["value", -threads]
+            return ["value", 0]
         if self._called:  # a collection in a copy would copy every page that holds an object
             gc.collect()
             gc.freeze()
             self._called = False
-            self._before = children() - self._copies
-        pid = os.fork()
+            self._before = children() - {*self._copies.values()}
+        before = children() if apart else set()
+        pid = _fork()
         if pid:
-            self._copies.add(pid)
+            self._copies[pid] = max(children() - before, default=pid) if apart else pid
             os.close(end)
             os.close(output)
             return ["value", pid]
-        _end_with_template(self._process)
+        _end_with_original(self._process)
         os.setsid()
+        if apart and (inside := namespaces.enter(_fork)):
+            self._channel.close()
+            _stand_for(inside, self._process, end, output)
+        if apart:
+            _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+            _adopt_orphans()
         self._channel.close()
-        self._channel, self._process = Channel(socket.socket(fileno=end), takes_files=True), os.getpid()
-        self._before, self._copies = set(), set()
+        self._channel, self._process = Channel(socket.socket(fileno=end), takes_files=True), _getpid()
+        self._before, self._copies = set(), {}
         os.dup2(output, 1)
         os.dup2(output, 2)
         os.close(output)
@@ -165,31 +189,35 @@ class _Server:
 
         After a signal the code is minus the signal's number.
         """
+        if pid not in self._copies or pid <= 1:  # plug-in code may have answered in place of a fork
+            return None
         code = _reap(pid, seconds)
         with suppress(OSError):
-            os.killpg(pid, signal.SIGKILL)
+            _killpg(pid, signal.SIGKILL)
         with suppress(OSError):
             if code is None:
-                os.kill(pid, signal.SIGKILL)
+                _kill(pid, signal.SIGKILL)
                 _reap(pid, _REAP)
-        self._copies.discard(pid)
+        del self._copies[pid]
+        if self._process == 1:  # of its own namespaces: those of the copy have ended with it
+            return code
         until = monotonic() + _REAP
-        while (strays := children() - self._before - self._copies) and monotonic() < until:
+        while (strays := children() - self._before - {*self._copies.values()}) and monotonic() < until:
             for each in strays:
                 with suppress(OSError):
-                    os.kill(each, signal.SIGKILL)
+                    _kill(each, signal.SIGKILL)
                 _reap(each, _PAUSE)
         return code
 
     def _end(self) -> None:
         """End this process and all that it and its copies started: the owner has ended."""
-        kill(os.getpid())
-        os._exit(1)
+        kill(_getpid())
+        _exit(1)
 
 
 _REQUESTS: dict[str, Callable[..., int | None]] = {
     "end": _Server._end_copy,
-    "look": lambda _, pid: resident(pid),
+    "look": lambda self, pid: look(self._copies.get(pid, 0)),
 }
 
 
@@ -212,9 +240,9 @@ def _end_with_owner(owner: int) -> None:
     """End this process and its group when the owner has ended, even in mid-call."""
     while os.getppid() == owner:
         sleep(_LOOK)
-    if hasattr(os, "killpg") and os.getpgrp() == os.getpid():
-        os.killpg(0, signal.SIGKILL)
-    os._exit(1)
+    if _killpg is not None and os.getpgrp() == _getpid():
+        _killpg(0, signal.SIGKILL)
+    _exit(1)
 
 
 def _prctl(option: int, value: int) -> None:
@@ -227,13 +255,31 @@ def _adopt_orphans() -> None:
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)
 
 
-def _end_with_template(template: int) -> None:
+def _stand_for(inside: int, original: int, *files: int) -> None:
+    """Wait for the first process of other namespaces, and end as it does; it ends with this one."""
+    _end_with_original(original)  # once more, as other namespaces may undo it
+    for each in files:
+        os.close(each)
+    code = os.waitstatus_to_exitcode(os.waitpid(inside, 0)[1])
+    if code < 0:
+        with suppress(OSError):  # that of SIGKILL cannot be set, and need not be
+            signal.signal(-code, signal.SIG_DFL)
+        _kill(_getpid(), -code)
+    _exit(code)
+
+
+def _end_with_original(original: int) -> None:
     """Have the kernel end this process with the one that forked it, even in native code."""
     _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     _adopt_orphans()
-    if os.getppid() != template:  # it has ended meanwhile
-        os._exit(1)
+    if os.getppid() != original:  # it has ended meanwhile
+        _exit(1)
 
+
+# As they are before any plug-in is imported, which may replace them: what is forked is what is ended.
+_kill, _exit, _getpid = os.kill, os._exit, os.getpid
+_fork: Any = getattr(os, "fork", None)
+_killpg: Any = getattr(os, "killpg", None)
 
 _serving: _Server | None = None
 _system: Any = None

@@ -7,6 +7,9 @@ from pathlib import Path
 
 import psutil
 
+STOPPED = -1
+"""What :func:`look` returns of a process that is stopped, as by SIGSTOP."""
+
 
 def children() -> set[int]:
     """Return the numbers of this process's children, ended ones included."""
@@ -29,10 +32,10 @@ def is_stopped(pid: int) -> bool:
         return False
 
 
-def resident(pid: int) -> int | None:
-    """Return the bytes of memory that a process and its descendants hold, None where it has ended.
+def look(pid: int) -> int | None:
+    """Return the bytes of memory that a process and its descendants hold.
 
-    Shared memory counts for each.
+    Shared memory counts for each. None stands for a process that has ended, ``STOPPED`` where one of them is stopped.
     """
     held = 0
     try:
@@ -44,13 +47,17 @@ def resident(pid: int) -> int | None:
         return None
     for member in members:
         with suppress(psutil.Error):
+            if member.status() in (psutil.STATUS_STOPPED, psutil.STATUS_TRACING_STOP):
+                return STOPPED
             held += member.memory_info().rss
     return held
 
 
 def kill(pid: int) -> None:
-    """End a process and its descendants."""
+    """End a process and its descendants, but never those of the whole system."""
     with suppress(psutil.Error):
+        if pid <= 1:
+            return
         first = psutil.Process(pid)
         for member in [*first.children(recursive=True), first]:
             with suppress(psutil.Error):

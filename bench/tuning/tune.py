@@ -27,8 +27,8 @@ from bench.objective import Trace
 from bench.optimizer import CONDITIONS
 from bench.plugins import loading
 from bench.problem import Problem
-from bench.sandbox.crew import Crew
 from bench.sandbox.messages import describe_error
+from bench.sandbox.pool import Pool
 from bench.sandbox.process import (
     DiedError,
     LostError,
@@ -145,10 +145,10 @@ def tune(
     """
     optuna = require("optuna", "optuna", "tuning needs")
     found = []
-    with _alone(journal), _quiet(optuna), Crew(n_jobs, ready) as crew:
+    with _alone(journal), _quiet(optuna), Pool(n_jobs, ready) as pool:
         storage = _storage(optuna, journal)
         for place, (name, own) in enumerate(axes.items()):
-            search = _Search(optuna, storage, name, own, setting, problems, crew)
+            search = _Search(optuna, storage, name, own, setting, problems, pool)
             for number in range(search.done, setting.trials):
                 on_progress(
                     f"{name}: configuration {number + 1}", place * setting.trials + number, len(axes) * setting.trials
@@ -163,9 +163,9 @@ class _Search:
 
     def __init__(
         self, optuna: Any, storage: Any, name: str, axes: list[Axis], setting: Setting,
-        problems: Mapping[str, Problem], crew: Crew,
+        problems: Mapping[str, Problem], pool: Pool,
     ) -> None:  # fmt: skip
-        self.optuna, self.name, self.axes, self.setting, self.crew = optuna, name, axes, setting, crew
+        self.optuna, self.name, self.axes, self.setting, self.pool = optuna, name, axes, setting, pool
         self.budgets = {label: evaluations(setting.budget, each.dimension) for label, each in problems.items()}
         self.optima = {label: float(each.optimum) for label, each in problems.items() if each.optimum is not None}
         pruner = optuna.pruners.WilcoxonPruner()
@@ -229,7 +229,7 @@ class _Search:
             for run in range(setting.runs):
                 own = trial_seed(setting.seed, problem, self.name, run)
                 call = self.name, make_run, self.name, configuration, problem, budget, own
-                begun.setdefault(problem, []).append(self.crew.submit(*call, **limits))
+                begun.setdefault(problem, []).append(self.pool.submit(*call, **limits))
         return begun
 
     def _judge(self, trial: Any, runs: Mapping[str, list[Future[Any]]]) -> None:

@@ -14,11 +14,10 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench.execution.trial_process import STILL_ASKING
 from bench.objective import Objective
 from bench.optimizer import Optimizer
 from bench.sandbox.process import DiedError, PrintedTooMuchError, TimeExceededError
-from bench.sandbox.server import note
+from bench.sandbox.server import STILL_ASKING, note
 from bench.seeds import global_states
 from bench.typing import Floats
 

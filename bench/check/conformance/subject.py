@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-import os
 import pickle
 import sys
 from contextlib import ExitStack
@@ -18,10 +17,10 @@ from threadpoolctl import threadpool_limits
 from bench.check.conformance.recording import ObservedOptimizer, Progress, RecordedRun, seeded_global_states
 from bench.check.problems import RecordingProblem, bowl
 from bench.errors import BenchError
-from bench.execution.trial_process import STILL_ASKING
 from bench.numbers import require_seed
 from bench.optimizer import Optimizer, build, settings
 from bench.plugins.loading import load_optimizer
+from bench.sandbox.server import end_if_stuck
 from bench.trial import search
 
 START_SECONDS = 120.0
@@ -29,8 +28,6 @@ START_SECONDS = 120.0
 
 PRINTED = 100_000_000
 """Bytes that a process may print in one call: the file that takes them must not fill the disk."""
-
-_MOST_REFUSALS = 10_000  # calls after the end of the budget until the process is ended
 
 
 @dataclasses.dataclass(frozen=True)
@@ -94,8 +91,7 @@ class Subject:
             run.asked_after = number - 1
             if number == 1:
                 progress.report(budget)
-            if number > _MOST_REFUSALS and self.packed is not None:
-                os._exit(STILL_ASKING)
+            end_if_stuck(number)
 
         with threadpool_limits(limits=1), seeded_global_states(global_seed) as changed:
             try:

@@ -20,7 +20,7 @@ def little_work(monkeypatch):
 
 
 class InThisProcess:
-    """Stands in for a crew: makes every call at once, and passes its answer on as JSON."""
+    """Stands in for a pool: makes every call at once, and passes its answer on as JSON."""
 
     def __init__(self, jobs, ready):
         ready()
@@ -43,4 +43,4 @@ class InThisProcess:
 @pytest.fixture
 def in_this_process(monkeypatch):
     """Make the runs that show biases without other processes, which take a second to start."""
-    monkeypatch.setattr("bench.check.runs.Crew", InThisProcess)
+    monkeypatch.setattr("bench.check.runs.Pool", InThisProcess)

@@ -56,6 +56,7 @@ def test_a_field_that_is_missing_or_of_another_type_is_refused(name, value):
         answers.result(answer, BOX, BUDGET, SEED, SECONDS)
 
 
+NOWHERE = {"x": text([nan, nan]), "fun": inf, "values": text([]), "evaluations": text([], "<i8")}
 STOPPED = {"nfev": 59, "evaluations": text([1, 4, 59], "<i8"), "stop": "tired"}
 
 
@@ -102,7 +103,9 @@ STOPPED = {"nfev": 59, "evaluations": text([1, 4, 59], "<i8"), "stop": "tired"}
         ({"x": text([0.5, nextafter(-1.0, -2)])}, "its best point lies outside the box"),
         ({"x": text([0.5, nan])}, "its best point lies outside the box"),
         ({"x": text([0.5, -inf])}, "its best point lies outside the box"),
+        (NOWHERE, "its best point has values that are no numbers"),
         ({"wall_s": -0.1}, "its times contradict the clock"),
+        ({"wall_s": -0.04, "objective_s": 0.0}, "its times contradict the clock"),
         ({"wall_s": 2.0}, "its times contradict the clock"),
         ({"wall_s": inf}, "its times contradict the clock"),
         ({"cpu_s": -1.0}, "its times contradict the clock"),
@@ -130,7 +133,7 @@ def test_what_contradicts_itself_or_the_study_is_refused(changes, reason):
         {"evaluations": text([1, 2, 3], "<i8")},
         {"values": text([0.125]), "evaluations": text([60], "<i8")},
         {"values": text([1.7e308, -1.7e308]), "evaluations": text([1, 2], "<i8"), "fun": -1.7e308},
-        {"fun": inf, "values": "", "evaluations": "", "x": text([nan, 7.0])},  # no point inside the box
+        {"fun": inf, "values": "", "evaluations": "", "x": text([-2.0, 7.0])},  # no point inside the box
     ],
 )  # fmt: skip
 def test_what_an_honest_trial_may_answer_passes(changes):
@@ -213,7 +216,6 @@ def test_honest_results_pass_to_the_last_bit(optimizer, function, testing_plugin
     "batches",
     [
         [[[7.0, 0.0]]],
-        [[[nan, nan]], [[inf, 0.0]]],
         [[[7.0, 0.0]], [[1.0, 1.0], [nan, 0.0]], [[0.5, 0.5]] * 37],
         [[[1.0, 1.0], [0.5, 1.0], [0.5, 1.0], [0.25, 1.0]]],
     ],
@@ -230,7 +232,7 @@ def test_honest_results_with_points_outside_the_box_pass(batches):
 def confirm(fun=0.125, first=3.0, again=None):
     trace = ([first, fun], [1, 2]) if fun < inf else ([], [])
     claimed = read(fun=fun, values=text(trace[0]), evaluations=text(trace[1], "<i8"))
-    return answers.confirm(claimed, {"fun": 0.125, "metrics": {"radius": 0.5}, "spread": 0.0} | (again or {}))
+    return answers.confirm(claimed, BOX, {"fun": 0.125, "metrics": {"radius": 0.5}, "spread": 0.0} | (again or {}))
 
 
 @pytest.mark.parametrize(
@@ -241,7 +243,7 @@ def confirm(fun=0.125, first=3.0, again=None):
         (0.125 * (1 - 0.9e-9), {}),
         (-0.0, {"fun": 0.0}),
         (1e-17, {"fun": 0.0, "spread": 2e-17}),  # what is left where large terms cancel
-        (inf, {}),
+        (inf, {"fun": inf}),
         (inf, {"fun": nan}),
     ],
 )
@@ -264,6 +266,7 @@ def test_a_value_that_the_best_point_has_is_confirmed(fun, again):
         (0.0, {"fun": nan}),
         (0.0, {"spread": nan}),
         (1e300, {"fun": 1.0}),
+        (inf, {}),
     ],
 )
 @pytest.mark.parametrize("first", [3.0, 1.7e308])
@@ -289,7 +292,7 @@ def test_what_is_no_value_confirms_nothing(again):
 @pytest.mark.parametrize("again", [None, 5, "text", [], {}, {"fun": 0.125}, {"fun": 0.125, "spread": 0.0}])
 def test_an_answer_without_its_fields_confirms_nothing(again):
     with pytest.raises(RefusedError, match="best point"):
-        answers.confirm(read(), again)
+        answers.confirm(read(), BOX, again)
 
 
 # Boxes

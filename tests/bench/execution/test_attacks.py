@@ -28,7 +28,7 @@ PROBLEMS = ["signature-12", "sphere-3"]
 HONEST = [{"name": "gwo", "agents": 6}, {"name": "random-search"}, {"name": "hill-climber"}]
 REFUSED, NO_ANSWER = "its answer is refused: ", "it sent what answers no call"
 FALSE = f"{REFUSED}its best value is"
-ENDED = "a process that its own was forked from was ended or stopped twice|with signal SIGKILL twice"
+ENDED = "its process or one that it was forked from was ended or stopped twice|with signal SIGKILL twice"
 
 CLAIMS = {  # fail in every trial
     "send-pickle": NO_ANSWER,
@@ -175,7 +175,7 @@ def test_an_import_forges_no_fingerprint(tmp_path, testing_plugins):
     honest = [{"name": "hill-climber"}, {"name": f"{tmp_path}/other.py:mine", "label": "other"}]
     for optimizers in (honest, [{"name": f"{tmp_path}/forger.py:mine", "label": "forger"}, *honest]):
         made = {"name": "s", "problems": [{"name": "signature-12"}], "optimizers": optimizers}
-        found.append(check(Task(Study.from_dict(made).to_toml())))
+        found.append(check(Task(Study.from_dict(made))))
     (alone, beside) = (each.fingerprints for each in found)
     assert beside.data == alone.data
     assert beside.code == alone.code | {"forger": fingerprint(f"{tmp_path}/forger.py:mine")}

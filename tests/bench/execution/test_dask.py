@@ -234,7 +234,7 @@ def test_idle_and_unwanted_trial_processes_end(small_study, monkeypatch):
     monkeypatch.setattr(dask_worker, "LOOK", 0.1)
     monkeypatch.setattr(dask_worker, "IDLE", 0.5)
     monkeypatch.setattr(dask_worker, "_is_wanted", lambda: lambda: True)
-    task, trials = Task(small_study.to_toml()), list(small_study.plan())
+    task, trials = Task(small_study), list(small_study.plan())
     before = set(psutil.Process().children())
 
     def started():

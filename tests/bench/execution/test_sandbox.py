@@ -2,14 +2,15 @@
 
 import os
 import shutil
+import socket
 from textwrap import dedent
 
 import pandas as pd
 import pytest
 
-from bench import BenchError, load_results, run
+from bench import BenchError, Study, load_results, run
 from bench.execution.verify import verify
-from bench.sandbox import bubblewrap
+from bench.sandbox import bubblewrap, namespaces
 from bench.sandbox.process import Process
 
 TIMES = ["wall_s", "cpu_s", "objective_s", "study"]
@@ -18,7 +19,7 @@ TIMES = ["wall_s", "cpu_s", "objective_s", "study"]
 def reason():
     """Why no sandbox can be used here, "" where one can."""
     try:
-        bubblewrap.command("bwrap")
+        bubblewrap.find("bwrap")
     except BenchError as error:
         return str(error)
     return ""
@@ -28,85 +29,164 @@ REASON = reason()
 needed = pytest.mark.skipif(bool(REASON), reason=REASON or "bubblewrap can be used")
 
 ATTACKS = """
-    import glob, os, signal, socket, sqlite3
+    import ctypes, os, resource, signal, socket, sqlite3
     from pathlib import Path
 
-    def _search(objective, rng):
-        while True:
-            objective(objective.initial(4))
+    scratch, system = Path(os.environ["TMPDIR"]), ctypes.CDLL(None, use_errno=True)
 
-    def honest(objective, rng):
-        _search(objective, rng)
+    def attack(deed):
+        def minimize(objective, rng):
+            deed()
+            while True:
+                objective(objective.initial(4))
+        return minimize
 
-    def edits(objective, rng):
+    def others():
+        own = int(os.readlink("/proc/self"))
+        return [each for each in map(int, filter(str.isdigit, os.listdir("/proc"))) if each != own]
+
+    def refuse(condition, what):
+        if condition:
+            raise AssertionError(what)
+
+    @attack
+    def honest():
+        pass
+
+    @attack
+    def edits():
         with sqlite3.connect({store!r}) as connection:
             connection.execute("UPDATE results SET fun = 0")
 
-    def writes(objective, rng):
+    @attack
+    def writes():
         Path({folder!r}, "mark").write_text("here")
 
-    def connects(objective, rng):
+    @attack
+    def connects():
         socket.create_connection(("127.0.0.1", {port}), timeout=2)
 
-    def kills(objective, rng):
-        others = [int(each.name) for each in Path("/proc").iterdir() if each.name.isdigit()]
-        if {parent} in others and b"pytest" in Path("/proc/{parent}/cmdline").read_bytes():
-            raise AssertionError("it sees the process that runs the study")
-        try:
-            os.kill(-1, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
-        _search(objective, rng)
+    @attack
+    def asks_a_socket():
+        refuse(Path({folder!r}, "socket").exists(), "it finds a socket of the host")
+        socket.socket(socket.AF_UNIX)
 
-    def rewrites(objective, rng):
-        for each in Path("/proc").iterdir():  # its template holds the problem that the next trial is given
-            if each.name.isdigit() and int(each.name) not in (1, os.getpid()):
+    @attack
+    def writes_to_a_pipe():
+        os.open({folder!r} + "/fifo", os.O_WRONLY | os.O_NONBLOCK)
+
+    @attack
+    def kills():
+        refuse({parent} in others() and b"pytest" in Path("/proc/{parent}/cmdline").read_bytes(), "it sees the run")
+        for each in (-1, *others()):
+            for number in (signal.SIGSTOP, signal.SIGKILL):
                 try:
-                    (each / "mem").open("r+b").close()
-                except PermissionError:
-                    continue
-                raise AssertionError("it can write to the memory of another process")
-        _search(objective, rng)
+                    os.kill(each, number)
+                except ProcessLookupError:
+                    pass
 
-    def litters(objective, rng):
-        scratch = Path(os.environ["TMPDIR"])
-        if list(scratch.glob("left-*")):
-            raise AssertionError("a file of another trial")
-        (scratch / f"left-{{os.getpid()}}").write_text("mine")
-        _search(objective, rng)
+    @attack
+    def limits():
+        for each in others():
+            try:
+                resource.prlimit(each, resource.RLIMIT_AS, (1 << 20, 1 << 20))
+            except (ProcessLookupError, PermissionError):
+                pass
+
+    @attack
+    def rewrites():
+        for each in others():
+            try:
+                open(f"/proc/{{each}}/mem", "r+b").close()
+            except OSError:
+                continue
+            raise AssertionError("it can write to the memory of another process")
+
+    @attack
+    def litters():
+        refuse(os.listdir(scratch), "a file of another trial")
+        (scratch / "left").mkdir(mode=0)
+        os.chmod(scratch, 0)
+
+    @attack
+    def nests():
+        refuse(os.listdir(scratch), "a folder of another trial")
+        os.chdir(scratch)
+        for _ in range(3000):
+            os.mkdir("deeper")
+            os.chdir("deeper")
+
+    @attack
+    def shares_memory():
+        number = system.shmget(4242, 4096, 0o1600)
+        refuse(number < 0, "it cannot have shared memory")
+        system.shmat.restype = ctypes.c_void_p
+        system.shmdt.argtypes = [ctypes.c_void_p]
+        address = system.shmat(number, None, 0)
+        place = ctypes.c_char.from_address(address)
+        refuse(place.value != b"\\0", "memory of another trial")
+        place.value = b"x"
+        system.shmdt(address)
+
+    @attack
+    def keeps_a_key():
+        refuse(system.syscall(248, b"user", b"note", b"x", 1, -3) >= 0, "it can store a key")
+"""
+HOLDS = """
+    import mmap
+
+    held = mmap.mmap(-1, 4096)  # which forks would share
+
+    def holds(objective, rng):
+        if held[0] > 1:  # after a warm-up in this process
+            raise AssertionError("memory of another trial")
+        held[0] += 1
+        while True:
+            objective(objective.initial(4))
 """
 EXPECTED = {
-    "honest": ("ok", None),
-    "edits": ("failed", "readonly database|unable to open"),
-    "writes": ("failed", "Read-only file system"),
-    "connects": ("failed", "ConnectionRefusedError|Network is unreachable"),
-    "kills": ("failed", "ended or stopped twice|exit code 137 twice"),
-    "rewrites": ("ok", None),
-    "litters": ("ok", None),
+    "honest": None,
+    "edits": "unable to open|readonly database",
+    "writes": "Read-only file system|No such file",
+    "connects": "ConnectionRefusedError|Network is unreachable",
+    "asks_a_socket": "PermissionError",
+    "writes_to_a_pipe": "No such file",
+    "kills": None,
+    "limits": None,
+    "rewrites": None,
+    "litters": None,
+    "nests": None,
+    "shares_memory": None,
+    "keeps_a_key": None,
+    "holds": None,
 }
 
 
-@pytest.fixture(scope="module")
-def ran(tmp_path_factory):
+@pytest.fixture(scope="module", params=[False, True], ids=["", "strict"])
+def ran(request, tmp_path_factory):
     """A run in the sandbox of all of these beside an honest optimizer of the package, and the same one alone."""
-    import socket
-
     place = tmp_path_factory.mktemp("sandboxed")
-    with socket.socket() as listening:
+    os.mkfifo(place / "fifo")
+    reader = os.open(place / "fifo", os.O_RDONLY | os.O_NONBLOCK)
+    with socket.socket() as listening, socket.socket(socket.AF_UNIX) as beside:
         listening.bind(("127.0.0.1", 0))
         listening.listen()
+        beside.bind(os.path.relpath(place / "socket"))
+        beside.listen()
         facts = {"store": str(place / "out" / "trials.sqlite"), "folder": str(place), "parent": os.getpid()}
         code = dedent(ATTACKS).format(**facts, port=listening.getsockname()[1])
         (place / "attacks.py").write_text(code)
+        (place / "holds.py").write_text(dedent(HOLDS))
         head = (
             'name = "s"\ntrials = 3\nbudget = 40\n[[problems]]\nname = "sphere-2"\n[[optimizers]]\nname = "scatter"\n'
         )
-        attacks = "".join(f'[[optimizers]]\nname = "{place / "attacks.py"}:{name}"\n' for name in EXPECTED)
+        files = {name: "holds.py" if name == "holds" else "attacks.py" for name in EXPECTED}
+        attacks = "".join(f'[[optimizers]]\nname = "{place / file}:{name}"\n' for name, file in files.items())
         for name, text in (("alone", head), ("out", head + attacks)):
             (place / f"{name}.toml").write_text(text)
-            run(
-                place / f"{name}.toml", place / name, n_jobs=2, timeout=20, sandbox=None if name == "alone" else "bwrap"
-            )
+            limits = {"sandbox": "bwrap", "strict": request.param} if name == "out" else {}
+            run(place / f"{name}.toml", place / name, n_jobs=2, timeout=20, **limits)
+    os.close(reader)
     return place
 
 
@@ -116,8 +196,8 @@ def ran(tmp_path_factory):
 def test_what_each_attack_comes_to(ran, attack):
     frame = load_results(ran / "out")
     rows = frame[frame["optimizer"] == attack]
-    status, words = EXPECTED[attack]
-    assert list(rows["status"]) == [status] * 3, list(rows["error"])
+    words = EXPECTED[attack]
+    assert list(rows["status"]) == ["failed" if words else "ok"] * 3, list(rows["error"])
     if words:
         assert rows["error"].str.contains(words).all(), list(rows["error"])
     assert not (ran / "mark").exists()
@@ -141,17 +221,36 @@ def test_stored_trials_are_verified_strictly_in_the_sandbox(ran):
 
 @needed
 def test_the_scratch_folder_is_all_that_can_be_written():
-    writable = "[each for each in ('/', '/dev', '/tmp', '/var/tmp', '/dev/shm') if __import__('os').access(each, 2)]"
-    with Process(0, forks=True, command=bubblewrap.command("bwrap")) as process:
-        assert process.call(eval, writable) == [bubblewrap.SCRATCH]
+    folders = ("/", "/dev", "/tmp", "/var/tmp", "/run", namespaces.SCRATCH)
+    with Process(sandbox=bubblewrap.find("bwrap")) as process:
+        assert process.call(eval, f"[x for x in {folders} if __import__('os').access(x, 2)]", seconds=60.0) == [
+            namespaces.SCRATCH
+        ]
+
+
+@needed
+def test_a_process_that_starts_another_finds_no_problem_in_strict_trials_either(tmp_path):
+    code = """
+        import subprocess, sys
+        def mine(objective, rng):
+            program = "import problems.backlash.signature.problem"
+            done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+            raise AssertionError(f"{done.returncode} {done.stderr.splitlines()[-1]}")
+    """
+    (tmp_path / "mine.py").write_text(dedent(code))
+    study = {"name": "s", "trials": 1, "budget": 10, "problems": [{"name": "signature-12"}],
+             "optimizers": [{"name": f"{tmp_path}/mine.py:mine"}]}  # fmt: skip
+    run(Study.from_dict(study), tmp_path / "out", n_jobs=1, strict=True, sandbox="bwrap")
+    (error,) = load_results(tmp_path / "out")["error"]
+    assert error.startswith("AssertionError: 1 ModuleNotFoundError: No module named 'problems.")
 
 
 def test_one_that_is_unknown_or_missing_is_one_sentence(monkeypatch):
     with pytest.raises(BenchError, match=r"^unknown sandbox 'bwarp'; did you mean 'bwrap'\?"):
-        bubblewrap.command("bwarp")
+        bubblewrap.find("bwarp")
     monkeypatch.setattr(shutil, "which", lambda _: None)
     with pytest.raises(BenchError, match="needs bubblewrap, which is not installed here; install it"):
-        bubblewrap.command("bwrap")
+        bubblewrap.find("bwrap")
 
 
 @needed

@@ -70,6 +70,15 @@ CHEATS = """
         while True:
             objective(objective.initial(5))
 
+    def begins_again(objective, rng):
+        objective(objective.initial(5))
+        objective.begin()
+        while True:
+            objective(objective.initial(5))
+
+    def asks_for_too_much(objective, rng):
+        objective.initial(100_000_000)
+
     def swallows(objective, rng):
         for _ in range(8):
             try:
@@ -133,3 +142,19 @@ def test_the_budget_is_kept_where_the_optimizer_cannot_reach(cheats, tmp_path):
     assert frame["status"].eq("ok").all(), list(frame["error"])
     assert frame["nfev"].eq(200).all()
     assert frame["stop"].eq("budget").all()
+
+
+@pytest.mark.parametrize(
+    ("cheat", "words"),
+    [
+        ("begins_again", "error|EOFError|BrokenPipe"),
+        ("asks_for_too_much", "a strict trial takes 4,194,304 points at a time, not 100,000,000"),
+    ],
+)
+def test_the_process_that_keeps_the_problem_is_not_misused(cheats, tmp_path, cheat, words):
+    one = {"name": "s", "trials": 1, "budget": 200, "problems": [{"name": "sphere-2"}]}
+    made = Study.from_dict(one | {"optimizers": [{"name": f"{cheats}:{cheat}"}]})
+    run(made, tmp_path / "out", n_jobs=1, strict=True, timeout=60)
+    (row,) = load_results(tmp_path / "out").to_dict("records")
+    assert row["status"] == "failed"
+    assert any(word in row["error"] for word in words.split("|")), row["error"]

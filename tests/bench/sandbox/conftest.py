@@ -27,10 +27,3 @@ def process():
     """For calls that end it."""
     with Process(hash_seed=0) as process:
         yield process
-
-
-@pytest.fixture
-def template():
-    """One that is there to be forked."""
-    with Process(hash_seed=0, forks=True) as template:
-        yield template

@@ -50,17 +50,17 @@ def test_children_are_known_without_the_kernel_s_list_too(parent, monkeypatch):
 
 def test_memory_is_that_of_all_members(parent):
     parent, child = parent
-    held = tree.resident(parent.pid)
+    held = tree.look(parent.pid)
     assert held > psutil.Process(parent.pid).memory_info().rss
-    assert held > tree.resident(child.pid) > 0
+    assert held > tree.look(child.pid) > 0
 
 
 def test_one_that_has_ended_holds_none():
     ended = subprocess.Popen([sys.executable, "-c", ""])
     os.waitid(os.P_PID, ended.pid, os.WEXITED | os.WNOWAIT)
-    assert tree.resident(ended.pid) is None  # though its parent has not waited for it
+    assert tree.look(ended.pid) is None  # though its parent has not waited for it
     ended.wait()
-    assert tree.resident(ended.pid) is None
+    assert tree.look(ended.pid) is None
 
 
 def test_a_killed_tree_leaves_nothing(parent):

@@ -15,8 +15,8 @@ from bench.check.conformance.recording import (
     explain_lost_process,
 )
 from bench.check.conformance.subject import Subject
-from bench.execution.trial_process import STILL_ASKING
 from bench.sandbox.process import DiedError, PrintedTooMuchError, TimeExceededError
+from bench.sandbox.server import STILL_ASKING
 from tests.bench.check import faulty
 
 

@@ -1,4 +1,4 @@
-"""Calls side by side: groups share no process, an error costs one call, and nothing outlives the crew."""
+"""Calls side by side: groups share no process, an error costs one call, and nothing outlives the pool."""
 
 import os
 import signal
@@ -10,43 +10,43 @@ from concurrent.futures import CancelledError
 import psutil
 import pytest
 
-from bench.sandbox.crew import Crew
+from bench.sandbox.pool import Pool
 from bench.sandbox.process import DiedError, PrintedTooMuchError, RemoteError, TimeExceededError
 from tests.bench.sandbox.helpers import LONG, gone
 
 HANGS = """
 import time
-from bench.sandbox.crew import Crew
-with Crew(2, time.monotonic) as crew:
-    begun = [crew.submit(0, time.sleep, 600) for _ in range(5)]
+from bench.sandbox.pool import Pool
+with Pool(2, time.monotonic) as pool:
+    begun = [pool.submit(0, time.sleep, 600) for _ in range(5)]
     print("begun", flush=True)
     begun[0].result()
 """
 
 
 @pytest.fixture
-def crew():
-    with Crew(1, os.getpid) as crew:
-        yield crew
+def pool():
+    with Pool(1, os.getpid) as pool:
+        yield pool
 
 
-def test_a_group_s_calls_share_a_process_and_no_other_group_s_run_in_it(crew):
-    pids = [crew.submit(group, os.getpid).result(LONG) for group in ("a", "a", "b", "a")]
+def test_a_group_s_calls_share_a_process_and_no_other_group_s_run_in_it(pool):
+    pids = [pool.submit(group, os.getpid).result(LONG) for group in ("a", "a", "b", "a")]
     assert pids[0] == pids[1]
     assert len({os.getpid(), *pids}) == 4
 
 
 def test_calls_are_made_side_by_side_and_answered_in_any_order():
-    with Crew(2, os.getpid) as crew:
-        slow, quick = crew.submit(0, time.sleep, LONG), crew.submit(0, len, "abc")
+    with Pool(2, os.getpid) as pool:
+        slow, quick = pool.submit(0, time.sleep, LONG), pool.submit(0, len, "abc")
         assert quick.result(LONG) == 3
         assert not slow.done()
 
 
-def test_an_error_costs_its_own_call_alone(crew):
+def test_an_error_costs_its_own_call_alone(pool):
     begun = [
-        crew.submit(0, os._exit, 3), crew.submit(0, int, "x"), crew.submit(0, os.write, 1, b"xxx", printed=2),
-        crew.submit(0, len, "abc"),
+        pool.submit(0, os._exit, 3), pool.submit(0, int, "x"), pool.submit(0, os.write, 1, b"xxx", printed=2),
+        pool.submit(0, len, "abc"),
     ]  # fmt: skip
     for each, error in zip(begun, (DiedError, RemoteError, PrintedTooMuchError), strict=False):
         with pytest.raises(error):
@@ -55,9 +55,9 @@ def test_an_error_costs_its_own_call_alone(crew):
 
 
 def test_closing_ends_what_runs_and_cancels_what_has_not_begun():
-    with Crew(1, os.getpid) as crew:
-        pid = crew.submit(0, os.getpid).result(LONG)
-        running_, waiting = crew.submit(0, time.sleep, 600), crew.submit(0, time.sleep, 600)
+    with Pool(1, os.getpid) as pool:
+        pid = pool.submit(0, os.getpid).result(LONG)
+        running_, waiting = pool.submit(0, time.sleep, 600), pool.submit(0, time.sleep, 600)
         while not running_.running():
             time.sleep(0.01)
     assert gone(pid)
@@ -85,8 +85,8 @@ def test_an_interrupt_ends_it_at_once_without_a_word_from_its_processes():
 
 
 def test_a_call_that_takes_too_long_is_ended_and_costs_no_other():
-    with Crew(1, os.getpid) as crew:
-        slow, next_one = crew.submit(0, time.sleep, 600, seconds=0.2), crew.submit(0, os.getpid)
+    with Pool(1, os.getpid) as pool:
+        slow, next_one = pool.submit(0, time.sleep, 600, seconds=0.2), pool.submit(0, os.getpid)
         with pytest.raises(TimeExceededError):
             slow.result(LONG)
         assert next_one.result(LONG) != os.getpid()

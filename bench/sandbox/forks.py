@@ -1,0 +1,126 @@
+"""Start processes that have loaded the same: forks of one where that is safe, new ones elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from threading import Lock
+from typing import Any
+
+from bench.sandbox.bubblewrap import Sandbox
+from bench.sandbox.process import LostError, Process, RemoteError
+from bench.sandbox.server import FORKS
+
+
+class ForkServer:
+    """Starts processes in which the same calls were made, and branches into fork servers that make further calls.
+
+    Where processes fork, it holds one that has made the calls, and the processes of its branches are forked from it.
+    Elsewhere, and where a fork is unsafe, a process is started anew, in a sandbox of its own, and the calls are made
+    again within their limits. One thread uses a fork server and its branches; any may :meth:`kill` them.
+
+    Args:
+        hash_seed: PYTHONHASHSEED of the processes.
+        sandbox: in which each process that is started anew runs, with its forks; None for none.
+    """
+
+    def __init__(self, hash_seed: int = 0, *, sandbox: Sandbox | None = None) -> None:
+        self.forks, self._apart = FORKS, False
+        self._hash_seed, self._sandbox = hash_seed, sandbox
+        self._started = _Started()
+        self._calls: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]] = []
+        self._process: Process | None = None
+
+    def __enter__(self) -> ForkServer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.kill()
+
+    def call(self, function: Callable[..., Any], *arguments: Any, **limits: Any) -> Any:
+        """Call a function in all processes that come from here from now on; return the answer.
+
+        Limits and errors are those of :meth:`bench.sandbox.process.Process.call`; after one the call is forgotten.
+        """
+        process = self._held()
+        try:
+            answer = process.call(function, *arguments, **limits)
+        except BaseException:
+            self.close()
+            raise
+        self._calls.append((function, arguments, limits))
+        return answer
+
+    def branch(self, *, apart: bool = False) -> ForkServer:
+        """Return a fork server that begins with the same calls; raises what :meth:`process` raises.
+
+        With ``apart``, its processes, and those of its own branches, have namespaces of their own in a sandbox.
+        """
+        other = object.__new__(ForkServer)
+        vars(other).update(vars(self) | {"_calls": [*self._calls], "_process": None})
+        if apart and self._sandbox is not None:
+            other._apart, other.forks = True, self.forks and self._sandbox.nests
+        other._process = self._given(apart=other._apart) if self.forks == other.forks else None
+        return other
+
+    def process(self) -> Process:
+        """Return a process that has made the calls, for its user to close.
+
+        Raises:
+            LostError: when the process that it is forked from has ended or does not answer.
+            The others of :meth:`bench.sandbox.process.Process.call`: of the calls made again.
+        """
+        return self._given(apart=self._apart)
+
+    def _given(self, *, apart: bool) -> Process:
+        held = self._held()
+        copy = held.fork(apart=apart) if self.forks else None
+        if copy is None:
+            self._process = None  # it is given away, and a new one started for the next
+        return copy or held
+
+    def close(self) -> None:
+        """End the process that is held, and its forks; another one is started when it is needed."""
+        process, self._process = self._process, None
+        with suppress(LostError, RemoteError):  # the process that it was forked from has ended, and so has it
+            if process is not None:
+                process.close()
+
+    def kill(self) -> None:
+        """End all processes of this fork server, and of those that it branched from or into; it starts no other."""
+        self._started.kill()
+
+    def _held(self) -> Process:
+        if self._process is None or self._process.closed:
+            self._process = process = self._started.add(
+                lambda: Process(self._hash_seed, forks=self.forks, sandbox=self._sandbox)
+            )
+            try:
+                for function, arguments, limits in self._calls:
+                    process.call(function, *arguments, **limits)
+            except BaseException:
+                self.close()
+                raise
+        return self._process
+
+
+class _Started:
+    """The processes that were started anew; forks end with them."""
+
+    def __init__(self) -> None:
+        self._lock, self._killed = Lock(), False
+        self._processes: list[Process] = []
+
+    def add(self, start: Callable[[], Process]) -> Process:
+        with self._lock:
+            if self._killed:
+                raise LostError("it has been ended")
+            self._processes = [each for each in self._processes if not each.closed]
+            self._processes.append(start())
+            return self._processes[-1]
+
+    def kill(self) -> None:
+        with self._lock:
+            self._killed = True
+        for each in self._processes:
+            each.kill()
