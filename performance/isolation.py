@@ -11,6 +11,7 @@ measured against the default, and the memory of the job's processes: the pages t
 
 import shutil
 import sys
+from contextlib import suppress
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -66,8 +67,9 @@ def memory() -> float:
     """Return the proportional set size of all processes below this one, in MB."""
     held = 0.0
     for process in psutil.Process().children(recursive=True):
-        text = Path(f"/proc/{process.pid}/smaps_rollup").read_text()
-        held += next(float(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:")) / 1e3
+        with suppress(OSError):  # of one that has just ended
+            text = Path(f"/proc/{process.pid}/smaps_rollup").read_text()
+            held += next(float(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:")) / 1e3
     return held
 
 

@@ -12,7 +12,7 @@ from bench.check.conformance.subject import PRINTED, START_SECONDS, Subject, mak
 from bench.check.verdict import Checkup, Verdict
 from bench.optimizer import Optimizer
 from bench.sandbox.messages import describe_error
-from bench.sandbox.process import DiedError, PrintedTooMuchError, Process, RemoteError, TimeExceededError
+from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, Process, RemoteError, TimeExceededError
 
 CONSTRUCTION, PICKLING = find_rule("parameters"), find_rule("pickling")
 
@@ -130,7 +130,7 @@ class Checker:
             verdict = failed(rule, "its process gave an answer that is no verdict", "leave the harness's objects alone")
         except RemoteError as error:  # such as KeyboardInterrupt; other exceptions are in the verdict
             verdict = failed(rule, f"it raised {error}")
-        except (TimeExceededError, PrintedTooMuchError, DiedError) as error:
+        except (TimeExceededError, PrintedTooMuchError, DiedError, LostError) as error:
             verdict = failed(rule, *explain_lost_process(error, process.note))
         self.close()
         return verdict
@@ -146,7 +146,7 @@ class Checker:
             self._process = Process(hash_seed=0)
             try:
                 self._process.call(_load, self._packed, seconds=START_SECONDS, printed=PRINTED)
-            except (RemoteError, TimeExceededError, PrintedTooMuchError, DiedError) as error:
+            except (RemoteError, TimeExceededError, PrintedTooMuchError, DiedError, LostError) as error:
                 self.close()
                 self.unloadable = f"another process cannot load it: {error}"
         return self._process

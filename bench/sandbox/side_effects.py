@@ -62,7 +62,9 @@ class SideEffects:
         deadline = time.monotonic() + _GRACE
         for each in set(threading.enumerate()) - self._threads:
             each.join(max(0.0, deadline - time.monotonic()))
-        self.threads = max(0, _thread_count() - self._thread_count)
+        while (left := _thread_count() - self._thread_count) > 0 and time.monotonic() < deadline:
+            time.sleep(_GRACE / 100)  # a thread that was waited for takes a moment to leave the system's list
+        self.threads = max(0, left)
         self.processes = _left_running(deadline)
         self.random = [name for name, state in seeds.global_states().items() if state != _STATES[name]]
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from bench.objective import Objective
 from bench.optimizer import Optimizer
-from bench.sandbox.process import DiedError, PrintedTooMuchError, TimeExceededError
+from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, TimeExceededError
 from bench.sandbox.server import STILL_ASKING, note
 from bench.seeds import global_states
 from bench.typing import Floats
@@ -71,7 +71,9 @@ def expect_same(one: list[int], other: list[int], finding: str, mend: str) -> No
         raise ViolationError(f"{finding} (from evaluation {first} on)", mend)
 
 
-def explain_lost_process(error: TimeExceededError | PrintedTooMuchError | DiedError, noted: Any) -> tuple[str, str]:
+def explain_lost_process(
+    error: TimeExceededError | PrintedTooMuchError | DiedError | LostError, noted: Any
+) -> tuple[str, str]:
     """Return the finding on an optimizer that hung, printed too much or ended its process, and how to mend it.
 
     Args:
@@ -85,6 +87,8 @@ def explain_lost_process(error: TimeExceededError | PrintedTooMuchError | DiedEr
     if isinstance(error, DiedError):
         mend = "raise an exception where it cannot go on; a signal means a crash in compiled code"
         return f"it ended the process that it ran in ({error})", mend
+    if isinstance(error, LostError):
+        return "it stopped the process that it ran in", "send no signals"
     if isinstance(error, PrintedTooMuchError):
         return "it printed without end", "print and log nothing; switch off the messages of the libraries that you call"
     if budget and made == budget:

@@ -93,6 +93,6 @@ def test_values_survive_their_way_between_processes(monkeypatch):
     task = Task("noise", "[0, 1]", 0, 3, 100, 0)
     packed = runs.pack(runs.make_subject(Chains(), {}, 0))
     with Process(0) as process:
-        there = process.call(make_run, packed, task)
+        there = process.call(make_run, packed, task, seconds=60.0)
     assert there == make_run(packed, task)
     assert runs._summary(there | {"best": float("inf")}, 3).best == float("inf")

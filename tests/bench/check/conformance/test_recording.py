@@ -15,7 +15,7 @@ from bench.check.conformance.recording import (
     explain_lost_process,
 )
 from bench.check.conformance.subject import Subject
-from bench.sandbox.process import DiedError, PrintedTooMuchError, TimeExceededError
+from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, TimeExceededError
 from bench.sandbox.server import STILL_ASKING
 from tests.bench.check import faulty
 
@@ -99,6 +99,7 @@ def test_the_first_evaluation_that_differs_is_named(one, other, evaluation):
     [
         (DiedError(STILL_ASKING), [9, 9], "for ever after its budget of 9 is spent", LET_IT_PASS),
         (DiedError(3), [2, 9], "it ended the process that it ran in (exit code 3)", "raise an exception"),
+        (LostError("it was stopped"), [2, 9], "it stopped the process that it ran in", "send no signals"),
         (PrintedTooMuchError(), [2, 9], "it printed without end", "print and log nothing"),
         (TimeExceededError("30 s"), [9, 9], "did not end within 30 s, after its budget of 9 was spent", LET_IT_PASS),
         (TimeExceededError("30 s"), [2, 9], "did not end within 30 s, after 2 of 9 evaluations", "never calls"),
