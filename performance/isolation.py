@@ -31,7 +31,10 @@ def measure(quick: bool) -> Rows:
     rows = []
     for what, study in (
         ("10 evaluations", Study.from_dict(SMALL)),
-        ("the thesis study, cut to 300 evaluations", replace(thesis.override(budget=300), problems=thesis.problems[:2])),
+        (
+            "the thesis study, cut to 300 evaluations",
+            replace(thesis.override(budget=300), problems=thesis.problems[:2]),
+        ),
     ):
         found = [overhead(study.override(trials=trials), worth, strict) for _, worth, strict in WAYS]
         for (how, _, _), (ms, memory) in zip(WAYS, found, strict=True):

@@ -36,7 +36,9 @@ def measure(quick: bool) -> Rows:
     for name in OPTIMIZERS:
         ratio = median(turn[name] / turn["random-search"] for turn in found)
         beside = "" if name == "random-search" else f", {times(ratio)} random-search's"
-        rows.append((f"own time of a generation of {name}, {AGENTS} agents, d = {DIMENSION}", short(ms[name]) + " ms" + beside))
+        rows.append(
+            (f"own time of a generation of {name}, {AGENTS} agents, d = {DIMENSION}", short(ms[name]) + " ms" + beside)
+        )
     ratio = median(turn["cma-es"] / turn["cma-es-fast"] for turn in found)
     return [*rows, ("the same of cma-es against its compiled twin cma-es-fast", times(ratio))]
 

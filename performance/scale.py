@@ -37,7 +37,10 @@ def measure(quick: bool) -> Rows:
     each = f"{short(1e3 * wall / trials)} ms, {short(1e3 * cpu / trials)} ms of it processor time of the parent"
     return [
         (f"a trial of ten evaluations with {psutil.cpu_count()} jobs, {trials:,} in a run, start-up included", each),
-        ("memory of the parent in the first and the last tenth of this run", f"{tenths[0]:.0f} and {tenths[-1]:.0f} MB"),
+        (
+            "memory of the parent in the first and the last tenth of this run",
+            f"{tenths[0]:.0f} and {tenths[-1]:.0f} MB",
+        ),
         ("store of this run, a trial", f"{size / trials:.0f} bytes"),
     ]
 

@@ -35,7 +35,7 @@ def measure(quick: bool) -> Rows:
     rows = []
     for name in COMMANDS:
         ratio = median(turn[name] / turn[BASELINE] for turn in turns)
-        value = f"{times(ratio)} `python -c \"{BASELINE}\"`: {short(median(turn[name] for turn in turns))} s"
+        value = f'{times(ratio)} `python -c "{BASELINE}"`: {short(median(turn[name] for turn in turns))} s'
         rows.append((f"`{name}`, from start to end", value))
     return rows
 
