@@ -100,6 +100,13 @@ def benchmark(session: nox.Session) -> None:
 
 
 @nox.session(venv_backend="uv|venv")
+def performance(session: nox.Session) -> None:
+    """Measure what the performance page shows, and write its JSON; "-- --quick" tries the scripts with small sizes."""
+    session.install("-e", ".[suites]", *group("test"))
+    session.run("python", "performance", *session.posargs)
+
+
+@nox.session(venv_backend="uv|venv")
 def release(session: nox.Session) -> None:
     """Build sdist and wheel, and try them in fresh environments; --rehearse goes on without a date in the changelog."""
     session.install(*group("release"))

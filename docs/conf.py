@@ -30,7 +30,7 @@ version = release = version_of("backlash-bench")
 
 extensions = [
     "myst_parser", "sphinx_design", "sphinx.ext.autodoc", "sphinx.ext.napoleon",
-    "extensions.commands", "extensions.plugins", "extensions.drawings", "extensions.results",
+    "extensions.commands", "extensions.plugins", "extensions.drawings", "extensions.results", "extensions.performance",
 ]  # fmt: skip
 exclude_patterns = ["_build", "_generated"]
 smartquotes_action = "qe"  # quotes and ellipses; two hyphens stay an option

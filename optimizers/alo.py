@@ -40,7 +40,7 @@ class ALO(Population):
         handling: see :class:`~optimizers.common.base.Population`.
         variant: ``"code"`` follows ALO.m; ``"paper"`` refreshes the antlions' fitness every generation (eq. 2.12) and
             is in all else the same. On five functions (d = 7, 30 agents, 200 generations, 200 seeds; ``python
-            performance/variants.py``) the median of the final bests is then 1.8e-4 against 4.2e-4 on Ackley's function
+            validation/variants.py``) the median of the final bests is then 1.8e-4 against 4.2e-4 on Ackley's function
             (exact KS, p = 7e-9), 11 against 13 on Rastrigin's (p = .001), 3.1e3 against 2.5e3 on a rotated ellipsoid
             (p = .004), and the same on the sphere (5e-10) and, within the precision of these runs, on Rosenbrock's.
     """

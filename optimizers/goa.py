@@ -36,7 +36,7 @@ class GOA(Population):
         handling: see :class:`~optimizers.common.base.Population`.
         variant: ``"code"`` follows GOA.m; ``"full-distance"`` takes the distance over all coordinates at once and needs
             no dummy, as most re-implementations do: a very different algorithm. On five functions (d = 7, 30 agents,
-            200 generations, 200 seeds; ``python performance/variants.py``) the median of the final bests is then 8.5e-9
+            200 generations, 200 seeds; ``python validation/variants.py``) the median of the final bests is then 8.5e-9
             against 1.9 on the sphere, 4.9e-4 against 1.4 on Ackley's function, 4.2 against 150 on Rosenbrock's, 1.4e3
             against 3.0e3 on a rotated ellipsoid (exact KS, p < 1e-4), and 22 against 20 on Rastrigin's (p = .02).
     """

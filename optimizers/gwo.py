@@ -30,7 +30,7 @@ class GWO(Population):
         handling: see :class:`~optimizers.common.base.Population`.
         variant: ``"code"`` follows GWO.m; ``"cascade"`` demotes a beaten alpha to beta and a beaten beta to delta, as
             EvoloPy does, so that the leaders are nearly the three best points so far. On five functions (d = 7, 30
-            agents, 200 generations, 200 seeds; ``python performance/variants.py``) that changes little: the median of
+            agents, 200 generations, 200 seeds; ``python validation/variants.py``) that changes little: the median of
             the final bests is 2.1e-3 against 2.8e-3 on the sphere, 3.8 against 4.0 on Rosenbrock's function, where the
             two samples differ most (exact KS, p = .02; the other four p > .1).
     """

@@ -1,12 +1,9 @@
 """Time ``bench estimate`` on a folder of xlsx recordings, with confidence intervals, as one command.
 
-    python performance/estimate.py [RECORDINGS] [--jobs N]        # default: 100, on every core
-
 Each recording is a simulated joint of another level (section 7.2.1) with the low noise of section 7.3. The seconds are
-of the whole command, start-up included.
+of the whole command, start-up included, with one job and with one on every core.
 """
 
-import argparse
 import json
 import subprocess
 import sys
@@ -15,29 +12,37 @@ from pathlib import Path
 from time import perf_counter
 
 import pandas as pd
+from _rows import Rows, main, short, times
+from joblib import cpu_count
 
 from problems.backlash.signature.datasets import noisy
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("recordings", nargs="?", type=int, default=100)
-    parser.add_argument("--jobs", type=int, default=-1)
-    options = parser.parse_args()
+def measure(quick: bool) -> Rows:
+    recordings = 3 if quick else 100
     with tempfile.TemporaryDirectory() as place:
-        for number in range(options.recordings):
+        for number in range(recordings):
             made = noisy(2 + number % 19, "low", number)
             frame = pd.DataFrame({"time": made.time, "speed": made.speed})
             frame.to_excel(Path(place) / f"joint-{number:03}.xlsx", index=False)
-        size = sum(each.stat().st_size for each in Path(place).iterdir()) / options.recordings
-        command = [sys.executable, "-m", "bench", "estimate", place, "--json", "--jobs", str(options.jobs)]
-        started = perf_counter()
-        found = subprocess.run(command, stdout=subprocess.PIPE, check=True)
-        seconds = perf_counter() - started
-    answers = json.loads(found.stdout)
-    assert len(answers) == options.recordings
-    print(f"{len(answers)} recordings of {size / 1e3:.0f} kB: {seconds:.1f} s, {seconds / len(answers):.3f} s each")
+        all_cores, one = (seconds(place, recordings, jobs) for jobs in (-1, 1))
+    value = (
+        f"{short(one)} s with one job, {short(one / recordings)} s each; {short(all_cores)} s with {cpu_count()}, "
+        f"{times(one / all_cores)} as fast"
+    )
+    return [(f"`bench estimate` on {recordings} xlsx recordings, with intervals", value)]
+
+
+def seconds(place: str, recordings: int, jobs: int) -> float:
+    """Return the wall seconds of the command."""
+    command = [sys.executable, "-m", "bench", "estimate", place, "--json", "--jobs", str(jobs)]
+    began = perf_counter()
+    found = subprocess.run(command, stdout=subprocess.PIPE, check=True)
+    took = perf_counter() - began
+    if len(json.loads(found.stdout)) != recordings:
+        sys.exit("not every recording was estimated")
+    return took
 
 
 if __name__ == "__main__":
-    main()
+    main(measure)

@@ -1,66 +1,59 @@
-"""What the tidy frame of a study of very many trials takes: seconds and memory, by number of trials.
-
-    taskset -c 0 python performance/frame.py [TRIALS …] [--keep FOLDER]        # default: 250000 500000 1000000
+"""What the tidy frame of a study of very many trials takes: seconds and memory; and the size of its store.
 
 No search is run: the store holds made-up trials of 10 optimizers on the 20 signature problems, as a run would write
-them, with seven variables, three metrics and up to four improvements each. Every frame is read in a process of its own,
-whose largest resident set is the memory; each trial is compared with its digest.
+them, with seven variables, three metrics and up to four improvements each. The frame is read in a process of its own,
+and each trial is compared with its digest.
 """
 
-import argparse
 import random
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
+from _rows import Rows, apart, main, short
+from scale import OPTIMIZERS, PROBLEMS, STUDY
 
 from bench import Study, Trace
 from bench.storage.folder import Folder
 from bench.storage.rows import stored
 from bench.trial import Trial
 
-CELLS = 200
-STUDY = {
-    "name": "frame",
-    "budget": 10,
-    "problems": [{"names": [f"signature-{level:02}" for level in range(1, 21)]}],
-    "optimizers": [{"name": "random-search", "label": f"random-{number}", "agents": 10} for number in range(10)],
-}
-CHILD = """
-import resource, sys, time
-import pandas, bench.storage.results
-unit = 1e6 if sys.platform == "darwin" else 1e3
-before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
-began, cpu = time.perf_counter(), time.process_time()
-frame = bench.storage.results.load_results(sys.argv[1])
-wall, cpu = time.perf_counter() - began, time.process_time() - cpu
-peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
-held = frame.memory_usage(deep=True).sum() / 1e6
-print(f"{len(frame):>9,} trials: {wall:5.1f} s ({cpu:.1f} s of processor time), "
-      f"at most {peak:,.0f} MB ({before:,.0f} MB before), a frame of {held:,.0f} MB")
-"""
+TRIALS = 250_000
+CELLS = PROBLEMS * OPTIMIZERS
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("trials", nargs="*", type=int, default=[250_000, 500_000, 1_000_000])
-    parser.add_argument("--keep", type=Path, help="make the stores in this folder, or take those that are there")
-    chosen = parser.parse_args()
+def measure(quick: bool) -> Rows:
+    trials = 2_000 if quick else TRIALS
     with tempfile.TemporaryDirectory() as place:
-        for trials in chosen.trials:
-            folder = (chosen.keep or Path(place)) / str(trials)
-            if not (folder / "trials.sqlite").exists():
-                make(Folder(folder), trials)
-            print(f"{trials:>9,} trials: a store of {(folder / 'trials.sqlite').stat().st_size / 1e6:,.0f} MB")
-            subprocess.run([sys.executable, "-c", CHILD, str(folder)], check=True)
+        folder = Folder(Path(place) / "frame")
+        make(folder, trials)
+        size = (folder.path / "trials.sqlite").stat().st_size
+        frame = apart(
+            "import pandas, bench.storage.results", "bench.storage.results.load_results(sys.argv[1])", str(folder.path)
+        )
+        began = perf_counter()
+        subprocess.run(
+            [sys.executable, "-m", "bench", "status", str(folder.path)], check=True, stdout=subprocess.DEVNULL
+        )
+        status = perf_counter() - began
+    read = (
+        f"{short(frame.cpu_s)} s of processor time, {short(1e6 * frame.cpu_s / trials)} us a trial; at most "
+        f"{frame.peak_mb:.0f} MB, {frame.before_mb:.0f} MB of them before"
+    )
+    return [
+        (f"tidy frame of {trials:,} trials, digests included", read),
+        (f"`bench status` of {trials:,} trials", f"{short(status)} s"),
+        ("store of these trials, a trial, with up to four improvements each", f"{size / trials:.0f} bytes"),
+    ]
 
 
 def make(folder: Folder, trials: int) -> None:
     """Write a study's folder of so many made-up trials; the same every time."""
     folder.path.mkdir(parents=True)
-    folder.claim(Study.from_dict(STUDY | {"trials": max(trials // CELLS, 1)}))
+    folder.claim(Study.from_dict(STUDY | {"trials": trials // CELLS}))
     rng = random.Random(1)
     with folder.store.writer() as writer, writer.transaction():
         number = writer.environment({"host": "here"})
@@ -84,4 +77,4 @@ def made(rng: random.Random, cell: int, number: int) -> tuple[Trial, dict[str, o
 
 
 if __name__ == "__main__":
-    main()
+    main(measure)

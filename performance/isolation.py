@@ -1,17 +1,12 @@
 """What isolation costs: a trial beside its search, a call of a strict trial, and the memory of a job.
 
-    python performance/isolation.py [TRIALS]        # default: 200 of each
-
 One job makes trials of a tiny budget, which are all overhead, in several ways: in a process that makes several (the
 default, where trials are short), in a process forked for every trial (the default, where trials take 0.1 s), strictly,
-and, where bubblewrap can be used, in its sandbox. Then the cost of a call of the objective in a strict trial is
-measured against the default, and the memory of the job's processes: the pages that they share are counted once
-(proportional set size).
+and, where bubblewrap can be used, in its sandbox. Then the cost of a call of the objective in a strict trial is measured against the default, and the memory
+of the job's processes: the pages that they share are counted once (proportional set size).
 """
 
 import shutil
-import sys
-from contextlib import suppress
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -19,41 +14,47 @@ from statistics import median
 from time import perf_counter
 
 import psutil
+from _rows import Rows, main, short, times
 
 from bench import Study
 from bench.execution import job
 from bench.execution.supervisor import Supervisor, Task
 
-CALLS = 3000
 DEFAULT = job.WORTH
+WAYS = (
+    ("several trials a process", DEFAULT, False, None), ("a fork for each", 0.0, False, None),
+    ("strictly", 0.0, True, None), ("in bubblewrap", 0.0, False, "bwrap"), ("strictly in bubblewrap", 0.0, True, "bwrap"),
+)  # fmt: skip
+SMALL = {"name": "small", "trials": 1, "budget": 10, "problems": [{"name": "signature-12"}],
+         "optimizers": [{"name": "random-search", "agents": 10}]}  # fmt: skip
 
 
-def main() -> None:
-    trials = int(sys.argv[1]) if len(sys.argv) > 1 else 200
+def measure(quick: bool) -> Rows:
+    trials, calls = (10, 100) if quick else (200, 3000)
     thesis = Study.load("thesis")
-    small = Study.from_dict(
-        {"name": "small", "trials": 1, "budget": 10, "problems": [{"name": "signature-12"}],
-         "optimizers": [{"name": "random-search", "agents": 10}]}
-    )  # fmt: skip
-    for study in (small, replace(thesis.override(budget=300), problems=thesis.problems[:2])):
-        for how, worth, strict, sandbox in (
-            ("default", DEFAULT, False, None), ("a fork each", 0.0, False, None), ("strict", 0.0, True, None),
-            ("bwrap", 0.0, False, "bwrap"), ("strict, bwrap", 0.0, True, "bwrap"),
-        ):  # fmt: skip
-            if sandbox and not shutil.which(sandbox):
-                continue
-            job.WORTH = worth
-            ms, memory = overhead(study.override(trials=trials), Task(study, strict=strict, sandbox=sandbox))
-            print(f"{study.name:<8}{how:<14}{ms:7.2f} ms a trial beside its search; {memory:6.0f} MB a job", flush=True)
-    for optimizer, agents in (("random-search", 1), ("random-search", 300)):
-        print(
-            f"{agents} points a call: {call_cost(optimizer, agents):.1f} us a call more in a strict trial", flush=True
-        )
+    rows = []
+    for what, study in (
+        ("10 evaluations", Study.from_dict(SMALL)),
+        (
+            "the thesis study, cut to 300 evaluations",
+            replace(thesis.override(budget=300), problems=thesis.problems[:2]),
+        ),
+    ):
+        ways = [way for way in WAYS if way[3] is None or shutil.which(way[3])]
+        found = [overhead(study.override(trials=trials), *way[1:]) for way in ways]
+        for (how, *_), (ms, memory) in zip(ways, found, strict=True):
+            value = f"{short(ms)} ms, {times(ms / found[0][0])} the first way; {memory:.0f} MB a job"
+            rows.append((f"a trial beside its search, {what}: {how}", value))
+    for optimizer, agents, what in (("random-search", 1, "one point"), ("random-search", 300, "300 points")):
+        us = call_cost(optimizer, agents, calls)
+        rows.append((f"a call of the objective with {what}: more in a strict trial", f"{short(us)} us"))
+    return rows
 
 
-def overhead(study: Study, task: Task) -> tuple[float, float]:
+def overhead(study: Study, worth: float, strict: bool, sandbox: str | None) -> tuple[float, float]:
     """Return the mean milliseconds of a trial beside its search, and the job's memory in MB."""
-    supervisor, plan = Supervisor(task), study.plan()
+    job.WORTH = worth
+    supervisor, plan = Supervisor(Task(study, strict=strict, sandbox=sandbox)), study.plan()
     try:
         for _ in supervisor.make(islice(plan, len(study.problems) * len(study.optimizers))):
             pass  # warm
@@ -61,6 +62,7 @@ def overhead(study: Study, task: Task) -> tuple[float, float]:
         return 1e3 * (perf_counter() - began - sum(made)) / len(made), memory()
     finally:
         supervisor.close()
+        templates.WORTH = DEFAULT
 
 
 def memory() -> float:
@@ -73,10 +75,10 @@ def memory() -> float:
     return held
 
 
-def call_cost(optimizer: str, agents: int) -> float:
+def call_cost(optimizer: str, agents: int, calls: int) -> float:
     """Return the microseconds by which a call of the objective takes longer in a strict trial."""
     study = Study.from_dict(
-        {"name": "calls", "trials": 6, "budget": CALLS * agents, "problems": [{"name": "signature-12"}],
+        {"name": "calls", "trials": 6, "budget": calls * agents, "problems": [{"name": "signature-12"}],
          "optimizers": [{"name": optimizer, "agents": agents, "handling": "box"}]}
     )  # fmt: skip
     plain, strict = (Supervisor(Task(study, strict=each)) for each in (False, True))
@@ -85,8 +87,8 @@ def call_cost(optimizer: str, agents: int) -> float:
     finally:
         plain.close()
         strict.close()
-    return 1e6 * median(two - one for one, two in pairs[1:]) / CALLS
+    return 1e6 * median(two - one for one, two in pairs[1:]) / calls
 
 
 if __name__ == "__main__":
-    main()
+    main(measure)

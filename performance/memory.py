@@ -1,91 +1,77 @@
 """Measure the memory of a search: how much each thesis optimizer needs above the process that runs it.
 
-    python performance/memory.py [AGENTS [RUNS]]          # default: 300, 5
-
-A fresh process for each search: it loads all that the optimizer needs and makes a search with the fewest agents, so
-that everything is imported and compiled; then the memory in use is the baseline, and the peak of the search itself is
-measured above it. Medians of RUNS seeds. Two counts:
-
-- *resident*: what the operating system sees (the peak VmHWM less VmRSS before; Linux only), in pages of 4 kB, with what
-  libraries keep for later;
-- *arrays and objects*: the peak of what Python and numpy allocate (tracemalloc), without compiled code's own arrays.
-
-random-search shows what the harness itself takes: its trace, and one generation of points.
+A fresh process for each search loads all that the optimizer needs and makes a search with the fewest agents, so that
+everything is imported and compiled; then the memory in use is the baseline, and the peak of the search itself is
+measured above it (VmHWM less VmRSS, in pages of 4 kB; Linux only). Medians over seeds. random-search shows what the
+harness itself takes: its trace, and one generation of points.
 """
 
 import ctypes
 import gc
 import multiprocessing
-import sys
 import tracemalloc
 from contextlib import suppress
 from pathlib import Path
 from statistics import median
-from typing import NamedTuple
+
+from _rows import Rows, main, short
 
 import bench
 
-PROBLEM, BUDGET = "signature-12", 60_000
+PROBLEM = "signature-12"
 OPTIMIZERS = {
-    "cma-es": {"handling": "box", "start": "midpoint"},
-    "alo": {}, "goa": {}, "gwo": {}, "da": {}, "random-search": {},
+    "random-search": {}, "gwo": {}, "da": {}, "alo": {}, "goa": {}, "cma-es": {"handling": "box", "start": "midpoint"},
 }  # fmt: skip
 FEWEST = 5  # agents that every optimizer accepts
 STATUS, RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 
 
-class Memory(NamedTuple):
-    """Memory of one search in kB: the process before it, and its peaks above that."""
+def measure(quick: bool) -> Rows:
+    budget, seeds, sizes = (3_000, 1, (300,)) if quick else (60_000, 3, (300, 30))
+    rows = []
+    for agents in sizes:
+        for name in OPTIMIZERS:
+            found = [apart(name, agents, budget, seed) for seed in range(seeds)]
+            before, resident = (median(each) for each in zip(*found, strict=True))
+            traced = apart(name, agents, budget, 0, True)[1]  # of one search: it hardly differs
+            what = f"peak memory of a search of {name} above its process, {agents} agents, {budget:,} evaluations"
+            value = f"{short(resident)} MB, arrays and objects {short(traced)} MB; the process itself {before:.0f} MB"
+            rows.append((what, value))
+    return rows
 
-    before: float
-    resident: float
-    traced: float
+
+def apart(*arguments: object) -> tuple[float, float]:
+    """Return :func:`memory` of a fresh process."""
+    with multiprocessing.get_context("spawn").Pool(1) as fresh:
+        found: tuple[float, float] = fresh.apply(memory, arguments)
+    return found
 
 
-def resident(field: str) -> float:
-    """Return VmRSS (now) or VmHWM (peak) of this process in kB; NaN where the system has no such file."""
-    lines = STATUS.read_text(encoding="ascii").splitlines() if STATUS.exists() else []
-    return next((float(line.split()[1]) for line in lines if line.startswith(f"{field}:")), float("nan"))
+def memory(name: str, agents: int, budget: int, seed: int, trace: bool = False) -> tuple[float, float]:
+    """Return the MB of this process, which must be fresh, before a search, and the search's peak above them.
 
-
-def measure(name: str, agents: int, seed: int, trace: bool) -> Memory:
-    """Return the memory of a search in this process, which must be fresh; ``trace`` counts allocations instead."""
-    options = OPTIMIZERS[name]
+    With ``trace`` the peak is that of what Python and numpy allocate, without compiled code's own arrays.
+    """
     problem = bench.load_problem(PROBLEM)
-    bench.solve(problem, bench.load_optimizer(name, agents=FEWEST, **options), budget=20 * FEWEST, seed=seed)
-    optimizer = bench.load_optimizer(name, agents=agents, **options)
+    few, many = (bench.load_optimizer(name, agents=agents, **OPTIMIZERS[name]) for agents in (FEWEST, agents))
+    bench.solve(problem, few, budget=20 * FEWEST, seed=seed)
     gc.collect()
     with suppress(OSError, AttributeError):  # glibc only: a search would reuse, unseen, what loading has freed
         ctypes.CDLL("libc.so.6").malloc_trim(0)
     before = resident("VmRSS")
     if trace:
         tracemalloc.start()
-    elif RESET.exists():
+    else:
         RESET.write_text("5", encoding="ascii")  # sets the peak back to what is resident now
-    bench.solve(problem, optimizer, budget=BUDGET, seed=seed)
-    traced = tracemalloc.get_traced_memory()[1] / 1e3 if trace else float("nan")
-    return Memory(before, resident("VmHWM") - before, traced)
+    bench.solve(problem, many, budget=budget, seed=seed)
+    return before, tracemalloc.get_traced_memory()[1] / 1e6 if trace else resident("VmHWM") - before
 
 
-def medians(name: str, agents: int, runs: int) -> Memory:
-    """Return the medians over seeds, each search in a process of its own."""
-    context = multiprocessing.get_context("spawn")
-    found = []
-    for seed in range(runs):
-        with context.Pool(1) as alone, context.Pool(1) as other:
-            one = alone.apply(measure, (name, agents, seed, False))
-            found.append(one._replace(traced=other.apply(measure, (name, agents, seed, True)).traced))
-    return Memory(*map(median, zip(*found, strict=True)))
-
-
-def main() -> None:
-    agents, runs = (int(sys.argv[place]) if len(sys.argv) > place else usual for place, usual in ((1, 300), (2, 5)))
-    print(f"{PROBLEM}, {agents} agents, {BUDGET:,} evaluations, medians of {runs} searches")
-    print(f"{'optimizer':<14}{'process before, MB':>20}{'resident, kB':>14}{'arrays and objects, kB':>24}")
-    for name in OPTIMIZERS:
-        found = medians(name, agents, runs)
-        print(f"{name:<14}{found.before / 1e3:>20.0f}{found.resident:>14,.0f}{found.traced:>24,.0f}", flush=True)
+def resident(field: str) -> float:
+    """Return VmRSS (now) or VmHWM (peak) of this process in MB."""
+    lines = STATUS.read_text(encoding="ascii").splitlines()
+    return next(float(line.split()[1]) / 1e3 for line in lines if line.startswith(f"{field}:"))
 
 
 if __name__ == "__main__":
-    main()
+    main(measure)

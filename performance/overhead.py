@@ -1,6 +1,6 @@
-"""Measure the overhead of each optimizer: the time of a generation outside the objective function.
+"""Measure the overhead of each optimizer: the time of a generation outside the objective function, on one core.
 
-Run with ``python performance/overhead.py``. To measure another optimizer, add its pair to OPTIMIZERS.
+The optimizers take turns, so that a busy moment of the machine favours none. To measure another, add it to OPTIMIZERS.
 """
 
 from contextlib import suppress
@@ -8,69 +8,51 @@ from statistics import median
 from time import perf_counter
 
 import numpy as np
+from _rows import Rows, main, short, times
 from threadpoolctl import threadpool_limits
 
-from bench import BudgetExhausted, FunctionProblem, Optimizer
+from bench import BudgetExhausted, FunctionProblem, Optimizer, load_optimizer
 from bench.objective import Objective
-from optimizers.alo import ALO
-from optimizers.cma_es import CMAES
-from optimizers.cma_es_fast import CMAESFast
-from optimizers.da import DA
-from optimizers.goa import GOA
-from optimizers.gwo import GWO
-from optimizers.random_search import RandomSearch
 
-AGENTS, GENERATIONS, DIMENSION, RUNS = 300, 200, 7, 7
+AGENTS, DIMENSION = 300, 7
+GENERATIONS = 200
 
-OPTIMIZERS: list[tuple[str, Optimizer]] = [
-    ("random-search", RandomSearch(agents=AGENTS)),
-    ("gwo", GWO(agents=AGENTS)),
-    ("da", DA(agents=AGENTS)),
-    ("alo", ALO(agents=AGENTS)),
-    ("goa", GOA(agents=AGENTS)),
-    ("cma-es", CMAES(agents=AGENTS, handling="box", start="midpoint")),
-    ("cma-es-fast", CMAESFast(agents=AGENTS, handling="box", start="midpoint")),
-]
-
-DEFAULT_AGENTS = CMAES().population(DIMENSION)
+OPTIMIZERS = {
+    "random-search": {}, "gwo": {}, "da": {}, "alo": {}, "goa": {},
+    "cma-es": {"handling": "box", "start": "midpoint"}, "cma-es-fast": {"handling": "box", "start": "midpoint"},
+}  # fmt: skip
 
 
-def overhead(
-    optimizer: Optimizer, seed: int, agents: int = AGENTS, dimension: int = DIMENSION, generations: int = GENERATIONS
-) -> float:
+def measure(quick: bool) -> Rows:
+    runs, generations = (1, 5) if quick else (7, GENERATIONS)
+    optimizers = {name: load_optimizer(name, agents=AGENTS, **options) for name, options in OPTIMIZERS.items()}
+    with threadpool_limits(limits=1):
+        found = [
+            {name: overhead(optimizer, seed, generations) for name, optimizer in optimizers.items()}
+            for seed in range(runs + 1)
+        ][1:]  # the first round compiles
+    ms = {name: median(turn[name] for turn in found) for name in OPTIMIZERS}
+    rows = []
+    for name in OPTIMIZERS:
+        ratio = median(turn[name] / turn["random-search"] for turn in found)
+        beside = "" if name == "random-search" else f", {times(ratio)} random-search's"
+        rows.append(
+            (f"own time of a generation of {name}, {AGENTS} agents, d = {DIMENSION}", short(ms[name]) + " ms" + beside)
+        )
+    ratio = median(turn["cma-es"] / turn["cma-es-fast"] for turn in found)
+    return [*rows, ("the same of cma-es against its compiled twin cma-es-fast", times(ratio))]
+
+
+def overhead(optimizer: Optimizer, seed: int, generations: int = GENERATIONS) -> float:
     """Return the milliseconds of a generation outside the objective, in a run on a sphere."""
-    problem = FunctionProblem(lambda x: (x * x).sum(axis=1), [-5.0] * dimension, [5.0] * dimension)
+    problem = FunctionProblem(lambda x: (x * x).sum(axis=1), [-5.0] * DIMENSION, [5.0] * DIMENSION)
     start, search = (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(2))
-    objective = Objective(problem, agents * generations, start)
+    objective = Objective(problem, AGENTS * generations, start)
     began = perf_counter()
     with suppress(BudgetExhausted):
         optimizer.minimize(objective, search)
-    return (perf_counter() - began - objective.seconds) / (objective.evaluations / agents) * 1e3
-
-
-def cma_es_against_its_compiled_form(agents: int) -> tuple[float, float, float]:
-    """Return the milliseconds a generation of cma-es and of cma-es-fast, and their ratio, each a median of RUNS.
-
-    The two alternate, so that a busy moment of the machine slows both.
-    """
-    both = [form(agents=agents, handling="box", start="midpoint") for form in (CMAES, CMAESFast)]
-    rounds = [[overhead(optimizer, seed, agents) for optimizer in both] for seed in range(RUNS + 1)]
-    slow, fast = zip(*rounds[1:], strict=True)  # the first round compiles
-    return median(slow), median(fast), median(a / b for a, b in zip(slow, fast, strict=True))
-
-
-def main() -> None:
-    print(f"{AGENTS} agents, {GENERATIONS} generations, d = {DIMENSION}, one core, median of {RUNS} runs")
-    print(f"{'optimizer':<16}{'ms a generation':>16}")
-    with threadpool_limits(limits=1):
-        for label, optimizer in OPTIMIZERS:
-            overhead(optimizer, seed=0)  # the first run compiles
-            ms = median(overhead(optimizer, seed) for seed in range(1, RUNS + 1))
-            print(f"{label:<16}{ms:>16.3f}")
-        for agents in (AGENTS, DEFAULT_AGENTS):
-            slow, fast, ratio = cma_es_against_its_compiled_form(agents)
-            print(f"{agents} agents: cma-es {slow:.3f} ms, cma-es-fast {fast:.3f} ms, {ratio:.1f} times")
+    return (perf_counter() - began - objective.seconds) / (objective.evaluations / AGENTS) * 1e3
 
 
 if __name__ == "__main__":
-    main()
+    main(measure)

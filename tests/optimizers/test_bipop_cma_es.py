@@ -10,7 +10,7 @@ from bench import FunctionProblem, solve
 from optimizers.bipop_cma_es import BIPOPCMAES, NearestPoint, Run, restarts
 from optimizers.cma_es import CMAES
 from optimizers.cma_es_fast import CMAESFast
-from performance.archive import FACTOR, archived, measured
+from validation.archive import FACTOR, archived, measured
 
 D = 5
 

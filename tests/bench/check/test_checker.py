@@ -94,7 +94,10 @@ def test_classes_of_a_script_and_of_a_function_can_be_checked(tmp_path):
             lambda: check_optimizer(3),
             "give the name of an optimizer, an Optimizer subclass or an instance of one, not 3",
         ),
-        (lambda: check_optimizer("gwo", seed=-1), "the seed must be a whole number of at least 0, not -1"),
+        (
+            lambda: check_optimizer("gwo", seed=-1),
+            "the seed must be a whole number from 0 to 9223372036854775807, not -1",
+        ),
         (lambda: check_optimizer(int), "not <class 'int'>"),
         (lambda: check_optimizer(faulty.Sound, agentss=3), "no parameter 'agentss'; did you mean 'agents'?"),
         (lambda: check_optimizer(faulty.Sound, agents=0), "'agents' of Sound must be at least 1, not 0"),

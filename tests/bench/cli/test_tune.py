@@ -51,9 +51,12 @@ def test_it_writes_a_study_that_runs_and_reports_what_tuning_gained(bench_here, 
     ("arguments", "reason"),
     [
         (("scatter", "--train", "sphere-2", "--test", "sphere-[23]"), "'sphere-2' is a training and a test problem"),
-        (("scatter", *TRAIN, "--configurations", "0"), "--configurations must be a whole number of at least 1, not 0"),
-        (("scatter", *TRAIN, "--trials", "0"), "--trials must be a whole number of at least 1, not 0"),
-        (("scatter", *TRAIN, "--jobs", "0"), "--jobs must be a whole number of at least 1, or -1 for every core"),
+        (
+            ("scatter", *TRAIN, "--configurations", "0"),
+            "--configurations must be a whole number from 1 to 1000000, not 0",
+        ),
+        (("scatter", *TRAIN, "--trials", "0"), "--trials must be a whole number from 1 to 1000000, not 0"),
+        (("scatter", *TRAIN, "--jobs", "0"), "--jobs must be a whole number from 1 to 1000, or -1 for every core"),
         (("scatter", *TRAIN, "--timeout", "0"), "--timeout must be a positive number of seconds"),
         (("scatter", *TRAIN, "--objective", "mean"), "--objective must be aocc or regret, not 'mean'"),
         (

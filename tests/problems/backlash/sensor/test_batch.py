@@ -38,7 +38,7 @@ def test_a_bad_file_costs_itself_only_and_is_named_in_its_sentence(monkeypatch, 
 
 @pytest.mark.parametrize("jobs", [0, -2, 1.5])
 def test_without_a_worker_there_is_no_estimate(jobs):
-    with pytest.raises(BenchError, match="jobs must be a whole number of at least 1, or -1 for every core"):
+    with pytest.raises(BenchError, match="jobs must be a whole number from 1 to 1000, or -1 for every core"):
         estimate_files([Path("5.csv")], read, NONE, jobs=jobs)
 
 

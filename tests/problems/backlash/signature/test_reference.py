@@ -49,7 +49,7 @@ def best_run(problem, constrained, budget=100_000, seeds=(1,)):
 @pytest.mark.parametrize("constrained", [False, True], ids=["box", "constrained"])
 @pytest.mark.parametrize("name", ["signature-02", "noisy-00", "noisy-01", "noisy-20"])
 def test_no_long_run_finds_less(name, constrained):
-    """The proof in large is performance/optimum.py."""
+    """The proof in large is validation/optimum.py."""
     problem = bench.load_problem(name)
     found = assert_is_a_fit(problem, constrained)
     assert best_run(problem, constrained) >= found.value - CLOSE

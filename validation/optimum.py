@@ -1,6 +1,6 @@
 """Try to beat the reference fit with long runs of four optimizers on every dataset, clean and noisy.
 
-    python performance/optimum.py [--trials 5] [--budget 300000] [--output results/runs/optimum]
+    python validation/optimum.py [--trials 5] [--budget 300000] [--output results/runs/optimum]
 
 The problems are signature-01 … -20 and noisy-00 … -20 with both levels of noise, and some with a T_f whose windows may
 overlap or whose T_d lies between two samples; each optimizer runs in the box or under the constraints, against the

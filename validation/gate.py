@@ -1,6 +1,6 @@
 """False alarms, false passes and power of ``bench gate`` by both of its rules, by simulation.
 
-    python performance/gate.py [NULL] [SHIFTED]        # default: 500 null and 200 shifted pairs of each kind
+    python validation/gate.py [NULL] [SHIFTED]        # default: 500 null and 200 shifted pairs of each kind
 
 A pair is an old and a new version on N problems whose values are normal, bimodal, heavy-tailed, and, where versions are
 equal, in a third of the trials equal (the optimum), in turn. The new version is made worse without any assumption about

@@ -1,7 +1,7 @@
 """Compare the final bests of each built-in's default with those of another version of its algorithm.
 
-    python performance/variants.py           # the variants of GWO, ALO and GOA: about three minutes
-    python performance/variants.py mealpy    # mealpy's classes of the same names: about fifteen minutes; needs mealpy
+    python validation/variants.py           # the variants of GWO, ALO and GOA: about three minutes
+    python validation/variants.py mealpy    # mealpy's classes of the same names: about fifteen minutes; needs mealpy
 
 Five functions with d = 7, 30 agents and 200 generations' evaluations (6,000). p is of the exact two-sample
 Kolmogorov-Smirnov test; A12 is the chance that a run of the other version ends lower, ties counted by half.

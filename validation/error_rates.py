@@ -1,6 +1,6 @@
 """How often the claims of a page are wrong, and how often its intervals hold, by simulation, with standard errors.
 
-    python performance/error_rates.py [STUDIES]        # default: 2,000 a row; some minutes
+    python validation/error_rates.py [STUDIES]        # default: 2,000 a row; some minutes
 
 *Claims*: the share of studies that claim any difference where there is none, at the levels that their design gets; and
 the smallest A12 that each kind of test finds with a power of 80 %. In *equal* studies the optimizers are identical, on

@@ -1,7 +1,7 @@
 """Measure the accuracy of the virtual sensor on simulated recordings with noise and a random start.
 
-    python performance/sensor.py [--draws 10] [--resamples 200]
-    python performance/sensor.py --elsewhere
+    python validation/sensor.py [--draws 10] [--resamples 200]
+    python validation/sensor.py --elsewhere
 
 The recordings are those of levels 2 to 20 of section 7.2.1 with both levels of noise of section 7.3, and as many
 signals of noise alone: white, coloured, and with the load's ripple of a joint without backlash. Print the relative

@@ -1,6 +1,6 @@
 """How often ``bench similar`` calls identical optimizers different, and how often others, by simulation.
 
-    python performance/similar.py [REPEATS]        # default: 400 comparisons of each kind
+    python validation/similar.py [REPEATS]        # default: 400 comparisons of each kind
 
 An optimizer's trials are 48 numbers on each of 2 problems. Those of a problem depend on each other as stages of one
 search do: a random walk, rounded so that values tie, or one heavy-tailed number 48 times over. Identical optimizers

@@ -4,7 +4,7 @@ Every simulated study is one problem: equal optimizers, or one that is better th
 share of trials that end in the good one of two basins. The rule is that of a run: tests of A12 = 0.5, the level spent
 over the looks, Holm's method over all pairs, and a cell is stopped once all of its pairs are decided.
 
-    python performance/looks.py [STUDIES]        # default: 2,000 a row
+    python validation/looks.py [STUDIES]        # default: 2,000 a row
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Compare the running times of an optimizer on bbob with archived runs of an algorithm from COCO's data archive.
 
-    python performance/archive.py ARCHIVE.json [--functions 1 15] [--dimensions 5 10]
-    python performance/archive.py ARCHIVE.json --optimizer bipop-cma-es --options '{"variant": "pycma"}'
+    python validation/archive.py ARCHIVE.json [--functions 1 15] [--dimensions 5 10]
+    python validation/archive.py ARCHIVE.json --optimizer bipop-cma-es --options '{"variant": "pycma"}'
 
 ARCHIVE.json holds one algorithm: ``{NAME: {"f15-d5": {"evaluations_to_1e-8": [n or null, …], "evaluations": [n, …]},
 …}}``, by function and dimension the evaluations of each run until f - f_opt <= 1e-8, and all its evaluations.

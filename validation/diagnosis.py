@@ -1,6 +1,6 @@
 """Print the biases of the built-in optimizers that ``bench check`` measures, as a table in Markdown.
 
-Run with ``python performance/diagnosis.py``; names after it pick optimizers. To diagnose another, add it to OPTIMIZERS.
+Run with ``python validation/diagnosis.py``; names after it pick optimizers. To diagnose another, add it to OPTIMIZERS.
 """
 
 import sys

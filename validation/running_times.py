@@ -1,6 +1,6 @@
 """Coverage of the 95 % intervals of the expected running time (ERT), by simulation.
 
-    python performance/error_rates_ert.py [CELLS]        # default: 10,000 cells of each kind, a minute of CPU time
+    python validation/running_times.py [CELLS]        # default: 10,000 cells of each kind, a minute of CPU time
 
 The time of a success is exponential, lognormal or uniform, cut at the budget. A trial fails either because its time is
 longer than the budget, or by chance, with a budget of five or fifty times the mean time (a second basin, say).
