@@ -2,11 +2,13 @@
 
 One job makes trials of a tiny budget, which are all overhead, in several ways: in a process that makes several (the
 default, where trials are short), in a process forked for every trial (the default, where trials take 0.1 s), strictly,
-and, where bubblewrap can be used, in its sandbox. Then the cost of a call of the objective in a strict trial is measured against the default, and the memory
-of the job's processes: the pages that they share are counted once (proportional set size).
+and, where bubblewrap can be used, in its sandbox. Then the cost of a call of the objective in a strict trial is
+measured against the default, and the memory of the job's processes: the pages that they share are counted once
+(proportional set size).
 """
 
 import shutil
+from contextlib import suppress
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -23,7 +25,8 @@ from bench.execution.supervisor import Supervisor, Task
 DEFAULT = job.WORTH
 WAYS = (
     ("several trials a process", DEFAULT, False, None), ("a fork for each", 0.0, False, None),
-    ("strictly", 0.0, True, None), ("in bubblewrap", 0.0, False, "bwrap"), ("strictly in bubblewrap", 0.0, True, "bwrap"),
+    ("strictly", 0.0, True, None), ("in bubblewrap", 0.0, False, "bwrap"),
+    ("strictly in bubblewrap", 0.0, True, "bwrap"),
 )  # fmt: skip
 SMALL = {"name": "small", "trials": 1, "budget": 10, "problems": [{"name": "signature-12"}],
          "optimizers": [{"name": "random-search", "agents": 10}]}  # fmt: skip
@@ -62,7 +65,7 @@ def overhead(study: Study, worth: float, strict: bool, sandbox: str | None) -> t
         return 1e3 * (perf_counter() - began - sum(made)) / len(made), memory()
     finally:
         supervisor.close()
-        templates.WORTH = DEFAULT
+        job.WORTH = DEFAULT
 
 
 def memory() -> float:

@@ -113,7 +113,7 @@ def test_simulate_writes_a_recording_that_can_be_fitted(bench_here, tmp_path):
     ("arguments", "said"),
     [
         (["runn"], "No such command 'runn'"),
-        (["run"], "issing"),
+        (["run"], "name a study: 'bench run quick' runs a small one"),
         (["run", "quick", "--jobs", "x"], "--jobs must be a whole number, not 'x'"),
         (["run", "quick", "--timeout", "soon"], "--timeout must be a number, not 'soon'"),
         (

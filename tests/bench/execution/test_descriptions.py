@@ -108,7 +108,7 @@ def refuse(*args, **more):
 
 
 def test_a_run_notes_what_a_report_reads_and_the_report_starts_no_process(made, monkeypatch):
-    monkeypatch.setattr(descriptions, "Process", refuse)
+    monkeypatch.setattr(descriptions, "root", refuse)
     results = Results(made)
     mine, gwo = noted(results.study, results.descriptions).values()
     assert mine == Description(
@@ -119,7 +119,7 @@ def test_a_run_notes_what_a_report_reads_and_the_report_starts_no_process(made, 
 
 
 def test_a_folder_without_the_note_has_the_built_in_ones_only_and_says_so(made, monkeypatch):
-    monkeypatch.setattr(descriptions, "Process", refuse)
+    monkeypatch.setattr(descriptions, "root", refuse)
     (made / "optimizers.json").unlink()
     results = Results(made)
     mine, gwo = noted(results.study, results.descriptions).values()

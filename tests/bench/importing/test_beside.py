@@ -50,8 +50,8 @@ class TestUnited:
     def test_the_problems_that_both_have_are_compared(self, mine, archive):
         both = Results(mine, archive)
         assert [entry.label for entry in both.study.problems] == ["box-f01-d2-i1", "box-f01-d2-i2"]
-        assert both.trials.frame.groupby("optimizer").size().to_dict() == {"own": 6, "archived": 4}
-        assert {problem for problem, _, _ in both.trials.traces} == {"box-f01-d2-i1", "box-f01-d2-i2"}
+        assert both.frame.groupby("optimizer").size().to_dict() == {"own": 6, "archived": 4}
+        assert {problem for problem, _, _ in both.traces} == {"box-f01-d2-i1", "box-f01-d2-i2"}
 
     def test_the_differences_are_said(self, mine, archive):
         shared, mine_more, archive_more, trials, budgets = Results(mine, archive).differences
@@ -168,6 +168,6 @@ def test_a_second_import_of_our_export_holds_the_same(archive, tmp_path):
     """What was imported can be exported and imported again."""
     import_results(exported(Results(archive), "csv", tmp_path / "out"), tmp_path / "again")
     again, first = Results(tmp_path / "again"), Results(archive)
-    assert again.trials.frame["fun"].tolist() == first.frame["fun"].tolist()
-    assert again.trials.frame["seed"].isna().all()
-    assert all(np.array_equal(again.trials.traces[key].values, trace.values) for key, trace in first.traces.items())
+    assert again.frame["fun"].tolist() == first.frame["fun"].tolist()
+    assert again.frame["seed"].isna().all()
+    assert all(np.array_equal(again.traces[key].values, trace.values) for key, trace in first.traces.items())

@@ -67,9 +67,9 @@ def refused(folder, tmp_path, sentence):
 def test_running_times_and_evaluations_are_those_of_cocopp(logged, tmp_path, suite):
     theirs = read(READ, logged / suite, tmp_path, json.dumps(PRECISIONS.tolist()))
     import_results(logged / suite, tmp_path / "out")
-    found = Findings(Results(tmp_path / "out"))
+    found = Findings(Results(tmp_path / "out")).trials
     targets = analysis.precision_targets(found.problems, PRECISIONS)
-    hits = analysis.hitting_times(found.frame, found.traces, targets, found.trials.allowed)
+    hits = analysis.hitting_times(found.frame, found.traces, targets, found.allowed)
     ours = analysis.expected_running_time(hits).set_index("problem")
     assert len(theirs) == 2
     for data in theirs:

@@ -38,7 +38,7 @@ def test_problems_of_unknown_dimension_have_their_data_profile_over_evaluations(
     import_results(written(tmp_path), tmp_path / "out")
     findings = Findings(Results(tmp_path / "out"))
     together = anytime.section(findings).items[0]
-    assert findings.dimensions == {}
+    assert findings.trials.dimensions == {}
     profile = together.data[together.data["panel"] == "data profile"]
     assert profile["evaluations"].max() == 20
 

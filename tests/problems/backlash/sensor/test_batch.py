@@ -113,7 +113,7 @@ def test_an_optimizer_is_checked_before_any_recording_is_read():
         ({"name": "gwoo"}, "did you mean 'gwo'"),
         ({"name": "gwo", "options": {"agent": 3}}, "no parameter 'agent'"),
         ({"name": "gwo", "budget": 3}, "below one generation"),
-        ({"name": "gwo", "runs": 0}, "at least 1"),
+        ({"name": "gwo", "runs": 0}, "from 1 to"),
     ):
         with pytest.raises(BenchError, match=said):
             RunSettings(**options)
