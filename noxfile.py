@@ -102,7 +102,7 @@ def benchmark(session: nox.Session) -> None:
 @nox.session(venv_backend="uv|venv")
 def performance(session: nox.Session) -> None:
     """Measure what the performance page shows, and write its JSON; "-- --quick" tries the scripts with small sizes."""
-    session.install("-e", ".[suites]", *group("test"))
+    session.install("-e", ".[suites]", *group("test"), "ioh")
     session.run("python", "performance", *session.posargs)
 
 

@@ -11,6 +11,8 @@ import json
 import subprocess
 import sys
 from datetime import UTC, datetime
+from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic
 
@@ -41,7 +43,7 @@ def main() -> None:
 def record(quick: bool) -> dict[str, object]:
     """Return when, where and of which code the rows are."""
     here = machine()
-    packages = {name: version for name, version in here["packages"].items() if name in PACKAGES}
+    packages = {name: version(name) for name in PACKAGES if find_spec(name)}
     known = {key: here[key] for key in ("processor", "cores", "memory_gb", "system", "python", "git")}
     return {"quick": quick, "date": datetime.now(UTC).date().isoformat(), **known, "packages": packages}
 
