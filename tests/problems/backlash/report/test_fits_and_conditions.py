@@ -126,7 +126,7 @@ def test_the_memory_of_known_optimizers_and_agents_is_shown(tmp_path):
     (section,) = resources.sections(frame, results.study)
     assert [item.name for item in section.items] == ["execution-time", "mean-times", "memory"]
     assert section.items[2].frame.index.tolist() == ["cma-es 30", "gwo 30"]
-    assert "232 kB with gwo 30 and 972 kB with cma-es 30" in section.text[1]
+    assert "160 kB with gwo 30 and 340 kB with cma-es 30" in section.text[1]
     assert resources.sections(frame.assign(wall_s=np.nan), results.study) == []
 
 
