@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 
 def write(folder: Path, pages: Mapping[str, str]) -> None:
@@ -32,3 +33,17 @@ def code(text: object) -> str:
 def plain(text: str) -> str:
     """Return a text in which Markdown reads no markup."""
     return "".join(f"\\{letter}" if letter in "\\`*_[]<>#$" else letter for letter in " ".join(text.split()))
+
+
+def performance(measured: dict[str, Any]) -> str:
+    """Return the Markdown of what was measured."""
+    packages = ", ".join(f"{name} {version}" for name, version in measured["packages"].items())
+    commit = str((measured["git"] or {}).get("commit") or "unknown")[:10]
+    warning = "**A trial run with small sizes: these numbers mean nothing.** " if measured["quick"] else ""
+    about = (
+        f"{warning}Measured on {measured['date']} on {measured['cores']} cores of {measured['processor']}, "
+        f"{measured['memory_gb']:.0f} GB, {measured['system']}, with Python {measured['python']}, {packages}; "
+        f"commit {commit}."
+    )
+    rows = [(plain(row["measured"]), plain(row["value"]), code(row["command"])) for row in measured["rows"]]
+    return f"{about}\n\n{table(('measured', 'value', 'alone'), rows)}\n"

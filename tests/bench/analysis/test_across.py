@@ -24,7 +24,7 @@ from bench.analysis.direction import effects, intervals, least_p
 from bench.analysis.pairwise import holm, pairwise_tests
 from bench.analysis.standings import mean_ranks, standings
 
-pytestmark = pytest.mark.filterwarnings("error")
+pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 INF = float("inf")
 TESTS = ["first", "second", "problems", "blocks", "statistic", "p", "p_holm", "significant", "lower", "note"]
 

@@ -22,7 +22,7 @@ from bench.analysis.cells import (
 )
 from bench.study import Entry, Study
 
-pytestmark = pytest.mark.filterwarnings("error")
+pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 INF = float("inf")
 
 

@@ -9,7 +9,7 @@ from bench.analysis.direction import wins
 from bench.analysis.pairwise import pairwise_tests
 from bench.analysis.standings import against_rivals, ranks, standings
 
-pytestmark = pytest.mark.filterwarnings("error")
+pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 LOW, FAR = [1.0, 2.0, 3.0, 4.0, 5.0], [11.0, 12.0, 13.0, 14.0, 15.0]
 
 

@@ -8,7 +8,7 @@ from bench.analysis.cells import summarise
 from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
 from bench.analysis.pairwise import pairwise_tests
 
-pytestmark = pytest.mark.filterwarnings("error")
+pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 INF = float("inf")
 LOW = [float(i) for i in range(1, 11)]  # complete separation of ten trials is significant beside 25 tests
 NEAR, FAR = [i + 0.05 for i in LOW], [i + 20 for i in LOW]

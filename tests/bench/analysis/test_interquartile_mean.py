@@ -7,7 +7,7 @@ from scipy.stats import bootstrap, trim_mean
 
 from bench.analysis.across import interquartile_mean, normalised_errors
 
-pytestmark = pytest.mark.filterwarnings("error")
+pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 INF = float("inf")
 
 

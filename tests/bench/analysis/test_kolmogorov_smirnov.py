@@ -8,7 +8,7 @@ from scipy.stats import ks_2samp, permutation_test
 
 from bench.analysis.kolmogorov_smirnov import ks_distance, ks_tests, permutation_p
 
-pytestmark = pytest.mark.filterwarnings("error")
+pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 INF = float("inf")
 
 

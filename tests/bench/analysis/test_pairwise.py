@@ -15,7 +15,7 @@ from bench.analysis.direction import effects, intervals, p_values
 from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.analysis.pairwise import COLUMNS, compare_all, effect_size, holm, pairwise_tests, percentile_interval
 
-pytestmark = pytest.mark.filterwarnings("error")
+pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 INF = float("inf")
 INTERVALS = ["a12_low", "a12_high", "joint_low", "joint_high"]
 

@@ -9,7 +9,7 @@ from bench.analysis.pairwise import pairwise_tests
 from bench.analysis.stages import stage_ranks, unused_budget
 from bench.analysis.standings import standings
 
-pytestmark = pytest.mark.filterwarnings("error")
+pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 
 
 def traces_of(curves):

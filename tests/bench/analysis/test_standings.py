@@ -11,7 +11,7 @@ from bench.analysis.compare import comparison_matrix, table
 from bench.analysis.pairwise import pairwise_tests
 from bench.analysis.standings import COLUMNS, disagreements, mean_ranks, standings
 
-pytestmark = pytest.mark.filterwarnings("error")
+pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 THESIS = Path(__file__).parents[3] / "results" / "thesis" / "trials.csv"
 LOW = [float(i) for i in range(1, 11)]  # complete separation of ten trials is significant beside 25 tests
 NEAR, FAR = [i + 0.05 for i in LOW], [i + 20 for i in LOW]

@@ -176,7 +176,7 @@ def test_a_problem_whose_data_changed_has_no_best_fit(tmp_path):
     assert table(results, "table-7-3-best-fit").index.tolist() == ["noisy-03"]
 
 
-@pytest.mark.filterwarnings("error")
+@pytest.mark.filterwarnings("error", "default::ResourceWarning")
 @pytest.mark.parametrize("trials", [1, 3])
 def test_the_figure_has_a_panel_a_noise_level_with_the_thesis_s_points(tmp_path, trials):
     entries = [at(0), at(2), at(11), at(2, "high")]

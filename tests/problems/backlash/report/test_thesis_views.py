@@ -376,7 +376,7 @@ def test_mean_times_are_those_of_the_finished_trials(tmp_path):
 
 
 @pytest.mark.sampled(2)
-@pytest.mark.filterwarnings("error")
+@pytest.mark.filterwarnings("error", "default::ResourceWarning")
 @pytest.mark.parametrize(
     "change",
     [
