@@ -21,6 +21,7 @@ def strict():
     with warnings.catch_warnings(), style.context():
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", message="Glyph")
+        warnings.filterwarnings("default", category=ResourceWarning)  # of sockets that another test left
         yield
 
 
