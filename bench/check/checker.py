@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator
 from contextlib import closing
 from typing import Any
 
-from bench.check.conformance.recording import explain_lost_process
+from bench.check.conformance.recording import LOST, explain_lost_process
 from bench.check.conformance.rules import RULES, STRICT, Rule, failed, find_rule, judge
 from bench.check.conformance.subject import PRINTED, START_SECONDS, Subject, make_subject, pack, unpack
 from bench.check.verdict import Checkup, Verdict
 from bench.optimizer import Optimizer
 from bench.sandbox.messages import describe_error
-from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, Process, RemoteError, TimeExceededError
+from bench.sandbox.process import Process, RemoteError
 
 CONSTRUCTION, PICKLING = find_rule("parameters"), find_rule("pickling")
 
@@ -130,7 +130,7 @@ class Checker:
             verdict = failed(rule, "its process gave an answer that is no verdict", "leave the harness's objects alone")
         except RemoteError as error:  # such as KeyboardInterrupt; other exceptions are in the verdict
             verdict = failed(rule, f"it raised {error}")
-        except (TimeExceededError, PrintedTooMuchError, DiedError, LostError) as error:
+        except LOST as error:
             verdict = failed(rule, *explain_lost_process(error, process.note))
         self.close()
         return verdict
@@ -146,7 +146,7 @@ class Checker:
             self._process = Process(hash_seed=0)
             try:
                 self._process.call(_load, self._packed, seconds=START_SECONDS, printed=PRINTED)
-            except (RemoteError, TimeExceededError, PrintedTooMuchError, DiedError, LostError) as error:
+            except (RemoteError, *LOST) as error:
                 self.close()
                 self.unloadable = f"another process cannot load it: {error}"
         return self._process

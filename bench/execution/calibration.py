@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -10,7 +9,7 @@ from tempfile import TemporaryDirectory
 from bench.execution.plan import Plan
 from bench.execution.runner import run
 from bench.storage.folder import Folder
-from bench.study import Study
+from bench.study.budget import shortened
 
 PROBLEMS = 3
 SHARE = 20  # of the budget that a short trial has, as 1 / SHARE
@@ -20,15 +19,14 @@ LEAST = 1_000  # evaluations of a short trial, where the budget has as many
 def calibrated_seconds(plan: Plan, jobs: int, sandbox: str | None = None) -> float | None:
     """Return the seconds on one processor that a plan's trials will take; None where no short trial succeeds.
 
-    Each optimizer makes one trial with a twentieth of the budget on up to three problems, the first, the last and one
-    in the middle. The time of a trial is taken as proportional to its evaluations. An optimizer whose short trials
-    fail, as where its population exceeds their budget, counts as the mean of the others.
+    Each optimizer makes one trial with a twentieth of the budget on up to three problems, at equal steps. The time of a
+    trial is taken as proportional to its evaluations. An optimizer whose short trials fail, as where its population
+    exceeds their budget, counts as the mean of the others.
     """
     study = plan.study
     step = max(1, (len(study.problems) - 1) // (PROBLEMS - 1))
-    short = replace(
-        study, problems=study.problems[::step][:PROBLEMS], trials=1, looks=(), budget=_shortened(study), tuning=None
-    )
+    budget = shortened(study.budget, SHARE, LEAST)
+    short = replace(study, problems=study.problems[::step][:PROBLEMS], trials=1, looks=(), budget=budget, tuning=None)
     with TemporaryDirectory() as place:
         folder = Folder(run(short, Path(place) / "short", n_jobs=jobs, sandbox=sandbox).folder)
         rows = [row for row in folder.store.rows() if row["status"] == "ok" and row["nfev"]]
@@ -44,14 +42,3 @@ def calibrated_seconds(plan: Plan, jobs: int, sandbox: str | None = None) -> flo
         (planned - finished) * means.get(optimizer, usual) * evaluations[problem]
         for (problem, optimizer), (planned, finished) in plan.counts().items()
     )
-
-
-def _shortened(study: Study) -> int | str | dict[str, int]:
-    """Return a budget of a twentieth of the study's evaluations, but not below LEAST where the study has as many."""
-    budget = study.budget
-    if isinstance(budget, int):
-        return max(min(budget, LEAST), budget // SHARE)
-    if isinstance(budget, dict):
-        return {dimension: max(min(each, LEAST), each // SHARE) for dimension, each in budget.items()}
-    factor = float(re.sub(r"[*d\s_]", "", budget))
-    return f"{max(min(factor, LEAST), factor / SHARE):g} * d"

@@ -15,7 +15,7 @@ DEEPEST = 100
 """Levels of lists and tables; the parsers, and all that copies or prints a value, call themselves for each."""
 
 _DOTTED = re.compile(rf"""(?<![\w"'-])(?:[\w"'-]++\s*+\.\s*+){{{DEEPEST}}}""")
-"""The beginning of a dotted key of so many levels, for which the parser of TOML takes minutes."""
+"""It finds a dotted key of DEEPEST levels or more; the parser of TOML takes minutes for a very long one."""
 
 _TOO_DEEP = f"it is nested more than {DEEPEST} levels deep"
 

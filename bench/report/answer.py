@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +9,10 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from bench import analysis
+from bench.helpers.parsing import parse_json, read_text
 from bench.plots import style
 from bench.report.findings import Findings
 from bench.report.parts import Section
-from bench.report.sections.verdict import NEAR
 from bench.report.wording import count, percent
 
 NOTE = "answer.json"
@@ -32,41 +30,28 @@ def answer(findings: Findings, verdict: Section) -> dict[str, Any]:
     sentences = [*(text for card in verdict.cards for text in card.text), *verdict.text, *verdict.warnings]
     rows: list[list[str]] = []
     if verdict.cards:
-        trials = findings.trials
-        near = analysis.near_best(trials.measured_final, trials.optima, _share(findings), analysis.SOLVED)
         ranking = findings.final.ranking.set_index("optimizer").to_dict("index")
         for label in findings.final.ranked[:MOST]:
             row = ranking[label]
             first = f"{row['first']:g} of {row['problems']:g}"
             name = style.plain(label, LONGEST).replace(r"\$", "$")
-            rows.append([name, f"{row['mean_rank']:.2f}", first, percent(near[label])])
+            rows.append([name, f"{row['mean_rank']:.2f}", first, percent(findings.anytime.near_best[label])])
     more = len(findings.trials.optimizers) - len(rows) if rows else 0
     return {
         "sentence": sentences[0] if sentences else "",
-        "columns": ["optimizer", "mean rank", "first on", _solved(findings)],
+        "columns": ["optimizer", "mean rank", "first on", findings.anytime.near_words],
         "rows": rows,
         "more": f"and {count(more, 'other optimizer')}" if more else "",
         "trials": len(findings.results.frame),
     }
 
 
-def _share(findings: Findings) -> float:
-    return 0.0 if findings.anytime.words.kind == "precisions" else NEAR
-
-
-def _solved(findings: Findings) -> str:
-    """Return the head of the column of trials that came near the best value."""
-    if findings.anytime.words.kind == "precisions":
-        return f"within {analysis.SOLVED:g}"
-    return f"within {NEAR:.0%}"
-
-
 def read(folder: Path) -> dict[str, Any]:
     """Return the answer of the report in a folder; empty where there is none that can be read."""
     try:
-        noted = json.loads((folder / NOTE).read_text(encoding="utf-8"))
+        noted = parse_json(read_text(folder / NOTE))
         return noted if isinstance(noted, dict) and isinstance(noted.get("rows"), list) else {}
-    except (OSError, ValueError, RecursionError):
+    except (OSError, ValueError):
         return {}
 
 

@@ -276,7 +276,7 @@ def _end_with_original(original: int) -> None:
         _exit(1)
 
 
-# As they are before any plug-in is imported, which may replace them: what is forked is what is ended.
+# A plug-in may replace these functions when it is imported; the server keeps those from before.
 _kill, _exit, _getpid = os.kill, os._exit, os.getpid
 _fork: Any = getattr(os, "fork", None)
 _killpg: Any = getattr(os, "killpg", None)

@@ -70,6 +70,16 @@ def described(budget: Budget) -> str:
     return joined(parts)
 
 
+def shortened(budget: Budget, share: int, least: int) -> Budget:
+    """Return a budget of 1 / ``share`` of the evaluations, but not below ``least`` where the budget has as many."""
+    if isinstance(budget, int):
+        return max(min(budget, least), budget // share)
+    if isinstance(budget, str):
+        factor = _multiple(budget)
+        return f"{max(min(factor, least), factor / share):g} * d"
+    return {dimension: max(min(each, least), each // share) for dimension, each in budget.items()}
+
+
 def _multiple(text: str) -> float:
     """Return the evaluations a dimension of a text such as ``"1e4 * d"``, 0 for another text."""
     found = _MULTIPLE.fullmatch(text)

@@ -18,11 +18,11 @@ from typing import IO
 
 import cloudpickle
 
-from bench.check.conformance.recording import ViolationError, expect_same, explain_lost_process
+from bench.check.conformance.recording import LOST, ViolationError, expect_same, explain_lost_process
 from bench.check.conformance.subject import PRINTED, START_SECONDS, Subject, pack, parameters, unpack
 from bench.check.problems import bowl
 from bench.sandbox.messages import describe_error
-from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, Process, TimeExceededError
+from bench.sandbox.process import Process
 
 
 def check_repetition(subject: Subject) -> str:
@@ -49,7 +49,7 @@ def check_processes(subject: Subject) -> str:
         try:
             packed = subject.packed or pack(subject)
             there = process.call(courses, packed, seeds[::-1], seconds=START_SECONDS, printed=PRINTED)
-        except (TimeExceededError, PrintedTooMuchError, DiedError, LostError) as error:
+        except LOST as error:
             finding, other_mend = explain_lost_process(error, process.note)
             raise ViolationError(f"in another process, {finding}", other_mend) from error
     for mine, other in zip(here, reversed(there), strict=True):

@@ -71,6 +71,10 @@ def expect_same(one: list[int], other: list[int], finding: str, mend: str) -> No
         raise ViolationError(f"{finding} (from evaluation {first} on)", mend)
 
 
+LOST = (TimeExceededError, PrintedTooMuchError, DiedError, LostError)
+"""How an optimizer may lose the process that it runs in."""
+
+
 def explain_lost_process(
     error: TimeExceededError | PrintedTooMuchError | DiedError | LostError, noted: Any
 ) -> tuple[str, str]:

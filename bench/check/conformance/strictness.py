@@ -8,6 +8,7 @@ from contextlib import suppress
 from threadpoolctl import threadpool_limits
 
 from bench.check.conformance.recording import (
+    LOST,
     RecordedRun,
     ViolationError,
     expect_same,
@@ -18,7 +19,7 @@ from bench.check.conformance.subject import PRINTED, START_SECONDS, Subject, ord
 from bench.check.problems import bowl
 from bench.execution import strict
 from bench.objective import BudgetExhausted, Objective, integer_flags
-from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, Process, TimeExceededError
+from bench.sandbox.process import Process
 from bench.seeds import streams
 
 
@@ -35,7 +36,7 @@ def check_strictly(subject: Subject) -> str:
             process.start(run_apart, packed, budget, files=[other.fileno()])
         try:
             process.finish(seconds=START_SECONDS, printed=PRINTED)
-        except (TimeExceededError, PrintedTooMuchError, DiedError, LostError) as error:
+        except LOST as error:
             finding, other_mend = explain_lost_process(error, process.note)
             raise ViolationError(f"with the problem in another process, {finding}", other_mend) from error
         process.close()

@@ -16,6 +16,8 @@ from bench.report.findings.trials import Trials
 from bench.report.target_words import TargetWords, default_targets, target_words
 from bench.study.targets import NO_METRIC, Targets
 
+NEAR = 0.01  # of the best known value
+
 
 @dataclass(frozen=True)
 class Anytime:
@@ -40,6 +42,24 @@ class Anytime:
         """The words for the targets: those asked for, the study's own, or the usual ones of its problems."""
         usual = default_targets(self.trials.known, self.trials.precisions)
         return target_words(self.asked or self.trials.results.study.targets or usual)
+
+    @property
+    def near(self) -> float:
+        """The share of the best known value within which a trial counts as near; 0 where precisions count instead.
+
+        A share of an optimum that was shifted at will means nothing.
+        """
+        return 0.0 if self.words.kind == "precisions" else NEAR
+
+    @property
+    def near_words(self) -> str:
+        """What counts as near, such as ``"within 1%"``."""
+        return f"within {self.near:.0%}" if self.near else f"within {analysis.SOLVED:g}"
+
+    @cached_property
+    def near_best(self) -> pd.Series:
+        """The share of each optimizer's trials that came near the best known value."""
+        return analysis.near_best(self.trials.measured_final, self.trials.optima, self.near, analysis.SOLVED)
 
     def check_targets(self) -> None:
         """Raise BenchError where no problem has what the targets, or the best of 2009, are measured by."""

@@ -25,7 +25,6 @@ from bench.report.winner import TIED, WINNER_RULE, Across, Stage, Standing, verd
 from bench.report.wording import count, listing, p_text, unfinished_trials
 
 TITLE = "Verdict"
-NEAR = 0.01  # of the best known value
 TOO_FEW = "; with so few trials beside so many tests, nothing is tested on single problems here"
 
 
@@ -66,8 +65,6 @@ def standing(findings: Findings) -> Standing:
         beaten[str(lower), str(second if lower == first else first)] += 1
     known = all(label in trials.unbeaten for label in complete)
     best = "the optimum" if known else "the best known value"
-    # A share of an optimum that was shifted at will means nothing.
-    precise = findings.anytime.words.kind == "precisions"
     least, most = trials.per_cell
     return Standing(
         ranking, beaten, _across(final), final.levels, len({trials.blocks[str(each)] for each in complete}),
@@ -78,8 +75,8 @@ def standing(findings: Findings) -> Standing:
         matched=_controls(findings),
         differing=_dimensions(findings),
         size=_size(findings),
-        found=analysis.near_best(trials.measured_final, trials.optima, 0.0 if precise else NEAR, analysis.SOLVED),
-        near=f"within {analysis.SOLVED:g} of {best}" if precise else f"within {NEAR:.0%} of {best}",
+        found=findings.anytime.near_best,
+        near=f"{findings.anytime.near_words} of {best}",
         course=_course(findings),
         unit="of the budget" if trials.scaled else "evaluations",
         clock=clock.sentence(findings),

@@ -137,7 +137,7 @@ def estimate(
     }  # fmt: skip
     for remark in remarks:
         print_line(remark, console=stderr)
-    several = len(paths) > 1
+    several, names = len(paths) > 1, recording_files.short_names(paths)
     made = estimate_files(paths, partial(_read, window=part, columns=columns), settings, asked, jobs=jobs)
     if sys.stderr.isatty():
         from rich.progress import track
@@ -154,7 +154,7 @@ def estimate(
     if as_json:
         print(json.dumps([formatting.json_object(each) for each in outcomes], indent=1, ensure_ascii=False))
     elif several:
-        formatting.print_table(outcomes, recording_files.short_names(paths), joints, settings)
+        formatting.print_table(outcomes, names, joints, settings)
     elif good:
         print_line("\n".join(formatting.estimate_lines(good[0], settings)))
     if csv is not None:
@@ -165,7 +165,7 @@ def estimate(
     if page is not None:
         from problems.backlash.sensor import page as pages
 
-        pages.write(page, outcomes, recording_files.short_names(paths), joints, settings)
+        pages.write(page, outcomes, names, joints, settings)
         print_line(f"page: {page}", console=stderr)
     if plot is not None and good:
         pictures = plots.save_figures(plot, good, joints, settings, alone=not several)

@@ -144,7 +144,7 @@ def trials_table(outcomes: Sequence[Estimated | Failed], names: Sequence[str]) -
 
 
 def shortened(name: str, most: int) -> str:
-    """Return a name of at most so many letters, with … in the middle of a longer one: its end says which it is."""
+    """Return a name of at most ``most`` letters; a longer one has … in the middle, as ends differ."""
     return name if len(name) <= most else f"{name[: most // 3]}…{name[most // 3 + 1 - most :]}"
 
 

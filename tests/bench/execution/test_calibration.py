@@ -3,8 +3,9 @@
 import pytest
 
 from bench import Study
-from bench.execution.calibration import LEAST, _shortened, calibrated_seconds
+from bench.execution.calibration import LEAST, SHARE, calibrated_seconds
 from bench.execution.runner import plan
+from bench.study.budget import shortened
 
 
 def study(budget, problems=("sphere-2", "sphere-3"), optimizers=("scatter", "early"), **changes):
@@ -20,7 +21,7 @@ def study(budget, problems=("sphere-2", "sphere-3"), optimizers=("scatter", "ear
      ({"2": 200_000, "3": 60}, {"2": 10_000, "3": 60})],
 )  # fmt: skip
 def test_a_short_trial_has_a_part_of_a_large_budget(budget, short):
-    assert _shortened(study(budget)) == short
+    assert shortened(study(budget).budget, SHARE, LEAST) == short
 
 
 def test_it_counts_every_missing_trial_by_its_evaluations(tmp_path, testing_plugins):

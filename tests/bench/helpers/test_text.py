@@ -5,17 +5,7 @@ import re
 import pytest
 
 from bench.helpers.text import file_name, free, joined, printable, unique
-
-HOSTILE = [
-    "../../etc/passwd",
-    "a/b:c",
-    "<script>alert(1)</script>",
-    "x & y_1 100% $z$ {q} ~ ^ \\",
-    "..",
-    "",
-    "con\nnew",
-    "日本",
-]
+from tests.bench.names import HOSTILE
 
 
 class TestFileNames:

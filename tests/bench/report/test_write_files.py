@@ -10,17 +10,7 @@ from bench.plots import style
 from bench.report import Figure, Table
 from bench.report.page import inline
 from bench.report.write import save_figure, save_table
-
-HOSTILE = [
-    "../../etc/passwd",
-    "a/b:c",
-    "<script>alert(1)</script>",
-    "x & y_1 100% $z$ {q} ~ ^ \\",
-    "..",
-    "",
-    "con\nnew",
-    "日本",
-]
+from tests.bench.names import HOSTILE
 
 
 def test_csv_has_full_precision(tmp_path):
