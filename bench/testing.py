@@ -102,7 +102,7 @@ class RuleCheck:
             pytest.skip(f"not checked, because {label} breaks the rule {checker.obstacle(self._rule).name!r}")
         if not verdict.passed:
             finding = f"{label} breaks the rule {self.rule!r}: {verdict.finding}"
-            pytest.fail(f"{finding}\nremedy: {verdict.mend}", pytrace=False)
+            pytest.fail(f"{finding}\nremedy: {verdict.remedy}", pytrace=False)
 
 
 def _cases(source: Source, expected_failures: ExpectedFailures | None) -> Iterator[Any]:

@@ -220,7 +220,7 @@ def test_a_package_whose_module_this_one_replaced_is_named_also_when_it_is_unins
     alone(alone.own)
     assert call(alone.programs / "bench", "--help").returncode == 0
     found, _ = on_name(alone, module)
-    assert (found["state"], f"other-{module}" in found["mend"]) == ("note", True)
+    assert (found["state"], f"other-{module}" in found["remedy"]) == ("note", True)
     alone(f"other-{module}", command="uninstall", options=())
     done = call(alone.programs / "bench", "list")
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)

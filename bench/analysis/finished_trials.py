@@ -39,7 +39,7 @@ NUMBERS = ["fun", "nfev", "outside_box"]
 NO_TRACE = Trace(np.empty(0, dtype=np.int64), np.empty(0))
 
 
-class Finding(NamedTuple):
+class CheckResult(NamedTuple):
     """The result of one check: its verdict, one or two short sentences, and the cells concerned."""
 
     verdict: Verdict
@@ -47,8 +47,8 @@ class Finding(NamedTuple):
     cells: Sequence[str] = ()
 
 
-NO_TRACES = Finding("not checked", "The traces are unknown here.")
-NO_POINTS = Finding("not checked", "The final points are unknown here.")
+NO_TRACES = CheckResult("not checked", "The traces are unknown here.")
+NO_POINTS = CheckResult("not checked", "The final points are unknown here.")
 
 
 @dataclass(frozen=True)
@@ -78,12 +78,12 @@ class Evidence:
 
 def judge(
     trials: pd.DataFrame, bad: pd.Series[bool], verdict: Verdict, did: str, meaning: str = "", *, well: str
-) -> Finding:
+) -> CheckResult:
     """Return a finding on what the ``bad`` trials ``did``, where, and what it means, or a pass if no trial is bad."""
     if not bad.any():
-        return Finding("pass", well)
+        return CheckResult("pass", well)
     text = f"{bad.sum():,} of {len(trials):,} trials {did}, in {where(trials[bad])}. {meaning}"
-    return Finding(verdict, text.strip(), cell_names(trials[bad]))
+    return CheckResult(verdict, text.strip(), cell_names(trials[bad]))
 
 
 def cell_names(rows: pd.DataFrame) -> list[str]:
@@ -119,7 +119,7 @@ def _percentages(shares: pd.Series[float]) -> str:
     return listed([f"{name} {percent(share)}" for name, share in shares.items()])
 
 
-def _finite(evidence: Evidence) -> Finding:
+def _finite(evidence: Evidence) -> CheckResult:
     return judge(
         evidence.finished,
         ~np.isfinite(evidence.finished["fun"]),
@@ -130,7 +130,7 @@ def _finite(evidence: Evidence) -> Finding:
     )
 
 
-def _budget(evidence: Evidence) -> Finding:
+def _budget(evidence: Evidence) -> CheckResult:
     return judge(
         evidence.finished,
         evidence.finished["nfev"] > budgets(evidence.finished, evidence.budget),
@@ -141,7 +141,7 @@ def _budget(evidence: Evidence) -> Finding:
     )
 
 
-def _records(evidence: Evidence) -> Finding:
+def _records(evidence: Evidence) -> CheckResult:
     if not evidence.traces:
         return NO_TRACES
     trials = evidence.finished
@@ -157,10 +157,10 @@ def _records(evidence: Evidence) -> Finding:
     )
 
 
-def _undeclared_stops(evidence: Evidence) -> Finding:
+def _undeclared_stops(evidence: Evidence) -> CheckResult:
     trials = evidence.finished[evidence.finished["stop"].notna()]
     if trials.empty:
-        return Finding("not checked", "Imported results do not say why a trial stopped.")
+        return CheckResult("not checked", "Imported results do not say why a trial stopped.")
     return judge(
         trials,
         (trials["nfev"] < (1 - UNUSED) * budgets(trials, evidence.budget)) & ~stopped_early(trials),
@@ -170,7 +170,7 @@ def _undeclared_stops(evidence: Evidence) -> Finding:
     )
 
 
-def _declared_stops(evidence: Evidence) -> Finding:
+def _declared_stops(evidence: Evidence) -> CheckResult:
     trials, declared = evidence.finished, stopped_early(evidence.finished)
     stops = (trials["optimizer"] + ": " + trials["stop"])[declared].value_counts()
     return judge(
@@ -183,9 +183,9 @@ def _declared_stops(evidence: Evidence) -> Finding:
     )
 
 
-def _outside_box(evidence: Evidence) -> Finding:
+def _outside_box(evidence: Evidence) -> CheckResult:
     if evidence.finished["outside_box"].isna().all():
-        return Finding("not checked", "Imported results do not say how many evaluations lay outside the box.")
+        return CheckResult("not checked", "Imported results do not say how many evaluations lay outside the box.")
     sums = evidence.finished.groupby("optimizer", sort=False)[["outside_box", "nfev"]].sum()
     share = (sums["outside_box"] / sums["nfev"])[sums["outside_box"] > 0]
     return judge(
@@ -198,7 +198,7 @@ def _outside_box(evidence: Evidence) -> Finding:
     )
 
 
-def _repeated_points(evidence: Evidence) -> Finding:
+def _repeated_points(evidence: Evidence) -> CheckResult:
     once = evidence.finished.drop_duplicates([*CELL, "seed"])  # equal seeds are another check's finding
     point = variables(once)
     if not point:
@@ -213,10 +213,10 @@ def _repeated_points(evidence: Evidence) -> Finding:
     )
 
 
-def _ceiling(evidence: Evidence) -> Finding:
+def _ceiling(evidence: Evidence) -> CheckResult:
     finals = evidence.finished[np.isfinite(evidence.finished["fun"])]
     if finals.empty:
-        return Finding("not checked", "No trial ended with a finite value.")
+        return CheckResult("not checked", "No trial ended with a finite value.")
     cells = finals.assign(fun=scores(finals, merge=True)).groupby(CELL, sort=False)["fun"]
     return judge(
         finals,
@@ -229,7 +229,7 @@ def _ceiling(evidence: Evidence) -> Finding:
     )
 
 
-def _same_algorithm(evidence: Evidence) -> Finding:
+def _same_algorithm(evidence: Evidence) -> CheckResult:
     trials, point = evidence.finished, variables(evidence.finished)
     if not point:
         return NO_POINTS
@@ -249,10 +249,10 @@ def _same_algorithm(evidence: Evidence) -> Finding:
     )
 
 
-def _clamping(evidence: Evidence) -> Finding:
+def _clamping(evidence: Evidence) -> CheckResult:
     trials, bound = evidence.finished, _on_bound(evidence.finished, evidence.boxes)
     if not bound.notna().to_numpy().any():
-        return Finding("not checked", "The boxes of the problems are unknown here.")
+        return CheckResult("not checked", "The boxes of the problems are unknown here.")
     by_optimizer = bound.groupby(trials["optimizer"], sort=False)
     share = by_optimizer.sum().sum(axis=1) / by_optimizer.count().sum(axis=1)
     high = share[share > CLAMPED]
@@ -260,10 +260,10 @@ def _clamping(evidence: Evidence) -> Finding:
     rest = f" The box is unknown for {listed(unknown)}." if unknown else ""
     if high.empty:
         least = f"At most {percent(share.max())} of the final coordinates of any optimizer lie on a bound of the box."
-        return Finding("pass", least + rest)
+        return CheckResult("pass", least + rest)
     worst = {name: _percentages(each[each > 0].nlargest(2)) for name, each in by_optimizer.mean().T.items()}
     named = [f"{name} {percent(value)} ({worst[name]})" for name, value in high.items()]
-    return Finding(
+    return CheckResult(
         "warning",
         f"Final coordinates on a bound of the box: {listed(named)}. The optimum may lie there, or a repair may "
         f"move points there.{rest}",
@@ -283,10 +283,10 @@ def _on_bound(trials: pd.DataFrame, boxes: Boxes) -> pd.DataFrame:
     return table
 
 
-def _seeds(evidence: Evidence) -> Finding:
+def _seeds(evidence: Evidence) -> CheckResult:
     known = evidence.finished[evidence.finished["seed"].notna()]
     if known.empty:
-        return Finding("not checked", "The seeds are unknown here, as of imported results.")
+        return CheckResult("not checked", "The seeds are unknown here, as of imported results.")
     own = known.duplicated(["optimizer", "seed"], keep=False)
     return judge(
         known,
@@ -298,7 +298,7 @@ def _seeds(evidence: Evidence) -> Finding:
     )
 
 
-def _random_streams(evidence: Evidence) -> Finding:
+def _random_streams(evidence: Evidence) -> CheckResult:
     if not evidence.traces:
         return NO_TRACES
     trials = evidence.finished
@@ -320,21 +320,21 @@ def _random_streams(evidence: Evidence) -> Finding:
     )
 
 
-def _disturbed(flag: str, trouble: str, limit: str, evidence: Evidence) -> Finding:
+def _disturbed(flag: str, trouble: str, limit: str, evidence: Evidence) -> CheckResult:
     """Return the optimizers that have a ``flag`` of :func:`bench.analysis.timing`."""
     table = timing(evidence.frame)
     if not table["wall_per_cpu"].notna().any():
-        return Finding("not checked", "No processor time was measured.")
+        return CheckResult("not checked", "No processor time was measured.")
     ratios = [f"{name} {ratio:.2f}" for name, ratio in table.loc[table[flag], ["optimizer", "wall_per_cpu"]].to_numpy()]
     if not ratios:
-        return Finding("pass", f"Median {limit.format('is at most')}.")
-    return Finding("warning", f"{trouble} (median {limit.format('above')}); wall/CPU: {listed(ratios)}.")
+        return CheckResult("pass", f"Median {limit.format('is at most')}.")
+    return CheckResult("warning", f"{trouble} (median {limit.format('above')}); wall/CPU: {listed(ratios)}.")
 
 
 WAITED = f"wall time {{}} {CONTENTION:g} times CPU time"
 THREADED = f"CPU time {{}} {HIDDEN_THREADS:g} times wall time"
 
-CHECKS: dict[str, Callable[[Evidence], Finding]] = {
+CHECKS: dict[str, Callable[[Evidence], CheckResult]] = {
     "finite values": _finite,
     "budget": _budget,
     "records": _records,

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from bench.analysis.cells import Budgets, Traces, coverage
-from bench.analysis.finished_trials import CHECKS, Boxes, Evidence, Finding, cell_names, judge, percent, where
+from bench.analysis.finished_trials import CHECKS, Boxes, CheckResult, Evidence, cell_names, judge, percent, where
 from bench.helpers.text import listed
 from bench.storage.reading import StoreCheck
 from bench.study.looks import LEAST
@@ -99,7 +99,7 @@ def integrity(
         **{name: _trait(name, diagnoses or {}) for name in TRAITS},
     }
     evidence = Evidence(frame, study_budget, traces or {}, boxes or {})
-    none = Finding("not checked", "There is no finished trial.")
+    none = CheckResult("not checked", "There is no finished trial.")
     finished = bool((frame["status"] == "ok").any())
     for name, check in CHECKS.items():
         found = check(evidence) if finished else none
@@ -108,18 +108,18 @@ def integrity(
     return pd.DataFrame(rows, columns=["check", "verdict", "finding", "cells"])
 
 
-def _together(here: Finding, elsewhere: Finding) -> Finding:
+def _together(here: CheckResult, elsewhere: CheckResult) -> CheckResult:
     """Return one finding of a trait seen in this study's trials and in separate runs: the worse verdict, both texts."""
     known = [found for found in (here, elsewhere) if found.verdict != "not checked"]
     if len(known) < 2:
         return (known or [here])[0]
     verdict = "warning" if "warning" in (here.verdict, elsewhere.verdict) else here.verdict
-    return Finding(
+    return CheckResult(
         verdict, f"{here.text} In separate runs: {elsewhere.text[0].lower()}{elsewhere.text[1:]}", here.cells
     )
 
 
-def _completeness(frame: pd.DataFrame, planned: int | Mapping[tuple[str, str], int]) -> Finding:
+def _completeness(frame: pd.DataFrame, planned: int | Mapping[tuple[str, str], int]) -> CheckResult:
     table = coverage(frame, planned)
     if "pool" in frame:
         table = table.assign(
@@ -127,17 +127,17 @@ def _completeness(frame: pd.DataFrame, planned: int | Mapping[tuple[str, str], i
         )
     stored, missing = table["stored"], table["missing"]
     if not stored.sum():
-        return Finding("warning", "There is no trial.")
+        return CheckResult("warning", "There is no trial.")
     span = f"{stored.max():,}" if stored.nunique() == 1 else f"{stored.min():,} to {stored.max():,}"
     short = table[(missing > 0) | (stored == 0)]
     if short.empty:
-        return Finding("pass", f"All planned trials are stored: {stored.sum():,}, {span} in each cell.")
+        return CheckResult("pass", f"All planned trials are stored: {stored.sum():,}, {span} in each cell.")
     text = (
         f"{missing.sum():,} of {(stored + missing).sum():,} planned trials are missing and "
         f"{(stored == 0).sum():,} of {len(table):,} cells are empty. Cells hold {span} trials; fewer than planned: "
         f"{where(short)}."
     )
-    return Finding("warning", text, cell_names(short))
+    return CheckResult("warning", text, cell_names(short))
 
 
 def undeclared(extensions: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
@@ -145,54 +145,54 @@ def undeclared(extensions: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     return [(held, asked) for held, asked in extensions if held >= LEAST]
 
 
-def _optional_stopping(frame: pd.DataFrame, extensions: Sequence[tuple[int, int]]) -> Finding:
+def _optional_stopping(frame: pd.DataFrame, extensions: Sequence[tuple[int, int]]) -> CheckResult:
     if frame.empty:
-        return Finding("not checked", "There is no trial.")
+        return CheckResult("not checked", "There is no trial.")
     if found := undeclared(extensions):
         steps = listed(
             [f"{held:,} trials of each cell were complete when {asked:,} were asked for" for held, asked in found]
         )
-        return Finding("warning", f"Trials were added to complete ones, and no looks were declared: {steps}.")
-    return Finding("pass", "No run on record added trials to complete ones without declared looks.")
+        return CheckResult("warning", f"Trials were added to complete ones, and no looks were declared: {steps}.")
+    return CheckResult("pass", "No run on record added trials to complete ones without declared looks.")
 
 
-def _failures(frame: pd.DataFrame) -> Finding:
+def _failures(frame: pd.DataFrame) -> CheckResult:
     if frame.empty:
-        return Finding("not checked", "There is no trial.")
+        return CheckResult("not checked", "There is no trial.")
     failed = frame["status"] != "ok"
     kinds = [f"{kind} {count:,}" for kind, count in frame.loc[failed, "status"].value_counts().items()]
     did = f"did not finish ({listed(kinds)})"
     return judge(frame, failed, "error", did, "They count as +inf.", well=f"All {len(frame):,} trials finished.")
 
 
-def _storage(stores: Sequence[StoreCheck]) -> Finding:
+def _storage(stores: Sequence[StoreCheck]) -> CheckResult:
     if not any(found.trials for found in stores):
-        return Finding("not checked", "There is no stored trial.")
+        return CheckResult("not checked", "There is no stored trial.")
     damaged = [found.sentence for found in stores if not found.sound]
     cells = dict.fromkeys(f"{optimizer} on {problem}" for found in stores for problem, optimizer, _ in found.damaged)
     if damaged:
-        return Finding("error", " ".join(f"{sentence[0].upper()}{sentence[1:]}." for sentence in damaged), [*cells])
-    return Finding("pass", f"All {sum(found.trials for found in stores):,} stored trials are as they were written.")
+        return CheckResult("error", " ".join(f"{sentence[0].upper()}{sentence[1:]}." for sentence in damaged), [*cells])
+    return CheckResult("pass", f"All {sum(found.trials for found in stores):,} stored trials are as they were written.")
 
 
-def _repeatability(verifications: Sequence[Mapping[str, Any]]) -> Finding:
+def _repeatability(verifications: Sequence[Mapping[str, Any]]) -> CheckResult:
     if not verifications or not all(verifications):
-        return Finding("not checked", "Run 'bench verify' with this folder to repeat trials of each cell.")
+        return CheckResult("not checked", "Run 'bench verify' with this folder to repeat trials of each cell.")
     different = [str(line) for noted in verifications for line in noted.get("different") or ()]
     summary = "; ".join(str(noted.get("sentence")) for noted in verifications)
     if different:
-        return Finding(
+        return CheckResult(
             "error", f"{summary}. Not repeated: {listed(different)}. Results depend on more than their seeds."
         )
-    return Finding("pass", f"Repeated trials: {summary}.")
+    return CheckResult("pass", f"Repeated trials: {summary}.")
 
 
-def _trait(name: str, diagnoses: Diagnoses) -> Finding:
+def _trait(name: str, diagnoses: Diagnoses) -> CheckResult:
     """Return which optimizers have a trait that ``bench check`` looks for."""
     trait = TRAITS[name]
     found = [(label, each) for label, checks in diagnoses.items() for each in checks if each["check"] == name]
     if not found:
-        return Finding("not checked", "Run 'bench check' with this folder to check the optimizers for it.")
+        return CheckResult("not checked", "Run 'bench check' with this folder to check the optimizers for it.")
     numbers = [(label, each.get("figure")) for label, each in found if not each["passed"]]
     if not numbers:
         tested = [label for label, each in found if each.get("figure") is not None]
@@ -200,6 +200,6 @@ def _trait(name: str, diagnoses: Diagnoses) -> Finding:
         whom = f"any of the {len(tested):,} optimizers" if len(tested) > 1 else "".join(tested)
         said = [f"{trait.well} {whom}."] if tested else []
         said += [f"There was nothing to test for {listed(other)}."] if other else []
-        return Finding("pass", " ".join(said))
+        return CheckResult("pass", " ".join(said))
     named = [label if number is None else f"{label} {trait.shown(number)}" for label, number in numbers]
-    return Finding("warning", f"{trait.trouble}: {listed(named)}. {trait.meaning}")
+    return CheckResult("warning", f"{trait.trouble}: {listed(named)}. {trait.meaning}")

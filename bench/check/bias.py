@@ -83,10 +83,10 @@ def centre_bias(runs: Runs) -> Verdict:
     )
     if ratio < 1 / LIMIT:
         finding += ": the method does better away from the centre"
-    mend = (
+    remedy = (
         f"look for moves that shrink coordinates or scale them about the origin or the middle of the box; {PUBLISHED}"
     )
-    return _verdict("centre bias", passed, finding, mend, ratio)
+    return _verdict("centre bias", passed, finding, remedy, ratio)
 
 
 def _mean_log_error(runs: Sequence[RunSummary]) -> float:
@@ -115,11 +115,11 @@ def structural_bias(runs: Runs) -> Verdict:
         f"{'look' if passed else 'are not'} uniform (smallest p = {figure:.2g} of {len(p)} tests, Holm; level "
         f"{ALPHA:g}); their mean distance from the centre, 0.25 of the width for uniform points, is {distances}"
     )
-    mend = (
+    remedy = (
         "look for moves that are drawn to the centre, the origin or the bounds, such as means of leaders, products "
         f"with coordinates and clips; {PUBLISHED}"
     )
-    return _verdict("structural bias", passed, finding, mend, figure)
+    return _verdict("structural bias", passed, finding, remedy, figure)
 
 
 def boundary_clamping(runs: Runs) -> Verdict:
@@ -142,8 +142,8 @@ def boundary_clamping(runs: Runs) -> Verdict:
         f"{' and '.join(sentences)} lie exactly on a bound of the box "
         f"({'within' if passed else 'above'} the limit of {CLAMPED:.0%} for the best points)"
     )
-    mend = f"reflect or redraw coordinates that leave the box instead of clipping them to the bound; {PUBLISHED}"
-    return _verdict("boundary clamping", passed, finding, mend, max(shares))
+    remedy = f"reflect or redraw coordinates that leave the box instead of clipping them to the bound; {PUBLISHED}"
+    return _verdict("boundary clamping", passed, finding, remedy, max(shares))
 
 
 def starts_and_seeds(runs: Runs) -> Verdict:
@@ -162,8 +162,8 @@ def starts_and_seeds(runs: Runs) -> Verdict:
         finding = (
             f"{repeats} of {total} runs on functions repeat another run to the last point, although their seeds differ"
         )
-        mend = f"{independent}; make one trial of a deterministic method: all its trials are equal"
-        return _verdict(check, False, finding, mend)
+        remedy = f"{independent}; make one trial of a deterministic method: all its trials are equal"
+        return _verdict(check, False, finding, remedy)
     starts = [run.first for run in chain.from_iterable(runs.noise.values())]
     different = len({start.tobytes() for start in starts})
     if different == 1 and len(starts[0]) == 1:
@@ -191,8 +191,8 @@ def starts_and_seeds(runs: Runs) -> Verdict:
 CHECKS: tuple[Callable[[Runs], Verdict], ...] = (centre_bias, structural_bias, boundary_clamping, starts_and_seeds)
 
 
-def _verdict(check: str, passed: bool, finding: str, mend: str = "", figure: float | None = None) -> Verdict:
-    return Verdict(check, "bias", passed, finding, "" if passed else mend, figure)
+def _verdict(check: str, passed: bool, finding: str, remedy: str = "", figure: float | None = None) -> Verdict:
+    return Verdict(check, "bias", passed, finding, "" if passed else remedy, figure)
 
 
 def _p_of_uniform(x: Floats) -> list[float]:

@@ -69,7 +69,7 @@ class Runs:
 
 
 @dataclass(frozen=True)
-class Task:
+class CheckRun:
     """One run: its kind ("centred", "moved" or "noise"), its function or box, its number, and its least budget."""
 
     kind: str
@@ -88,19 +88,19 @@ def make_runs(
     All cores stay busy to the last run of the last optimizer. No run shares a process with another optimizer's.
     """
     tasks = [
-        Task(kind, name, run, dimension, FUNCTION_BUDGET, seed)
+        CheckRun(kind, name, run, dimension, FUNCTION_BUDGET, seed)
         for name in FUNCTIONS
         for kind in ("centred", "moved")
         for run in range(runs)
     ]
-    tasks += [Task("noise", box, run, dimension, NOISE_BUDGET, seed) for box in BOXES for run in range(noise_runs)]
+    tasks += [CheckRun("noise", box, run, dimension, NOISE_BUDGET, seed) for box in BOXES for run in range(noise_runs)]
     with Pool(n_jobs, ready) as pool:
         begun = [_begin(pool, number, optimizer, tasks) for number, optimizer in enumerate(optimizers)]
         for each in begun:
             yield each if isinstance(each, BenchError) else _collect(tasks, each)
 
 
-def _begin(pool: Pool, group: int, optimizer: Optimizer, tasks: list[Task]) -> list[Future[Any]] | BenchError:
+def _begin(pool: Pool, group: int, optimizer: Optimizer, tasks: list[CheckRun]) -> list[Future[Any]] | BenchError:
     try:
         packed = pack(make_subject(optimizer, {}, 0))
     except Exception as error:  # pickling runs a plug-in's code
@@ -108,7 +108,7 @@ def _begin(pool: Pool, group: int, optimizer: Optimizer, tasks: list[Task]) -> l
     return [pool.submit(group, make_run, packed, task, printed=PRINTED) for task in tasks]
 
 
-def _collect(tasks: list[Task], begun: list[Future[Any]]) -> Runs | BenchError:
+def _collect(tasks: list[CheckRun], begun: list[Future[Any]]) -> Runs | BenchError:
     """Wait for the runs of one optimizer; with the first that fails the others are given up."""
     made: dict[str, dict[str, list[RunSummary]]] = {"centred": {}, "moved": {}, "noise": {}}
     try:
@@ -134,7 +134,7 @@ def ready() -> None:
     """Load this module."""
 
 
-def make_run(packed: bytes, task: Task) -> dict[str, Any]:
+def make_run(packed: bytes, task: CheckRun) -> dict[str, Any]:
     """Make one run; return the fields of its summary, or the error it ended with, as JSON values."""
     try:
         made = summarise(unpack(packed).fresh(), task)
@@ -143,7 +143,7 @@ def make_run(packed: bytes, task: Task) -> dict[str, Any]:
     return vars(made) | {"x": made.x.tolist(), "first": made.first.tolist()}
 
 
-def summarise(optimizer: Optimizer, task: Task) -> RunSummary:
+def summarise(optimizer: Optimizer, task: CheckRun) -> RunSummary:
     """Make one run; its seed depends on its problem and number alone, so that other runs do not change it.
 
     Raises:

@@ -22,7 +22,7 @@ class Verdict:
             property of the method that readers of a comparison must know, and no error of the plug-in.
         passed: whether the optimizer conforms, or is free of the bias.
         finding: one sentence on what was observed.
-        mend: how to mend it, "" where the check passed.
+        remedy: how to mend it, "" where the check passed.
         figure: the number that decided the outcome, where there is one.
     """
 
@@ -30,7 +30,7 @@ class Verdict:
     kind: Literal["conformance", "bias"]
     passed: bool
     finding: str
-    mend: str = ""
+    remedy: str = ""
     figure: float | None = None
 
     @property
@@ -48,7 +48,7 @@ class Verdict:
 
         Texts are made printable.
         """
-        kinds: dict[str, Any] = {"check": str, "kind": str, "passed": bool, "finding": str, "mend": str}
+        kinds: dict[str, Any] = {"check": str, "kind": str, "passed": bool, "finding": str, "remedy": str}
         kinds["figure"] = (int, float, type(None))
         if not isinstance(record, dict) or record.keys() != kinds.keys():
             raise ValueError("it lacks fields of a verdict, or has others")
@@ -109,7 +109,7 @@ class Checkup:
             (
                 verdict.check,
                 verdict.outcome,
-                f"{verdict.finding}; remedy: {verdict.mend}" if verdict.mend else verdict.finding,
+                f"{verdict.finding}; remedy: {verdict.remedy}" if verdict.remedy else verdict.finding,
             )
             for verdict in self.verdicts
         ]
@@ -120,6 +120,6 @@ class Checkup:
         lines = [self.label]
         for verdict in self.verdicts:
             lines.append(f"  {verdict.outcome}  {verdict.check:{width}}  {verdict.finding}")
-            if verdict.mend:
-                lines.append(f"  {'':6}  {'':{width}}  mend: {verdict.mend}")
+            if verdict.remedy:
+                lines.append(f"  {'':6}  {'':{width}}  remedy: {verdict.remedy}")
         return "\n".join([*lines, self.summary])

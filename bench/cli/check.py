@@ -75,7 +75,7 @@ def check_folder(path: Path, console: Console, jobs: int, anew: bool = False) ->
     with console.status("checking the optimizers for biases"):
         for each in diagnose_folder(Folder(path), jobs, anew=anew):
             for verdict in each.verdicts:
-                show_verdict(each.label, verdict, console, mend=False)  # 'bench check NAME' prints it
+                show_verdict(each.label, verdict, console, remedy=False)  # 'bench check NAME' prints it
             if each.failed:
                 sound = False
                 print_error(f"{each.label} could not be checked: {each.failed}")
@@ -86,9 +86,9 @@ def check_folder(path: Path, console: Console, jobs: int, anew: bool = False) ->
     return sound
 
 
-def show_verdict(label: str, verdict: Verdict, console: Console, mend: bool = True) -> None:
-    """Print a check's outcome and, with ``mend``, its remedy: a breach of the contract in red, a bias in yellow."""
+def show_verdict(label: str, verdict: Verdict, console: Console, remedy: bool = True) -> None:
+    """Print a check's outcome and, with ``remedy``, its remedy: a breach of the contract in red, a bias in yellow."""
     style = {"passed": None, "BIASED": "yellow", "FAILED": "red"}[verdict.outcome]
     print_line(f"{verdict.outcome}: {label}, {verdict.check}: {verdict.finding}", style, console)
-    if mend and verdict.mend:
-        print_line(f"    remedy: {verdict.mend}", style, console)
+    if remedy and verdict.remedy:
+        print_line(f"    remedy: {verdict.remedy}", style, console)

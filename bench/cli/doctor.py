@@ -29,14 +29,14 @@ STYLES = {"ok": "green", "note": "yellow", "broken": "red"}
 
 
 @dataclass(frozen=True)
-class Finding:
+class Diagnosis:
     """What was found of one thing: ``state`` is "ok", "note" (something is missing that may be) or "broken"."""
 
     topic: str
     name: str
     found: str
     state: str = "ok"
-    mend: str = ""
+    remedy: str = ""
 
 
 def doctor(
@@ -59,19 +59,19 @@ def doctor(
     sys.exit(1 if broken else 0)
 
 
-def examine(folder: Path | None = None) -> Iterator[Finding]:
+def examine(folder: Path | None = None) -> Iterator[Diagnosis]:
     """Yield what is found of the program, its requirements, the machine, and the store of a study's folder."""
     for part in (_program, _names, _requirements, _machine, _plugins, _caches, _sandbox):
         try:
             yield from part()
         except ImportError as error:  # what is broken must not hide what else is
-            mend = f"pip install --force-reinstall {registry.DISTRIBUTION}"
-            yield Finding("packages", error.name or "unknown", f"cannot be imported: {error}", "broken", mend)
+            remedy = f"pip install --force-reinstall {registry.DISTRIBUTION}"
+            yield Diagnosis("packages", error.name or "unknown", f"cannot be imported: {error}", "broken", remedy)
     if folder is not None:
         yield from _store(folder)
 
 
-def _show(findings: list[Finding], console: Console) -> None:
+def _show(findings: list[Diagnosis], console: Console) -> None:
     table = Table("", "what", "found", "state", box=None, pad_edge=False)
     topic = ""
     for each in findings:
@@ -86,8 +86,8 @@ def _show(findings: list[Finding], console: Console) -> None:
         install = f"pip install '{registry.DISTRIBUTION}[{','.join(extras)}]'"
         print_line(f"note: extras that are not installed: {install}", STYLES["note"], console)
     for each in findings:
-        if each.mend and each.name not in (extras if each.topic == "extras" else ()):
-            print_line(f"{each.state}: {each.topic}, {each.name}: {each.mend}", STYLES[each.state], console)
+        if each.remedy and each.name not in (extras if each.topic == "extras" else ()):
+            print_line(f"{each.state}: {each.topic}, {each.name}: {each.remedy}", STYLES[each.state], console)
     broken = sum(each.state == "broken" for each in findings)
     print_line(f"{broken} broken" if broken else "nothing is broken", "red" if broken else "green", console)
 
@@ -95,33 +95,33 @@ def _show(findings: list[Finding], console: Console) -> None:
 # The installation
 
 
-def _program() -> Iterator[Finding]:
+def _program() -> Iterator[Diagnosis]:
     try:
         own = registry.own()
     except BenchError as error:
-        yield Finding("program", registry.DISTRIBUTION, "not installed", "broken", str(error))
+        yield Diagnosis("program", registry.DISTRIBUTION, "not installed", "broken", str(error))
         return
-    yield Finding("program", registry.DISTRIBUTION, f"{own.version} in {Path(__file__).resolve().parents[2]}")
+    yield Diagnosis("program", registry.DISTRIBUTION, f"{own.version} in {Path(__file__).resolve().parents[2]}")
     running = ".".join(map(str, sys.version_info[:3]))
     needed = str(own.metadata["Requires-Python"])
     yield _bounded("program", "Python", f"{running} ({sys.executable})", running, needed, f"install Python {needed}")
 
 
-def _names() -> Iterator[Finding]:
+def _names() -> Iterator[Diagnosis]:
     """Yield whether the top-level modules, which have common names, are those of this distribution."""
     with suppress(BenchError):
         for module in registry.own_modules():
             if sentence := registry.conflict(module):
-                yield Finding("names", module, "another package's", "broken", sentence)
+                yield Diagnosis("names", module, "another package's", "broken", sentence)
             elif others := " and ".join(registry.claimants(module)):
                 found = f"this package's; {others} has a module of that name, too, whose file is not installed any more"
-                mend = f"install {others} in an environment of its own, as one of the two breaks the other"
-                yield Finding("names", module, found, "note", mend)
+                remedy = f"install {others} in an environment of its own, as one of the two breaks the other"
+                yield Diagnosis("names", module, found, "note", remedy)
             else:
-                yield Finding("names", module, "this package's")
+                yield Diagnosis("names", module, "this package's")
 
 
-def _requirements() -> Iterator[Finding]:
+def _requirements() -> Iterator[Diagnosis]:
     """Yield the versions of the packages that are needed, and by extra of those that are optional."""
     from packaging.requirements import Requirement
 
@@ -135,16 +135,16 @@ def _requirements() -> Iterator[Finding]:
             yield from _extra(extra, [each for each in own if each.marker and each.marker.evaluate({"extra": extra})])
 
 
-def _required(requirement: Any, asked: str) -> Finding:
+def _required(requirement: Any, asked: str) -> Diagnosis:
     install = f"pip install '{asked}'"
     try:
         found = version(requirement.name)
     except PackageNotFoundError:
-        return Finding("packages", requirement.name, "not installed", "broken", install)
+        return Diagnosis("packages", requirement.name, "not installed", "broken", install)
     return _bounded("packages", requirement.name, found, found, str(requirement.specifier), install)
 
 
-def _extra(extra: str, requirements: list[Any]) -> Iterator[Finding]:
+def _extra(extra: str, requirements: list[Any]) -> Iterator[Diagnosis]:
     """Yield one finding on an extra: a package that is missing is no fault, one of a wrong version is."""
     asked = f"{registry.DISTRIBUTION}[{extra}]"
     found = [_required(each, asked) for each in requirements]
@@ -152,29 +152,29 @@ def _extra(extra: str, requirements: list[Any]) -> Iterator[Finding]:
     wrong = [each for each in found if each.state == "broken" and each.name not in missing]
     text = ", ".join(f"{each.name} {each.found}" for each in found)
     if wrong:
-        yield Finding("extras", extra, text, "broken", wrong[0].mend)
+        yield Diagnosis("extras", extra, text, "broken", wrong[0].remedy)
     elif missing:
-        yield Finding("extras", extra, f"without {', '.join(missing)}", "note", f"pip install '{asked}'")
+        yield Diagnosis("extras", extra, f"without {', '.join(missing)}", "note", f"pip install '{asked}'")
     else:
-        yield Finding("extras", extra, text)
+        yield Diagnosis("extras", extra, text)
 
 
-def _bounded(topic: str, name: str, shown: str, found: str, bounds: str, mend: str) -> Finding:
+def _bounded(topic: str, name: str, shown: str, found: str, bounds: str, remedy: str) -> Diagnosis:
     """Return a finding on a version that must be within bounds such as ``">=2.0,<3"``."""
     from packaging.specifiers import SpecifierSet
 
     if SpecifierSet(bounds).contains(found, prereleases=True):
-        return Finding(topic, name, shown)
-    return Finding(topic, name, f"{shown}; needed is {bounds}", "broken", mend)
+        return Diagnosis(topic, name, shown)
+    return Diagnosis(topic, name, f"{shown}; needed is {bounds}", "broken", remedy)
 
 
-def _plugins() -> Iterator[Finding]:
+def _plugins() -> Iterator[Diagnosis]:
     """Yield the number of plug-ins of each group, and every one that does not load."""
     for group in GROUPS:
         try:
             names = sorted(registry.entries(group))
         except BenchError as error:
-            yield Finding("plug-ins", group, "not found", "broken", str(error))
+            yield Diagnosis("plug-ins", group, "not found", "broken", str(error))
             return  # all groups share the cause
         failed = 0
         for name in names:
@@ -183,14 +183,14 @@ def _plugins() -> Iterator[Finding]:
             except BenchError as error:
                 failed += 1
                 who = registry.package(group, name) or "its package"
-                yield Finding("plug-ins", name, str(error), "broken", f"update or uninstall {who}")
-        yield Finding("plug-ins", group, f"{len(names) - failed} of {len(names)} load")
+                yield Diagnosis("plug-ins", name, str(error), "broken", f"update or uninstall {who}")
+        yield Diagnosis("plug-ins", group, f"{len(names) - failed} of {len(names)} load")
 
 
 # The machine
 
 
-def _machine() -> Iterator[Finding]:
+def _machine() -> Iterator[Diagnosis]:
     """Yield the machine's cores, memory and BLAS, whose threads compete with the worker processes of a run."""
     import scipy.linalg  # noqa: F401 - loads the BLAS
 
@@ -201,16 +201,16 @@ def _machine() -> Iterator[Finding]:
     except BenchError:  # on plug-ins, which have findings of their own
         return
     for name, key in (("system", "system"), ("processor", "processor"), ("cores", "cores")):
-        yield Finding("machine", name, str(record[key]))
-    yield Finding("machine", "memory", f"{record['memory_gb']} GB")
+        yield Diagnosis("machine", name, str(record[key]))
+    yield Diagnosis("machine", "memory", f"{record['memory_gb']} GB")
     for each in record["blas"]:
-        yield Finding("machine", "BLAS", f"{each['library']} {each['version']}, {each['threads']} threads")
+        yield Diagnosis("machine", "BLAS", f"{each['library']} {each['version']}, {each['threads']} threads")
     if record["git"]:
         changed = ", with uncommitted changes" if record["git"]["dirty"] else ""
-        yield Finding("machine", "commit", f"{record['git']['commit'][:10]}{changed}")
+        yield Diagnosis("machine", "commit", f"{record['git']['commit'][:10]}{changed}")
 
 
-def _caches() -> Iterator[Finding]:
+def _caches() -> Iterator[Diagnosis]:
     """Yield whether the folders can be written that hold what need not be computed twice."""
     from platformdirs import user_cache_path
 
@@ -228,10 +228,10 @@ def _caches() -> Iterator[Finding]:
     ):
         usable = next((folder for folder in folders if _can_write(folder)), None)
         if usable:
-            yield Finding("caches", name, str(usable))
+            yield Diagnosis("caches", name, str(usable))
         else:
-            mend = f"set {variable} to a folder that can be written"
-            yield Finding("caches", name, f"{folders[0]} cannot be written", "broken", mend)
+            remedy = f"set {variable} to a folder that can be written"
+            yield Diagnosis("caches", name, f"{folders[0]} cannot be written", "broken", remedy)
 
 
 def _can_write(folder: Path) -> bool:
@@ -243,15 +243,15 @@ def _can_write(folder: Path) -> bool:
         return False
 
 
-def _sandbox() -> Iterator[Finding]:
+def _sandbox() -> Iterator[Diagnosis]:
     program = shutil.which("bwrap")
     if program:
-        yield Finding("sandbox", "bubblewrap", program)
+        yield Diagnosis("sandbox", "bubblewrap", program)
     else:
-        yield Finding("sandbox", "bubblewrap", "not installed", "note", "--sandbox needs it (Linux only)")
+        yield Diagnosis("sandbox", "bubblewrap", "not installed", "note", "--sandbox needs it (Linux only)")
 
 
-def _store(folder: Path) -> Iterator[Finding]:
+def _store(folder: Path) -> Iterator[Diagnosis]:
     """Yield the health of a study's store: every row is compared with its digest."""
     from bench.storage.folder import Folder
 
@@ -259,8 +259,8 @@ def _store(folder: Path) -> Iterator[Finding]:
         opened = Folder(folder)
         study, found = opened.study(), opened.check_store()
     except BenchError as error:
-        yield Finding("store", str(folder), "cannot be read", "broken", str(error))
+        yield Diagnosis("store", str(folder), "cannot be read", "broken", str(error))
         return
-    mend = "" if found.sound else "run 'bench run' with the same study and --output, which makes those trials again"
+    remedy = "" if found.sound else "run 'bench run' with the same study and --output, which makes those trials again"
     text = f"study {study.name}: {found.sentence}"
-    yield Finding("store", str(folder), text, "ok" if found.sound else "broken", mend)
+    yield Diagnosis("store", str(folder), text, "ok" if found.sound else "broken", remedy)

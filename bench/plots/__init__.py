@@ -1,7 +1,7 @@
 """Plots for notebooks and papers: each function draws one frame of :mod:`bench.analysis` on one matplotlib Axes.
 
 Each function returns the Axes. Its parameters mean the same everywhere: ``problem`` is the label of the problem to
-draw, ``looks`` the look of each optimizer, by default by its place in the frame, ``legend`` whether to add one, and
+draw, ``pens`` the pen of each optimizer, by default by its place in the frame, ``legend`` whether to add one, and
 ``ax`` where to draw, by default new axes.
 
 Example:

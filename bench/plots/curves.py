@@ -15,7 +15,7 @@ AXES = {"evaluations": EVALUATIONS, "per_dimension": "evaluations / d", "groups"
 
 
 def convergence(
-    curves: pd.DataFrame, problem: str, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+    curves: pd.DataFrame, problem: str, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None
 ) -> Axes:
     """Draw the median best-so-far value of each optimizer on a problem over evaluations, its quartiles as a band.
 
@@ -23,16 +23,16 @@ def convergence(
     evaluations is logarithmic; so is that of the values where they are positive and span a factor of more than 3. A
     median or quartile that is infinite, because trials failed, is not drawn.
     """
-    ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
+    ax, pens = style.own_axes(ax), style.pens_of(curves, pens)
     own = style.rows_of(curves, problem)
-    _quartiles(ax, own, looks)
+    _quartiles(ax, own, pens)
     style.log_scale(ax, "x")
     style.fitting_scale(ax, "y", own["median"], ratio=3)
-    return _finish(ax, EVALUATIONS, "best value so far", looks if legend else None, problem)
+    return _finish(ax, EVALUATIONS, "best value so far", pens if legend else None, problem)
 
 
 def regret(
-    curves: pd.DataFrame, problem: str, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+    curves: pd.DataFrame, problem: str, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None
 ) -> Axes:
     """Draw the median regret of each optimizer on a problem over evaluations, its quartiles as a band, on log axes.
 
@@ -40,39 +40,37 @@ def regret(
     axis cannot show a regret of 0: a curve ends where its median reaches the optimum, and where its lower quartile is
     at the optimum its band begins at the lowest value drawn.
     """
-    ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
+    ax, pens = style.own_axes(ax), style.pens_of(curves, pens)
     own = style.rows_of(curves, problem)
     positive = own[own["median"] > 0]
     least = float(positive[["median", "q1"]].where(positive[["median", "q1"]] > 0).min().min())
-    _quartiles(ax, positive.assign(q1=positive["q1"].clip(lower=least)), looks)
+    _quartiles(ax, positive.assign(q1=positive["q1"].clip(lower=least)), pens)
     style.log_scale(ax, "x")
     style.log_scale(ax, "y")
-    return _finish(ax, EVALUATIONS, "regret", looks if legend else None, problem)
+    return _finish(ax, EVALUATIONS, "regret", pens if legend else None, problem)
 
 
-def ecdf(
-    curves: pd.DataFrame, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
-) -> Axes:
+def ecdf(curves: pd.DataFrame, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None) -> Axes:
     """Draw the share of all targets that each optimizer reached, over evaluations (Hansen et al. 2022).
 
     ``curves`` are those of :func:`bench.analysis.ecdf`.
     """
-    return _fractions(curves, "share of targets reached", looks, legend, ax)
+    return _fractions(curves, "share of targets reached", pens, legend, ax)
 
 
 def data_profile(
-    curves: pd.DataFrame, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+    curves: pd.DataFrame, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None
 ) -> Axes:
     """Draw the share of trials in which each optimizer reached a target, over evaluations (Moré and Wild 2009).
 
     ``curves`` are those of :func:`bench.analysis.data_profiles`, over evaluations or over groups of d + 1 of them
     ("simplex gradients").
     """
-    return _fractions(curves, "share of trials solved", looks, legend, ax)
+    return _fractions(curves, "share of trials solved", pens, legend, ax)
 
 
 def ert(
-    table: pd.DataFrame, problem: str, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+    table: pd.DataFrame, problem: str, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None
 ) -> Axes:
     """Draw the expected running time of each optimizer on a problem over targets, harder ones to the right.
 
@@ -80,84 +78,84 @@ def ert(
     hardest target that any trial reached, in an open marker where no trial reached the harder ones. A log axis cannot
     show tau = 0: the axes of a problem whose trials start at its reference, which then has no other target, stay empty.
     """
-    ax, looks = style.own_axes(ax), style.looks_of(table, looks)
+    ax, pens = style.own_axes(ax), style.pens_of(table, pens)
     own = style.rows_of(table, problem)
     own = own[own["tau"] > 0].sort_values("tau", ascending=False, kind="stable")
-    for place, (optimizer, look) in enumerate(style.behind_first(looks)):
+    for place, (optimizer, pen) in enumerate(style.behind_first(pens)):
         tau, times = own.loc[own["optimizer"] == optimizer, ["tau", "ert"]].to_numpy(dtype=float).T
         reached = style.drawable(times)
-        _curve(ax, tau[reached], times[reached], look, place)
+        _curve(ax, tau[reached], times[reached], pen, place)
         if reached.any() and not reached.all():
             last = np.flatnonzero(reached)[-1]
-            ax.plot(tau[last], times[last], look.marker, color=look.color, markersize=5.0, markerfacecolor="white")
+            ax.plot(tau[last], times[last], pen.marker, color=pen.color, markersize=5.0, markerfacecolor="white")
     style.log_scale(ax, "x")
     style.log_scale(ax, "y")
     if len(own):
         ax.set_xlim(own["tau"].max() * 1.2, own["tau"].min() / 1.2)
-    return _finish(ax, "target tau", f"ERT in {EVALUATIONS}", looks if legend else None, problem)
+    return _finish(ax, "target tau", f"ERT in {EVALUATIONS}", pens if legend else None, problem)
 
 
 def scaling(
-    table: pd.DataFrame, problem: str, *, looks: style.Looks | None = None, legend: bool = True, ax: Axes | None = None
+    table: pd.DataFrame, problem: str, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None
 ) -> Axes:
     """Draw the expected running time / d of each optimizer on a function over the dimension, on log axes.
 
     ``table`` has problem (the function), dimension, optimizer and ert, in evaluations / d; infinite ones are not drawn.
     """
-    ax, looks = style.own_axes(ax), style.looks_of(table, looks)
+    ax, pens = style.own_axes(ax), style.pens_of(table, pens)
     own = style.rows_of(table, problem)
-    for place, (optimizer, look) in enumerate(style.behind_first(looks)):
+    for place, (optimizer, pen) in enumerate(style.behind_first(pens)):
         one = own[(own["optimizer"] == optimizer) & style.drawable(own["ert"])].sort_values("dimension")
-        _curve(ax, one["dimension"].to_numpy(dtype=float), one["ert"].to_numpy(dtype=float), look, place)
+        _curve(ax, one["dimension"].to_numpy(dtype=float), one["ert"].to_numpy(dtype=float), pen, place)
     dimensions = sorted(table["dimension"].unique())
     ax.set_xscale("log")
     ax.set_xlim(dimensions[0] / 1.2, dimensions[-1] * 1.2)
     ax.xaxis.set_major_locator(FixedLocator(dimensions))
     ax.xaxis.set_major_formatter(FixedFormatter([f"{each:g}" for each in dimensions]))
     ax.xaxis.set_minor_locator(NullLocator())
-    return _finish(ax, "dimension d", "ERT / d", looks if legend else None, problem)
+    return _finish(ax, "dimension d", "ERT / d", pens if legend else None, problem)
 
 
-def _quartiles(ax: Axes, own: pd.DataFrame, looks: style.Looks) -> None:
+def _quartiles(ax: Axes, own: pd.DataFrame, pens: style.Pens) -> None:
     """Draw the medians and quartile bands of a problem, where an axis can show them."""
     drawn = own[style.drawable(own["median"])]
-    for place, (optimizer, look) in enumerate(style.behind_first(looks)):
+    for place, (optimizer, pen) in enumerate(style.behind_first(pens)):
         one = drawn[drawn["optimizer"] == optimizer]
         at, median, q1, q3 = one[["evaluations", "median", "q1", "q3"]].to_numpy(dtype=float).T
         banded = style.drawable(q3)
-        if len(looks) <= MOST_BANDS:
-            ax.fill_between(at[banded], q1[banded], q3[banded], color=look.color, alpha=0.18, linewidth=0)
-        _curve(ax, at, median, look, place)
+        if len(pens) <= MOST_BANDS:
+            ax.fill_between(at[banded], q1[banded], q3[banded], color=pen.color, alpha=0.18, linewidth=0)
+        _curve(ax, at, median, pen, place)
 
 
-def _fractions(curves: pd.DataFrame, share: str, looks: style.Looks | None, legend: bool, ax: Axes | None) -> Axes:
-    ax, looks = style.own_axes(ax), style.looks_of(curves, looks)
+def _fractions(curves: pd.DataFrame, share: str, pens: style.Pens | None, legend: bool, ax: Axes | None) -> Axes:
+    ax, pens = style.own_axes(ax), style.pens_of(curves, pens)
     along = next(name for name in AXES if name in curves)
-    for place, (optimizer, look) in enumerate(style.behind_first(looks)):
+    for place, (optimizer, pen) in enumerate(style.behind_first(pens)):
         x, fraction = curves.loc[curves["optimizer"] == optimizer, [along, "fraction"]].to_numpy(dtype=float).T
-        _curve(ax, x, fraction, look, place, steps=True)
+        _curve(ax, x, fraction, pen, place, steps=True)
     style.span(ax, curves[along])
     style.log_scale(ax, "x")
     ax.set_ylim(-0.02, 1.02)
     ax.yaxis.set_major_locator(FixedLocator([0.0, 0.25, 0.5, 0.75, 1.0]))
-    return _finish(ax, AXES[along], share, looks if legend else None)
+    return _finish(ax, AXES[along], share, pens if legend else None)
 
 
-def _curve(ax: Axes, x: np.ndarray, y: np.ndarray, look: style.Look, place: int, steps: bool = False) -> None:
+def _curve(ax: Axes, x: np.ndarray, y: np.ndarray, pen: style.Pen, place: int, steps: bool = False) -> None:
     """Draw the curve of one optimizer with few markers, at other places than those of the previous optimizer."""
     every = max(len(x) // 5, 1)
     ax.plot(
-        x, y, color=look.color, linestyle=look.line, linewidth=0.5 if look.background else 1.1, marker=look.marker,
+        x, y, color=pen.color, linestyle=pen.line, linewidth=0.5 if pen.background else 1.1, marker=pen.marker,
         markersize=3.0,
         markevery=(2 * place % every, every), drawstyle="steps-post" if steps else "default",
     )  # fmt: skip
 
 
-def _finish(ax: Axes, x: str, y: str, looks: style.Looks | None, problem: str = "") -> Axes:
-    """Write the problem and the labels on the axes, with a legend at their right if there are ``looks``."""
+def _finish(ax: Axes, x: str, y: str, pens: style.Pens | None, problem: str = "") -> Axes:
+    """Write the problem and the labels on the axes, with a legend at their right if there are ``pens``."""
     ax.set_title(style.plain(problem), loc="left")
     ax.set_xlabel(x)
     ax.set_ylabel(y)
-    if looks is not None:
-        ax.legend(handles=style.handles(looks), loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
+    if pens is not None:
+        ax.legend(handles=style.handles(pens), loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
     return ax

@@ -98,31 +98,31 @@ def _ruler(ax: Axes, start: float, length: float) -> None:
     ax.text(start + length / 2, 1, f"CD = {length:.2f}", transform=lifted, ha="center", va="bottom")
 
 
-def rank_course(ranks: pd.DataFrame, *, looks: style.Looks | None = None, ax: Axes | None = None) -> Axes:
+def rank_course(ranks: pd.DataFrame, *, pens: style.Pens | None = None, ax: Axes | None = None) -> Axes:
     """Draw the mean rank of each optimizer over the evaluations, the best at the top, with its name at the right.
 
     ``ranks`` has optimizer, evaluations (or share, of the budget, or trials) and rank, a row a stage, and low and high
-    where a band is to be drawn. Optimizers whose look is in the background (:func:`bench.plots.style.looks`) have
+    where a band is to be drawn. Optimizers whose pen is in the background (:func:`bench.plots.style.pens`) have
     neither name nor band.
     """
-    looks = style.looks_of(ranks, looks)
+    pens = style.pens_of(ranks, pens)
     ax = style.own_axes(ax)
     along = next(name for name in AXES if name in ranks)
-    shown = style.names(looks, RANK_NAME)
+    shown = style.names(pens, RANK_NAME)
     last: dict[str, float] = {}
-    for optimizer, look in style.behind_first(looks):
+    for optimizer, pen in style.behind_first(pens):
         x, y = ranks.loc[ranks["optimizer"] == optimizer, [along, "rank"]].to_numpy(dtype=float).T
         if not len(x):
             continue
         ax.plot(
-            x, y, color=look.color, linestyle=look.line, linewidth=0.6 if look.background else 1.3,
-            marker="" if look.background else look.marker, markersize=4.0, clip_on=False,
+            x, y, color=pen.color, linestyle=pen.line, linewidth=0.6 if pen.background else 1.3,
+            marker="" if pen.background else pen.marker, markersize=4.0, clip_on=False,
         )  # fmt: skip
-        if not look.background:
+        if not pen.background:
             last[optimizer] = float(y[-1])
-        if not look.background and "low" in ranks:
+        if not pen.background and "low" in ranks:
             low, high = ranks.loc[ranks["optimizer"] == optimizer, ["low", "high"]].to_numpy(dtype=float).T
-            ax.fill_between(x, low, high, color=look.color, alpha=0.15, linewidth=0)
+            ax.fill_between(x, low, high, color=pen.color, alpha=0.15, linewidth=0)
     drawn = ranks[[name for name in ("rank", "low", "high") if name in ranks]]
     least, most = float(drawn.to_numpy(dtype=float).min()), float(drawn.to_numpy(dtype=float).max())
     room = max(most - least, 1.0)
@@ -138,7 +138,7 @@ def rank_course(ranks: pd.DataFrame, *, looks: style.Looks | None = None, ax: Ax
     ax.set_xlim(stages[0], stages[-1])
     beside = ax.get_yaxis_transform()
     for optimizer, place in _apart(last, 1.1 * room * LINE / height, least).items():
-        color = looks[optimizer].color
+        color = pens[optimizer].color
         ax.plot(
             [1.0, 1.0 + LEADER / width], [last[optimizer], place], color=color, linewidth=0.7, transform=beside,
             clip_on=False,

@@ -20,7 +20,7 @@ PRECISION = "objective value less the optimum"
 def box_plot(
     frame: pd.DataFrame, problem: str, *, column: str = "fun", expected: float | None = None,
     tolerance: float | None = None, optimum: float | None = None, least: float | None = None,
-    looks: style.Looks | None = None, ax: Axes | None = None,
+    pens: style.Pens | None = None, ax: Axes | None = None,
 ) -> Axes:  # fmt: skip
     """Draw the trials of each optimizer on a problem: a quartile box and a point per trial, in a row per optimizer.
 
@@ -38,7 +38,7 @@ def box_plot(
     """
     optimizers = labels(frame, "optimizer")
     ax = style.own_axes(ax, height=style.rows_height(len(optimizers)) + 0.6)
-    looks = style.looks_of(frame, looks)
+    pens = style.pens_of(frame, pens)
     own = style.rows_of(frame, problem)
     values = _values(own, column)
     if least is not None:
@@ -46,7 +46,7 @@ def box_plot(
     by_row = [values[(own["optimizer"] == optimizer).to_numpy()] for optimizer in optimizers]
     drawn = [row[style.drawable(row)] for row in by_row]
     _boxes(ax, drawn)
-    _points(ax, drawn, [looks[optimizer] for optimizer in optimizers])
+    _points(ax, drawn, [pens[optimizer] for optimizer in optimizers])
     for row, found in enumerate(by_row):
         note = _note(found, "failed" if column == "fun" else "missing")
         ax.annotate(note, (1.01, row), xycoords=ax.get_yaxis_transform(), va="center", fontsize="small")
@@ -129,12 +129,12 @@ def _boxes(ax: Axes, by_row: Sequence[NDArray[np.float64]]) -> None:
     ax.vlines(boxes["med"], rows - 0.31, rows + 0.31, color="black", linewidth=1.4, zorder=4)
 
 
-def _points(ax: Axes, by_row: Sequence[NDArray[np.float64]], looks: Sequence[style.Look]) -> None:
+def _points(ax: Axes, by_row: Sequence[NDArray[np.float64]], pens: Sequence[style.Pen]) -> None:
     """Draw every trial as a point, the same way every time, unlike seaborn's stripplot, which jitters at random."""
     many = sum(map(len, by_row)) > style.MANY_POINTS
-    for row, (values, look) in enumerate(zip(by_row, looks, strict=True)):
+    for row, (values, pen) in enumerate(zip(by_row, pens, strict=True)):
         ax.plot(
-            values, row + style.spread(len(values)), look.marker, color=look.color, markersize=2.5, markeredgewidth=0,
+            values, row + style.spread(len(values)), pen.marker, color=pen.color, markersize=2.5, markeredgewidth=0,
             alpha=0.7, zorder=3, rasterized=many,
         )  # fmt: skip
 

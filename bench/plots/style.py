@@ -61,7 +61,7 @@ DEFAULTS: dict[str, Any] = {key: value for key, value in matplotlib.rcParamsDefa
 
 
 @dataclass(frozen=True)
-class Look:
+class Pen:
     """The colour, marker and line style that identify one optimizer in every figure."""
 
     color: str
@@ -70,7 +70,7 @@ class Look:
     background: bool = False
 
 
-Looks = Mapping[str, Look]
+Pens = Mapping[str, Pen]
 
 
 def context() -> AbstractContextManager[None]:
@@ -79,31 +79,31 @@ def context() -> AbstractContextManager[None]:
     return matplotlib.rc_context(settings)
 
 
-def looks(labels: Iterable[str], best: Collection[str] | None = None, *, grey: bool = True) -> Looks:
-    """Return a look for each label, which depends on the labels but not on their order; the first 280 all differ.
+def pens(labels: Iterable[str], best: Collection[str] | None = None, *, grey: bool = True) -> Pens:
+    """Return a pen for each label, which depends on the labels but not on their order; the first 280 all differ.
 
     An optimizer keeps its colour from report to report as far as colours suffice: hashes of a label and a colour
     (BLAKE2b) are the order in which labels take colours, each the first one that nobody has. So another label seldom
-    changes a look. Labels beyond the eight colours take them again, with other markers and lines.
+    changes a pen. Labels beyond the eight colours take them again, with other markers and lines.
 
-    With ``best``, only these have a look of their own; the others are drawn in grey, behind them, or without ``grey``
-    take their colours after them. Looks stay what they are.
+    With ``best``, only these have a pen of their own; the others are drawn in grey, behind them, or without ``grey``
+    take their colours after them. Pens stay what they are.
     """
     if isinstance(labels, Mapping):
         return labels
     known = list(labels)
     first = known if best is None else [label for label in known if label in best]
-    own: dict[str, Look] = {}
+    own: dict[str, Pen] = {}
     turn = 0
     for left in (first, [] if grey else [label for label in known if label not in first]):
         while left:
             colours = _colours(left)
             for label, colour in colours.items():
                 place = colour + turn
-                own[label] = Look(PALETTE[colour], MARKERS[place % len(MARKERS)], LINES[place % len(LINES)])
+                own[label] = Pen(PALETTE[colour], MARKERS[place % len(MARKERS)], LINES[place % len(LINES)])
             left = [label for label in left if label not in colours]
             turn += 1
-    return {label: own.get(label, Look(GREY, "", "-", background=True)) for label in known}
+    return {label: own.get(label, Pen(GREY, "", "-", background=True)) for label in known}
 
 
 def _colours(labels: Sequence[str]) -> dict[str, int]:
@@ -120,14 +120,14 @@ def _colours(labels: Sequence[str]) -> dict[str, int]:
     return found
 
 
-def behind_first(looks: Looks) -> list[tuple[str, Look]]:
-    """Return labels and looks in the order of drawing: those in the background first."""
-    return sorted(looks.items(), key=lambda item: not item[1].background)
+def behind_first(pens: Pens) -> list[tuple[str, Pen]]:
+    """Return labels and pens in the order of drawing: those in the background first."""
+    return sorted(pens.items(), key=lambda item: not item[1].background)
 
 
-def looks_of(frame: pd.DataFrame, given: Looks | None = None) -> Looks:
-    """Return the looks given, or one for each optimizer of a frame, in the study's order where the frame knows it."""
-    return looks(labels(frame, "optimizer")) if given is None else given
+def pens_of(frame: pd.DataFrame, given: Pens | None = None) -> Pens:
+    """Return the pens given, or one for each optimizer of a frame, in the study's order where the frame knows it."""
+    return pens(labels(frame, "optimizer")) if given is None else given
 
 
 def plain(label: str, at_most: int = 28) -> str:
@@ -218,16 +218,16 @@ def name_rows(ax: Axes, names: Sequence[str]) -> range:
     return named
 
 
-def handles(looks: Looks) -> list[Line2D]:
+def handles(pens: Pens) -> list[Line2D]:
     """Return the legend entries of the first :data:`MANY_NAMES` optimizers, and how many more there are."""
-    own = {label: look for label, look in looks.items() if not look.background}
+    own = {label: pen for label, pen in pens.items() if not pen.background}
     shown = list(zip(names(own).values(), own.values(), strict=True))[:MANY_NAMES]
     entries = [
-        Line2D([], [], color=look.color, linestyle=look.line, linewidth=1.2, marker=look.marker, markersize=3.5,
+        Line2D([], [], color=pen.color, linestyle=pen.line, linewidth=1.2, marker=pen.marker, markersize=3.5,
                label=name)
-        for name, look in shown
+        for name, pen in shown
     ]  # fmt: skip
-    if grey := len(looks) - len(own):
+    if grey := len(pens) - len(own):
         entries.append(Line2D([], [], color=GREY, linewidth=1.2, label=f"{grey} others"))
     if left_out := len(own) - len(shown):
         entries.append(Line2D([], [], linestyle="none", label=f"and {left_out} more"))

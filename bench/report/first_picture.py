@@ -23,7 +23,7 @@ def first_picture(findings: Findings) -> list[Figure]:
         solved = set(findings.trials.pooled.functions)
         return [
             trials_figure(
-                findings.trials.frame, findings.trials.problems, findings.trials.optima, solved, findings.display.looks
+                findings.trials.frame, findings.trials.problems, findings.trials.optima, solved, findings.display.pens
             )
         ]
     return course(findings)
@@ -39,7 +39,7 @@ def shows_trials(findings: Findings) -> bool:
 def course(findings: Findings) -> list[Figure]:
     """Return the figure of the ranks over the budget, none without a trace."""
     return (
-        [course_figure(findings.anytime.stages, findings.display.looks)]
+        [course_figure(findings.anytime.stages, findings.display.pens)]
         if findings.trials.traces and len(findings.anytime.stages)
         else []
     )
@@ -50,7 +50,7 @@ def trials_figure(
     problems: Sequence[str],
     optima: Mapping[str, float],
     solved: Collection[str],
-    looks: style.Looks,
+    pens: style.Pens,
 ) -> Figure:
     """Return box plots with a point for every trial, a panel a problem.
 
@@ -72,7 +72,7 @@ def trials_figure(
     for place, (problem, ax) in enumerate(zip(problems, axes, strict=True)):
         least = analysis.SOLVED if problem in solved else None
         optimum = optima.get(problem) if least is None else None  # it is 0, off a log axis
-        box_plot(frame, problem, optimum=optimum, least=least, looks=looks, ax=ax)
+        box_plot(frame, problem, optimum=optimum, least=least, pens=pens, ax=ax)
         ax.set_title(style.plain(problem, 24), loc="left")
         if (legend := ax.get_legend()) is not None:
             legend.remove()  # the caption says what the line is

@@ -1,7 +1,7 @@
 """The figures of the report: :mod:`bench.plots` in panels, sized for papers, with the data behind them.
 
 Frames come from the function of :mod:`bench.analysis` of the same purpose. ``optimizers`` are all optimizers of the
-study, in its order, so that each has the same look in every figure, or their looks.
+study, in its order, so that each has the same pen in every figure, or their pens.
 """
 
 from __future__ import annotations
@@ -71,11 +71,11 @@ def distribution_figure(
         height=style.rows_height(len(optimizers)), left=left,
         right=beside, across=beside + 0.1, down=0.7, bottom=0.36, top=0.22,
     )  # fmt: skip
-    looks = style.looks(optimizers)
+    pens = style.pens(optimizers)
     optimum = optimum if least is None else None  # it is 0, off a log axis
-    box_plot(frame, problem, optimum=optimum, least=least, looks=looks, ax=axes[0])
+    box_plot(frame, problem, optimum=optimum, least=least, pens=pens, ax=axes[0])
     for place, (name, (value, tolerance)) in enumerate(known.items(), 1):
-        box_plot(frame, problem, column=name, expected=value, tolerance=tolerance, looks=looks, ax=axes[place])
+        box_plot(frame, problem, column=name, expected=value, tolerance=tolerance, pens=pens, ax=axes[place])
         axes[place].set_title("", loc="left")
         if place % COLUMNS:
             axes[place].set_yticks([])
@@ -138,7 +138,7 @@ def _banded(optimizers: Iterable[str]) -> str:
 def _over_evaluations(
     name: str, caption: str, draw: Callable[..., Axes], curves: pd.DataFrame, optimizers: Iterable[str]
 ) -> Figure:
-    figure, axes = _multiples(curves, style.looks(optimizers), draw, across=0.46)
+    figure, axes = _multiples(curves, style.pens(optimizers), draw, across=0.46)
     for ax in axes:
         style.span(ax, curves["evaluations"])
     shown = _at_round_numbers(curves, ["problem", "evaluations"], "median", (1, 2, 5))
@@ -150,7 +150,7 @@ def ert_figure(table: pd.DataFrame, optimizers: Iterable[str], suffix: str = "",
 
     ``suffix`` ends the figure's name, where there are several of the kind; ``unit`` is what a target's tau is.
     """
-    figure, axes = _multiples(table, style.looks(optimizers), ert, across=0.12)
+    figure, axes = _multiples(table, style.pens(optimizers), ert, across=0.12)
     for ax in axes:
         if unit != "tau" and ax.get_xlabel():
             ax.set_xlabel(unit)
@@ -182,11 +182,11 @@ def ecdf_figure(
 
     ``restarts`` says whether ``reached`` are shares of simulated restarts.
     """
-    looks = style.looks(optimizers)
-    figure, (left, right) = style.grid(2, height=1.8, left=0.5, across=0.55, top=_legend_height(looks) + 0.1)
-    ecdf(reached, looks=looks, legend=False, ax=left)
-    data_profile(profile, looks=looks, legend=False, ax=right)
-    style.legend_above(figure, style.handles(looks))
+    pens = style.pens(optimizers)
+    figure, (left, right) = style.grid(2, height=1.8, left=0.5, across=0.55, top=_legend_height(pens) + 0.1)
+    ecdf(reached, pens=pens, legend=False, ax=left)
+    data_profile(profile, pens=pens, legend=False, ax=right)
+    style.legend_above(figure, style.handles(pens))
     along = "groups" if "groups" in profile else "evaluations"
     over = "per_dimension" if "per_dimension" in reached else "evaluations"
     unit = ", over groups of d + 1 evaluations" if along == "groups" else ""
@@ -211,15 +211,15 @@ def group_figure(curves: pd.DataFrame, optimizers: Iterable[str], *, restarts: b
     ``curves`` are those of :func:`bench.analysis.ecdf` with a column problem, the panel's name.
     """
 
-    def draw(frame: pd.DataFrame, problem: str, *, looks: style.Looks, legend: bool, ax: Axes) -> Axes:
-        ecdf(frame[frame["problem"] == problem], looks=looks, legend=legend, ax=ax)
+    def draw(frame: pd.DataFrame, problem: str, *, pens: style.Pens, legend: bool, ax: Axes) -> Axes:
+        ecdf(frame[frame["problem"] == problem], pens=pens, legend=legend, ax=ax)
         unbroken = style.plain(problem, 2 * TITLE_LETTERS).replace(" = ", "\xa0=\xa0")
         lines = textwrap.wrap(unbroken, TITLE_LETTERS)
         ax.set_title("\n".join(lines), loc="left", fontsize="small")
         ax.set_ylabel("share reached")
         return ax
 
-    figure, _ = _multiples(curves, style.looks(optimizers), draw, across=0.46, down=0.4)
+    figure, _ = _multiples(curves, style.pens(optimizers), draw, across=0.46, down=0.4)
     caption = (
         f"The share of all targets, of all problems and {'simulated restarts' if restarts else 'trials'} of a group, "
         "that was reached, over evaluations / d. "
@@ -234,7 +234,7 @@ def scaling_figure(table: pd.DataFrame, optimizers: Iterable[str], *, target: st
 
     ``table`` has problem (the function), dimension, optimizer and ert, in evaluations / d.
     """
-    figure, axes = _multiples(table, style.looks(optimizers), scaling, across=0.3)
+    figure, axes = _multiples(table, style.pens(optimizers), scaling, across=0.3)
     times = table["ert"].to_numpy(dtype=float)
     shown = times[style.drawable(times)]
     for ax in axes:
@@ -249,38 +249,38 @@ def scaling_figure(table: pd.DataFrame, optimizers: Iterable[str], *, target: st
     return Figure("scaling", caption, figure, table, data[list(optimizers)].rename_axis(columns=None))
 
 
-def course_figure(stages: pd.DataFrame, looks: style.Looks) -> Figure:
+def course_figure(stages: pd.DataFrame, pens: style.Pens) -> Figure:
     """Return the mean rank of each optimizer over the budget; ``stages`` are those of :func:`stage_ranks`.
 
     Over shares of the budget where the problems have different ones.
     """
     along = "evaluations" if (stages.groupby("share")["evaluations"].nunique() == 1).all() else "share"
     means = stages.groupby([along, "optimizer"], sort=False, observed=True)["rank"].mean().reset_index()
-    named = [label for label, look in looks.items() if not look.background]
+    named = [label for label, pen in pens.items() if not pen.background]
     right = style.text_width(style.names(named, RANK_NAME).values()) + 0.3
     figure, (ax,) = style.grid(1, width=_width(right), height=1.9, left=0.45, right=right, bottom=0.4, top=0.08)
-    rank_course(means, looks=looks, ax=ax)
+    rank_course(means, pens=pens, ax=ax)
     problems = stages["problem"].nunique()
     caption = (
         f"Who leads when: the mean rank over {problems} problems after "
         f"{'some evaluations' if along == 'evaluations' else 'shares of the budget'}, 1 for the best."
     ).replace("over 1 problems", "on the only problem")
-    shown = means.pivot(index=along, columns="optimizer", values="rank")[list(looks)].rename_axis(columns=None)
+    shown = means.pivot(index=along, columns="optimizer", values="rank")[list(pens)].rename_axis(columns=None)
     return Figure("ranks-over-budget", caption, figure, stages, shown)
 
 
-def stability_figure(stability: pd.DataFrame, looks: style.Looks) -> Figure:
+def stability_figure(stability: pd.DataFrame, pens: style.Pens) -> Figure:
     """Return the mean rank of each optimizer over the number of trials that count, with the range over subsets."""
-    named = [label for label, look in looks.items() if not look.background]
+    named = [label for label, pen in pens.items() if not pen.background]
     right = style.text_width(style.names(named, RANK_NAME).values()) + 0.3
     figure, (ax,) = style.grid(1, width=_width(right), height=1.9, left=0.45, right=right, bottom=0.4, top=0.08)
-    rank_course(stability, looks=looks, ax=ax)
+    rank_course(stability, pens=pens, ax=ax)
     caption = (
         "Stability of the ranks: the mean rank over problems with only the first trials of each cell, 1 for the best; "
         "bands are the range over random subsets of as many trials. All bands end in a point, where subsets hold all "
         "trials; a curve that still moves there needs more of them."
     )
-    shown = stability.pivot(index="trials", columns="optimizer", values="rank")[list(looks)].rename_axis(columns=None)
+    shown = stability.pivot(index="trials", columns="optimizer", values="rank")[list(pens)].rename_axis(columns=None)
     return Figure("stability", caption, figure, stability, shown)
 
 
@@ -327,22 +327,22 @@ def timing_figure(table: pd.DataFrame) -> Figure:
 
 
 def _multiples(
-    frame: pd.DataFrame, looks: style.Looks, draw: Callable[..., Axes], *, across: float, down: float = 0.3
+    frame: pd.DataFrame, pens: style.Pens, draw: Callable[..., Axes], *, across: float, down: float = 0.3
 ) -> tuple[matplotlib.figure.Figure, list[Axes]]:
     """Draw a panel for each problem that has rows, axis labels at the edges only, and the legend above all."""
     problems = [problem for problem in labels(frame, "problem") if (frame["problem"] == problem).any()]
     figure, axes = style.grid(
         len(problems), columns=COLUMNS, height=1.0, left=0.6, across=across, down=down,
-        top=_legend_height(looks) + down - 0.05,
+        top=_legend_height(pens) + down - 0.05,
     )  # fmt: skip
     for place, (problem, ax) in enumerate(zip(problems, axes, strict=True)):
-        draw(frame, problem, looks=looks, legend=False, ax=ax)
+        draw(frame, problem, pens=pens, legend=False, ax=ax)
         if place % COLUMNS:
             ax.set_ylabel("")
         if place + COLUMNS < len(problems):
             ax.set_xlabel("")
             ax.tick_params(labelbottom=False)
-    style.legend_above(figure, style.handles(looks))
+    style.legend_above(figure, style.handles(pens))
     return figure, axes
 
 
@@ -356,8 +356,8 @@ def _width(margins: float) -> float:
     return style.COLUMN if margins < 0.6 * style.COLUMN else style.TEXT
 
 
-def _legend_height(looks: style.Looks) -> float:
-    return style.legend_height([str(entry.get_label()) for entry in style.handles(looks)])
+def _legend_height(pens: style.Pens) -> float:
+    return style.legend_height([str(entry.get_label()) for entry in style.handles(pens)])
 
 
 def _at_round_numbers(frame: pd.DataFrame, rows: list[str], value: str, multiples: tuple[int, ...]) -> pd.DataFrame:

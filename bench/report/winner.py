@@ -54,7 +54,7 @@ class Across(NamedTuple):
     lower: bool
 
 
-class Verdict(NamedTuple):
+class Conclusion(NamedTuple):
     """What may be claimed.
 
     Attributes:
@@ -159,11 +159,11 @@ class Standing:
         return "" if self.open or len(self.level) > 1 else self.ordered[0]
 
 
-def verdict(known: Standing) -> Verdict:
+def verdict(known: Standing) -> Conclusion:
     """Return what may be claimed: of one problem and of many, of ties, of failures, of too few trials for a test."""
     if len(known.level) == len(known.ranking):
         headline = f"No optimizer leads at {known.budget}: all have the same mean rank {_over(known)}."
-        return Verdict(headline, _lines(Where=_split(known)), False)
+        return Conclusion(headline, _lines(Where=_split(known)), False)
     leader = known.ordered[0]
     alone = len(known.level) == 1  # where several share the lead, numbers of one of them would single it out
     testable = bool(known.levels.problems or known.levels.across)
@@ -173,7 +173,7 @@ def verdict(known: Standing) -> Verdict:
         How_sure=_sure(known, leader),
         At_what_budget=_course(known, leader) if alone and testable else "",
     )
-    return Verdict(_headline(known, leader), lines, bool(known.leads) and not known.conditions)
+    return Conclusion(_headline(known, leader), lines, bool(known.leads) and not known.conditions)
 
 
 def _lines(**texts: str) -> tuple[tuple[str, str], ...]:

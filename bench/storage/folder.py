@@ -287,8 +287,8 @@ class Folder:
 
 def _verdict(noted: dict[str, Any]) -> dict[str, Any]:
     """Return a noted verdict with all its keys, empty where it is malformed."""
-    whole = {"check": None, "kind": "bias", "passed": None, "finding": "", "mend": "", "figure": None, "code": ""}
+    whole = {"check": None, "kind": "bias", "passed": None, "finding": "", "remedy": "", "figure": None, "code": ""}
     whole |= {key: value for key, value in noted.items() if key in whole}
-    kinds: dict[str, Any] = {"check": str, "kind": str, "passed": bool, "finding": str, "mend": str, "code": str}
+    kinds: dict[str, Any] = {"check": str, "kind": str, "passed": bool, "finding": str, "remedy": str, "code": str}
     kinds["figure"] = (int, float, type(None))
     return whole if all(isinstance(whole[key], kind) for key, kind in kinds.items()) else {}

@@ -27,10 +27,12 @@ from bench.sandbox.process import Process
 
 def check_repetition(subject: Subject) -> str:
     """A seed repeats the run within a process; other seeds give other runs, or the method is deterministic."""
-    mend = "draw from rng alone, start from objective.initial, and use no clock, no generator of your own and nothing "
-    mend += "that is kept in the module or the class"
+    remedy = (
+        "draw from rng alone, start from objective.initial, and use no clock, no generator of your own and nothing "
+        "that is kept in the module or the class"
+    )
     run = subject.run()
-    expect_same(run.course(), subject.run().course(), "two runs of one seed differ", mend)
+    expect_same(run.course(), subject.run().course(), "two runs of one seed differ", remedy)
     others = [subject.run(seed=seed, global_seed=seed) for seed in (1, 2)]
     if all(other.course() == run.course() for other in others):
         return "deterministic: the seed repeats the run, and so does every other seed"
@@ -41,8 +43,10 @@ def check_repetition(subject: Subject) -> str:
 
 def check_processes(subject: Subject) -> str:
     """Trials in another process, in another order and with other hashes, give the same runs."""
-    mend = "do not loop over a set or use hash() or id(): their order differs from process to process; use no process "
-    mend += "number, host name or environment variable, and keep nothing in the module or the class from run to run"
+    remedy = (
+        "do not loop over a set or use hash() or id(): their order differs from process to process; use no process "
+        "number, host name or environment variable, and keep nothing in the module or the class from run to run"
+    )
     seeds = [0, 1, 2]
     here = [subject.run(seed=seed).course() for seed in seeds]
     with Process(hash_seed=1) as process:
@@ -53,7 +57,7 @@ def check_processes(subject: Subject) -> str:
             finding, other_mend = explain_lost_process(error, process.note)
             raise ViolationError(f"in another process, {finding}", other_mend) from error
     for mine, other in zip(here, reversed(there), strict=True):
-        expect_same(mine, other, "a seed gives another run in another process, after other runs", mend)
+        expect_same(mine, other, "a seed gives another run in another process, after other runs", remedy)
     return f"{len(seeds)} trials gave the same runs in two processes, in two orders"
 
 
@@ -69,14 +73,14 @@ def check_state(subject: Subject) -> str:
     before = parameters(used)
     subject.run(optimizer=used)
     after = parameters(used)
-    mend = "keep what changes during a run in local variables of minimize, not in self"
+    remedy = "keep what changes during a run in local variables of minimize, not in self"
     changed = [name for name in before if after.get(name) != before[name]]
     if changed:
         raise ViolationError(
-            f"a run changes its parameter {changed[0]!r} from {before[changed[0]]} to {after[changed[0]]}", mend
+            f"a run changes its parameter {changed[0]!r} from {before[changed[0]]} to {after[changed[0]]}", remedy
         )
     new, again = (subject.run(optimizer=each, seed=1) for each in (None, used))
-    expect_same(new.course(), again.course(), "a second run of one instance differs from that of a new one", mend)
+    expect_same(new.course(), again.course(), "a second run of one instance differs from that of a new one", remedy)
     return "a second run of one instance equals that of a new one"
 
 
@@ -84,25 +88,27 @@ def check_pickling(subject: Subject) -> str:
     """Workers get their optimizer by pickle."""
     optimizer = subject.fresh()
     copy = pickle.loads(cloudpickle.dumps(optimizer))
-    mend = "keep the whole configuration of the optimizer in its fields, as plain values"
+    remedy = "keep the whole configuration of the optimizer in its fields, as plain values"
     if type(copy).__qualname__ != type(optimizer).__qualname__:
-        raise ViolationError(f"its pickled copy is a {type(copy).__name__}, not a {type(optimizer).__name__}", mend)
+        raise ViolationError(f"its pickled copy is a {type(copy).__name__}, not a {type(optimizer).__name__}", remedy)
     if parameters(copy) != parameters(optimizer) and copy != optimizer:
-        raise ViolationError("its pickled copy has other parameters", mend)
+        raise ViolationError("its pickled copy has other parameters", remedy)
     run, other = (subject.run(optimizer=each) for each in (optimizer, copy))
-    expect_same(run.course(), other.course(), "its pickled copy runs differently", mend)
+    expect_same(run.course(), other.course(), "its pickled copy runs differently", remedy)
     return "a pickled copy has the same parameters and gives the same run"
 
 
 def check_global_states(subject: Subject) -> str:
     """Neither Python's nor numpy's global random state is used or changed."""
-    mend = "draw from rng alone: no random.random(), no np.random.rand() and no seeding of them; a library that needs "
-    mend += "them gets a seed drawn from rng, and the states are restored afterwards"
+    remedy = (
+        "draw from rng alone: no random.random(), no np.random.rand() and no seeding of them; a library that needs "
+        "them gets a seed drawn from rng, and the states are restored afterwards"
+    )
     run = subject.run()
     if run.touched:
-        raise ViolationError(f"a run changes the global random state of {' and '.join(run.touched)}", mend)
+        raise ViolationError(f"a run changes the global random state of {' and '.join(run.touched)}", remedy)
     other = subject.run(global_seed=1)
-    expect_same(run.course(), other.course(), "a run depends on the global random states", mend)
+    expect_same(run.course(), other.course(), "a run depends on the global random states", remedy)
     return "the global random states of Python and numpy are neither used nor changed"
 
 
@@ -110,8 +116,8 @@ def check_anonymity(subject: Subject) -> str:
     """A problem's name, variables and known optimum change nothing."""
     run, other = subject.run(), subject.run(bowl(name="other", variables=("a", "b", "c"), optimum=-1.0))
     finding = "its run depends on the problem's name, variables or known optimum"
-    mend = "use nothing of the problem but the objective's values and bounds"
-    expect_same(run.course(), other.course(), finding, mend)
+    remedy = "use nothing of the problem but the objective's values and bounds"
+    expect_same(run.course(), other.course(), finding, remedy)
     return "the problem's name, variables and known optimum change nothing"
 
 

@@ -59,16 +59,16 @@ class RecordedRun:
 class ViolationError(Exception):
     """The optimizer breaks the rule: what was observed, and how to mend it."""
 
-    def __init__(self, finding: str, mend: str) -> None:
+    def __init__(self, finding: str, remedy: str) -> None:
         super().__init__(finding)
-        self.finding, self.mend = finding, mend
+        self.finding, self.remedy = finding, remedy
 
 
-def expect_same(one: list[int], other: list[int], finding: str, mend: str) -> None:
+def expect_same(one: list[int], other: list[int], finding: str, remedy: str) -> None:
     """Raise ViolationError, naming the first evaluation that differs, unless both courses of runs are equal."""
     if one != other:
         first = next(i for i, (a, b) in enumerate(zip_longest(one, other), 1) if a != b)
-        raise ViolationError(f"{finding} (from evaluation {first} on)", mend)
+        raise ViolationError(f"{finding} (from evaluation {first} on)", remedy)
 
 
 LOST = (TimeExceededError, PrintedTooMuchError, DiedError, LostError)
@@ -89,17 +89,17 @@ def explain_lost_process(
     if isinstance(error, DiedError) and error.code == STILL_ASKING:
         return f"it calls the objective for ever after its budget of {budget} is spent", LET_IT_PASS
     if isinstance(error, DiedError):
-        mend = "raise an exception where it cannot go on; a signal means a crash in compiled code"
-        return f"it ended the process that it ran in ({error})", mend
+        remedy = "raise an exception where it cannot go on; a signal means a crash in compiled code"
+        return f"it ended the process that it ran in ({error})", remedy
     if isinstance(error, LostError):
         return "it stopped the process that it ran in", "send no signals"
     if isinstance(error, PrintedTooMuchError):
         return "it printed without end", "print and log nothing; switch off the messages of the libraries that you call"
     if budget and made == budget:
-        mend = f"{LET_IT_PASS}; or look for a loop that does not call the objective"
-        return f"it did not end within {error}, after its budget of {budget} was spent", mend
-    mend = "look for a loop that never calls the objective, for a lock that is never released, or for slow code"
-    return f"it did not end within {error}, after {made} of {budget or 'its'} evaluations", mend
+        remedy = f"{LET_IT_PASS}; or look for a loop that does not call the objective"
+        return f"it did not end within {error}, after its budget of {budget} was spent", remedy
+    remedy = "look for a loop that never calls the objective, for a lock that is never released, or for slow code"
+    return f"it did not end within {error}, after {made} of {budget or 'its'} evaluations", remedy
 
 
 class Progress:

@@ -26,14 +26,14 @@ class Rule:
     Attributes:
         name: the name in verdicts, such as ``"budget"``.
         examine: the rule's function; it may return None where the optimizer cannot be constructed.
-        mend: how to mend an exception that the optimizer raises in this check.
+        remedy: how to mend an exception that the optimizer raises in this check.
         needs: the rules that an optimizer must keep before this one can be checked.
         seconds: that its check may take.
     """
 
     name: str
     examine: Callable[[Subject], str | None]
-    mend: str
+    remedy: str
     needs: tuple[str, ...] = ("run",)
     seconds: float = SECONDS
 
@@ -77,11 +77,11 @@ def judge(rule: Rule, subject: Subject) -> Verdict | None:
         observed = rule.examine(subject)
         return None if observed is None else Verdict(rule.name, "conformance", True, observed)
     except ViolationError as violation:
-        return failed(rule, violation.finding, violation.mend)
+        return failed(rule, violation.finding, violation.remedy)
     except (Exception, SystemExit) as error:
         return failed(rule, f"it raised {describe_error(error)}")
 
 
-def failed(rule: Rule, finding: str, mend: str = "") -> Verdict:
-    """Return a failed verdict on the rule; without a ``mend`` of its own it gets the rule's."""
-    return Verdict(rule.name, "conformance", False, finding, mend or rule.mend)
+def failed(rule: Rule, finding: str, remedy: str = "") -> Verdict:
+    """Return a failed verdict on the rule; without a ``remedy`` of its own it gets the rule's."""
+    return Verdict(rule.name, "conformance", False, finding, remedy or rule.remedy)

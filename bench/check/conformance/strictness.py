@@ -25,7 +25,7 @@ from bench.seeds import streams
 
 def check_strictly(subject: Subject) -> str:
     """Problem, budget and trace in another process change nothing: nothing is evaluated past the objective."""
-    mend = "get values from objective(x) alone, and nothing else of the problem or of the objective's inside"
+    remedy = "get values from objective(x) alone, and nothing else of the problem or of the objective's inside"
     budget = ordinary_budget(subject.fresh())
     here = subject.run().course()
     packed = subject.packed or pack(subject)
@@ -41,7 +41,7 @@ def check_strictly(subject: Subject) -> str:
             raise ViolationError(f"with the problem in another process, {finding}", other_mend) from error
         process.close()
         apart = keeper.finish(seconds=START_SECONDS)
-    expect_same(here, apart, "with problem and budget in another process, its run is another", mend)
+    expect_same(here, apart, "with problem and budget in another process, its run is another", remedy)
     return f"the problem and the budget of {budget} evaluations in another process change nothing"
 
 

@@ -1,4 +1,4 @@
-"""How many optimizers a report shows, and in which look: of many, the best stand out."""
+"""How many optimizers a report shows, and with which pen: of many, the best stand out."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ class Display:
         return self.final.pairs[self.final.pairs["first"].isin(best) & self.final.pairs["second"].isin(best)]
 
     @cached_property
-    def looks(self) -> style.Looks:
-        """The look of each optimizer in every figure: of many, only the best have one of their own."""
-        return style.looks(self.trials.optimizers, self.coloured)
+    def pens(self) -> style.Pens:
+        """The pen of each optimizer in every figure: of many, only the best have one of their own."""
+        return style.pens(self.trials.optimizers, self.coloured)
 
     @property
     def coloured(self) -> list[str] | None:
@@ -57,9 +57,9 @@ class Display:
         return len(self.trials.optimizers) > CROWD
 
     @cached_property
-    def drawn(self) -> style.Looks:
-        """The looks of those whose curves are drawn problem by problem: of a crowd, the best."""
-        return {label: look for label, look in self.looks.items() if not (self.crowd and look.background)}
+    def drawn(self) -> style.Pens:
+        """The pens of those whose curves are drawn problem by problem: of a crowd, the best."""
+        return {label: pen for label, pen in self.pens.items() if not (self.crowd and pen.background)}
 
     @property
     def drawn_words(self) -> tuple[str, ...]:

@@ -176,13 +176,13 @@ class _Explored:
 
     def optimizers(self) -> list[dict[str, Any]]:
         entries = {entry.label: entry for entry in self.findings.study.optimizers}
-        looks = style.looks(self.findings.trials.optimizers, self.findings.display.coloured, grey=False)
+        pens = style.pens(self.findings.trials.optimizers, self.findings.display.coloured, grey=False)
         return [
             {
                 "label": label,
-                "color": looks[label].color,
-                "dash": DASHES[looks[label].line],
-                "shape": SHAPES[looks[label].marker],
+                "color": pens[label].color,
+                "dash": DASHES[pens[label].line],
+                "shape": SHAPES[pens[label].marker],
                 "options": _options(entries[label]),
                 "command": optimizer_words(entries[label]),
             }

@@ -38,7 +38,7 @@ def section(findings: Findings) -> Section:
         along = np.geomspace(1 / max(dimensions.values()), max(budgets[label] / d for label, d in dimensions.items()))
         reached = analysis.ecdf(hits, along, dimensions)
     together = ecdf_figure(
-        reached, profiles, findings.display.looks, target=words.at(words.level), restarts=words.restarts
+        reached, profiles, findings.display.pens, target=words.at(words.level), restarts=words.restarts
     )
     rates: list[Part] = [_success(findings.anytime.success, words), *_areas(findings)]
     text = (

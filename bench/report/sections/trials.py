@@ -43,7 +43,7 @@ def section(findings: Findings) -> Section:
     if len(findings.final.needed):
         items.append(_needed(findings.final))
     if len(findings.final.stability):
-        items.append(stability_figure(findings.final.stability, findings.display.looks))
+        items.append(stability_figure(findings.final.stability, findings.display.pens))
     return Section(TITLE, tuple(text), tuple(items), on_demand=True)
 
 

@@ -90,17 +90,17 @@ def _figure(known: dict[str, pd.DataFrame]) -> Figure:
     titles = ["{} in {}".format(*SHOWN[name]) for name in known]
     names = [style.plain(optimizer) for optimizer in optimizers]
     figure, axes = accuracy.dataset_panels(titles, problems, [EXPECTED, BAND, *names], columns=1, height=1.7)
-    looks = style.looks(optimizers).values()
+    pens = style.pens(optimizers).values()
     for ax, (name, data) in zip(axes, known.items(), strict=True):
         scale = SHOWN[name][2]
         _truth(ax, accuracy.expected_by_problem(data).reindex(problems) * scale)
         own = cells[cells["figure"] == name].astype({"problem": object, "optimizer": object})
-        for number, (optimizer, look, label) in enumerate(zip(optimizers, looks, names, strict=True)):
+        for number, (optimizer, pen, label) in enumerate(zip(optimizers, pens, names, strict=True)):
             table = scale * own[own["optimizer"] == optimizer].set_index("problem")[["q1", "median", "q3"]]
             table = table.reindex(problems)
             at = np.arange(len(problems)) + 0.9 * WIDTH * ((number + 0.5) / len(optimizers) - 0.5)
-            ax.vlines(at, table["q1"], table["q3"], color=look.color, linewidth=0.9)
-            ax.plot(at, table["median"], look.marker, color=look.color, markersize=3, markeredgewidth=0, label=label)
+            ax.vlines(at, table["q1"], table["q3"], color=pen.color, linewidth=0.9)
+            ax.plot(at, table["median"], pen.marker, color=pen.color, markersize=3, markeredgewidth=0, label=label)
     style.legend_above(figure, axes[0].get_legend_handles_labels()[0])
     caption = (
         "The true backlash of each dataset and the amplitude expected of it (lines; shaded: the accuracy bands), as in "

@@ -188,8 +188,8 @@ def beside_best(best: pd.DataFrame) -> Table:
 def figure(cells: pd.DataFrame, best: pd.DataFrame) -> Figure:
     """Plot the amplitudes found against the expected ones, a panel a noise level, with the thesis's points."""
     levels = [noise for noise in NOISES if noise in set(cells["noise level"])]
-    looks = style.looks(labels(cells, "optimizer"))
-    names = [style.plain(label) for label in looks]
+    pens = style.pens(labels(cells, "optimizer"))
+    names = [style.plain(label) for label in pens]
     drawn, axes = style.grid(
         len(levels), columns=2, height=2.6, left=0.45, across=0.1,
         top=0.25 + style.legend_height([*names, THESIS, BEST, EXPECTED]),
@@ -203,9 +203,9 @@ def figure(cells: pd.DataFrame, best: pd.DataFrame) -> Figure:
         own = cells[cells["noise level"] == noise]
         most = own["theoretical"].max()
         ax.plot([0, most], [0, most], "-", color=style.REFERENCE, linewidth=0.8, label=EXPECTED)
-        for number, (label, look) in enumerate(looks.items(), start=1):
+        for number, (label, pen) in enumerate(pens.items(), start=1):
             rows = own[own["optimizer"] == label]
-            _points(ax, rows, look.marker, look.color, style.plain(label), 0.012 * number)
+            _points(ax, rows, pen.marker, pen.color, style.plain(label), 0.012 * number)
         theirs = published().loc[sorted(set(own["dataset"]) & set(table_7_3()))]
         _points(ax, theirs, "o", "0.45", THESIS, -0.012)
         fits = best[best["noise level"] == noise]

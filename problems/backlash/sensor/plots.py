@@ -96,12 +96,12 @@ def trend_figure(trends: Sequence[Trend], *, limit_rad: float) -> Figure:
     for each in trends:
         kinds.setdefault((each.quantity, each.series.unit), []).append(each)
     figure = Figure(figsize=(style.TEXT, 0.3 + 2.9 * len(kinds)), layout="constrained")
-    looks = style.looks(each.series.name for each in trends)
-    names = style.names(looks)
+    pens = style.pens(each.series.name for each in trends)
+    names = style.names(pens)
     for ax, ((quantity, unit), alike) in zip(np.ravel(figure.subplots(len(kinds))), kinds.items(), strict=True):
         factor, shown = UNIT[quantity]
         for each in alike:
-            _draw_trend(ax, each, factor, looks[each.series.name], names[each.series.name] or "estimate")
+            _draw_trend(ax, each, factor, pens[each.series.name], names[each.series.name] or "estimate")
         if any(each.significant for each in alike):
             ax.plot([], [], color="black", linewidth=0.9, linestyle="--", label="trend")
         if quantity == "backlash":
@@ -154,13 +154,13 @@ def _draw_oscillation(ax: Axes, estimate: Estimate) -> None:
     ax.set(xlim=(fine[0], fine[-1]), xlabel="time in s", ylabel="disturbance in rps")
 
 
-def _draw_trend(ax: Axes, trend: Trend, factor: float, look: style.Look, name: str) -> None:
+def _draw_trend(ax: Axes, trend: Trend, factor: float, pen: style.Pen, name: str) -> None:
     at, values = trend.series.at, factor * trend.values
-    ax.vlines(at, *(factor * trend.intervals.T), color=look.color, linewidth=0.8)
-    ax.plot(at, values, color=look.color, marker=look.marker, markersize=3.5, linestyle="none", label=name)
+    ax.vlines(at, *(factor * trend.intervals.T), color=pen.color, linewidth=0.8)
+    ax.plot(at, values, color=pen.color, marker=pen.marker, markersize=3.5, linestyle="none", label=name)
     if trend.line is not None and trend.significant:
         ends = np.array([at[0], at[-1]])
-        ax.plot(ends, factor * trend.line.at(ends), color=look.color, linewidth=0.9, linestyle="--")
+        ax.plot(ends, factor * trend.line.at(ends), color=pen.color, linewidth=0.9, linestyle="--")
 
 
 def _locator(trends: Sequence[Trend]) -> Locator:

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from bench.analysis.cells import in_study_order
-from bench.analysis.finished_trials import Finding
+from bench.analysis.finished_trials import CheckResult
 from bench.analysis.integrity import TRAITS, _together, _trait, integrity
 from bench.objective import Trace
 from bench.storage.reading import StoreCheck
@@ -466,13 +466,13 @@ class TestFrames:
 
 def test_clamping_here_and_in_separate_runs_is_one_finding():
     here, elsewhere = (
-        Finding("pass", "At most 0.10% lie there."),
-        Finding("warning", "Best points lie there: a 6% of them."),
+        CheckResult("pass", "At most 0.10% lie there."),
+        CheckResult("warning", "Best points lie there: a 6% of them."),
     )
     both = _together(here, elsewhere)
     assert both.verdict == "warning"
     assert both.text == "At most 0.10% lie there. In separate runs: best points lie there: a 6% of them."
-    unknown = Finding("not checked", "Nobody looked.")
+    unknown = CheckResult("not checked", "Nobody looked.")
     assert _together(here, unknown) == here
     assert _together(unknown, elsewhere) == elsewhere
     assert _together(unknown, unknown) == unknown

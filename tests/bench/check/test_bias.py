@@ -45,14 +45,14 @@ def test_a_method_without_bias_passes_every_check():
     verdicts = found(Chains())
     assert list(verdicts) == CHECKS
     assert [check for check, verdict in verdicts.items() if not verdict.passed] == []
-    assert {verdict.mend for verdict in verdicts.values()} == {""}
+    assert {verdict.remedy for verdict in verdicts.values()} == {""}
     assert {verdict.kind for verdict in verdicts.values()} == {"bias"}
     assert 1 / LIMIT < verdicts["centre bias"].figure < LIMIT
 
 
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize(
-    ("optimizer", "check", "seen", "mend"),
+    ("optimizer", "check", "seen", "remedy"),
     [
         (Shrinking(), "centre bias", "above the limit of 10", "moves that shrink"),
         (Shrinking(), "structural bias", "are not uniform", "drawn to the centre"),
@@ -63,11 +63,11 @@ def test_a_method_without_bias_passes_every_check():
         (Deterministic(), "starts and seeds", "2 of 4 runs on functions repeat another", "make one trial"),
     ],
 )
-def test_a_method_with_a_bias_is_found_out(optimizer, check, seen, mend):
+def test_a_method_with_a_bias_is_found_out(optimizer, check, seen, remedy):
     verdict = found(optimizer)[check]
     assert not verdict.passed
     assert seen in verdict.finding
-    assert mend in verdict.mend
+    assert remedy in verdict.remedy
 
 
 @pytest.mark.parametrize(

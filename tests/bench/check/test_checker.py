@@ -42,7 +42,7 @@ def test_a_failed_report_says_how_to_mend_it_and_what_could_not_be_checked():
     assert checkup.unchecked == ("processes", "no state", "pickling", "global states", "anonymity")
     text = str(checkup)
     assert "  FAILED  repetition" in text
-    assert "mend: draw from rng alone" in text
+    assert "remedy: draw from rng alone" in text
     assert text.endswith(
         "Clocked fails the contract in: repetition; not checked until that is mended: "
         "processes, no state, pickling, global states, anonymity"
@@ -147,7 +147,7 @@ def test_an_optimizer_that_cannot_keep_its_budget_is_not_searched_for_biases(mon
 
 
 @pytest.mark.parametrize(
-    ("optimizer", "check", "finding", "mend"),
+    ("optimizer", "check", "finding", "remedy"),
     [
         (
             faulty.Cached,
@@ -177,14 +177,14 @@ def test_an_optimizer_that_cannot_keep_its_budget_is_not_searched_for_biases(mon
         (faulty.Threaded, "leftovers", "every run leaves a thread running", "in a finally"),
     ],
 )
-def test_what_hangs_crashes_or_spoils_its_process_costs_its_own_check_alone(optimizer, check, finding, mend):
+def test_what_hangs_crashes_or_spoils_its_process_costs_its_own_check_alone(optimizer, check, finding, remedy):
     seconds = HURRIED.get(optimizer, find_rule(check).seconds)
     rules = [replace(rule, seconds=seconds) if rule.name == check else rule for rule in RULES]
     with closing(Checker(Subject(optimizer))) as checker:
         found = {verdict.check: verdict for verdict in filter(None, map(checker.verdict, rules))}
     assert [verdict.check for verdict in failures(found)] == [check]
     assert finding in found[check].finding
-    assert mend in found[check].mend
+    assert remedy in found[check].remedy
     assert found.keys() == ({"parameters", "run"} if check == "run" else ALL)
 
 

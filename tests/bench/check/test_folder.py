@@ -134,7 +134,7 @@ def test_notes_of_older_versions_are_read_and_what_is_no_verdict_is_passed_over(
     }  # fmt: skip
     (tmp_path / "out" / "checks.json").write_text(json.dumps(notes))
     assert Results(tmp_path / "out").checks == {
-        "scatter": [old | {"kind": "bias", "mend": "", "code": ""}, new | {"code": "12ab"}]
+        "scatter": [old | {"kind": "bias", "remedy": "", "code": ""}, new | {"code": "12ab"}]
     }
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from bench import BenchError, load_optimizer
 from bench.check import runs
-from bench.check.runs import BOXES, Runs, Task, make_run, make_runs
+from bench.check.runs import BOXES, CheckRun, Runs, make_run, make_runs
 from bench.sandbox.process import Process
 from tests.bench.check import biased, faulty
 from tests.bench.check.biased import Chains, Clipping
@@ -90,7 +90,7 @@ def test_an_answer_of_another_kind_is_refused(answer, monkeypatch, in_this_proce
 
 def test_values_survive_their_way_between_processes(monkeypatch):
     """Infinity and every digit."""
-    task = Task("noise", "[0, 1]", 0, 3, 100, 0)
+    task = CheckRun("noise", "[0, 1]", 0, 3, 100, 0)
     packed = runs.pack(runs.make_subject(Chains(), {}, 0))
     with Process(0) as process:
         there = process.call(make_run, packed, task, seconds=60.0)

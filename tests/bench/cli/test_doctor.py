@@ -50,7 +50,7 @@ def test_a_plugin_that_does_not_load_is_broken_and_its_package_is_named(states):
     code, found = states()
     assert code == 1
     assert "testing_plugins_missing" in found["plug-ins", "broken"]["found"]
-    assert found["plug-ins", "broken"]["mend"] == "update or uninstall testing-plugins 1.0"
+    assert found["plug-ins", "broken"]["remedy"] == "update or uninstall testing-plugins 1.0"
 
 
 def test_the_mend_stands_under_the_table(bench_here, tmp_path):
@@ -62,7 +62,7 @@ def test_the_mend_stands_under_the_table(bench_here, tmp_path):
 
 @pytest.mark.usefixtures("without_the_broken_plugin")
 @pytest.mark.parametrize(
-    ("present", "topic", "state", "mend"),
+    ("present", "topic", "state", "remedy"),
     [
         ({"tomli-w": None}, ("packages", "tomli-w"), "broken", "pip install 'backlash-bench'"),
         ({"typer": "0.1"}, ("packages", "typer"), "broken", "pip install 'backlash-bench'"),
@@ -71,7 +71,7 @@ def test_the_mend_stands_under_the_table(bench_here, tmp_path):
         ({"minionpy": "2.0"}, ("extras", "minion"), "broken", "pip install 'backlash-bench[minion]'"),
     ],
 )
-def test_packages_that_are_missing_or_of_a_wrong_version(states, monkeypatch, present, topic, state, mend):
+def test_packages_that_are_missing_or_of_a_wrong_version(states, monkeypatch, present, topic, state, remedy):
     def told(name):
         if name in present and present[name] is None:
             raise doctor.PackageNotFoundError(name)
@@ -79,7 +79,7 @@ def test_packages_that_are_missing_or_of_a_wrong_version(states, monkeypatch, pr
 
     monkeypatch.setattr(doctor, "version", told)
     code, found = states()
-    assert (found[topic]["state"], found[topic]["mend"]) == (state, mend)
+    assert (found[topic]["state"], found[topic]["remedy"]) == (state, remedy)
     assert code == (state == "broken")
 
 
@@ -103,7 +103,7 @@ def test_a_cache_that_cannot_be_written_is_broken(states, monkeypatch, tmp_path)
     monkeypatch.setenv("BENCH_CACHE", str(tmp_path / "file" / "below"))
     code, found = states()
     assert code == 1
-    assert found["caches", "recordings and scripts"]["mend"] == "set BENCH_CACHE to a folder that can be written"
+    assert found["caches", "recordings and scripts"]["remedy"] == "set BENCH_CACHE to a folder that can be written"
 
 
 @pytest.mark.usefixtures("without_the_broken_plugin")
@@ -119,7 +119,7 @@ def test_the_store_of_a_folder_is_checked(states, tmp_path, bench_here):
     assert states(tmp_path / "out")[0] == 1
     code, found = states(tmp_path / "nowhere")
     assert code == 1
-    assert "holds no study.toml" in found["store", str(tmp_path / "nowhere")]["mend"]
+    assert "holds no study.toml" in found["store", str(tmp_path / "nowhere")]["remedy"]
 
 
 def test_doctor_runs_where_a_foreign_module_stops_every_other_command(tmp_path):

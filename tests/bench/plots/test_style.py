@@ -98,36 +98,36 @@ def test_a_problem_that_is_not_there_is_refused_by_name(draw):
         draw(frame, "sphere-3")
 
 
-def looks_of(labels, **options):
-    return {label: (each.color, each.marker, str(each.line)) for label, each in style.looks(labels, **options).items()}
+def pens_of(labels, **options):
+    return {label: (each.color, each.marker, str(each.line)) for label, each in style.pens(labels, **options).items()}
 
 
 class TestLooks:
     def test_all_differ_and_the_first_colours_are_taken_once(self):
-        assert len(set(looks_of([str(i) for i in range(280)]).values())) == 280
-        assert len({color for color, _, _ in looks_of([f"o{i}" for i in range(8)]).values()}) == 8
+        assert len(set(pens_of([str(i) for i in range(280)]).values())) == 280
+        assert len({color for color, _, _ in pens_of([f"o{i}" for i in range(8)]).values()}) == 8
 
     def test_they_do_not_depend_on_the_order(self):
         labels = [f"optimizer {i}" for i in range(20)]
-        assert looks_of(labels) == looks_of(labels[::-1])
+        assert pens_of(labels) == pens_of(labels[::-1])
 
     def test_they_are_the_same_in_every_process_and_version(self):
         known = {"cma-es": "#009E73", "gwo": "#000000", "random-search": "#8C6D31"}
-        assert {label: color for label, (color, _, _) in looks_of(list(known)).items()} == known
+        assert {label: color for label, (color, _, _) in pens_of(list(known)).items()} == known
 
     def test_another_optimizer_seldom_changes_a_colour(self):
         changed = 0
         for study in range(100):
             labels = [f"{study} {i}" for i in range(5)]
-            before, after = looks_of(labels), looks_of([*labels, "one more"])
+            before, after = pens_of(labels), pens_of([*labels, "one more"])
             changed += sum(before[label] != after[label] for label in labels)
         assert changed < 0.15 * 500  # by their order, one that comes first would change all
 
     def test_the_best_keep_their_looks_whatever_becomes_of_the_others(self):
         labels, best = [f"o{i}" for i in range(20)], ["o3", "o7", "o11"]
-        grey, coloured = style.looks(labels, best), style.looks(labels, best, grey=False)
+        grey, coloured = style.pens(labels, best), style.pens(labels, best, grey=False)
         assert [label for label, each in grey.items() if not each.background] == best
-        assert {label: grey[label] for label in best} == {label: coloured[label] for label in best} == style.looks(best)
+        assert {label: grey[label] for label in best} == {label: coloured[label] for label in best} == style.pens(best)
         assert len({(each.color, each.marker, str(each.line)) for each in coloured.values()}) == 20
 
     def test_every_colour_is_seen_on_white_and_on_a_dark_page(self):

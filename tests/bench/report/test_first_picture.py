@@ -37,7 +37,7 @@ def drawn(cells, solved=()):
     frame = trials(cells)
     problems = list(dict.fromkeys(frame["problem"]))
     return trials_figure(
-        frame, problems, dict.fromkeys(problems, 0.5), set(solved), style.looks(frame["optimizer"].unique())
+        frame, problems, dict.fromkeys(problems, 0.5), set(solved), style.pens(frame["optimizer"].unique())
     )
 
 
@@ -80,5 +80,5 @@ def test_a_page_draws_in_its_own_ink_and_the_files_keep_theirs():
 
 def test_the_data_are_those_of_the_drawn_problems():
     frame = trials({("p", "a"): [1.0], ("q", "a"): [2.0]})
-    figure = trials_figure(frame, ["q"], {}, set(), style.looks(["a"]))
+    figure = trials_figure(frame, ["q"], {}, set(), style.pens(["a"]))
     pd.testing.assert_series_equal(figure.data["fun"].reset_index(drop=True), pd.Series([2.0], name="fun"))

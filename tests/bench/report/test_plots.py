@@ -150,7 +150,7 @@ def test_a_panel_for_each_figure_whose_truth_is_known():
 def test_an_optimizer_looks_the_same_in_every_figure():
     every = report.convergence_figure(curves(["p"], ["b"]), ["a", "b"]).figure
     assert [line.get_color() for line in every.axes[0].lines if len(line.get_xdata())] == [
-        style.looks(["a", "b"])["b"].color
+        style.pens(["a", "b"])["b"].color
     ]
     assert [text.get_text() for text in every.legends[0].texts] == ["a", "b"]
 

@@ -23,10 +23,10 @@ def failures(found):
     return [verdict for verdict in found.values() if not verdict.passed]
 
 
-def expect_broken(optimizer, rule, finding, mend):
+def expect_broken(optimizer, rule, finding, remedy):
     """Assert that the optimizer breaks this rule alone, with a finding and advice that hold these words."""
     found = failures(verdicts(optimizer))
     assert [verdict.check for verdict in found] == [rule]
     assert finding in found[0].finding
-    assert mend in found[0].mend
+    assert remedy in found[0].remedy
     assert "\n" not in found[0].finding

@@ -30,10 +30,10 @@ FAULTS = [
 
 
 @pytest.mark.parametrize(
-    ("optimizer", "rule", "finding", "mend"), FAULTS, ids=lambda each: getattr(each, "__name__", "")
+    ("optimizer", "rule", "finding", "remedy"), FAULTS, ids=lambda each: getattr(each, "__name__", "")
 )
-def test_a_fault_breaks_its_own_rule_alone_and_says_how_to_mend_it(optimizer, rule, finding, mend):
-    expect_broken(optimizer, rule, finding, mend)
+def test_a_fault_breaks_its_own_rule_alone_and_says_how_to_mend_it(optimizer, rule, finding, remedy):
+    expect_broken(optimizer, rule, finding, remedy)
 
 
 @pytest.mark.parametrize("optimizer", [faulty.Hashing, faulty.Foreign])
@@ -41,7 +41,7 @@ def test_a_run_that_depends_on_its_process_is_found(optimizer):
     found = failures(verdicts(optimizer, RULES))
     assert [verdict.check for verdict in found] == ["processes"]
     assert "another run in another process" in found[0].finding
-    assert "do not loop over a set" in found[0].mend
+    assert "do not loop over a set" in found[0].remedy
 
 
 def test_a_copy_of_another_class_is_found():

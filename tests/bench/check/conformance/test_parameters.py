@@ -21,10 +21,10 @@ FAULTS = [
 
 
 @pytest.mark.parametrize(
-    ("optimizer", "rule", "finding", "mend"), FAULTS, ids=lambda each: getattr(each, "__name__", "")
+    ("optimizer", "rule", "finding", "remedy"), FAULTS, ids=lambda each: getattr(each, "__name__", "")
 )
-def test_a_fault_breaks_its_own_rule_alone_and_says_how_to_mend_it(optimizer, rule, finding, mend):
-    expect_broken(optimizer, rule, finding, mend)
+def test_a_fault_breaks_its_own_rule_alone_and_says_how_to_mend_it(optimizer, rule, finding, remedy):
+    expect_broken(optimizer, rule, finding, remedy)
 
 
 def test_what_a_constructor_raises_is_a_verdict_under_any_name(tmp_path):

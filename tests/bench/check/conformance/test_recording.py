@@ -91,11 +91,11 @@ def test_the_first_evaluation_that_differs_is_named(one, other, evaluation):
     with pytest.raises(ViolationError) as caught:
         expect_same(course(*one), course(*other), "they differ", "mend it")
     assert caught.value.finding == f"they differ (from evaluation {evaluation} on)"
-    assert caught.value.mend == "mend it"
+    assert caught.value.remedy == "mend it"
 
 
 @pytest.mark.parametrize(
-    ("error", "noted", "finding", "mend"),
+    ("error", "noted", "finding", "remedy"),
     [
         (DiedError(STILL_ASKING), [9, 9], "for ever after its budget of 9 is spent", LET_IT_PASS),
         (DiedError(3), [2, 9], "it ended the process that it ran in (exit code 3)", "raise an exception"),
@@ -108,7 +108,7 @@ def test_the_first_evaluation_that_differs_is_named(one, other, evaluation):
         (TimeExceededError("30 s"), {"made": 2}, "after 0 of its evaluations", "never calls"),
     ],
 )
-def test_a_lost_process_is_explained_by_its_last_note(error, noted, finding, mend):
+def test_a_lost_process_is_explained_by_its_last_note(error, noted, finding, remedy):
     said, advice = explain_lost_process(error, noted)
     assert finding in said
-    assert mend in advice
+    assert remedy in advice

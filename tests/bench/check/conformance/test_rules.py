@@ -15,7 +15,7 @@ def test_every_rule_has_a_name_of_its_own_and_stands_after_those_that_it_needs()
     for number, rule in enumerate(RULES):
         assert set(rule.needs) <= set(names[:number])
         assert find_rule(rule.name) is rule
-        assert rule.mend
+        assert rule.remedy
 
 
 @pytest.mark.sampled(2)

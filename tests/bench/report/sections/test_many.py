@@ -93,7 +93,7 @@ class TestManyOptimizers:
         assert "of the column" in medians.note
 
     def test_only_the_best_have_a_colour(self, wide):
-        own = [label for label, look in wide.display.looks.items() if not look.background]
+        own = [label for label, pen in wide.display.pens.items() if not pen.background]
         assert own == wide.final.ranked[:COLOURED]
 
     def test_pairs_are_a_matrix_and_their_table_is_folded(self, wide):
