@@ -14,7 +14,11 @@
   const texts = new Intl.Collator("en", { numeric: true });
 
   const text = (cell) =>
-    [...cell.childNodes].filter((node) => node.nodeName !== "SUP").map((node) => node.textContent).join("").trim();
+    [...cell.childNodes]
+      .filter((node) => node.nodeName !== "SUP")
+      .map((node) => node.textContent)
+      .join("")
+      .trim();
 
   const number = (shown) => {
     const [, sign, digits] = NUMBER.exec(shown.replaceAll("−", "-")) ?? [];
@@ -34,7 +38,9 @@
     const compare = (a, b) => (typeof a === "string" ? texts.compare(a, b) : a < b ? -1 : a > b ? 1 : 0);
     return rows
       .map((row, i) => ({ row, value: values[i] }))
-      .sort((a, b) => (a.value === null) - (b.value === null) || (a.value === null ? 0 : sign * compare(a.value, b.value)))
+      .sort(
+        (a, b) => (a.value === null) - (b.value === null) || (a.value === null ? 0 : sign * compare(a.value, b.value)),
+      )
       .map(({ row }) => row);
   };
 
@@ -62,7 +68,9 @@
     buttons.forEach((button, place) => {
       button.tabIndex = place ? -1 : 0;
       button.title = "Sort; the arrow keys move along the columns";
-      button.addEventListener("focus", () => buttons.forEach((each) => (each.tabIndex = each === button ? 0 : -1)));
+      button.addEventListener("focus", () => {
+        for (const each of buttons) each.tabIndex = each === button ? 0 : -1;
+      });
       button.addEventListener("keydown", (event) => {
         const next = { ArrowLeft: place - 1, ArrowRight: place + 1, Home: 0, End: buttons.length - 1 }[event.key];
         if (next === undefined || event.ctrlKey || event.metaKey || event.altKey) return;

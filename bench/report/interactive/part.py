@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import re
 from dataclasses import dataclass
 from importlib import resources
 
@@ -16,7 +17,7 @@ from bench.report.interactive.library import available, library
 
 TITLE = "Look further"
 ANCHOR = "look-further"  # of the part; a state of the part follows it in a link, after "?"
-SCRIPT = ("standing", "data", "state", "views", "run", "controls")  # the files of the script, which share one scope
+IMPORT = re.compile(r'^import \{[^}]*\} from "\./([\w-]+)\.js";\n', re.MULTILINE)  # as the formatter writes it
 EXTRA = "pip install 'backlash-bench[interactive]'"
 
 
@@ -60,9 +61,26 @@ def interactive(findings: Findings) -> Interactive:
 
 
 def explorer() -> str:
-    """Return the script that draws, from its files."""
-    body = "\n".join(_asset(f"script/{name}.js") for name in SCRIPT)
-    return f'(() => {{\n"use strict";\n{body}}})();'
+    """Return the script that draws."""
+    return f'(() => {{\n"use strict";\n{in_one_scope("main")}}})();'
+
+
+def in_one_scope(name: str) -> str:
+    """Return a module and those that it imports as one script, in which each stands after those that it needs.
+
+    A page that is one file cannot import, so the modules share a scope: no two may declare the same name.
+    """
+    texts: dict[str, str] = {}
+
+    def add(name: str) -> None:
+        text = _asset(f"script/{name}.js")
+        for needed in IMPORT.findall(text):
+            if needed not in texts:
+                add(needed)
+        texts[name] = re.sub("^export ", "", IMPORT.sub("", text), flags=re.MULTILINE)
+
+    add(name)
+    return "\n".join(texts.values())
 
 
 def as_json(data: object) -> Markup:

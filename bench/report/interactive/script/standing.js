@@ -6,12 +6,16 @@
  * One beats another where more than half of the pairs of their values are lower with it (A12 > 0.5); a tie counts half.
  * The mean A12 decides between those that beat as many; ties share their mean rank.
  */
-const standing = (samples) => {
+export const standing = (samples) => {
   const pool = samples.flatMap((values, owner) => Array.from(values, (value) => ({ owner, value })));
   pool.sort((a, b) => (a.value < b.value ? -1 : a.value > b.value ? 1 : 0));
-  const lost = samples.map(() => new Float64Array(samples.length)); // twice the pairs of which the other's value is lower
-  const below = new Float64Array(samples.length); // the values of each that are lower, then those that are not higher
-  const count = ({ owner }) => below.forEach((values, other) => (lost[owner][other] += values));
+  // Twice the pairs of which the other's value is lower
+  const lost = samples.map(() => new Float64Array(samples.length));
+  // The values of each that are lower, then those that are not higher
+  const below = new Float64Array(samples.length);
+  const count = ({ owner }) => {
+    for (const [other, values] of below.entries()) lost[owner][other] += values;
+  };
   for (let start = 0; start < pool.length; ) {
     let end = start;
     while (end < pool.length && pool[end].value === pool[start].value) end++;

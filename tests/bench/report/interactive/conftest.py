@@ -1,12 +1,14 @@
 """A study with names that could break a page, one failed trial, and data that its points are fitted to."""
 
-import itertools
+import json
 
 import numpy as np
 import pytest
+from py_mini_racer import MiniRacer
 
 from bench import FittedData, FunctionProblem, Results
 from bench.report.findings import Findings
+from bench.report.interactive.part import in_one_scope
 
 HOSTILE = "q</script><!--'\"&"
 
@@ -37,22 +39,33 @@ def findings(study):
         yield Findings(Results(study))
 
 
-def decoding(text, count):
-    """Return the distances of a text as the page's script reads it."""
-    level, found = np.inf, []
-    for step in itertools.islice(itertools.chain(text.split(","), itertools.repeat("")), count):
-        if step in ("i", "z"):
-            level = np.inf if step == "i" else -np.inf
-        elif step:
-            level = level - int(step) if np.isfinite(level) else int(step)
-        found.append(10 ** (level / 1000))
-    return np.array(found)
+@pytest.fixture(scope="session")
+def call():
+    """Return a function that calls one of the page's own functions, in V8 without a browser."""
+    engine = MiniRacer()
+    engine.eval(in_one_scope("numbers") + in_one_scope("standing"))
+    engine.eval("""const plain = (_, value) =>
+      value instanceof Float64Array ? Array.from(value)
+      : typeof value === "number" && !Number.isFinite(value) ? `number ${value}` : value;""")
+
+    def number(value):
+        return float(value.removeprefix("number ")) if str(value).startswith("number ") else value
+
+    def returned(value):
+        if isinstance(value, dict):
+            return {name: returned(each) for name, each in value.items()}
+        return [returned(each) for each in value] if isinstance(value, list) else number(value)
+
+    def called(name, *arguments):
+        return returned(json.loads(engine.eval(f"JSON.stringify(({name})(...{json.dumps(arguments)}), plain)")))
+
+    return called
 
 
 @pytest.fixture(scope="session")
-def decoded():
-    """Return the function that reads a curve's text."""
-    return decoding
+def decoded(call):
+    """Return the page's function that reads a curve's text."""
+    return lambda text, count: np.array(call("decode", text, count))
 
 
 @pytest.fixture(scope="session")
