@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from bench.trial import Result
 
 __all__ = [
+    "AskTell",
     "BenchError",
     "BudgetExhausted",
     "FittedData",
@@ -51,7 +52,7 @@ __all__ = [
 
 # Every name is imported at its first use: importing pandas or numba takes longer than many commands.
 _HOMES = {
-    "BenchError": "errors", "BudgetExhausted": "objective", "FittedData": "problem",
+    "AskTell": "optimizer", "BenchError": "errors", "BudgetExhausted": "objective", "FittedData": "problem",
     "FunctionProblem": "problem", "Grid": "families", "Objective": "objective", "Optimizer": "optimizer",
     "Problem": "problem", "Result": "trial", "Results": "storage.results", "Study": "study", "Trace": "objective",
     "check_optimizer": "check", "load_optimizer": "plugins.loading", "load_problem": "plugins.loading",

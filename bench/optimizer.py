@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import types
 from abc import ABC, abstractmethod
@@ -13,7 +14,10 @@ import numpy as np
 from bench.errors import BenchError, nearest
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from bench.objective import Objective
+    from bench.typing import Floats
 
 
 CONDITIONS = ("agents", "handling", "start")
@@ -95,6 +99,35 @@ class Optimizer(ABC):
                 f"a budget of {budget} evaluations is below one generation of {label!r}, which takes "
                 f"{self.minimum_budget}; raise the budget or lower its agents"
             )
+
+
+class AskTell(Optimizer):
+    """A method that proposes points and learns from their values; its loop is given.
+
+    Each trial works on a copy, so that the methods may keep their state in ``self``: any attribute that is no
+    parameter. As for every optimizer, a subclass is a frozen dataclass.
+    """
+
+    def start(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Prepare a trial; ``objective`` has the box, ``initial`` and ``repair``."""
+
+    @abstractmethod
+    def ask(self, n: int) -> ArrayLike:
+        """Return (n, d) points to evaluate; more or fewer than ``n``, its ``agents`` or 1, are evaluated, too."""
+
+    @abstractmethod
+    def tell(self, x: Floats, f: Floats) -> None:
+        """Learn the (n,) values ``f`` of the (n, d) points ``x`` that were asked last."""
+
+    def minimize(self, objective: Objective, rng: np.random.Generator) -> None:
+        """Ask and tell until the budget is spent."""
+        own = copy.copy(self)
+        # A frozen dataclass refuses to set attributes that are not its own in its very class alone.
+        object.__setattr__(own, "__class__", type(type(self).__name__, (type(self),), {}))
+        own.start(objective, rng)
+        while True:
+            x = np.array(own.ask(self.minimum_budget), dtype=np.float64, ndmin=2)
+            own.tell(x, objective(x))
 
 
 def settings(optimizer: Optimizer) -> dict[str, Any]:

@@ -42,11 +42,11 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
         raise BenchError(f"{name!r} stands for imported results, whose optimizer is not here; it cannot be run")
     if from_file.split(name):
         return from_file.load_optimizer(name, **options)
-    from_file.require_class(name)
     family, colon, _ = name.partition(":")
     installed = registry.entries("optimizers")
     entry = name if name in installed else family
     if entry not in installed:
+        from_file.require_class(name)
         raise BenchError(f"unknown optimizer {name!r}{_like_optimizer(name)}")
     plugin = registry.load("optimizers", entry)
     if isinstance(plugin, type) and issubclass(plugin, Optimizer) and not colon:

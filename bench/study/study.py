@@ -7,6 +7,7 @@ import hashlib
 import json
 import os
 import re
+import shlex
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -433,6 +434,8 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
             options["names"] = selection.selected(*(options.pop(each, None) for each in selection.KEYS))
         names = options.pop("names") if "names" in options else [options.pop("name", None)]
         label = options.pop("label", None)
+        if key == "optimizers" and names == ["command"]:
+            names = [_command(options.pop("command", None), where)]
         swept = {} if key == "problems" else _swept(options, where)
         texts = isinstance(names, list) and names and all(isinstance(name, str) and name.strip() for name in names)
         if not texts or not (label is None or (isinstance(label, str) and label.strip())):
@@ -453,6 +456,15 @@ def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
             )
     _refuse_duplicates(entries, key, where)
     return tuple(entries)
+
+
+def _command(words: Any, where: str) -> str:
+    """Return the name of an optimizer that is a program, from the words of its command."""
+    if not isinstance(words, list) or not words or not all(isinstance(word, str) and word for word in words):
+        raise BenchError(
+            f'study {where}: the optimizer \'command\' needs the words of its command, as in command = ["Rscript", "mine.R"]'
+        )
+    return f"command:{shlex.join(words)}"
 
 
 def _swept(options: dict[str, Any], where: str) -> dict[str, Any]:

@@ -1,0 +1,36 @@
+% A (1+1) search with the one-fifth rule: command = ["octave-cli", "--quiet", "climb.m"]; Octave 7 or later.
+1;
+function message = answer()
+  message = jsondecode(input("", "s")); % fgetl would wait for the line after this one
+  if isfield(message, "stop"), exit; end
+end
+function message = ask(request)
+  printf("%s\n", request);
+  fflush(stdout);
+  message = answer();
+end
+function f = value(x)
+  f = ask(sprintf('{"x": [[%s]]}', strjoin(arrayfun(@(each) sprintf("%.17g", each), x, "UniformOutput", false), ", "))).f;
+end
+function [drawn, seed] = uniform(n, seed)
+  drawn = zeros(1, n);
+  for j = 1:n
+    seed = mod(16807 * seed, 2147483647); % the generator MINSTD, which is exact in double precision
+    drawn(j) = seed / 2147483647;
+  end
+end
+start = answer();
+[lower, upper, seed, step] = deal(start.lower(:)', start.upper(:)', start.seed, 0.2);
+x = ask('{"initial": 1}').x(:)';
+f = value(x);
+while true
+  [drawn, seed] = uniform(numel(x), seed);
+  y = x + step * (upper - lower) .* (2 * drawn - 1);
+  y = min(max(y, lower), upper);
+  g = value(y);
+  if g <= f
+    [x, f, step] = deal(y, g, step * 1.5);
+  else
+    step = step * 0.9036020036098449;
+  end
+end
