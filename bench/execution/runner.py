@@ -22,7 +22,7 @@ from bench.numbers import require_jobs, require_positive
 from bench.sandbox.signals import Interrupts, interrupts_deferred
 from bench.storage import provenance, under_way
 from bench.storage.folder import Folder, default_path
-from bench.storage.mend import mend
+from bench.storage.repair import repair
 from bench.study import Study
 from bench.trial import Trial
 
@@ -106,10 +106,10 @@ def run(
         held.enter_context(folder.lock())
         folder.claim(study)
         study = folder.study()  # as every later run reads it
-        mended = mend(folder, study.trials)  # before anything else reads the store
+        repaired = repair(folder, study.trials)  # before anything else reads the store
         before = folder.trials_asked()
         folder.note_fingerprints(checked.fingerprints)
-        plan = _plan(study, folder, part, mended)
+        plan = _plan(study, folder, part, repaired)
         display = held.enter_context(displayed(progress))
         if display is not None:
             display.plan(plan)

@@ -15,7 +15,7 @@ from typing import Any
 from bench.errors import BenchError
 from bench.helpers.text import printable
 from bench.storage import committed
-from bench.storage.committed import Committed, Note
+from bench.storage.committed import Committed
 from bench.storage.reading import Reader, StoreCheck
 from bench.storage.rows import COLUMNS, KEY
 from bench.storage.schema import ONE, VERSION, found, layout, prepare
@@ -204,8 +204,7 @@ class Store:
             connection.execute("PRAGMA journal_mode=WAL")
             connection.execute("PRAGMA synchronous=NORMAL")  # safe against a killed process; a power cut may cost rows
             prepare(connection, committed.read(self.path.parent))
-            with closing(Note(self.path.parent, kept=not anew)) as note:
-                yield Writer(connection, self.path, note)
+            yield Writer(connection, self.path, noted=not anew)
 
     def copy(self, file: Path) -> None:
         """Write all that the store holds at one moment into a new file, one without a log beside it.

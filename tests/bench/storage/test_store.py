@@ -291,7 +291,7 @@ def test_a_damaged_store_is_one_sentence_for_every_command(bench_here, damage, s
         ["report", folder.path],
         ["export", folder.path, "--format", "csv"],
         ["merge", folder.path, "--output", tmp_path / "merged"],
-        *([["run", study, "--output", folder.path, "--jobs", "1"]] if damage != _truncated else []),  # it mends this
+        *([["run", study, "--output", folder.path, "--jobs", "1"]] if damage != _truncated else []),  # it repairs this
     ):
         done = bench_here(*command)
         assert done.returncode == 2, (command, done.stdout)
