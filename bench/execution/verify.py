@@ -15,7 +15,7 @@ from bench.execution.runner import prepare
 from bench.execution.supervisor import Task
 from bench.numbers import require_whole
 from bench.storage import provenance
-from bench.storage.folder import Folder
+from bench.storage.folder import VERIFICATION, Folder
 from bench.storage.reading import StoreCheck
 from bench.storage.rows import disagreement, named, stored
 from bench.storage.store import Store
@@ -106,7 +106,7 @@ def verify(
     notes = tuple(folder.differences(provenance.machine()))
     found = Verification(cells, len(chosen), jobs, different, notes, strict, store)
     outcome = {"strict": strict, "sentence": found.sentence, "different": [*found.lines()]}
-    folder.note_verification({"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | outcome)
+    folder.note(VERIFICATION, {"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | outcome)
     return found
 
 

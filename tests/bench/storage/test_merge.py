@@ -193,7 +193,7 @@ def test_damaged_trials_are_left_out_and_named(copied, tmp_path):
     assert not {*damaged} & {
         *load_results(tmp_path / "united")[["problem", "optimizer", "trial"]].itertuples(index=False)
     }
-    assert Folder(shards[1]).store_note()["sound"] is False
+    assert Folder(shards[1]).noted("store.json")["sound"] is False
     change(tmp_path / "united" / "trials.sqlite", "UPDATE results SET fun = 0 WHERE cell = 1")
     with pytest.raises(BenchError, match=r"united: .* are damaged"):
         merge(shards, tmp_path / "united")

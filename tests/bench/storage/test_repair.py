@@ -142,7 +142,7 @@ def test_a_sound_store_stays_as_it_is(spoilt):
     before = spoilt.store.path.read_bytes()
     assert repair(spoilt, TRIALS) == ""
     assert spoilt.store.path.read_bytes() == before
-    assert spoilt.store_note()["sentence"] == "all 120 trials are as they were written"
+    assert spoilt.noted("store.json")["sentence"] == "all 120 trials are as they were written"
 
 
 def test_a_run_makes_damaged_trials_again(small_study, tmp_path):
