@@ -16,7 +16,7 @@ from bench.execution.backends import open_pool
 from bench.execution.descriptions import describe
 from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
-from bench.execution.pool import Answer, OnBegin, Pool
+from bench.execution.pool import Answer
 from bench.execution.supervisor import Checked, Task, check
 from bench.numbers import require_jobs, require_positive
 from bench.sandbox.signals import Interrupts, interrupts_deferred
@@ -129,7 +129,11 @@ def run(
         task = Task(study, timeout, _bytes(memory, pool.jobs, backend), strict=strict, sandbox=sandbox)
         listeners = ([] if display is None else [display.trial]) + ([] if on_trial is None else [on_trial])
         lookers = ([] if display is None else [display.look]) + ([] if on_look is None else [on_look])
-        answers = _answers(plan, folder, partial(_made_by, pool, task, checked.machine, under_way.begin), lookers)
+
+        def make(missing: Callable[[], Iterator[Trial]]) -> Iterator[Answer]:
+            return pool.answers(task, checked.machine, missing, under_way.begin)
+
+        answers = _answers(plan, folder, make, lookers)
         made = _make(plan, folder, answers, about, interrupts, listeners)
         if not (counted := folder.store.count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
@@ -210,12 +214,6 @@ def _complete(study: Study, folder: Folder, shard: Shard | None, trials: int) ->
     plan = Plan(replace(study, trials=trials), shard, folder.store.keys())
     controls = {entry.label for entry in study.controls}
     return all(trial.optimizer in controls for trial in plan.missing())
-
-
-def _made_by(
-    pool: Pool, task: Task, machine: str, on_begin: OnBegin, missing: Callable[[], Iterator[Trial]]
-) -> Iterator[Answer]:
-    return pool.answers(task, machine, missing, on_begin)
 
 
 def _answers(
