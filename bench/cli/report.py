@@ -67,7 +67,7 @@ def report_on(
     from bench.execution.progress import steps
     from bench.report import write_report
     from bench.report.answer import read, shown
-    from bench.storage.folder import Folder
+    from bench.storage.folder import STORE, Folder
 
     with steps(console, "report") as on_progress:
         page = write_report(
@@ -80,7 +80,7 @@ def report_on(
             on_progress=on_progress,
         )
     for folder in folders:
-        if (noted := Folder(folder).store_note()) and not noted.get("sound"):
+        if (noted := Folder(folder).noted(STORE)) and not noted.get("sound"):
             print_line(f"{folder}: {noted.get('sentence')}", "red", console)
     console.print(shown(read(page.parent)))
     print_line(f"report: {page}", console=console)

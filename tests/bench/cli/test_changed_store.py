@@ -52,7 +52,7 @@ def test_status_prints_when_the_store_was_last_checked(bench_here, changed, made
     assert checked.returncode == 1
     assert SENTENCE in checked.stdout
     assert bench_here("status", out).returncode == 0
-    noted = Folder(out).store_note()
+    noted = Folder(out).noted("store.json")
     assert f"store checked {noted['checked']}: {SENTENCE}" in bench_here("status", out).stdout.splitlines()
 
 

@@ -131,7 +131,7 @@ def test_a_folder_without_the_note_has_the_built_in_ones_only_and_says_so(made, 
 
 def test_a_note_may_hold_anything(made):
     strange = {"bibtex": 5, "values": ["a"], "accepts": {"agents": [7, "9"], "start": "x"}}
-    Folder(made).note_descriptions({"mine": strange, "gwo": "none", "z": {}})
+    Folder(made).note("optimizers.json", {"mine": strange, "gwo": "none", "z": {}})
     results = Results(made)
     mine, gwo = noted(results.study, results.descriptions).values()
     assert mine == Description(accepts={"agents": ["9"]})
@@ -140,4 +140,4 @@ def test_a_note_may_hold_anything(made):
 
 def test_a_merged_folder_keeps_the_notes(made, tmp_path):
     merge([made], tmp_path / "merged")
-    assert Folder(tmp_path / "merged").descriptions() == Folder(made).descriptions()
+    assert Folder(tmp_path / "merged").noted("optimizers.json") == Folder(made).noted("optimizers.json")

@@ -157,7 +157,7 @@ def test_a_damaged_file_of_a_folder_is_never_passed_over(small_study, file, cont
     (tmp_path / file).write_text(content, encoding="latin-1")
     uses = {
         "data.json": folder.fingerprints, "code.json": folder.fingerprints,
-        "verification.json": folder.verification, "checks.json": folder.checks,
+        "verification.json": lambda: folder.noted(file), "checks.json": folder.checks,
         "study.toml": lambda: folder.claim(small_study),
     }  # fmt: skip
     with pytest.raises(BenchError) as caught:
