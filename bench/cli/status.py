@@ -160,6 +160,7 @@ def _environment(record: dict[str, Any], made: int) -> list[str]:
         return [
             f"imported {record.get('started')}: {made} trials from {source} ({record.get('format')}, {licence})",
             f"    SHA-256 {record.get('sha256')}",
+            *(f"    left out: {sentence}" for sentence in record.get("left_out", ())),
             f"    {record.get('command')}",
         ]
     git = record.get("git") or {}

@@ -191,7 +191,12 @@ class TestRefused:
             ),
             ("bbobexp_f1.info", b"funcId = 1", b"funcId = one", r"line 1, has no number of the function or dimension"),
             ("bbobexp_f1.info", b"data_f1\\bbobexp_f1_DIM2", b"..\\..\\etc", r"line 3, names .*which is outside the"),
-            ("bbobexp_f1.info", b"funcId = 1", b"suite = 'bbob-biobj', funcId = 1", r"several objectives"),
+            (
+                "bbobexp_f1.info",
+                b"funcId = 1",
+                b"suite = 'bbob-biobj', funcId = 1",
+                r"of bi-objective results",
+            ),
         ],
     )
     def test_a_broken_file_is_named_with_its_line_and_nothing_is_imported(
