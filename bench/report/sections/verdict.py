@@ -135,7 +135,7 @@ def _size(findings: Findings) -> str:
     """Return by how much the first in rank is lower than the second: in evaluations on suites, else in medians."""
     first, second = findings.final.ranked[:2]
     words = findings.anytime.words
-    if words.kind == "precisions" and not findings.anytime.running_times.empty:
+    if words.absolute and not findings.anytime.running_times.empty:
         table = findings.anytime.running_times
         own = table[np.isclose(table[words.unit].astype(float), words.level, rtol=1e-9, atol=0)]
         ert = analysis.table(own, "ert").astype(float).reindex(columns=[first, second]).replace(np.inf, np.nan).dropna()

@@ -32,7 +32,10 @@ def folders(tmp_path_factory, testing_plugins):
 def test_a_report_may_use_other_targets_than_the_study(bench_here, folders, tmp_path):
     refused = bench_here("report", folders / "old", "--output", tmp_path / "out", "--targets", "precise")
     assert refused.returncode == 2
-    assert "the targets of a report must be 'precisions', 'relative', 'quantiles' or 'tolerance'" in refused.stderr
+    assert (
+        "the targets of a report must be 'precisions', 'runlength', 'relative', 'quantiles' or 'tolerance'"
+        in refused.stderr
+    )
     assert refused.stderr.count("\n") == 1
     refused = bench_here("report", folders / "old", "--output", tmp_path / "out", "--targets", "tolerance")
     assert "need a problem with an expected metric" in refused.stderr

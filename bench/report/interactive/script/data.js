@@ -62,7 +62,7 @@ export const features = [...new Set(problems.flatMap((each) => Object.keys(each.
   .map((name) => [name, [...new Set(problems.map((each) => each.features[name] ?? ""))]])
   .filter(([, values]) => values.length > 1 && values.length <= 40);
 export const levels = [...new Set(problems.flatMap((each) => each.targets.map(([level]) => level)))].sort(
-  (a, b) => b - a,
+  (a, b) => (data.targets.rising ? a - b : b - a),
 );
 
 export const runName = (cell, k) => {
