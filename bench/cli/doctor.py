@@ -218,7 +218,7 @@ def _caches() -> Iterator[Diagnosis]:
     compiled = os.environ.get("NUMBA_CACHE_DIR")
     beside = Path(__file__).resolve().parents[2] / "optimizers" / "__pycache__"  # where numba writes, if it can
     for name, variable, folders in (
-        ("recordings and scripts", "BENCH_CACHE", [kept]),
+        ("recordings", "BENCH_CACHE", [kept]),
         (
             "compiled code",
             "NUMBA_CACHE_DIR",
