@@ -1,4 +1,4 @@
-"""bench doctor: print what this installation is, what is broken in it and how to mend it, for a bug report."""
+"""bench doctor: print what this installation is, what is broken in it and how to fix it, for a bug report."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def doctor(
 ) -> None:
     """Check this installation, and print what a bug report needs: versions, extras, machine, caches and plug-ins.
 
-    The exit code is 1 where something is broken; how to mend it stands beside it.
+    The exit code is 1 where something is broken; how to fix it stands beside it.
     """
     findings = list(examine(folder))
     broken = [each for each in findings if each.state == "broken"]

@@ -26,11 +26,13 @@ def import_results(
     MINE IMPORTED' compares both. Imported trials cannot be repeated.
     """
     from bench.importing import import_results as import_source
+    from bench.report.wording import count
 
     found = import_source(source, output, licence=licence)
     for note in found.notes:
         print_line(f"note: {note}", "yellow")
     print_line(
-        f"imported {found.trials:,} trials of {found.optimizers:,} optimizers on {found.problems:,} problems "
+        f"imported {count(found.trials, 'trial')} of {count(found.optimizers, 'optimizer')} on "
+        f"{count(found.problems, 'problem')} "
         f"({found.format}): {output}"
     )
