@@ -30,6 +30,7 @@ def import_results(
     the import; --partial imports the others, and reports list what is missing.
     """
     from bench.importing import import_results as import_source
+    from bench.report.wording import count
 
     found = import_source(source, output, licence=licence, partial=partial)
     for note in found.notes:
@@ -37,6 +38,7 @@ def import_results(
     for sentence in found.left_out:
         print_line(f"left out: {sentence}", "red")
     print_line(
-        f"imported {found.trials:,} trials of {found.optimizers:,} optimizers on {found.problems:,} problems "
+        f"imported {count(found.trials, 'trial')} of {count(found.optimizers, 'optimizer')} on "
+        f"{count(found.problems, 'problem')} "
         f"({found.format}): {output}"
     )
