@@ -118,6 +118,7 @@ def test_a_run_notes_what_a_report_reads_and_the_report_starts_no_process(made, 
     assert "Doe, Jane" in write_report(made, n_jobs=1).read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_folder_without_the_note_has_the_built_in_ones_only_and_says_so(made, monkeypatch):
     monkeypatch.setattr(descriptions, "root", refuse)
     (made / "optimizers.json").unlink()

@@ -62,6 +62,7 @@ def refused(folder, tmp_path, sentence):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.skipif(not (find_spec("cocopp") and find_spec("six")), reason="reads with cocopp and six")
 @pytest.mark.parametrize("suite", SUITES)
 def test_running_times_and_evaluations_are_those_of_cocopp(logged, tmp_path, suite):

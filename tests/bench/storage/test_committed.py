@@ -201,6 +201,7 @@ def test_a_store_that_is_deleted_during_a_run_is_an_error_and_its_trials_are_mad
     assert len(load_results(out)) == 6
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("share", [0.5, 0.8, 0.95])
 def test_a_run_into_a_store_that_was_cut_short_repairs_it(share, small_study, tmp_path):
     folder = Folder(tmp_path / "out")
