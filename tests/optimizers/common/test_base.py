@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import optimizers
 from bench.helpers.bibtex import parse
 
