@@ -31,7 +31,7 @@ def parametrize_with_checks(
 
     The function has one argument, ``check``, and calls it. The ids are the optimizer and the rule, such as
     ``HillClimber-budget`` or ``HillClimber(sigma=0.1)-no-state``. A check runs in a process of its own and within a
-    time limit, as in :func:`bench.check_optimizer`. It fails with the finding and how to mend it, and is skipped where
+    time limit, as in :func:`bench.check_optimizer`. It fails with the finding and how to fix it, and is skipped where
     it means nothing because the optimizer breaks another rule. While pytest collects tests, no optimizer runs and none
     is loaded by its name.
 

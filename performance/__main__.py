@@ -20,7 +20,7 @@ from bench.storage.provenance import machine
 
 HERE = Path(__file__).resolve().parent
 RESULT = HERE.parent / "docs" / "reference" / "performance.json"
-PACKAGES = ("numpy", "scipy", "pandas", "numba", "matplotlib", "joblib", "mealpy", "ioh")
+PACKAGES = ("numpy", "scipy", "pandas", "numba", "matplotlib", "joblib", "mealpy", "ioh", "coco-experiment")
 
 
 def main() -> None:

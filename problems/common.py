@@ -19,6 +19,7 @@ class SuiteProblem(FunctionProblem):
 
     def __init__(self, *arguments: Any, options: Mapping[str, Any] | None = None, **naming: Any) -> None:
         super().__init__(*arguments, **naming)
+        self.evaluate = self._fun  # type: ignore[method-assign] # it takes and returns arrays of float64, see evaluated
         self._load = partial(load_problem, self.name, **(options or {}))
 
     def __reduce__(self) -> tuple[Callable[[], Problem], tuple[()]]:

@@ -70,6 +70,7 @@ from bench.analysis.cells import (
 )
 from bench.analysis.certainty import ranking_certainty
 from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
+from bench.analysis.competition import checkpoint_shares, checkpoints, error_statistics, signs
 from bench.analysis.direction import ALPHA, a12
 from bench.analysis.dominance import u_scores
 from bench.analysis.error_rates import (
@@ -87,7 +88,7 @@ from bench.analysis.integrity import integrity
 from bench.analysis.kolmogorov_smirnov import TIED
 from bench.analysis.looks import Decisions, at_looks, blind_looks, decide
 from bench.analysis.pairwise import CUTOFFS, adjusted, effect_size, holm, pairwise_tests
-from bench.analysis.reference import reference_times
+from bench.analysis.reference import RUN_LENGTHS, reference_times, runlength_targets
 from bench.analysis.running_time import (
     in_seconds,
     mean_shares,
@@ -117,6 +118,7 @@ __all__ = [
     "NEAR",
     "POWER",
     "PRECISIONS",
+    "RUN_LENGTHS",
     "SHARES",
     "SOLVED",
     "TIED",
@@ -133,6 +135,8 @@ __all__ = [
     "blind_looks",
     "budgets",
     "cells",
+    "checkpoint_shares",
+    "checkpoints",
     "cliques",
     "compact_letters",
     "compare_sets",
@@ -146,6 +150,7 @@ __all__ = [
     "disagreements",
     "ecdf",
     "effect_size",
+    "error_statistics",
     "evaluation_grid",
     "expected_running_time",
     "feasibility",
@@ -178,8 +183,10 @@ __all__ = [
     "reference_values",
     "regret",
     "restart_shares",
+    "runlength_targets",
     "running_times",
     "scores",
+    "signs",
     "simulated_restarts",
     "stage_ranks",
     "standings",

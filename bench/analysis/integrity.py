@@ -85,7 +85,7 @@ def integrity(
         diagnoses: the results of ``bench check`` for each optimizer, by label: check, passed and, where there is one,
             figure (the number that decided).
         verifications: the record of ``bench verify`` in each folder
-            (:meth:`bench.storage.folder.Folder.verification`), empty where there is none.
+            (``VERIFICATION`` of :mod:`bench.storage.folder`), empty where there is none.
         stores: the outcome of reading each folder's store (:attr:`bench.Results.stores`).
         extensions: the trials of each cell that were complete, and those then asked for, of each run that asked for
             more trials without declared looks.

@@ -1,8 +1,8 @@
-"""Running times beside those of a published reference, such as the best algorithms of 2009."""
+"""Running times beside those of a published reference, such as the best algorithms of 2009, and targets from them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
@@ -10,9 +10,15 @@ import pandas as pd
 HARDEST = 1e-8
 """The hardest precision of a reference: nothing is known of harder ones."""
 
+RUN_LENGTHS = (0.5, 1.2, 3.0, 10.0, 50.0)
+"""The budgets over d of targets by running length, as in cocopp's tables for expensive functions."""
 
-def reference_times(reference: pd.DataFrame, functions: Mapping[str, str], precisions: Sequence[float]) -> pd.DataFrame:
-    """Return the ERT of a reference at precisions: problem, precision and ert, one row a problem and precision.
+STEP = 10**0.2  # from one precision of COCO to the next
+FORCED = (10**-0.2) ** -1  # the same as cocopp rounds it, which decides where two targets are nearly equal
+
+
+def reference_times(reference: pd.DataFrame, functions: Mapping[str, str], levels: pd.DataFrame) -> pd.DataFrame:
+    """Return ``levels`` with the ERT of a reference to each of its precisions, in a column ert.
 
     A precision between two of the reference stands for the next harder one, as for cocopp. The ERT is infinite where
     the reference has reached the function's easier precisions only, and missing below 1e-8 and on other functions.
@@ -20,17 +26,45 @@ def reference_times(reference: pd.DataFrame, functions: Mapping[str, str], preci
     Args:
         reference: problem (the function in a dimension), precision and ert, in evaluations.
         functions: the name of the function of each problem.
-        precisions: (T,) positive.
+        levels: columns problem and precision, which is positive.
     """
     own = {str(name): table.sort_values("precision") for name, table in reference.groupby("problem", sort=False)}
-    asked = np.asarray(precisions, dtype=float)
-    tables = []
-    for problem, function in functions.items():
-        ert = np.full(len(asked), np.nan)
-        if function in own:
+    ert = np.full(len(levels), np.nan)
+    asked = levels["precision"].to_numpy(dtype=float)
+    for problem, rows in levels.groupby("problem", sort=False).indices.items():
+        if (function := functions[str(problem)]) in own:
             known, times = (own[function][name].to_numpy(dtype=float) for name in ("precision", "ert"))
-            at = np.searchsorted(known, asked * (1 + 1e-9), side="right") - 1  # the easiest that is as hard
-            ert = np.where(at >= 0, times[np.maximum(at, 0)], np.inf)
-            ert[asked < HARDEST * (1 - 1e-9)] = np.nan
-        tables.append(pd.DataFrame({"problem": problem, "precision": asked, "ert": ert}))
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=["problem", "precision", "ert"])
+            at = np.searchsorted(known, asked[rows] * (1 + 1e-9), side="right") - 1  # the easiest that is as hard
+            ert[rows] = np.where(at >= 0, times[np.maximum(at, 0)], np.inf)
+    return levels.assign(ert=np.where(asked < HARDEST * (1 - 1e-9), np.nan, ert))
+
+
+def runlength_targets(
+    reference: pd.DataFrame, functions: Mapping[str, str], dimensions: Mapping[str, int]
+) -> pd.DataFrame:
+    """Return the targets by running length: problem, length and precision, one row a problem and length.
+
+    The precision for the length r is the next one of COCO's, five a decade, after the hardest whose ERT by the
+    reference is at most r d evaluations. Where it would not be harder than that of the length before, it is one step
+    harder than that, and 1e-8 is the last. So cocopp computes the targets of its tables for expensive functions
+    (``RunlengthBasedTargetValues``), to the last bit. Functions without a reference have no row.
+
+    Args:
+        reference: as of :func:`reference_times`.
+        functions: the name of the function of each problem.
+        dimensions: the d of each problem.
+    """
+    own = {str(name): table.sort_values("precision") for name, table in reference.groupby("problem", sort=False)}
+    rows = []
+    for problem, function in functions.items():
+        if function not in own:
+            continue
+        known, ert = (own[function][name].to_numpy(dtype=float)[::-1] for name in ("precision", "ert"))
+        known = 10.0 ** (np.round(5 * np.log10(known)) / 5)
+        last = np.inf
+        for length in RUN_LENGTHS:
+            within = np.flatnonzero((ert <= max(1.0, length * dimensions[problem])) & (known >= HARDEST * (1 - 1e-9)))
+            found = (1 + 1e-9) * float(known[within[-1]]) / STEP if len(within) else float(known[0])
+            last = found if found < last else last / FORCED
+            rows.append((problem, length, max(last, HARDEST)))
+    return pd.DataFrame(rows, columns=["problem", "length", "precision"])

@@ -75,7 +75,7 @@ def _verdicts(subject: Subject, bias: bool, strict: bool, n_jobs: int) -> Iterat
         yield from diagnose(subject.fresh(), n_jobs=n_jobs, seed=subject.seed)
     except Exception as error:  # a plug-in may raise anything, and its other verdicts stand
         finding = f"it could not be examined: {describe_error(error)}"
-        yield Verdict("bias", "bias", False, finding, "mend what raises on ordinary functions of seven variables")
+        yield Verdict("bias", "bias", False, finding, "fix what raises on ordinary functions of seven variables")
 
 
 class Checker:

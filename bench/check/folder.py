@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bench.check.bias import CHECKS, diagnose_all
+from bench.check import bias
 from bench.check.verdict import Verdict
 from bench.errors import BenchError
 from bench.optimizer import Optimizer
 from bench.storage import provenance
-from bench.storage.folder import Folder
+from bench.storage.folder import CHECKS, Folder
 from bench.storage.versions import checkout_states, content_hash, package_versions
 from bench.study import Entry
 
@@ -63,7 +63,7 @@ def diagnose_folder(folder: Folder, n_jobs: int = -1, *, anew: bool = False) -> 
             yield Diagnosis(entry.label, kept, kept=True)
         else:
             changed[entry.label] = optimizer, code
-    found = diagnose_all([optimizer for optimizer, _ in changed.values()], n_jobs=n_jobs)
+    found = bias.diagnose_all([optimizer for optimizer, _ in changed.values()], n_jobs=n_jobs)
     for (label, (_, code)), each in zip(changed.items(), found, strict=True):
         if isinstance(each, BenchError):
             noted.pop(label, None)
@@ -71,9 +71,9 @@ def diagnose_folder(folder: Folder, n_jobs: int = -1, *, anew: bool = False) -> 
         else:
             noted[label] = [verdict.as_dict() | {"code": code} for verdict in each]
             diagnosis = Diagnosis(label, each)
-        folder.note_checks(noted)
+        folder.note(CHECKS, noted)
         yield diagnosis
-    folder.note_checks(noted)
+    folder.note(CHECKS, noted)
 
 
 def key(entry: Entry, optimizer: Optimizer) -> str:
@@ -93,7 +93,7 @@ def key(entry: Entry, optimizer: Optimizer) -> str:
 
 def _kept(noted: list[dict[str, Any]], code: str) -> list[Verdict]:
     """Return the noted verdicts where they are those of all checks of this code, else none."""
-    if len(noted) == len(CHECKS) and all(each.pop("code") == code for each in noted):
+    if len(noted) == len(bias.CHECKS) and all(each.pop("code") == code for each in noted):
         with suppress(ValueError):  # the file was edited
             return [Verdict.from_dict(each) for each in noted]
     return []

@@ -22,7 +22,7 @@ class Verdict:
             property of the method that readers of a comparison must know, and no error of the plug-in.
         passed: whether the optimizer conforms, or is free of the bias.
         finding: one sentence on what was observed.
-        remedy: how to mend it, "" where the check passed.
+        remedy: how to fix it, "" where the check passed.
         figure: the number that decided the outcome, where there is one.
     """
 
@@ -92,7 +92,7 @@ class Checkup:
             for kind in ("conformance", "bias")
         }
         contract = f"fails the contract in: {failed['conformance']}" if failed["conformance"] else "keeps the contract"
-        left = f"; not checked until that is mended: {', '.join(self.unchecked)}" if self.unchecked else ""
+        left = f"; not checked until that is fixed: {', '.join(self.unchecked)}" if self.unchecked else ""
         biased = f"; biased: fails the checks of {failed['bias']}" if failed["bias"] else ""
         free = not biased and any(verdict.kind == "bias" for verdict in self.verdicts)
         return f"{self.label} {contract}{left}{biased}{'; no bias was found' if free else ''}"

@@ -40,7 +40,7 @@ def check(
 ) -> None:
     """Check that an optimizer keeps the contract, and detect its biases towards places in the box.
 
-    Every check prints its finding and, where it failed, how to mend it. A breach of the contract ends the command with
+    Every check prints its finding and, where it failed, how to fix it. A breach of the contract ends the command with
     exit code 1; a bias is a trait of the method and is only reported. Given a study's folder, the command checks all
     its optimizers for biases, with the study's options, and notes the findings there for the report; it keeps the
     findings on optimizers that have not changed.

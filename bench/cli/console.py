@@ -56,8 +56,8 @@ Targets = Annotated[
     str | None,
     typer.Option(
         rich_help_panel=STUDY,
-        help="What counts as reached: precisions, relative, quantiles, tolerance, or a list such as '1e-1,1e-3' (the "
-        "best value less the optimum) or '5%,1%' (of the optimum).",
+        help="What counts as reached: precisions, runlength, relative, quantiles, tolerance, or a list such as "
+        "'1e-1,1e-3' (the best value less the optimum) or '5%,1%' (of the optimum).",
     ),
 ]
 Rope = Annotated[

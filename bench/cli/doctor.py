@@ -1,4 +1,4 @@
-"""bench doctor: print what this installation is, what is broken in it and how to mend it, for a bug report."""
+"""bench doctor: print what this installation is, what is broken in it and how to fix it, for a bug report."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def doctor(
 ) -> None:
     """Check this installation, and print what a bug report needs: versions, extras, machine, caches and plug-ins.
 
-    The exit code is 1 where something is broken; how to mend it stands beside it.
+    The exit code is 1 where something is broken; how to fix it stands beside it.
     """
     findings = list(examine(folder))
     broken = [each for each in findings if each.state == "broken"]
@@ -218,7 +218,7 @@ def _caches() -> Iterator[Diagnosis]:
     compiled = os.environ.get("NUMBA_CACHE_DIR")
     beside = Path(__file__).resolve().parents[2] / "optimizers" / "__pycache__"  # where numba writes, if it can
     for name, variable, folders in (
-        ("recordings and scripts", "BENCH_CACHE", [kept]),
+        ("recordings", "BENCH_CACHE", [kept]),
         (
             "compiled code",
             "NUMBA_CACHE_DIR",

@@ -18,19 +18,27 @@ def import_results(
     licence: Annotated[
         str | None, typer.Option(help="The licence under which the results were published, where you know it.")
     ] = None,
+    partial: Annotated[
+        bool, typer.Option("--partial", help="Leave out the files that cannot be read, and list them.")
+    ] = False,
 ) -> None:
     """Import results of COCO, of IOHprofiler or a table (CSV) as a study's folder.
 
     COCO and IOHprofiler write folders with an index (.info, or .json of IOHprofiler) and logs (.dat, .tdat). A table
     has the columns problem, optimizer, trial, evaluations and value. The folder is read like any other: 'bench report
-    MINE IMPORTED' compares both. Imported trials cannot be repeated.
+    MINE IMPORTED' compares both. Imported trials cannot be repeated. A file that is damaged, or of maximisation, ends
+    the import; --partial imports the others, and reports list what is missing.
     """
     from bench.importing import import_results as import_source
+    from bench.report.wording import count
 
-    found = import_source(source, output, licence=licence)
+    found = import_source(source, output, licence=licence, partial=partial)
     for note in found.notes:
         print_line(f"note: {note}", "yellow")
+    for sentence in found.left_out:
+        print_line(f"left out: {sentence}", "red")
     print_line(
-        f"imported {found.trials:,} trials of {found.optimizers:,} optimizers on {found.problems:,} problems "
+        f"imported {count(found.trials, 'trial')} of {count(found.optimizers, 'optimizer')} on "
+        f"{count(found.problems, 'problem')} "
         f"({found.format}): {output}"
     )

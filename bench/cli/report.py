@@ -28,6 +28,12 @@ def report(
     ] = None,
     jobs: Jobs = -1,
     against: Against = None,
+    reference: Annotated[
+        str | None,
+        typer.Option(
+            metavar="OPTIMIZER", help="Mark where this optimizer is better (+), equal (=) or worse (-) than the others."
+        ),
+    ] = None,
     targets: Targets = None,
     rope: Rope = None,
     open_: Open = False,
@@ -36,21 +42,21 @@ def report(
 
     Several folders, such as those of two versions of an optimizer, are compared as one study.
     """
-    beside, reference = published(against)
-    report_on([*folders, *beside], Console(), output, jobs, targets, rope, reference, open_page=open_)
+    beside, best = published(against)
+    report_on([*folders, *beside], Console(), output, jobs, targets, rope, best, reference, open_page=open_)
 
 
-def published(names: list[str] | None) -> tuple[list[Path], str | None]:
-    """Return the folders of published data sets, fetched and imported where they are not kept yet, and the reference.
+def published(names: list[str] | None) -> tuple[list[Path], bool]:
+    """Return the folders of published data sets, fetched and imported where they are not kept yet.
 
-    The reference is ``"best2009"`` where that is among the names, else None.
+    And whether ``"best2009"``, which has no folder, is among the names.
     """
     if not names:
-        return [], None
+        return [], False
     from bench.importing.archive import imported
     from bench.importing.best2009 import NAME
 
-    return [imported(name) for name in names if name != NAME], NAME if NAME in names else None
+    return [imported(name) for name in names if name != NAME], NAME in names
 
 
 def report_on(
@@ -60,6 +66,7 @@ def report_on(
     jobs: int = -1,
     targets: str | None = None,
     rope: str | None = None,
+    beside_best: bool = False,
     reference: str | None = None,
     open_page: bool = False,
 ) -> None:
@@ -67,7 +74,7 @@ def report_on(
     from bench.execution.progress import steps
     from bench.report import write_report
     from bench.report.answer import read, shown
-    from bench.storage.folder import Folder
+    from bench.storage.folder import STORE, Folder
 
     with steps(console, "report") as on_progress:
         page = write_report(
@@ -76,11 +83,12 @@ def report_on(
             n_jobs=jobs,
             targets=targets,
             rope=rope,
+            beside_best=beside_best,
             reference=reference,
             on_progress=on_progress,
         )
     for folder in folders:
-        if (noted := Folder(folder).store_note()) and not noted.get("sound"):
+        if (noted := Folder(folder).noted(STORE)) and not noted.get("sound"):
             print_line(f"{folder}: {noted.get('sentence')}", "red", console)
     console.print(shown(read(page.parent)))
     print_line(f"report: {page}", console=console)

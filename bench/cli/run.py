@@ -140,8 +140,8 @@ def run(
                 "no control is missing: no optimizer can run under a condition of another one that it does not have",
                 console=console,
             )
-    beside, reference = published(against)  # before the run, which may take long
-    if reference:
+    beside, best = published(against)  # before the run, which may take long
+    if best or chosen.targets == "runlength":
         from bench.importing.best2009 import best2009  # which imports pandas and scipy.stats
 
         best2009(entry.name for entry in chosen.problems)
@@ -171,9 +171,9 @@ def run(
             print_error(f"no trial could be made again: {error}")
             unsound = True
     if report and shard is None:  # a part of a study supports no claim yet
-        report_on([outcome.folder], console, jobs=jobs, reference=reference, open_page=open_)
+        report_on([outcome.folder], console, jobs=jobs, beside_best=best, open_page=open_)
         if beside:
-            report_on([outcome.folder, *beside], console, jobs=jobs, reference=reference)
+            report_on([outcome.folder, *beside], console, jobs=jobs, beside_best=best)
     else:
         print_line(f"results in {outcome.folder}", console=console)
     if outcome.undeclared:

@@ -33,7 +33,7 @@ def status(
     It also prints when the trials were last compared with the digests that were stored with them, and the outcome. With
     --check, the exit code is 1 where a trial is damaged or missing.
     """
-    from bench.storage.folder import Folder
+    from bench.storage.folder import STORE, VERIFICATION, Folder
 
     console, folder = Console(), Folder(output)
     if watch:
@@ -49,7 +49,7 @@ def status(
     if not check and not found.sound:
         print_line(f"store: {found.sentence}", "red", console)
     _answer(folder, console)
-    if noted := folder.store_note():
+    if noted := folder.noted(STORE):
         style = None if noted.get("sound") else "red"
         print_line(f"store checked {noted.get('checked')}: {noted.get('sentence')}", style, console)
     else:
@@ -58,7 +58,7 @@ def status(
         print_line(line, "red", console)
     for line in _killed(folder):
         print_line(line, "yellow", console)
-    if verified := folder.verification():
+    if verified := folder.noted(VERIFICATION):
         line = f"verified {verified.get('verified')}: {verified.get('sentence')}"
         print_line(line, "red" if verified.get("different") else None, console)
     made = folder.store.made()
@@ -133,7 +133,7 @@ def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
 def _failures(folder: Folder) -> list[str]:
     """Return one line for each optimizer and reason of failure, at most ``SHOWN``."""
     reasons: dict[tuple[str, str, str], list[dict[str, Any]]] = {}
-    for row in folder.store.rows("status != 'ok'") if folder.store.exists else ():
+    for row in folder.store.rows("status != 'ok'"):
         key = row["status"], row["optimizer"], str(row["error"]).partition("\n")[0]
         reasons.setdefault(key, []).append(row)
     lines = []
@@ -160,6 +160,7 @@ def _environment(record: dict[str, Any], made: int) -> list[str]:
         return [
             f"imported {record.get('started')}: {made} trials from {source} ({record.get('format')}, {licence})",
             f"    SHA-256 {record.get('sha256')}",
+            *(f"    left out: {sentence}" for sentence in record.get("left_out", ())),
             f"    {record.get('command')}",
         ]
     git = record.get("git") or {}

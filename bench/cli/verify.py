@@ -25,11 +25,11 @@ def verify(
 ) -> None:
     """Make some trials of each cell again and compare them with the stored ones, bit by bit.
 
-    They are made with another number of workers and another PYTHONHASHSEED, one of each cell both first and last, so
-    that an optimizer that learns from trial to trial is found out. With --strict, so is one that overspends its budget
-    or gets values by another way than the objective. Every stored trial is also compared with the digest that was
-    stored with it. The outcome is noted in the folder for the report. The exit code is 1 where a trial differs or is
-    damaged.
+    They are made with another number of workers and another PYTHONHASHSEED, one of each optimizer both first and last,
+    so that an optimizer that learns from trial to trial is found out. With --strict, so is one that overspends its
+    budget or gets values by another way than the objective. Every stored trial is also compared with the digest that
+    was stored with it. The outcome is noted in the folder for the report. The exit code is 1 where a trial differs or
+    is damaged.
     """
     if not verify_folder(output, Console(), trials=trials, jobs=jobs, strict=strict, sandbox=sandbox):
         sys.exit(1)

@@ -115,7 +115,7 @@ class Job:
             process.close()
         return answer, took
 
-    def make_strictly(self, trial: Trial, server: ForkServer) -> tuple[Any, float]:
+    def make_strictly(self, trial: Trial, optimizers: ForkServer) -> tuple[Any, float]:
         """Have a trial made whose problem, budget and trace are in another process than its optimizer.
 
         Return what the other process answers, with the processor seconds of the optimizer's, and the seconds it took.
@@ -124,19 +124,19 @@ class Job:
         box = self._boxes[trial.problem]
         assert isinstance(box, Box)
         bounds = box.lower.tolist(), box.upper.tolist(), box.integer.tolist()
-        with problems.process() as keeper, server.process() as process:
+        with problems.process() as server, optimizers.process() as process:
             one, other = socket.socketpair()
             with one, other:
-                keeper.start(trial_process.keep, trial, self._core, files=[one.fileno()])
+                server.start(trial_process.serve, trial, self._core, files=[one.fileno()])
                 process.start(trial_process.make_strictly, trial, self._core, *bounds, files=[other.fileno()])
             began = monotonic()
             limits: dict[str, Any] = {"seconds": self._timeout, "memory": self._memory}
-            answer = process.finish(**limits, printed=PRINTED, beside=[keeper])
+            answer = process.finish(**limits, printed=PRINTED, beside=[server])
             took = monotonic() - began
-            process.close()  # before the keeper is asked, as a thread may go on
+            process.close()  # before the server is asked, as a thread may go on
             if isinstance(answer, dict) and "error" in answer:
                 return answer, took
-            kept = keeper.finish(seconds=LOADING + took, memory=self._memory)
+            kept = server.finish(seconds=LOADING + took, memory=self._memory)
             cpu = answer.get("cpu_s") if isinstance(answer, dict) else None
             return (kept | {"cpu_s": cpu} if isinstance(kept, dict) else kept), took
 

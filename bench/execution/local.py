@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from queue import SimpleQueue
 from threading import Lock
-from typing import Any
 
 from bench.execution.pool import Answer, OnBegin, ignore
 from bench.execution.supervisor import KilledError, Supervisor, Task
@@ -30,13 +28,6 @@ class Local:
         """
         supervisors = [Supervisor(task) for _ in range(self.jobs)]
         trials = iter(missing())
-        if self.jobs == 1:
-            try:
-                for trial, row in supervisors[0].make(_noted(trials, partial(on_begin, 0), nullcontext())):
-                    yield trial, row, machine
-            finally:
-                supervisors[0].close()
-            return
         made: SimpleQueue[tuple[Trial, Row] | BaseException | None] = SimpleQueue()
         turn = Lock()
 
@@ -62,9 +53,7 @@ class Local:
                     yield *answer, machine
 
 
-def _noted(
-    trials: Iterator[Trial], on_begin: Callable[[Trial], None], turn: AbstractContextManager[Any]
-) -> Iterator[Trial]:
+def _noted(trials: Iterator[Trial], on_begin: Callable[[Trial], None], turn: Lock) -> Iterator[Trial]:
     """Yield trials that other jobs take from as well, in turn; note each when it begins."""
     while True:
         with turn:

@@ -26,7 +26,7 @@ def stopped_cells(study: Study, store: Store) -> dict[tuple[str, str], int]:
     It follows from the stored trials alone (:func:`bench.analysis.looks.decide`), so an interrupted run continues with
     the same decisions.
     """
-    if not study.looks or not store.exists:
+    if not study.looks:
         return {}
     import pandas as pd  # a run without looks needs neither
 

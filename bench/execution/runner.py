@@ -16,13 +16,13 @@ from bench.execution.backends import open_pool
 from bench.execution.descriptions import describe
 from bench.execution.looks import blind_looks, stopped_cells
 from bench.execution.plan import Plan, Shard
-from bench.execution.pool import Answer, OnBegin, Pool
+from bench.execution.pool import Answer
 from bench.execution.supervisor import Checked, Task, check
 from bench.numbers import require_jobs, require_positive
 from bench.sandbox.signals import Interrupts, interrupts_deferred
-from bench.storage import provenance, under_way
-from bench.storage.folder import Folder, default_path
-from bench.storage.mend import mend
+from bench.storage import provenance
+from bench.storage.folder import DESCRIPTIONS, Folder, default_path
+from bench.storage.repair import repair
 from bench.study import Study
 from bench.trial import Trial
 
@@ -101,15 +101,15 @@ def run(
     study, folder, part = _resolved(study, output, shard)
     with interrupts_deferred() as interrupts, ExitStack() as held:
         with interrupts.allowed():  # loading plug-ins or reaching a cluster may take long
+            folder.extended(study)  # refuses another study before anything is loaded, and once more where it is locked
             checked = prepare(study, folder, sandbox)
             pool = held.enter_context(open_pool(backend, n_jobs, scheduler))
-        held.enter_context(folder.lock())
-        folder.claim(study)
-        study = folder.study()  # as every later run reads it
-        mended = mend(folder, study.trials)  # before anything else reads the store
+        under_way = held.enter_context(folder.lock())
+        study = folder.claim(study)
+        repaired = repair(folder, study.trials)  # before anything else reads the store
         before = folder.trials_asked()
         folder.note_fingerprints(checked.fingerprints)
-        plan = _plan(study, folder, part, mended)
+        plan = _plan(study, folder, part, repaired)
         display = held.enter_context(displayed(progress))
         if display is not None:
             display.plan(plan)
@@ -127,14 +127,17 @@ def run(
             extends=before if 0 < before < study.trials and _complete(study, folder, part, before) else None,
         )
         task = Task(study, timeout, _bytes(memory, pool.jobs, backend), strict=strict, sandbox=sandbox)
-        noted = held.enter_context(under_way.noting(folder.path))
         listeners = ([] if display is None else [display.trial]) + ([] if on_trial is None else [on_trial])
         lookers = ([] if display is None else [display.look]) + ([] if on_look is None else [on_look])
-        answers = _answers(plan, folder, partial(_made_by, pool, task, checked.machine, noted.begin), lookers)
+
+        def make(missing: Callable[[], Iterator[Trial]]) -> Iterator[Answer]:
+            return pool.answers(task, checked.machine, missing, under_way.begin)
+
+        answers = _answers(plan, folder, make, lookers)
         made = _make(plan, folder, answers, about, interrupts, listeners)
         if not (counted := folder.store.count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
-        folder.note_descriptions({label: asdict(each) for label, each in describe(study, sandbox).items()})
+        folder.note(DESCRIPTIONS, {label: asdict(each) for label, each in describe(study, sandbox).items()})
         failed = sum(cell.failed for cell in folder.store.cells())
         return Outcome(folder.path, made, failed, folder.store.undeclared())
 
@@ -148,9 +151,10 @@ def plan(
 ) -> Plan:
     """Return the plan of :func:`run`, and write nothing; raises BenchError as it does."""
     study, folder, part = _resolved(study, output, shard)
+    study = folder.extended(study)
     prepare(study, folder, sandbox)
     stored = folder.store.check()
-    plan = _plan(folder.extended(study), folder, part, "" if stored.sound else stored.sentence)
+    plan = _plan(study, folder, part, "" if stored.sound else stored.sentence)
     for key in stored.damaged:
         plan.finished.discard(key)
     return plan
@@ -160,9 +164,8 @@ def prepare(study: Study, folder: Folder, sandbox: str | None = None) -> Checked
     """Load a study's plug-ins and return the fingerprints of its data and code, which must be those of its folder.
 
     Raises:
-        BenchError: for a study that cannot be run, and a folder that holds another study, other data or other code.
+        BenchError: for a study that cannot be run, and a folder that holds other data or other code.
     """
-    folder.extended(study)
     if study.imported:
         raise BenchError(
             f"study {study.name!r} holds imported trials, such as those of {study.imported[0]}, and no optimizer that "
@@ -211,12 +214,6 @@ def _complete(study: Study, folder: Folder, shard: Shard | None, trials: int) ->
     plan = Plan(replace(study, trials=trials), shard, folder.store.keys())
     controls = {entry.label for entry in study.controls}
     return all(trial.optimizer in controls for trial in plan.missing())
-
-
-def _made_by(
-    pool: Pool, task: Task, machine: str, on_begin: OnBegin, missing: Callable[[], Iterator[Trial]]
-) -> Iterator[Answer]:
-    return pool.answers(task, machine, missing, on_begin)
 
 
 def _answers(

@@ -1,18 +1,17 @@
 """Strict trials: the problem, the budget and the trace are in another process; only points and values cross.
 
-The keeper holds the :class:`bench.objective.Objective`. The optimizer's process has no problem in its memory, and
-:func:`hide_problems` refuses to import one. Whatever the optimizer does there, each evaluation is counted and recorded.
+The server (:func:`serve`) holds the :class:`bench.objective.Objective`. The optimizer's process has no problem in its
+memory, and :func:`hide_problems` refuses to import one. Whatever the optimizer does there, each evaluation is counted
+and recorded. A message begins with what is asked or answered, one byte; numbers follow, or a text.
 """
 
 from __future__ import annotations
 
-import socket
-import struct
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from importlib.util import find_spec
-from io import BufferedReader
+from multiprocessing.connection import Connection
 from pathlib import Path
 from threading import Lock
 from time import perf_counter
@@ -26,11 +25,9 @@ from bench.plugins import registry
 from bench.sandbox.messages import describe_error
 from bench.typing import Flags, Floats
 
-_HEAD = struct.Struct("<BQ")  # what is asked or answered, and how many rows (or bytes of text) come with it
-_EVALUATE, _REPAIR, _INITIAL, _STOP, _BEGIN, _END = range(6)
-_DONE, _EXHAUSTED, _RAISED = range(3)
+_EVALUATE, _REPAIR, _INITIAL, _STOP, _BEGIN, _END = (bytes([number]) for number in range(6))
+_DONE, _EXHAUSTED, _RAISED = (bytes([number]) for number in range(3))
 _LONGEST = 1 << 26  # bytes of the points of a request
-_CHUNK = 1 << 16  # bytes read at once: a message and its head rarely need two reads
 
 
 class RemoteObjective:
@@ -58,8 +55,7 @@ class RemoteObjective:
         self.lower.flags.writeable = self.upper.flags.writeable = self.integer.flags.writeable = False
         self.budget, self.evaluations = budget, 0
         self.stop_reason: str | None = None
-        self._end, self._lock = _opened(end), Lock()
-        self._arriving = _arriving(self._end)
+        self._end, self._lock = Connection(end), Lock()
         self._refusals, self._on_refusal = 0, on_refusal
 
     @property
@@ -81,7 +77,7 @@ class RemoteObjective:
                 f"expected points of shape (n, {self.dimension}) or ({self.dimension},), got {points.shape}"
             )
         with self._lock:
-            exhausted, values = self._ask(_EVALUATE, len(rows), rows, 1)
+            exhausted, values = self._ask(_EVALUATE, len(rows), rows.tobytes())
             self.evaluations = self.budget if exhausted else self.evaluations + len(rows)
         if exhausted:
             self._refusals += 1
@@ -94,39 +90,37 @@ class RemoteObjective:
         points = floats(x, "points")
         rows = np.atleast_2d(points)
         with self._lock:
-            return self._ask(_REPAIR, len(rows), rows, self.dimension)[1].reshape(points.shape)
+            return self._ask(_REPAIR, len(rows), rows.tobytes())[1].reshape(points.shape)
 
     def initial(self, n: int) -> Floats:
         """Return (n, d) points, uniform in the box and then repaired, independent in every trial."""
         with self._lock:
-            return self._ask(_INITIAL, n, np.empty(0), self.dimension)[1].reshape(n, self.dimension)
+            return self._ask(_INITIAL, n, int(n).to_bytes(8))[1].reshape(n, self.dimension)
 
     def stop(self, reason: str) -> None:
         """Declare that the optimizer ends before its budget by a criterion of its own, such as ``"tolfun"``."""
         self.stop_reason = str(reason)
-        text = self.stop_reason.encode(errors="replace")[: 1 << 16]
         with self._lock:
-            self._ask(_STOP, len(text), np.frombuffer(text, dtype=np.uint8), 0)
+            self._ask(_STOP, 0, self.stop_reason.encode(errors="replace")[: 1 << 16])
 
     def begin(self) -> None:
         """Start the clock."""
-        self._ask(_BEGIN, 0, np.empty(0), 0)
+        self._ask(_BEGIN, 0, b"")
 
     def end(self) -> None:
         """Stop the clock; no evaluation follows."""
-        self._ask(_END, 0, np.empty(0), 0)
+        self._ask(_END, 0, b"")
 
-    def _ask(self, request: int, n: int, rows: np.ndarray[Any, Any], width: int) -> tuple[bool, Floats]:
-        """Return whether the budget is spent, and the (n * width,) numbers of the answer."""
+    def _ask(self, request: bytes, n: int, content: bytes) -> tuple[bool, Floats]:
+        """Ask for something about ``n`` points; return whether the budget is spent, and the numbers of the answer."""
         if 8 * n * self.dimension > _LONGEST:
             raise ValueError(f"a strict trial takes {_LONGEST // (8 * self.dimension):,} points at a time, not {n:,}")
-        self._end.sendall(_HEAD.pack(request, n) + rows.tobytes())
-        kind, count = _HEAD.unpack(_receive(self._arriving, _HEAD.size))
-        if kind == _RAISED:
-            raise RuntimeError(_receive(self._arriving, count).decode(errors="replace"))
-        values = np.empty(count * width)  # the optimizer's own, to write to
-        values.data.cast("B")[:] = _receive(self._arriving, values.nbytes)
-        return kind == _EXHAUSTED, values
+        self._end.send_bytes(request + content)
+        answer = self._end.recv_bytes()
+        if answer[:1] == _RAISED:
+            raise RuntimeError(answer[1:].decode(errors="replace"))
+        values = np.frombuffer(answer, offset=1).copy()  # for the optimizer to write to
+        return answer[:1] == _EXHAUSTED, values
 
 
 def serve(objective: Objective, file: int) -> float:
@@ -141,23 +135,23 @@ def serve(objective: Objective, file: int) -> float:
     """
     began = ended = 0.0
     d, raised = objective.dimension, None
-    with _opened(file) as end, _arriving(end) as arriving, suppress(EOFError, OSError):
+    with Connection(file) as end, suppress(EOFError, OSError):
         while not ended:
-            request, n = _HEAD.unpack(_receive(arriving, _HEAD.size))
+            message = end.recv_bytes(1 + _LONGEST)
+            request, content = message[:1], message[1:]
+            n = int.from_bytes(content) if request == _INITIAL else 0
             if 8 * n * d > _LONGEST or (request == _BEGIN) == bool(began):  # the clock begins once, and first
                 break
-            answer, kind, count = np.empty(0), _DONE, 0
+            answer, kind = b"", _DONE
             try:
                 if request == _EVALUATE:
-                    points = np.frombuffer(_receive(arriving, 8 * n * d)).reshape(n, d)
-                    answer, count = objective(points), n
+                    answer = objective(np.frombuffer(content).reshape(-1, d)).tobytes()
                 elif request == _REPAIR:
-                    points = np.frombuffer(_receive(arriving, 8 * n * d)).reshape(n, d).copy()
-                    answer, count = objective.repair(points), n
+                    answer = objective.repair(np.frombuffer(content).reshape(-1, d).copy()).tobytes()
                 elif request == _INITIAL:
-                    answer, count = objective.initial(n), n
+                    answer = objective.initial(n).tobytes()
                 elif request == _STOP:
-                    objective.stop(_receive(arriving, n).decode(errors="replace"))
+                    objective.stop(content.decode(errors="replace"))
                 elif request == _BEGIN:
                     began = perf_counter()
                 elif request == _END:
@@ -166,29 +160,11 @@ def serve(objective: Objective, file: int) -> float:
                 kind = _EXHAUSTED
             except Exception as error:
                 raised = raised or error
-                answer = np.frombuffer(describe_error(error).encode(), dtype=np.uint8)
-                kind, count = _RAISED, len(answer)
-            end.sendall(_HEAD.pack(kind, count) + answer.tobytes())
+                answer, kind = describe_error(error).encode(), _RAISED
+            end.send_bytes(kind + answer)
     if raised is not None:
         raise raised
     return (ended or perf_counter()) - began if began else 0.0
-
-
-def _opened(file: int) -> socket.socket:
-    end = socket.socket(fileno=file)
-    end.setblocking(True)  # a plug-in may have set another default
-    return end
-
-
-def _arriving(end: socket.socket) -> BufferedReader:
-    return BufferedReader(socket.SocketIO(end, "r"), _CHUNK)
-
-
-def _receive(arriving: BufferedReader, length: int) -> bytes:
-    data = arriving.read(length)
-    if len(data) < length:
-        raise EOFError
-    return data
 
 
 def hide_problems() -> None:

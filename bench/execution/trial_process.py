@@ -164,7 +164,7 @@ def warm_up_strictly(optimizer: str, lower: list[float], upper: list[float]) -> 
 def make_strictly(
     trial: Trial, core: int, lower: list[float], upper: list[float], integer: list[bool], end: int
 ) -> dict[str, Any]:
-    """Run the optimizer of a trial on the objective that :func:`keep` keeps at the other end of the socket.
+    """Run the optimizer of a trial on the objective at the other end of the socket (:func:`serve`).
 
     Return its processor seconds, or the reason why the trial failed.
     """
@@ -184,7 +184,7 @@ def make_strictly(
     return answer
 
 
-def keep(trial: Trial, core: int, end: int) -> dict[str, Any]:
+def serve(trial: Trial, core: int, end: int) -> dict[str, Any]:
     """Keep the problem, the budget and the trace of a strict trial until its optimizer has ended.
 
     Return what :func:`bench.execution.answers.result` reads, and the metrics of the best point.

@@ -15,7 +15,7 @@ from bench.execution.runner import prepare
 from bench.execution.supervisor import Task
 from bench.numbers import require_whole
 from bench.storage import provenance
-from bench.storage.folder import Folder
+from bench.storage.folder import VERIFICATION, Folder
 from bench.storage.reading import StoreCheck
 from bench.storage.rows import disagreement, named, stored
 from bench.storage.store import Store
@@ -46,7 +46,7 @@ class Verification:
         same_bits = f"{same:,} of {self.trials:,} trials of {self.cells:,} cells are the same bit by bit"
         other = f", though in another environment ({'; '.join(self.notes)})" if self.notes else ""
         apart = ", the problem in another process than the optimizer" if self.strict else ""
-        order = "one of each cell made both first and last"
+        order = "one of each optimizer made both first and last"
         return f"{same_bits} with {workers} and another PYTHONHASHSEED, {order}{apart}{other}"
 
     def lines(self) -> Iterator[str]:
@@ -66,9 +66,9 @@ def verify(
 ) -> Verification:
     """Make some finished trials of every cell again and note in the folder whether they are identical.
 
-    One trial of each cell is made first and, once more, after all others, so that an optimizer that learns from trial
-    to trial is found out. With ``strict``, so is one that spends more evaluations than it is given, or gets values by
-    another way than the objective.
+    One trial of each optimizer is made first and, once more, after all others, so that an optimizer that learns from
+    trial to trial is found out. With ``strict``, so is one that spends more evaluations than it is given, or gets
+    values by another way than the objective.
 
     All stored trials are compared with their digests; damaged ones are not made again here, but by the next run.
 
@@ -88,8 +88,8 @@ def verify(
     store = folder.check_store()
     machine = prepare(study, folder, sandbox).machine
     chosen = _chosen(folder, store, trials, study.seed)
-    first = list({trial.key[:2]: trial for trial in reversed(chosen)}.values())
-    planned = [*chosen, *first]
+    first = {trial.optimizer: trial for trial in reversed(chosen)}
+    planned = [*first.values(), *(trial for trial in chosen if trial not in first.values()), *first.values()]
     jobs = n_jobs or _other_number(folder)
     made = 0
     different: dict[Trial, str] = {}
@@ -102,11 +102,11 @@ def verify(
             if on_progress is not None:
                 on_progress(f"{trial.optimizer} on {trial.problem}", made, len(planned))
         jobs = pool.jobs
-    cells = len(first)
+    cells = len({trial.key[:2] for trial in chosen})
     notes = tuple(folder.differences(provenance.machine()))
     found = Verification(cells, len(chosen), jobs, different, notes, strict, store)
     outcome = {"strict": strict, "sentence": found.sentence, "different": [*found.lines()]}
-    folder.note_verification({"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | outcome)
+    folder.note(VERIFICATION, {"verified": provenance.now(), "cells": cells, "trials": len(chosen)} | outcome)
     return found
 
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from bench.errors import BenchError
 from bench.helpers.text import printable
 from bench.importing import coco, ioh, ioh_info, tables
-from bench.importing.runs import Run
+from bench.importing.runs import Reading, Run
 from bench.importing.source import Source, opened
 from bench.importing.write import numbered, study_of, write
 from bench.storage import provenance
@@ -26,7 +26,7 @@ __all__ = ["FORMATS", "Imported", "import_results"]
 
 class _Format(NamedTuple):
     recognised: Callable[[Source], bool]
-    runs: Callable[[Source, list[str]], Iterator[Run]]
+    runs: Callable[[Source, Reading], Iterator[Run]]
 
 
 FORMATS = {
@@ -40,13 +40,17 @@ FORMATS = {
 
 @dataclass(frozen=True)
 class Imported:
-    """What was imported: the format, the numbers of trials, problems and optimizers, and what a reader should know."""
+    """What was imported: the format, the numbers of trials, problems and optimizers, and what a reader should know.
+
+    ``left_out`` has a sentence on each file that could not be read, empty unless those may be left out.
+    """
 
     format: str
     trials: int
     problems: int
     optimizers: int
     notes: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
 
 
 def import_results(
@@ -55,6 +59,7 @@ def import_results(
     *,
     name: str | None = None,
     licence: str | None = None,
+    partial: bool = False,
 ) -> Imported:
     """Import a folder, a tar or zip archive, or a CSV file into a new study's folder, whole or not at all.
 
@@ -63,11 +68,13 @@ def import_results(
         output: the folder to write, which must be missing or empty.
         name: what the source is called in the study and its environment; its file name by default.
         licence: under which the results were published, where it is known.
+        partial: whether to leave out the indices and logs that cannot be read, which the result, ``environment.json``
+            and reports list.
 
     Raises:
-        BenchError: where the source is of no format or of several, is damaged or cut short, holds results of
-            maximisation, unsorted evaluations or another optimum than this project's, or cannot be read, and where the
-            output cannot be written.
+        BenchError: where the source is of no format or of several, is damaged or cut short, holds results of several
+            suites, of several objectives or of maximisation, unsorted evaluations or another optimum than this
+            project's, or cannot be read, and where the output cannot be written.
     """
     started = provenance.now()
     with opened(Path(source)) as found:
@@ -79,10 +86,10 @@ def import_results(
                 else f"{source} holds no results in a known format: neither an index of COCO (.info), nor one of "
                 f"IOHprofiler (.json, .info), nor a table ({', '.join(tables.COLUMNS)})"
             )
-        notes: list[str] = []
-        runs = numbered(FORMATS[kinds[0]].runs(found, notes))
+        reading = Reading(partial)
+        runs = numbered(FORMATS[kinds[0]].runs(found, reading))
         if not runs:
-            raise BenchError(f"{source} holds no run")
+            raise BenchError("; ".join([f"{source} holds no run that can be read", *reading.left_out[:1]]))
         called = printable(name or found.name, LONGEST_LABEL)
         study = study_of(called, runs)
         record = {
@@ -90,10 +97,13 @@ def import_results(
             "format": kinds[0],
             "sha256": found.sha256,
             "licence": licence,
+            "left_out": reading.left_out,
             "importer": provenance.package(),
             "started": started,
             "ended": provenance.now(),
             "command": provenance.command(),
         }
     write(Path(output), study, runs, record)
-    return Imported(kinds[0], len(runs), len(study.problems), len(study.optimizers), tuple(notes))
+    return Imported(
+        kinds[0], len(runs), len(study.problems), len(study.optimizers), tuple(reading.notes), tuple(reading.left_out)
+    )

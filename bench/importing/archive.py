@@ -67,6 +67,8 @@ def data_sets(suite: str, source: Path | None = None) -> list[DataSet]:
     Raises:
         BenchError: for an unknown suite, a list that cannot be read or downloaded, and a ``source`` without one.
     """
+    if suite.startswith("bbob-biobj"):
+        raise BenchError(f"{suite} has several objectives; bi-objective results are not supported")
     if suite not in SUITES:
         raise BenchError(f"the archive has no suite {suite!r}{nearest(suite, SUITES)}")
     kept = data_folder() / suite / DEFINITION

@@ -44,7 +44,7 @@ def best2009(names: Iterable[str]) -> pd.DataFrame:
     if not any(map(len, tables)):
         raise BenchError(
             f"{NAME} has running times on {' and '.join(SUITES)} in 2, 3, 5, 10, 20 and 40 dimensions, and the study "
-            "has no such problem; leave it out"
+            "has no such problem; do without it"
         )
     return pd.concat(tables, ignore_index=True)
 

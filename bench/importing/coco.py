@@ -18,6 +18,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import PurePosixPath
 from typing import NamedTuple
 
@@ -26,8 +27,9 @@ from numpy.typing import NDArray
 
 from bench.errors import BenchError
 from bench.export.coco import STAND_IN
+from bench.helpers.text import joined
 from bench.importing import ioh_info, naming
-from bench.importing.runs import Run, improvements, label, optimizer_labels, require_increasing, shown
+from bench.importing.runs import Reading, Run, improvements, label, optimizer_labels, require_increasing, shown
 from bench.importing.source import Source
 from bench.typing import Floats
 
@@ -35,6 +37,7 @@ INFINITE = 1e21
 """COCO writes 3e21 for infinity; no finite difference is as large."""
 
 EQUAL = 1e-6  # to which a logged value may equal a target
+DIGITS = 1e-9  # to which COCO's own logger prints a value; both are relative
 
 TARGETS = np.power(10, np.arange(-40, 11) / 5)
 """COCO's precisions, 1e-8 to 1e2, five a decade."""
@@ -42,6 +45,7 @@ TARGETS = np.power(10, np.arange(-40, 11) / 5)
 NOISY = 101  # the first function of bbob-noisy, in indices that name no suite
 _PAIR = re.compile(r"(\w+)\s*=\s*(?:'(.*?)'(?=\s*(?:,|$))|([^,]*))")
 _ENTRY = re.compile(r"(\d+)(?::(\d+)(?:\|(.+))?)?")
+_SEVERAL_OBJECTIVES = re.compile(r"\bsuite\s*=\s*'[^']*biobj|\bindicator\s*=")
 _FOPT = re.compile(r"Fopt\s*\(([^)]*)\)")
 
 
@@ -85,38 +89,43 @@ def _is_index(file: PurePosixPath) -> bool:
     return file.suffix == ".info" and not ioh_info.is_index(file)
 
 
-def runs(source: Source, notes: list[str]) -> Iterator[Run]:
-    """Yield the runs of every index; ``notes`` gets a sentence for what a reader should know.
+def runs(source: Source, reading: Reading) -> Iterator[Run]:
+    """Yield the runs of every index, log by log.
 
     Raises:
-        BenchError: for an index or a log that is no COCO data, is cut short, or has another f_opt than this project.
+        BenchError: for an index or a log that is no COCO data, is cut short, or has another f_opt than this project,
+            and for results of several suites or with several objectives.
     """
-    sets = indexed(source)
+    sets = list(reading.each(filter(_is_index, source.files), partial(_index, source)))
+    if len(suites := sorted({data.suite for data in sets})) > 1:
+        raise BenchError(
+            f"{source.name} holds results of {len(suites)} suites, {joined(suites)}; import the folder of one at a time"
+        )
     names = optimizer_labels(
         (data.index.parent, data.algorithm, (data.suite, data.function, data.dimension, entry.instance))
         for data in sets
         for _, entries in data.logs
         for entry in entries
     )
-    logs: dict[PurePosixPath, Iterator[Block]] = {}
-    unfinished = 0
+    named: dict[PurePosixPath, list[tuple[DataSet, Logged]]] = {}
     for data in sets:
         for log, entries in data.logs:
-            if log not in logs:
-                logs[log] = iter(_blocks(source, log))
-            for entry in entries:
-                block = next(logs[log], None)
-                if block is None:
-                    raise BenchError(f"{log} ends before the run on instance {entry.instance} that {data.index} names")
-                unfinished += entry.evaluations is None
-                yield _run(data, names[data.index.parent, data.algorithm], log, entry, block)
-    for log, left in logs.items():
-        if (block := next(left, None)) is not None:
-            raise BenchError(f"{log}, line {block.line}, begins a run that no index names")
-    if len(suites := sorted({data.suite for data in sets})) > 1:
-        notes.append(f"The source holds results of {len(suites)} suites: {', '.join(suites)}.")
+            named.setdefault(log, []).extend((data, entry) for entry in entries)
+    unfinished, longer = 0, 0
+
+    def runs_of(log: PurePosixPath) -> Iterator[Run]:
+        nonlocal unfinished, longer
+        for data, entry, one, timed in _blocks(source, log, named[log]):
+            yield _run(data, names[data.index.parent, data.algorithm], log, entry, one, timed)
+            unfinished += entry.evaluations is None
+            if timed is not None and entry.evaluations is not None:
+                longer += int(one.evaluations[-1] > timed.evaluations[-1])
+
+    yield from reading.each(named, runs_of)
     if unfinished:
-        notes.append(f"{unfinished} runs were not finished; what they logged is imported.")
+        reading.notes.append(f"Runs that were not finished, of which what they logged is imported: {unfinished}.")
+    if longer:
+        reading.notes.append(f"Runs that go on in the .dat file beyond their end in index and .tdat file: {longer}.")
 
 
 def indexed(source: Source) -> list[DataSet]:
@@ -134,6 +143,8 @@ def _index(source: Source, file: PurePosixPath) -> Iterator[DataSet]:
         if text.startswith("%"):
             if data is not None:
                 data.comment = data.comment or text.lstrip("% ")
+        elif data is None and _SEVERAL_OBJECTIVES.search(text):
+            raise BenchError(f"{file} is an index of bi-objective results, which are not supported")
         elif "funcId" in text and "=" in text.partition(",")[0]:
             if data is not None and not data.logs:
                 raise BenchError(f"{file}, line {data.line}, names no log; the index is cut short")
@@ -156,8 +167,6 @@ def _head(text: str, file: PurePosixPath, line: int) -> DataSet:
     except (KeyError, ValueError) as error:
         raise BenchError(f"{file}, line {line}, has no number of the function or dimension") from error
     suite = pairs.get("suite") or ("bbob" if function < NOISY else "bbob-noisy")
-    if "biobj" in suite or "biobj" in pairs.get("logger", ""):
-        raise BenchError(f"{file}, line {line}, is of {suite!r}, whose problems have several objectives")
     where = f"{file}, line {line},"
     algorithm = pairs.get("algId") or file.parent.name or "unknown"
     return DataSet(file, line, label(suite, where), function, dimension, label(algorithm, where))
@@ -190,55 +199,63 @@ def _entries(text: str, where: str, file: PurePosixPath, data: DataSet) -> None:
             raise BenchError(f"{where} has {shown(item)} where a run such as '1:301|8.5e-02' is expected")
 
 
-def _blocks(source: Source, log: PurePosixPath) -> list[Block]:
-    """Return the runs of both logs; the .tdat file must have as many as the .dat file where it is there."""
-    files = set(source.files)
-    if log not in files:
+def _blocks(
+    source: Source, log: PurePosixPath, named: list[tuple[DataSet, Logged]]
+) -> Iterator[tuple[DataSet, Logged, Block, Block | None]]:
+    """Yield the named runs as both logs have them; there may be no .tdat file, else it must have as many runs."""
+    if log not in source.files:
         raise BenchError(f"the log {log} is missing, which the index names")
-    timed = log.with_suffix(".tdat")
-    found = logged(source, log)
-    if timed not in files:
-        return found
-    others = logged(source, timed)
+    found, timed = logged(source, log), log.with_suffix(".tdat")
+    others = logged(source, timed) if timed in source.files else [None] * len(found)
     if len(others) != len(found):
         raise BenchError(f"{log} has {len(found)} runs and {timed} has {len(others)}; one of them is cut short")
-    if found:
-        _require_end(found[-1], others[-1], log)
-    return [_joined(one, other) for one, other in zip(found, others, strict=True)]
+    if len(found) < len(named):
+        data, entry = named[len(found)]
+        raise BenchError(f"{log} ends before the run on instance {entry.instance} that {data.index} names")
+    if len(found) > len(named):
+        raise BenchError(f"{log}, line {found[len(named)].line}, begins a run that no index names")
+    for (data, entry), one, other in zip(named, found, others, strict=True):
+        if other is not None:
+            _require_rows(entry, one, other, log, last=one is found[-1])
+        yield data, entry, one, other
 
 
-def _require_end(one: Block, timed: Block, log: PurePosixPath) -> None:
-    """Refuse a log that lacks its last rows: the other one goes on, the .tdat file to values below a further target."""
-    if timed.evaluations[-1] < one.evaluations[-1]:
+def _require_rows(entry: Logged, one: Block, timed: Block, log: PurePosixPath, *, last: bool) -> None:
+    """Refuse a run of which one log lacks the end: .dat where .tdat reaches a further target, .tdat at its ``last``."""
+    ends = f"is cut short: its run on instance {entry.instance}"
+    if last and timed.evaluations[-1] < min(one.evaluations[-1], entry.evaluations or np.inf):
         raise BenchError(
-            f"{log.with_suffix('.tdat')} is cut short: its last run ends at evaluation {timed.evaluations[-1]}, and "
-            f"that of its .dat file at {one.evaluations[-1]}"
+            f"{log.with_suffix('.tdat')} {ends} ends at evaluation {timed.evaluations[-1]}, and that of its .dat file "
+            f"at {one.evaluations[-1]}"
         )
     later = timed.evaluations > one.evaluations[-1]
-    further = np.searchsorted(TARGETS, timed.values) < np.searchsorted(TARGETS, one.values.min())
-    below = timed.values < TARGETS[np.searchsorted(TARGETS[:-1], timed.values)] * (1 - EQUAL)
-    if (lost := np.flatnonzero(later & further & below)).size:
+    if (lost := np.flatnonzero(later & (timed.values < _next_target(one.values.min()) * (1 - EQUAL)))).size:
         raise BenchError(
-            f"{log} is cut short: its last run lacks evaluation {timed.evaluations[lost[0]]}, with which its .tdat "
-            f"file reaches {timed.values[lost[0]]:.3g}"
+            f"{log} {ends} lacks evaluation {timed.evaluations[lost[0]]}, with which its .tdat file reaches "
+            f"{timed.values[lost[0]]:.3g}"
         )
 
 
-def _joined(one: Block, timed: Block) -> Block:
+def _joined(one: Block, timed: Block, optimum: float) -> Block:
     """Return a run with the rows of both logs.
 
-    The .dat file says when a target of COCO was reached, as for cocopp: a row of the .tdat file that has one earlier is
-    left out. COCO triggers the .dat file below a target, so that is a value which equals the target.
+    The .dat file says when a target of COCO was reached, as for cocopp. Where the .tdat file has one earlier, the value
+    equals the target in the ten digits that are printed and was just above it. So it is here, also beside f_opt.
     """
     best = np.append(np.inf, np.minimum.accumulate(one.values))
     until = best[np.searchsorted(one.evaluations, timed.evaluations, side="right")]
-    kept = np.searchsorted(TARGETS, timed.values) >= np.searchsorted(TARGETS, until)
-    evaluations = np.concatenate((one.evaluations, timed.evaluations[kept]))
-    values = np.concatenate((one.values, timed.values[kept]))
+    evaluations = np.concatenate((one.evaluations, timed.evaluations))
+    above = _next_target(until) * (1 + DIGITS) + 2 * np.spacing(abs(optimum))
+    values = np.concatenate((one.values, np.maximum(timed.values, above)))
     order = np.lexsort((values, evaluations))
     evaluations, values = evaluations[order], values[order]
     first = np.append(True, evaluations[1:] > evaluations[:-1])[: len(values)]
     return Block(one.header, one.line, evaluations[first], values[first])
+
+
+def _next_target(values: Floats | np.float64) -> Floats:
+    """Return the easiest of COCO's targets that each value does not reach yet, -inf beyond the last."""
+    return np.append(-np.inf, TARGETS)[np.searchsorted(TARGETS, values)]
 
 
 def logged(source: Source, file: PurePosixPath) -> list[Block]:
@@ -317,14 +334,15 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _run(data: DataSet, algorithm: str, log: PurePosixPath, entry: Logged, block: Block) -> Run:
+def _run(data: DataSet, algorithm: str, log: PurePosixPath, entry: Logged, one: Block, timed: Block | None) -> Run:
     own = not data.comment.startswith(STAND_IN)
-    where = f"{log}, line {block.line},"
+    where = f"{log}, line {one.line},"
     if own:
         problem = naming.problem_name(data.suite, data.function, data.dimension, entry.instance)
     else:
         problem = label(data.comment.removeprefix(STAND_IN), where)
-    optimum = _optimum(problem, block.header, where, own=own)
+    optimum = _optimum(problem, one.header, where, own=own)
+    block = one if timed is None else _joined(one, timed, optimum)
     last = int(block.evaluations[-1])
     _require_whole(entry, block, log)
     finite = block.values < INFINITE

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
+from functools import partial
 from pathlib import PurePosixPath
 from typing import Any, NamedTuple
 
@@ -21,7 +22,16 @@ from numpy.typing import NDArray
 from bench.errors import BenchError
 from bench.helpers.parsing import parse_json
 from bench.importing import naming
-from bench.importing.runs import Run, evaluation, improvements, label, optimizer_labels, require_increasing, shown
+from bench.importing.runs import (
+    Reading,
+    Run,
+    evaluation,
+    improvements,
+    label,
+    optimizer_labels,
+    require_increasing,
+    shown,
+)
 from bench.importing.source import Source
 from bench.numbers import is_finite, is_whole
 from bench.objective import Trace
@@ -69,21 +79,23 @@ def _is_index(file: PurePosixPath) -> bool:
     return file.name.startswith("IOHprofiler") and file.suffix == ".json"
 
 
-def runs(source: Source, notes: list[str]) -> Iterator[Run]:
-    """Yield the runs of every JSON file; ``notes`` gets a sentence for what a reader should know.
+def runs(source: Source, reading: Reading) -> Iterator[Run]:
+    """Yield the runs of every JSON file, log by log.
 
     Raises:
         BenchError: for a file that is no data of IOHprofiler or is cut short, and for results of maximisation.
     """
-    found = [each for file in source.files if _is_index(file) for each in _scenarios(source, file)]
+    scenarios = list(reading.each(filter(_is_index, source.files), partial(_scenarios, source)))
     if any(
-        is_guessed(each.head.get("suite"), each.head["function_id"], each.head.get("function_name")) for each in found
+        is_guessed(each.head.get("suite"), each.head["function_id"], each.head.get("function_name"))
+        for each in scenarios
     ):
-        notes.append(GUESSED)
+        reading.notes.append(GUESSED)
     names = optimizer_labels(
-        (each.file.parent, each.algorithm, (each.head["function_id"], each.dimension)) for each in found
+        (each.file.parent, each.algorithm, (each.head["function_id"], each.dimension)) for each in scenarios
     )
-    for data in found:
+
+    def runs_of(data: _Data) -> Iterator[Run]:
         blocks = logged(source, data.log, "evaluations", VALUE)
         if len(blocks) != len(data.runs):
             raise BenchError(
@@ -91,6 +103,8 @@ def runs(source: Source, notes: list[str]) -> Iterator[Run]:
             )
         for position, (run, block) in enumerate(zip(data.runs, blocks, strict=True), start=1):
             yield _run(data, names[data.file.parent, data.algorithm], run, block, f"{data.log}, run {position},")
+
+    yield from reading.each(scenarios, runs_of)
 
 
 def _scenarios(source: Source, file: PurePosixPath) -> Iterator[_Data]:

@@ -17,6 +17,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import PurePosixPath
 from typing import NamedTuple
 
@@ -24,7 +25,7 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.importing.ioh import GUESSED, Block, is_guessed, logged, problem_of
-from bench.importing.runs import Run, improvements, label, optimizer_labels, shown
+from bench.importing.runs import Reading, Run, improvements, label, optimizer_labels, shown
 from bench.importing.source import Source
 
 VALUE = "best-so-far f(x)"
@@ -69,25 +70,27 @@ def recognised(source: Source) -> bool:
     return any(map(is_index, source.files))
 
 
-def runs(source: Source, notes: list[str]) -> Iterator[Run]:
-    """Yield the runs of every index; ``notes`` gets a sentence for what a reader should know.
+def runs(source: Source, reading: Reading) -> Iterator[Run]:
+    """Yield the runs of every index, log by log.
 
     Raises:
         BenchError: for an index or a log that is none or is cut short, and for results of maximisation.
     """
-    found = [each for file in source.files if is_index(file) for each in _index(source, file)]
-    if any(data.function.isdigit() and is_guessed(data.suite, int(data.function), data.name) for data in found):
-        notes.append(GUESSED)
+    sets = list(reading.each(filter(is_index, source.files), partial(_index, source)))
+    if any(data.function.isdigit() and is_guessed(data.suite, int(data.function), data.name) for data in sets):
+        reading.notes.append(GUESSED)
     names = optimizer_labels(
         (data.index.parent, data.algorithm, (data.function, data.dimension, entry.instance))
-        for data in found
+        for data in sets
         for entry in data.entries
     )
     by_log: dict[PurePosixPath, list[tuple[_Data, Logged]]] = {}
-    for data in found:
+    for data in sets:
         for entry in data.entries:
             by_log.setdefault(_log_of(source, data), []).append((data, entry))
-    for log, named in by_log.items():
+
+    def runs_of(log: PurePosixPath) -> Iterator[Run]:
+        named = by_log[log]
         blocks = logged(source, log, FIRST, VALUE)
         if len(blocks) != len(named):
             raise BenchError(
@@ -97,6 +100,8 @@ def runs(source: Source, notes: list[str]) -> Iterator[Run]:
         for position, ((data, entry), block, other) in enumerate(zip(named, blocks, shifted, strict=True), start=1):
             where = f"{log}, run {position},"
             yield _run(data, names[data.index.parent, data.algorithm], entry, block, other, where)
+
+    yield from reading.each(by_log, runs_of)
 
 
 def _index(source: Source, file: PurePosixPath) -> Iterator[_Data]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,36 @@ from bench.study.study import LONGEST_LABEL
 from bench.typing import Floats
 
 LARGEST_DIMENSION = 1_000_000
+
+Part = TypeVar("Part")
+Found = TypeVar("Found")
+
+
+@dataclass
+class Reading:
+    """What the reader of a format may leave out, and what it has to say.
+
+    Attributes:
+        partial: whether the parts that cannot be read are left out; else the first one ends the import.
+        left_out: a sentence on each part that was left out, which names its file.
+        notes: further sentences for the user.
+    """
+
+    partial: bool = False
+    left_out: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def each(self, parts: Iterable[Part], read: Callable[[Part], Iterable[Found]]) -> Iterator[Found]:
+        """Yield what each part holds, whole or not at all; raises BenchError unless parts may be left out."""
+        for part in parts:
+            try:
+                found = list(read(part))
+            except BenchError as error:
+                if not self.partial:
+                    raise
+                self.left_out.append(str(error))
+            else:
+                yield from found
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ import re
 import tarfile
 import tempfile
 import zipfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import IO
@@ -66,9 +66,9 @@ def opened(path: Path) -> Iterator[Source]:
             yield _folder(path.resolve().name or str(path), path, "")
         elif not path.is_file():
             raise BenchError(f"{path} is neither a folder nor a file; give the results to import")
-        elif tarfile.is_tarfile(path) or zipfile.is_zipfile(path):
+        elif unpack := _archive_reader(path):
             with tempfile.TemporaryDirectory(prefix="bench-import-") as temporary:
-                (_unpack_tar if tarfile.is_tarfile(path) else _unpack_zip)(path, Path(temporary))
+                unpack(path, Path(temporary))
                 yield _folder(path.name, Path(temporary), sha256_of(path))
         else:
             yield Source(path.name, path.parent, (PurePosixPath(path.name),), sha256_of(path))
@@ -112,6 +112,16 @@ def sha256_of(path: Path) -> str:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise BenchError(f"{path} cannot be read: {error.strerror}") from error
+
+
+def _archive_reader(path: Path) -> Callable[[Path, Path], None] | None:
+    """Return what unpacks an archive, None for another file; an archive that was cut short is known by its name."""
+    with suppress(EOFError):
+        if tarfile.is_tarfile(path):
+            return _unpack_tar
+    if zipfile.is_zipfile(path) or path.suffix == ".zip":
+        return _unpack_zip
+    return _unpack_tar if re.search(r"\.(tgz|tar(\.\w+)?)$", path.name) else None
 
 
 def _unpack_tar(path: Path, folder: Path) -> None:

@@ -8,6 +8,7 @@ package exports them, is imported with all that the table of trials holds.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from io import BytesIO
 from pathlib import PurePosixPath
 from typing import Any, cast
@@ -17,7 +18,7 @@ import pandas as pd
 
 from bench.errors import BenchError
 from bench.importing import naming
-from bench.importing.runs import Run, improvements, label, require_increasing
+from bench.importing.runs import Reading, Run, improvements, label, require_increasing
 from bench.importing.source import Source
 from bench.objective import Trace
 from bench.trial import FRAME_COLUMNS, PRECISION
@@ -44,17 +45,20 @@ def _is_table(source: Source, file: PurePosixPath) -> bool:
     return set(COLUMNS) <= {cell.strip().strip('"') for cell in head.split(",")}
 
 
-def runs(source: Source, _notes: list[str]) -> Iterator[Run]:
-    """Yield the runs of every table.
+def runs(source: Source, reading: Reading) -> Iterator[Run]:
+    """Return the runs of every table.
 
     Raises:
         BenchError: with the line that cannot be read, or whose evaluations do not increase.
     """
-    for file in source.files:
-        if _is_table(source, file):
-            beside = file.with_name(TRIALS)
-            whole = file.name == IMPROVEMENTS and beside in source.files
-            yield from _exported(source, file, beside) if whole else _plain(source, file)
+    tables = [file for file in source.files if _is_table(source, file)]
+    return reading.each(tables, partial(_runs_of, source))
+
+
+def _runs_of(source: Source, file: PurePosixPath) -> Iterator[Run]:
+    beside = file.with_name(TRIALS)
+    whole = file.name == IMPROVEMENTS and beside in source.files
+    return _exported(source, file, beside) if whole else _plain(source, file)
 
 
 def _plain(source: Source, file: PurePosixPath) -> Iterator[Run]:

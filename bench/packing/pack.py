@@ -19,7 +19,7 @@ from bench.execution.looks import stopped_cells
 from bench.helpers.atomic import replacing
 from bench.packing.contents import CRATE, NOTES, PAGE, SUMS, PackedFile, report_files
 from bench.packing.crate import Credits, describe, stated
-from bench.storage.folder import ENVIRONMENT, STUDY, Folder
+from bench.storage.folder import ENVIRONMENT, STUDY, VERIFICATION, Folder
 from bench.storage.store import FILE as TRIALS
 from bench.study import Study
 
@@ -68,7 +68,7 @@ def pack(
         raise BenchError(f"{target} is a folder; give the path of a file to write")
     if target.exists() and not (target.is_file() and zipfile.is_zipfile(target)):
         raise BenchError(f"{target} is another file than an archive; give another --output")
-    folder.fingerprints(), folder.checks(), folder.verification()  # raise where a note is damaged
+    folder.fingerprints(), folder.checks(), folder.noted(VERIFICATION)  # raise where a note is damaged
     reported = report_files(folder.path)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -34,7 +34,7 @@ def sentence(findings: Findings) -> str:
         return ""
     return (
         f"{fastest} is faster by the clock than {leader} as long as an evaluation takes less than {_spread(costs)}: to "
-        f"the target {_target(words, level)}, {leader} has the lowest expected running time in evaluations on "
+        f"{_target(words, level)}, {leader} has the lowest expected running time in evaluations on "
         f"{first[leader]} of {count(problems, 'problem')}, and {fastest} the lowest in seconds on {fast[fastest]}."
     )
 

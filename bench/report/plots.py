@@ -34,12 +34,14 @@ from bench.plots import (
 from bench.plots.curves import MOST_BANDS
 from bench.plots.ranks import RANK_NAME, cd_height, forest_names
 from bench.report.parts import Figure
+from bench.report.target_words import TargetWords, target_words
 from bench.report.wording import listing
 
 SHOWN_ROWS = 300  # of the table behind a figure
 MOST_ROWS = 40  # of a figure with a row for each optimizer: more could not all be named
 COLUMNS = 3  # panels beside each other
 TITLE_LETTERS = 30  # of a line of small text above a panel
+RELATIVE = target_words("relative")
 
 
 def distribution_figure(
@@ -145,15 +147,17 @@ def _over_evaluations(
     return Figure(name, caption, figure, curves, shown)
 
 
-def ert_figure(table: pd.DataFrame, optimizers: Iterable[str], suffix: str = "", *, unit: str = "tau") -> Figure:
+def ert_figure(
+    table: pd.DataFrame, optimizers: Iterable[str], suffix: str = "", *, words: TargetWords = RELATIVE
+) -> Figure:
     """Return the expected running time over targets, a panel a problem, all on the same axes.
 
-    ``suffix`` ends the figure's name, where there are several of the kind; ``unit`` is what a target's tau is.
+    ``suffix`` ends the figure's name, where there are several of the kind.
     """
     figure, axes = _multiples(table, style.pens(optimizers), ert, across=0.12)
     for ax in axes:
-        if unit != "tau" and ax.get_xlabel():
-            ax.set_xlabel(unit)
+        if words.unit != "tau" and ax.get_xlabel():
+            ax.set_xlabel(words.unit)
     drawn = table[table["tau"] > 0]
     times = drawn["ert"].to_numpy(dtype=float)
     shown = times[style.drawable(times)]
@@ -161,6 +165,8 @@ def ert_figure(table: pd.DataFrame, optimizers: Iterable[str], suffix: str = "",
         if len(drawn):
             ax.set_xlim(1.2 * drawn["tau"].max(), drawn["tau"].min() / 1.2)
             style.log_scale(ax, "x")
+        if words.kind == "runlength":
+            ax.set_xticks(words.tabled, [words.shown(each) for each in words.tabled], minor=False)
         ax.tick_params(labelleft=place % COLUMNS == 0)
         if len(shown):
             ax.set_ylim(shown.min() / 2, 4 * shown.max())
@@ -171,6 +177,7 @@ def ert_figure(table: pd.DataFrame, optimizers: Iterable[str], suffix: str = "",
     )
     if set(table["problem"]) > set(drawn["problem"]):
         caption += " A panel is empty where the trials start at the reference, which is then the only target (tau = 0)."
+    table = words.in_unit(table)
     by_target = _at_round_numbers(table, ["problem", "tau"], "ert", (1,))
     return Figure(f"expected-running-time{suffix}", caption, figure, table, by_target)
 
@@ -242,7 +249,7 @@ def scaling_figure(table: pd.DataFrame, optimizers: Iterable[str], *, target: st
             ax.set_ylim(shown.min() / 2, 4 * shown.max())
             style.log_scale(ax, "y")
     caption = (
-        f"Expected running time / d to the target {target}, over the dimension d. A horizontal line grows in "
+        f"Expected running time / d to {target}, over the dimension d. A horizontal line grows in "
         "proportion to d; a point is missing where no trial reached the target."
     )
     data = table.pivot(index=["problem", "dimension"], columns="optimizer", values="ert")

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
 from bench import analysis
 from bench.storage.results import ProblemFacts
@@ -24,7 +25,7 @@ class TargetWords:
     Attributes:
         chosen: the targets, as a study holds them.
         kind: a kind's name, "precisions" or "percentages" for a list.
-        unit: what a level is, such as "precision".
+        unit: what a level is, such as "precision". A lower level is harder; that of a running length is d / budget.
         short: the set's name in a table.
         levels: the targets of the success rates, from easy to hard.
         level: the target of data profiles, scaling and spreads.
@@ -40,12 +41,27 @@ class TargetWords:
     tabled: tuple[float, ...]
 
     @property
+    def absolute(self) -> bool:
+        """Whether targets are precisions, so that an ERT can stand beside a published one."""
+        return self.kind in ("precisions", "runlength")
+
+    @property
     def restarts(self) -> bool:
         """Whether shares of targets reached are those of simulated restarts, as the field reports them."""
         return self.kind != "relative"
 
+    def shown(self, level: float) -> str:
+        """Return a target as a number in the unit: ``"1e-08"``; of running lengths, the budget over d."""
+        return f"{1 / level:g}" if self.kind == "runlength" else f"{level:g}"
+
+    def in_unit(self, table: pd.DataFrame, column: str = "tau") -> pd.DataFrame:
+        """Return a table whose column of targets is in the unit, for readers."""
+        return table.assign(**{column: 1 / table[column].astype(float)}) if self.kind == "runlength" else table
+
     def at(self, level: float) -> str:
         """Return a target as text: ``"tau = 0.01"``, ``"precision = 1e-08"``, ``"5% of the optimum"``."""
+        if self.kind == "runlength":
+            return f"the target for {self.shown(level)} d evaluations"
         if self.kind == "percentages":
             return f"{100 * level:g}% of the optimum"
         if self.kind == "tolerance":
@@ -70,12 +86,16 @@ def default_targets(known: Mapping[str, ProblemFacts], functions: list[str]) -> 
 def target_words(chosen: Targets) -> TargetWords:
     """Return the words for a set of targets."""
     levels: tuple[float, ...]
+    tabled: tuple[float, ...]
     if chosen == "relative":
         levels = (1e-1, 1e-2, 1e-3)
         return TargetWords(chosen, "relative", "tau", "relative", levels, 1e-2, levels)
     if chosen == "precisions":
         levels = (1.0, 1e-2, 1e-8)
         return TargetWords(chosen, chosen, "precision", "precisions", levels, 1e-2, analysis.PRECISIONS)
+    if chosen == "runlength":
+        tabled = tuple(1 / each for each in analysis.RUN_LENGTHS)
+        return TargetWords(chosen, chosen, "budget / d", "running lengths", tabled[2:], tabled[3], tabled)
     if chosen == "quantiles":
         levels = (0.5, 0.25, 0.1)
         return TargetWords(chosen, chosen, "quantile", "quantiles", levels, 0.25, (0.75, *levels, 0.05))
@@ -109,6 +129,15 @@ def meaning(words: TargetWords, known: list[bool]) -> str:
             else "51 precisions from 1e2 to 1e-8, five a decade, as in COCO (Hansen et al. 2021)"
         )
         return f"The targets are {which}: the best value less {above}."
+    if words.kind == "runlength":
+        *lengths, last = (f"{each:g}" for each in analysis.RUN_LENGTHS)
+        return (
+            "The targets of a problem are by running length, as cocopp sets them for expensive functions: for a budget "
+            f"of {', '.join(lengths)} and {last} times d evaluations, the next precision (five a decade) after the "
+            "hardest that the best of 2009 reached within it in expectation, at least one step harder than that of "
+            "the budget before, and 1e-8 at the hardest. So an optimizer as fast as the best algorithm of 2009 on each "
+            "function needs slightly more evaluations than the budget, or fewer where 1e-8 is reached within it."
+        )
     if words.kind == "percentages":
         return f"The targets are values within {', '.join(map(str, own))} of {above}; a value of 0 has none."
     if words.kind == "quantiles":

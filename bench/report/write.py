@@ -16,10 +16,9 @@ import matplotlib.figure
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from bench.errors import BenchError
+from bench.errors import BenchError, nearest
 from bench.helpers.parsing import parse_json
 from bench.helpers.text import file_name, free, slug
-from bench.importing.best2009 import NAME
 from bench.plots import style
 from bench.plugins import registry
 from bench.report.answer import NOTE, answer
@@ -63,6 +62,7 @@ def write_report(
     n_jobs: int = -1,
     targets: Any = None,
     rope: Any = None,
+    beside_best: bool = False,
     reference: str | None = None,
     on_progress: Progress | None = None,
 ) -> Path:
@@ -79,21 +79,24 @@ def write_report(
         n_jobs: processes that draw figures, -1 for one a core; the files do not depend on it.
         targets: what counts as reached, other than the study's own (:func:`bench.study.targets.checked`).
         rope: differences that count as equal, other than the study's own (:func:`bench.study.rope.checked`).
-        reference: "best2009" shows the running times of the best algorithms of 2009 beside those of the optimizers
+        beside_best: whether the running times of the best algorithms of 2009 stand beside those of the optimizers
             (:mod:`bench.importing.best2009`; it needs the extra ``coco``).
+        reference: the label of the optimizer that the competition's table compares with each other one.
         on_progress: called before every step.
 
     Raises:
         BenchError: when a folder holds no study or no store, the folders cannot be compared, ``targets`` or ``rope``
-            are none, the reference is unknown here or of other problems, or ``output`` cannot be written or holds
-            another study.
+            are none, the best of 2009 is of other problems, the study has no optimizer ``reference``, or ``output``
+            cannot be written or holds another study.
     """
     chosen = None if targets is None else checked(targets, "the targets of a report")
     equal = None if rope is None else ropes.checked(rope, "the rope of a report")
-    if reference not in (None, NAME):
-        raise BenchError(f"the reference of a report is {NAME!r} or None, not {reference!r}")
     results = Results(path, *others)
-    findings = Findings(results, chosen, equal, reference == NAME)
+    findings = Findings(results, chosen, equal, beside_best, reference)
+    if reference is not None and reference not in findings.trials.optimizers:
+        raise BenchError(
+            f"the study has no optimizer {reference!r} to refer to{nearest(reference, findings.trials.optimizers)}"
+        )
     findings.anytime.check_targets()
     folder = _folder(results, None if output is None else Path(output))
     try:
@@ -235,7 +238,7 @@ class _Report:
             findings.final.summary,
             findings.display.written_pairs,
             self.results.controls,
-            findings.anytime.running_times,
+            findings.anytime.words.in_unit(findings.anytime.running_times, findings.anytime.words.unit),
         )
         for (name, about), frame in zip(WHOLE.items(), frames, strict=True):
             if name in ("controls", "running-times") and not len(frame):

@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import weakref
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext, suppress
 from math import inf
@@ -124,6 +125,8 @@ class Process:
 
     def _set_up(self, own: socket.socket, output: Any) -> None:
         self._channel, self._output = Channel(own), output
+        # Of one that ended with its original and was never closed; unlike __del__, before sockets in a cycle warn.
+        weakref.finalize(self, _let_go, self._channel, output).atexit = False
         self._original: Process | None = None  # that this process was forked from
         self._process = None
         self._pid = self._number = 0
@@ -135,11 +138,6 @@ class Process:
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
-
-    def __del__(self) -> None:
-        with suppress(Exception):  # of one that ended with its original and was never closed
-            self._output.close()
-            self._channel.close()
 
     @property
     def closed(self) -> bool:
@@ -367,3 +365,9 @@ class Process:
         with suppress(subprocess.TimeoutExpired):  # a process that waits for a dead disk cannot be ended
             process.wait(_ANSWER)
         return code
+
+
+def _let_go(channel: Channel, output: Any) -> None:
+    with suppress(OSError):
+        output.close()
+        channel.close()

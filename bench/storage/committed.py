@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
@@ -37,37 +35,17 @@ def read(folder: Path) -> Committed:
         return Committed()
 
 
-class Note:
-    """The note beside a store that is being written.
-
-    Args:
-        folder: of the store.
-        kept: false for the note of a store that is not in its place yet, which is written nowhere.
-
-    Raises:
-        BenchError: where the note cannot be written; so does :meth:`write`.
-    """
-
-    def __init__(self, folder: Path, *, kept: bool = True) -> None:
-        self._path = folder / FILE if kept else Path(os.devnull)
-        with self._refused():
-            self._file = os.open(self._path, os.O_WRONLY | os.O_CREAT, 0o644)
-
-    def write(self, committed: Committed) -> None:
-        """Replace the note."""
-        with self._refused():
-            overwrite(self._file, 0, json.dumps(committed._asdict()), _LENGTH)
-
-    def close(self) -> None:
-        """Close the file."""
-        os.close(self._file)
-
-    @contextmanager
-    def _refused(self) -> Iterator[None]:
+def write(folder: Path, committed: Committed) -> None:
+    """Replace the note; raises BenchError where it cannot be written."""
+    path = folder / FILE
+    try:
+        file = os.open(path, os.O_WRONLY | os.O_CREAT, 0o644)
         try:
-            yield
-        except OSError as error:
-            raise BenchError(f"{self._path} cannot be written: {error.strerror or error}") from error
+            overwrite(file, 0, json.dumps(committed._asdict()), _LENGTH)
+        finally:
+            os.close(file)
+    except OSError as error:
+        raise BenchError(f"{path} cannot be written: {error.strerror or error}") from error
 
 
 def overwrite(file: int, line: int, text: str, length: int) -> None:

@@ -22,6 +22,7 @@ from bench.helpers.text import listed
 from bench.storage import provenance, under_way
 from bench.storage.reading import StoreCheck
 from bench.storage.store import DamagedStoreError, Store
+from bench.storage.under_way import UnderWay
 from bench.study import Fingerprints, Study
 
 STUDY = "study.toml"
@@ -32,7 +33,6 @@ CHECKS = "checks.json"
 VERIFICATION = "verification.json"
 DESCRIPTIONS = "optimizers.json"
 STORE = "store.json"
-RUNNING = ".running.json"
 KILLED = "killed.json"
 
 _CHANGED = (("data of problem", "data sets"), ("code of optimizer", "versions"))
@@ -100,16 +100,15 @@ class Folder:
         return max((each for each in noted if isinstance(each, int)), default=0)
 
     def claim(self, study: Study) -> Study:
-        """Freeze ``study`` in the folder, which must be locked, and return the frozen study.
+        """Freeze ``study`` in the folder, which must be locked, and return the frozen study as later runs read it.
 
         A folder of the same study is continued; more trials or controls than before extend it, fewer do not shrink it.
 
         Raises:
             BenchError: when the folder holds another study or cannot be written.
         """
-        study = self.extended(study)
-        self._write(STUDY, study.to_toml())
-        return study
+        self._write(STUDY, self.extended(study).to_toml())
+        return self.study()
 
     def fingerprints(self) -> Fingerprints:
         """Return the noted fingerprints of data and code; raises BenchError where a note is damaged."""
@@ -120,7 +119,7 @@ class Folder:
         noted = self.refuse_changes(found)
         for file, before, now in zip((DATA, CODE), noted, found, strict=True):
             if now:
-                self._write(file, json.dumps(before | now, indent=1))
+                self.note(file, before | now)
 
     def refuse_changes(self, found: Fingerprints) -> Fingerprints:
         """Return the noted fingerprints; raises BenchError for data or code that changed since they were noted."""
@@ -137,7 +136,7 @@ class Folder:
     def _fingerprints(self, file: str) -> dict[str, str]:
         """Return a file's fingerprints by label, or those of the store's environments where the file is missing."""
         if os.path.exists(self.path / file):  # noqa: PTH110 - Path.exists raises without permission
-            noted = self._noted(file)
+            noted = self.noted(file)
             if not all(isinstance(each, str) for each in noted.values()):
                 raise self._damaged(file)
             return noted
@@ -148,6 +147,28 @@ class Folder:
         records = [each for record in environments if isinstance(each := record.get(key), dict)]
         return {label: fingerprint for each in records for label, fingerprint in each.items() if fingerprint}
 
+    def noted(self, name: str) -> dict[str, Any]:
+        """Return the content of a note, by the name of its JSON file such as ``CHECKS``; empty where it is missing.
+
+        Raises:
+            BenchError: where it is damaged.
+        """
+        try:
+            noted = parse_json((self.path / name).read_bytes())
+        except FileNotFoundError:
+            return {}
+        except OSError as error:
+            raise BenchError(f"{self.path / name} cannot be read: {error.strerror}") from error
+        except ValueError as error:
+            raise self._damaged(name) from error
+        if not isinstance(noted, dict):
+            raise self._damaged(name)
+        return noted
+
+    def note(self, name: str, content: Mapping[str, Any]) -> None:
+        """Replace a note (:meth:`noted`)."""
+        self._write(name, json.dumps(content, indent=1))
+
     def checks(self) -> dict[str, list[dict[str, Any]]]:
         """Return the verdicts that ``bench check`` noted, by optimizer label; empty where it has not run.
 
@@ -156,29 +177,9 @@ class Folder:
         """
         return {
             label: [whole for each in those if (whole := _verdict(each))]
-            for label, those in self._noted(CHECKS).items()
+            for label, those in self.noted(CHECKS).items()
             if isinstance(those, list) and all(isinstance(each, dict) for each in those)
         }
-
-    def note_checks(self, checks: dict[str, list[dict[str, Any]]]) -> None:
-        """Note the verdicts on the study's optimizers, by label."""
-        self._write(CHECKS, json.dumps(checks, indent=1))
-
-    def descriptions(self) -> dict[str, Any]:
-        """Return how the plug-ins described the optimizers when the study ran, by label; empty where none is noted."""
-        return self._noted(DESCRIPTIONS)
-
-    def note_descriptions(self, found: dict[str, Any]) -> None:
-        """Note how the plug-ins describe the optimizers, by label."""
-        self._write(DESCRIPTIONS, json.dumps(found, indent=1))
-
-    def verification(self) -> dict[str, Any]:
-        """Return the last note of ``bench verify``; empty where it has not run."""
-        return self._noted(VERIFICATION)
-
-    def note_verification(self, found: dict[str, Any]) -> None:
-        """Note the outcome of ``bench verify``."""
-        self._write(VERIFICATION, json.dumps(found, indent=1))
 
     def check_store(self) -> StoreCheck:
         """Compare every row of the store with its digest, and note the outcome."""
@@ -190,20 +191,18 @@ class Folder:
         self.note_store(found)
         return found
 
-    def store_note(self) -> dict[str, Any]:
-        """Return when the store was last checked, and with what outcome; empty where it has not been."""
-        return self._noted(STORE)
-
     def note_store(self, found: StoreCheck) -> None:
         """Note the outcome of a check, unless there is nothing to check or the folder cannot be written."""
         noted = {"checked": provenance.now(), "sound": found.sound, "sentence": found.sentence}
         if found != StoreCheck() and os.access(self.path, os.W_OK):
             with suppress(BenchError):  # as on a full disk
-                self._write(STORE, json.dumps(noted, indent=1))
+                self.note(STORE, noted)
 
     @contextmanager
-    def lock(self) -> Iterator[None]:
+    def lock(self) -> Iterator[UnderWay]:
         """Lock the folder for one run, and create it where it is missing; the lock of a killed run ends with it.
+
+        The trials that are under way can be noted in what is yielded.
 
         Raises:
             BenchError: when another run is writing here, or the folder cannot be written or holds other files.
@@ -224,31 +223,29 @@ class Folder:
             reason = getattr(error, "strerror", None) or str(error)
             raise BenchError(f"the output folder {self.path} cannot be written: {reason}") from error
         try:
-            holder = {"pid": os.getpid(), "host": provenance.host(), "started": provenance.now()}
-            self._write(RUNNING, json.dumps(holder))
             if killed := self.killed():
-                self._write(KILLED, json.dumps({"runs": killed}, indent=1))
-            yield
+                self.note(KILLED, {"runs": killed})
+            holder = {"pid": os.getpid(), "host": provenance.host(), "started": provenance.now()}
+            with under_way.noting(self.path, holder) as noted:
+                yield noted
         finally:
-            with suppress(OSError):
-                (self.path / RUNNING).unlink(missing_ok=True)
             hold.release()
 
     def killed(self) -> list[dict[str, Any]]:
         """Return for each run that was killed here when it last began a trial, and the trials then under way."""
-        runs = self._noted(KILLED).get("runs", [])
+        runs = self.noted(KILLED).get("runs", [])
         last = under_way.left(self.path)
         return [each for each in (*runs, last) if isinstance(each, dict) and each.get("trials")]
 
     def running(self) -> dict[str, Any] | None:
         """Return pid, host and start of the run that is writing here, None where this machine detects none."""
+        noted = under_way.holder(self.path)
         try:
-            noted = self._noted(RUNNING)
             began = datetime.fromisoformat(noted["started"]).timestamp()
             here = noted["host"] == provenance.host()
             if here and psutil.Process(noted["pid"]).create_time() > began + _CLOCKS:
                 return None  # another process has the number of a killed run by now
-        except (BenchError, KeyError, TypeError, ValueError, OverflowError, psutil.NoSuchProcess):
+        except (KeyError, TypeError, ValueError, OverflowError, psutil.NoSuchProcess):
             return None
         except psutil.Error:  # the process exists and belongs to another user
             pass
@@ -261,20 +258,6 @@ class Folder:
                 return holder
             sleep(0.05)
         return None
-
-    def _noted(self, name: str) -> dict[str, Any]:
-        """Return the content of a JSON file, empty where it is missing; raises BenchError where it is damaged."""
-        try:
-            noted = parse_json((self.path / name).read_bytes())
-        except FileNotFoundError:
-            return {}
-        except OSError as error:
-            raise BenchError(f"{self.path / name} cannot be read: {error.strerror}") from error
-        except ValueError as error:
-            raise self._damaged(name) from error
-        if not isinstance(noted, dict):
-            raise self._damaged(name)
-        return noted
 
     def _damaged(self, name: str) -> BenchError:
         file, why = self.path / name, _REMOVED.get(name, "")

@@ -9,7 +9,7 @@ from typing import Any
 
 from bench.errors import BenchError
 from bench.helpers.text import listed
-from bench.storage.folder import Folder
+from bench.storage.folder import DESCRIPTIONS, Folder
 from bench.storage.rows import disagreement
 from bench.storage.writing import Writer
 from bench.study import Study
@@ -59,8 +59,8 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
                 if not found.sound:
                     notes.append(f"{source.path}: {found.sentence}")
         target.write_environments()
-        if described := {label: own for source in sources for label, own in source.descriptions().items()}:
-            target.note_descriptions(described)
+        if described := {label: own for source in sources for label, own in source.noted(DESCRIPTIONS).items()}:
+            target.note(DESCRIPTIONS, described)
         rows = sum(cell.done + cell.failed for cell in target.store.cells())
     return Merged(rows, added, same, tuple(notes))
 

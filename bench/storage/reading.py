@@ -7,6 +7,7 @@ import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import islice
 from typing import Any
 
@@ -97,7 +98,13 @@ class Reader:
             {number: texts for number, *texts in connection.execute(f"SELECT * FROM {table}")}
             for table in ("cells", "names")
         )
-        self._bindings = _Bindings(labels, names)
+
+        @cache
+        def bound(cell: object, number: object) -> bytes | None:
+            known = cell in labels and (number is None or number in names)
+            return binding(*labels[cell], *names.get(number, (None, None))) if known else None
+
+        self._bound = bound
         self.labels: dict[Any, tuple[str, str]] = {cell: (_text(a), _text(b)) for cell, (a, b) in labels.items()}
         self.names: dict[Any, tuple[str, str]] = {number: (_text(a), _text(b)) for number, (a, b) in names.items()}
 
@@ -210,7 +217,7 @@ class Reader:
         )
 
     def _fits(self, noted: object, cell: object, names: object, *values: Any) -> bool:
-        bound = self._bindings[cell, names]
+        bound = self._bound(cell, names)
         return bound is not None and digest(bound, values) == noted
 
     def _place(self, row: Sequence[Any]) -> Key:
@@ -221,19 +228,6 @@ class Reader:
 def record_digest(number: int, record: bytes) -> bytes:
     """Return the digest of an environment's record, whose JSON text is given as UTF-8."""
     return digest(b"", (number, record))
-
-
-class _Bindings(dict[tuple[Any, Any], bytes | None]):
-    """What binds rows to their labels and names, by the numbers of cell and names; None for unknown ones."""
-
-    def __init__(self, labels: dict[Any, list[Any]], names: dict[Any, list[Any]]) -> None:
-        self._labels, self._names = labels, names | {None: [None, None]}
-
-    def __missing__(self, key: tuple[Any, Any]) -> bytes | None:
-        cell, names = key
-        known = cell in self._labels and names in self._names
-        self[key] = binding(*self._labels[cell], *self._names[names]) if known else None
-        return self[key]
 
 
 def _text(stored: Any) -> str:

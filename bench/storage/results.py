@@ -23,7 +23,7 @@ from bench.plugins import selection
 from bench.plugins.loading import is_imported
 from bench.problem import Problem
 from bench.scoring import Scored
-from bench.storage.folder import Folder
+from bench.storage.folder import DESCRIPTIONS, VERIFICATION, Folder
 from bench.storage.reading import READ, StoreCheck
 from bench.storage.tidy import Tidy
 from bench.storage.traces import Traces
@@ -103,7 +103,7 @@ class Results:
         self.environments = [record for source in self._sources for record in source.environments]
         self.fingerprints = _agreed([source.folder.fingerprints().data for source in self._sources], self.paths)
         self.checks = _by_label(self._sources, Folder.checks)
-        self.verifications = [source.folder.verification() for source in self._sources]
+        self.verifications = [source.folder.noted(VERIFICATION) for source in self._sources]
         self._problem = cache(self.study.problem)
         self._facts = cache(self._look_up)
 
@@ -114,7 +114,7 @@ class Results:
         """Return the numbers of trials as a table, for a notebook; damaged trials are counted as they are stored."""
         counts: dict[str, Counter[str]] = {entry.label: Counter() for entry in self.study.with_controls}
         for source in self._sources:
-            for cell in source.folder.store.cells() if source.folder.store.exists else ():
+            for cell in source.folder.store.cells():
                 counts[source.shown.get(cell.optimizer, cell.optimizer)].update(cell.status)
         rows = [(label, f"{each['ok']:,}", f"{each.total() - each['ok']:,}") for label, each in counts.items()]
         about = f"{len(self.study.problems):,} problems, {self.study.budget_words}"
@@ -169,7 +169,7 @@ class Results:
     @cached_property
     def descriptions(self) -> dict[str, Any]:
         """How the plug-ins described the optimizers when the study ran, by label, as it is noted."""
-        return _by_label(self._sources, Folder.descriptions)
+        return _by_label(self._sources, lambda folder: folder.noted(DESCRIPTIONS))
 
     @cached_property
     def _parts(self) -> tuple[pd.DataFrame, pd.DataFrame]:

@@ -15,7 +15,7 @@ from typing import Any
 from bench.errors import BenchError
 from bench.helpers.text import printable
 from bench.storage import committed
-from bench.storage.committed import Committed, Note
+from bench.storage.committed import Committed
 from bench.storage.reading import Reader, StoreCheck
 from bench.storage.rows import COLUMNS, KEY
 from bench.storage.schema import ONE, VERSION, found, layout, prepare
@@ -138,24 +138,22 @@ class Store:
 
     # what is stored, compared or not
 
-    def rows(self, where: str = "1", columns: Sequence[str] = COLUMNS) -> Iterator[dict[str, Any]]:
-        """Yield the columns of every row that meets an SQL condition, cell by cell, damaged or not.
-
-        Raises:
-            BenchError: when there is no store.
-        """
-        self.require()
-        return self._found(where, columns=columns)
+    def rows(
+        self, where: str = "1", values: Sequence[object] = (), columns: Sequence[str] = COLUMNS
+    ) -> Iterator[dict[str, Any]]:
+        """Yield the columns of every row that meets an SQL condition, cell by cell, damaged or not."""
+        with self._read() as connection:
+            yield from found(connection, where, values, columns)
 
     def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
         """Return the row of one trial, as :meth:`rows` yields it, or None."""
-        return next(self._found(ONE, (problem, optimizer, trial)), None)
+        return next(self.rows(ONE, (problem, optimizer, trial)), None)
 
     def keys(self, *, finished_only: bool = False) -> Keys:
         """Return the stored trials, or the finished ones only; damaged ones are not left out."""
         keys = Keys()
         condition = f"trial BETWEEN 0 AND {LARGEST}" + (" AND status = 'ok'" if finished_only else "")
-        for row in self._found(condition, columns=KEY):
+        for row in self.rows(condition, columns=KEY):
             keys.add(*row.values())
         return keys
 
@@ -204,8 +202,7 @@ class Store:
             connection.execute("PRAGMA journal_mode=WAL")
             connection.execute("PRAGMA synchronous=NORMAL")  # safe against a killed process; a power cut may cost rows
             prepare(connection, committed.read(self.path.parent))
-            with closing(Note(self.path.parent, kept=not anew)) as note:
-                yield Writer(connection, self.path, note)
+            yield Writer(connection, self.path, noted=not anew)
 
     def copy(self, file: Path) -> None:
         """Write all that the store holds at one moment into a new file, one without a log beside it.
@@ -251,6 +248,7 @@ class Store:
             if connection is None or layout(connection) is None:
                 connection = opened.enter_context(closing(sqlite3.connect(":memory:")))
                 prepare(connection, Committed())
+            connection.text_factory = _decoded
             yield connection
 
     def require(self) -> None:
@@ -260,15 +258,7 @@ class Store:
 
     def _select(self, query: str) -> Iterator[tuple[Any, ...]]:
         with self._read() as connection:
-            connection.text_factory = _decoded
             yield from connection.execute(query)
-
-    def _found(
-        self, where: str, values: Sequence[object] = (), columns: Sequence[str] = COLUMNS
-    ) -> Iterator[dict[str, Any]]:
-        with self._read() as connection:
-            connection.text_factory = _decoded
-            yield from found(connection, where, values, columns)
 
 
 def _decoded(text: bytes) -> str:

@@ -1,10 +1,10 @@
-"""Note which trials are under way, so that a run that is killed leaves their names."""
+"""Note who is writing to a folder and which trials are under way, so that a run that is killed leaves their names."""
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -16,12 +16,12 @@ from bench.storage.committed import overwrite
 from bench.trial import Trial
 
 FILE = ".under-way"
-_LINE = 1024  # bytes of the file for each job
+_LINE = 1024  # bytes of each line
 _LONGEST = 200  # characters noted of a label
 
 
 class UnderWay:
-    """The file of the trials under way: a line for each job, which costs one short write a trial."""
+    """The file of a run: a line for its process, and one for the trial of each job, which costs one short write."""
 
     def __init__(self, file: int) -> None:
         self._file = file
@@ -30,22 +30,32 @@ class UnderWay:
         """Note the trial that a job begins."""
         labels = trial.problem[:_LONGEST], trial.optimizer[:_LONGEST]
         with suppress(OSError):  # such as a full disk: the next commit reports it
-            overwrite(self._file, job, json.dumps([*labels, trial.number]), _LINE)
+            overwrite(self._file, 1 + job, json.dumps([*labels, trial.number]), _LINE)
 
 
 @contextmanager
-def noting(folder: Path) -> Iterator[UnderWay]:
-    """Yield the file of a run's trials under way; it stays where the run is killed, and only there."""
+def noting(folder: Path, holder: Mapping[str, Any]) -> Iterator[UnderWay]:
+    """Yield the file of a run by the process ``holder``; it stays where the run is killed, and only there."""
     path = folder / FILE
     try:
         file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o644)
     except OSError as error:
         raise BenchError(f"{path} cannot be written: {error.strerror}") from error
     try:
+        with suppress(OSError):
+            overwrite(file, 0, json.dumps(holder), _LINE)
         yield UnderWay(file)
     finally:
         os.close(file)
         path.unlink(missing_ok=True)
+
+
+def holder(folder: Path) -> dict[str, Any]:
+    """Return the process that has begun to write here, as :func:`noting` was given it; empty where none is known."""
+    with suppress(OSError, IndexError, ValueError):
+        noted = parse_json(_lines(folder)[0])
+        return noted if isinstance(noted, dict) else {}
+    return {}
 
 
 def left(folder: Path) -> dict[str, Any] | None:
@@ -54,7 +64,7 @@ def left(folder: Path) -> dict[str, Any] | None:
     The trials are lists of problem, optimizer and number.
     """
     try:
-        lines = (folder / FILE).read_text(encoding="utf-8", errors="replace").splitlines()
+        lines = _lines(folder)[1:]
         ended = datetime.fromtimestamp((folder / FILE).stat().st_mtime, UTC).isoformat(timespec="seconds")
     except OSError:
         return None
@@ -64,3 +74,7 @@ def left(folder: Path) -> dict[str, Any] | None:
             problem, optimizer, number = parse_json(line)
             trials.append([str(problem), str(optimizer), str(number)])
     return {"ended": ended, "trials": trials}
+
+
+def _lines(folder: Path) -> list[str]:
+    return (folder / FILE).read_text(encoding="utf-8", errors="replace").splitlines()

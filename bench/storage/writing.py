@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from bench.errors import BenchError
-from bench.storage.committed import Committed, Note
+from bench.storage import committed
+from bench.storage.committed import Committed
 from bench.storage.reading import record_digest
 from bench.storage.rows import KEY, MEASURED, VECTORS, binding, digest, stored, typed
 from bench.storage.schema import ONE, found
@@ -28,16 +29,16 @@ class Writer:
     Args:
         connection: to the store.
         path: of the store.
-        note: of what is committed to it.
+        noted: whether what is committed is noted beside it, as it is unless the store is not in its place yet.
     """
 
-    def __init__(self, connection: sqlite3.Connection, path: Path, note: Note) -> None:
-        self._connection, self._path, self._note = connection, path, note
+    def __init__(self, connection: sqlite3.Connection, path: Path, *, noted: bool = True) -> None:
+        self._connection, self._path, self._noted = connection, path, noted
         self._file = _identity(path)
         self._committed, self._more = Committed(), 0  # what was committed, and rows added since then
         self._numbers: dict[str, dict[tuple[Any, ...], int]] = {}
         self._read()
-        note.write(self._committed)
+        self._note()
 
     def add(self, trial: Trial, row: Mapping[str, Any], environment: int | None = None) -> None:
         """Commit one trial's row, of the columns of :func:`bench.trial.as_row`; missing ones are stored as NULL.
@@ -63,12 +64,12 @@ class Writer:
         except BaseException:
             self._read()  # without the cells and names of rows that were not committed
             raise
-        self._note.write(self._committed)
         if _identity(self._path) != self._file:
             raise BenchError(
                 f"the store {self._path} was removed or replaced while it was written, and its last trials are lost; "
                 "run the same command again to make them"
             )
+        self._note()
 
     def put(self, row: Mapping[str, Any]) -> None:
         """Add a row as :meth:`bench.storage.store.Store.rows` yields it, within :meth:`transaction`.
@@ -118,6 +119,10 @@ class Writer:
             done = self._connection.executemany(f"DELETE FROM results WHERE cell = ?{condition}", cells)
             self._more -= done.rowcount
         return int(done.rowcount)
+
+    def _note(self) -> None:
+        if self._noted:
+            committed.write(self._path.parent, self._committed)
 
     def _record(self, number: int, text: str) -> None:
         values = text, record_digest(number, text.encode()), number

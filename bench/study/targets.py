@@ -14,6 +14,7 @@ Targets = str | list[float] | list[str]
 
 KINDS = {
     "precisions": "COCO's 51 precisions, the best value less the optimum, from 1e2 to 1e-8",
+    "runlength": "the precisions that the best of 2009 reached next after 0.5, 1.2, 3, 10 and 50 d evaluations",
     "relative": "shares of the distance from each problem's first values to the optimum, from 1 to 1e-8",
     "quantiles": "quantiles of the best values of all trials on each problem",
     "tolerance": "multiples of the tolerance of an expected metric",

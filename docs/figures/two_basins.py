@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from bench.analysis.pairwise import a12
+from bench.analysis.direction import a12
 
 
 def samples() -> tuple[np.ndarray, np.ndarray]:

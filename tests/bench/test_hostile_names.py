@@ -114,6 +114,7 @@ def test_a_study_s_name_names_a_folder_and_no_other_place(name):
         Study.from_dict({"name": name, "problems": [{"name": "sphere-2"}], "optimizers": [{"name": "scatter"}]})
 
 
+@pytest.mark.slow
 def test_a_recording_s_name_is_no_path_of_ours(tmp_path, bench_here):
     import numpy as np
 

@@ -332,6 +332,7 @@ def test_an_interruption_at_any_moment_leaves_the_objective_usable():
 # --- when numba is loaded ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(1)
 def test_numba_is_loaded_only_where_the_budget_is_worth_it():
     code = """if True:
         import sys

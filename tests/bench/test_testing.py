@@ -92,7 +92,7 @@ def test_each_rule_and_optimizer_has_an_id(author):
     assert outcomes == all_but("Sound") | all_but("hill-climber") | all_but("Sound(step=0.3)")
 
 
-def test_a_broken_rule_fails_its_own_id_alone_and_says_how_to_mend_it(author):
+def test_a_broken_rule_fails_its_own_id_alone_and_says_how_to_fix_it(author):
     outcomes, printed = author("@parametrize_with_checks([Chatty, Quitting])")
     assert outcomes == all_but("Chatty", silence="FAILED") | all_but("Quitting", values="FAILED")
     assert "Chatty breaks the rule 'silence': a run printed" in printed
@@ -101,6 +101,7 @@ def test_a_broken_rule_fails_its_own_id_alone_and_says_how_to_mend_it(author):
     assert "Traceback" not in printed
 
 
+@pytest.mark.slow
 def test_a_rule_that_needs_a_broken_one_is_skipped(author):
     outcomes, printed = author("@parametrize_with_checks([Clocked])")
     needing = ("processes", "no-state", "pickling", "global-states", "anonymity")
@@ -108,11 +109,13 @@ def test_a_rule_that_needs_a_broken_one_is_skipped(author):
     assert "not checked, because Clocked breaks the rule 'repetition'" in printed
 
 
+@pytest.mark.slow
 def test_one_rule_can_be_checked_alone(author):
     outcomes, _ = author("@parametrize_with_checks([Sound, Clocked])", "-k", "no-state")
     assert outcomes == {"Sound-no-state": "PASSED", "Clocked-no-state": "SKIPPED"}
 
 
+@pytest.mark.slow
 def test_a_failure_can_be_expected_and_must_then_occur(author):
     outcomes, printed = author("@parametrize_with_checks([Chatty, Sound], expected_failures={'silence': 'a banner'})")
     assert outcomes == all_but("Chatty", silence="XFAIL") | all_but("Sound", silence="FAILED")
@@ -120,6 +123,7 @@ def test_a_failure_can_be_expected_and_must_then_occur(author):
     assert "[XPASS(strict)] a banner" in printed
 
 
+@pytest.mark.slow
 def test_a_failure_can_be_expected_of_one_optimizer(author):
     expected = "lambda optimizer: {'silence': 'a banner'} if optimizer is Chatty else {}"
     outcomes, _ = author(f"@parametrize_with_checks([Chatty, Sound], expected_failures={expected})", "-k", "silence")

@@ -155,6 +155,7 @@ def test_with_two_more_agents_the_distribution_is_another(pycma):
     assert min(p_values(pycma[cell.function, cell.agents], ours)) * (len(CELLS) + 2) < ALPHA
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("cell", CELLS)
 def test_the_stored_runs_are_still_pycma_s(cell):
     made_with, rows = sample_cma.load()

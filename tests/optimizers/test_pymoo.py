@@ -168,6 +168,7 @@ def test_cma_s_own_limits_end_no_run(name, options):
     assert {getattr(algorithm, options)[limit] for limit in ("maxiter", "maxfevals")} == {np.inf}
 
 
+@pytest.mark.slow
 def test_pymoo_s_default_termination_ends_no_run():
     assert run("PSO", budget=4000, agents=3).nfev == 4000  # its limit is 1000 generations
 

@@ -57,7 +57,7 @@ class RecordedRun:
 
 
 class ViolationError(Exception):
-    """The optimizer breaks the rule: what was observed, and how to mend it."""
+    """The optimizer breaks the rule: what was observed, and how to fix it."""
 
     def __init__(self, finding: str, remedy: str) -> None:
         super().__init__(finding)
@@ -78,7 +78,7 @@ LOST = (TimeExceededError, PrintedTooMuchError, DiedError, LostError)
 def explain_lost_process(
     error: TimeExceededError | PrintedTooMuchError | DiedError | LostError, noted: Any
 ) -> tuple[str, str]:
-    """Return the finding on an optimizer that hung, printed too much or ended its process, and how to mend it.
+    """Return the finding on an optimizer that hung, printed too much or ended its process, and how to fix it.
 
     Args:
         error: how the process was lost.

@@ -26,7 +26,7 @@ class Rule:
     Attributes:
         name: the name in verdicts, such as ``"budget"``.
         examine: the rule's function; it may return None where the optimizer cannot be constructed.
-        remedy: how to mend an exception that the optimizer raises in this check.
+        remedy: how to fix an exception that the optimizer raises in this check.
         needs: the rules that an optimizer must keep before this one can be checked.
         seconds: that its check may take.
     """
@@ -38,16 +38,16 @@ class Rule:
     seconds: float = SECONDS
 
 
-_ORDINARY = "mend what raises: this is an ordinary function of three variables"
+_ORDINARY = "fix what raises: this is an ordinary function of three variables"
 _REPEATED = ("run", "repetition")
-_ROBUST = "mend what raises: any dimension, any finite value and +inf can occur"
+_ROBUST = "fix what raises: any dimension, any finite value and +inf can occur"
 
 RULES = (
     Rule("parameters", parameters.check_parameters, "declare fields of plain types with defaults that fit", ()),
     Rule("run", robustness.check_run, _ORDINARY, (), START_SECONDS),
-    Rule("budget", robustness.check_budget, "mend what raises: any budget from 1 on can occur"),
-    Rule("repetition", isolation.check_repetition, "mend what raises: this is an ordinary run with another seed"),
-    Rule("processes", isolation.check_processes, "mend what raises in a new process", _REPEATED),
+    Rule("budget", robustness.check_budget, "fix what raises: any budget from 1 on can occur"),
+    Rule("repetition", isolation.check_repetition, "fix what raises: this is an ordinary run with another seed"),
+    Rule("processes", isolation.check_processes, "fix what raises in a new process", _REPEATED),
     Rule("no state", isolation.check_state, "a second run of an instance must start as the first did", _REPEATED),
     Rule("pickling", isolation.check_pickling, "keep plain values in the fields: no locks, no files", _REPEATED),
     Rule("global states", isolation.check_global_states, "draw from rng alone", _REPEATED),

@@ -40,12 +40,14 @@ class Findings:
         asked: targets other than the study's own.
         asked_rope: a region of practical equivalence other than the study's own.
         beside_best: whether the best of 2009 stands beside the optimizers.
+        reference: the optimizer that the competition's table compares with each other one.
     """
 
     results: Results
     asked: Targets | None = None
     asked_rope: Rope | None = None
     beside_best: bool = False
+    reference: str | None = None
 
     @cached_property
     def trials(self) -> Trials:

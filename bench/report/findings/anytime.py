@@ -17,6 +17,8 @@ from bench.report.target_words import TargetWords, default_targets, target_words
 from bench.study.targets import NO_METRIC, Targets
 
 NEAR = 0.01  # of the best known value
+EXPENSIVE = 1000  # evaluations / d below which targets by running length are the usual ones
+LEVEL = ["problem", "tau", "precision"]
 
 
 @dataclass(frozen=True)
@@ -39,9 +41,39 @@ class Anytime:
 
     @cached_property
     def words(self) -> TargetWords:
-        """The words for the targets: those asked for, the study's own, or the usual ones of its problems."""
-        usual = default_targets(self.trials.known, self.trials.precisions)
-        return target_words(self.asked or self.trials.results.study.targets or usual)
+        """The words for the targets: those asked for, the study's own, or the usual ones of its problems and budget."""
+        chosen = self.asked or self.trials.results.study.targets
+        if chosen is None:
+            chosen = default_targets(self.trials.known, self.trials.precisions)
+            if chosen == "precisions" and self._expensive and self._has_best:
+                chosen = "runlength"
+        return target_words(chosen)
+
+    @property
+    def _expensive(self) -> bool:
+        """Whether every budget is below what the field calls expensive, in evaluations / d."""
+        frame = self.trials.whole
+        dimensions = frame["problem"].astype(object).map(self.trials.dimensions).astype(float)
+        return bool((analysis.budgets(frame, self.trials.allowed) < EXPENSIVE * dimensions).all())
+
+    @property
+    def _has_best(self) -> bool:
+        """Whether the best of 2009 is installed and has running times on every function."""
+        try:
+            return set(self.functions.values()) <= set(self.best["problem"])
+        except BenchError:
+            return False
+
+    @cached_property
+    def functions(self) -> dict[str, str]:
+        """The name of the function of each problem, which has no instance."""
+        names = {entry.label: entry.name for entry in self.trials.results.study.problems}
+        return {label: function_of(names[self.trials.pooled.members[label][0]]) for label in self.trials.problems}
+
+    @cached_property
+    def best(self) -> pd.DataFrame:
+        """The ERT of the best of 2009 on the functions; raises BenchError where there is none."""
+        return best2009(self.functions.values())
 
     @property
     def near(self) -> float:
@@ -49,7 +81,7 @@ class Anytime:
 
         A share of an optimum that was shifted at will means nothing.
         """
-        return 0.0 if self.words.kind == "precisions" else NEAR
+        return 0.0 if self.words.absolute else NEAR
 
     @property
     def near_words(self) -> str:
@@ -65,12 +97,13 @@ class Anytime:
         """Raise BenchError where no problem has what the targets, or the best of 2009, are measured by."""
         if self.words.kind == "tolerance" and not any(each.expected for each in self.trials.known.values()):
             raise BenchError(NO_METRIC)
-        if self.beside_best and self.words.kind != "precisions":
+        if self.beside_best and not self.words.absolute:
             raise BenchError(
                 f"the running times of best2009 are those to precisions, and the targets are {self.words.kind}; add "
                 "--targets precisions or leave out best2009"
             )
-        _ = self.best_times  # where there are none, a sentence says so
+        if self.beside_best or self.words.kind == "runlength":
+            _ = self.best  # where there is none, a sentence says so
 
     @cached_property
     def targets(self) -> pd.DataFrame:
@@ -83,6 +116,13 @@ class Anytime:
         return self._hits(self.words)
 
     def _targets(self, words: TargetWords) -> pd.DataFrame:
+        if words.kind == "runlength":
+            own = self._run_lengths
+            optimum = own["problem"].map(self.trials.unbeaten).astype(float)
+            return pd.DataFrame(
+                {"problem": own["problem"], "tau": own["tau"], "target": optimum + own["precision"]}
+                | {"reference": optimum, "known": True}
+            )
         table = analysis.target_table(
             words.chosen, self.trials.measured, self.trials.measured_traces, self.trials.optima
         )
@@ -123,25 +163,37 @@ class Anytime:
         dimension = table["problem"].astype(object).map(self.trials.dimensions).astype(float)
         table = table.assign(ert_per_d=table["ert"].astype(float) / dimension)
         if self.beside_best:
-            best = self.best_times.set_index(["problem", "precision"])["ert"]
+            best = self.best_times.set_index(["problem", "tau"])["ert"]
             keys = pd.MultiIndex.from_arrays([table["problem"].astype(object), table["tau"].astype(float)])
             table = table.assign(best2009=best.reindex(keys).to_numpy())
         return pd.concat([table, seconds], axis=1).drop(columns="target").rename(columns={"tau": self.words.unit})
 
     @cached_property
     def best_times(self) -> pd.DataFrame:
-        """The ERT of the best of 2009 to the targets of the tables: problem, precision and ert.
+        """The ERT of the best of 2009 to the targets of the tables: problem, tau, precision and ert.
 
         It is missing on functions without any, and where trials beat the optimum that precisions are measured from.
         """
         if not self.beside_best:
-            return pd.DataFrame(columns=["problem", "precision", "ert"])
-        names = {entry.label: entry.name for entry in self.trials.results.study.problems}
-        functions = {label: function_of(names[self.trials.pooled.members[label][0]]) for label in self.trials.problems}
-        known = best2009(functions.values())
-        levels = sorted({*self.words.tabled, *self.words.levels}, reverse=True)
-        kept = {label: name for label, name in functions.items() if label in self.trials.unbeaten}
-        return analysis.reference_times(known, kept, levels)
+            return pd.DataFrame(columns=["problem", "tau", "precision", "ert"])
+        if self.words.kind == "runlength":
+            levels = self._run_lengths
+        else:
+            taus = sorted({*self.words.tabled, *self.words.levels}, reverse=True)
+            kept = [label for label in self.functions if label in self.trials.unbeaten]
+            levels = pd.DataFrame([(label, tau, tau) for label in kept for tau in taus], columns=LEVEL)
+        return analysis.reference_times(self.best, self.functions, levels)
+
+    @cached_property
+    def _run_lengths(self) -> pd.DataFrame:
+        """The targets by running length: problem, tau and precision."""
+        kept = {
+            label: name
+            for label, name in self.functions.items()
+            if label in self.trials.unbeaten and label in self.trials.dimensions
+        }
+        table = analysis.runlength_targets(self.best, kept, self.trials.dimensions)
+        return table.assign(tau=1 / table["length"])[LEVEL]
 
     @cached_property
     def restart_shares(self) -> pd.DataFrame:

@@ -89,7 +89,7 @@ class _Explored:
             "optimizers": self.optimizers(),
             "problems": problems,
             "grid": self.grid.tolist(),
-            "targets": {"title": self.words.unit},
+            "targets": {"title": self.words.unit, "rising": self.words.kind == "runlength"},
             "cells": cells,
             "texts": list(self.texts),
             "complete": self.complete,
@@ -229,7 +229,7 @@ class _Explored:
             table = analysis.target_table(
                 self.words.chosen, findings.trials.whole, findings.trials.traces, findings.trials.optima
             )
-        found: dict[str, list[list[float | int | None]]] = {}
+        table, found = self.words.in_unit(table), dict[str, list[list[float | int | None]]]()
         for label, level, target in zip(table["problem"], table["tau"], table["target"], strict=True):
             if label in self.references:
                 found.setdefault(str(label), []).append(

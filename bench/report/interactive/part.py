@@ -13,12 +13,11 @@ from markupsafe import Markup
 
 from bench.report.findings import Findings
 from bench.report.interactive.explore import MOST_CELLS, explore
-from bench.report.interactive.library import available, library
+from bench.report.interactive.library import library
 
 TITLE = "Look further"
 ANCHOR = "look-further"  # of the part; a state of the part follows it in a link, after "?"
 IMPORT = re.compile(r'^import \{[^}]*\} from "\./([\w-]+)\.js";\n', re.MULTILINE)  # as the formatter writes it
-EXTRA = "pip install 'backlash-bench[interactive]'"
 
 
 @dataclass(frozen=True)
@@ -49,8 +48,6 @@ class Interactive:
 
 def interactive(findings: Findings) -> Interactive:
     """Return the interactive part of a report, or a sentence on why it has none."""
-    if not available():
-        return Interactive(hint=f"For an interactive part here, {EXTRA} and write the report again.")
     if findings.trials.frame.empty:
         return Interactive(hint="Without a trial there is nothing to look into.")
     data = explore(findings)

@@ -6,6 +6,7 @@ from bench.report.sections import (
     beside,
     best,
     comparison,
+    competition,
     components,
     datasets,
     dominance,
@@ -23,7 +24,7 @@ from bench.report.sections import (
     verdict,
 )
 
-OPENING = (verdict, matched, beside, suite, dominance, integrity, comparison)
+OPENING = (verdict, matched, beside, suite, competition, dominance, integrity, comparison)
 """The parts before the plug-ins' sections."""
 
 CLOSING = (

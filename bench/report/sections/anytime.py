@@ -84,7 +84,7 @@ def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, 
     above = analysis.regret(curves, unbeaten, ("median", "q1", "q3"))
     if len(above):
         yield regret_figure(above, optimizers, suffix, precisions=findings.trials.precisions)
-    yield ert_figure(times[times["problem"].isin(labels)], optimizers, suffix, unit=findings.anytime.words.unit)
+    yield ert_figure(times[times["problem"].isin(labels)], optimizers, suffix, words=findings.anytime.words)
 
 
 def _leaders(trials: Trials, budget: int) -> list[str]:
@@ -178,7 +178,7 @@ def _areas(findings: Findings) -> list[Table]:
                 data=sets,
             )
         )
-    if findings.anytime.words.kind == "precisions" and len(own := findings.anytime.aocc):
+    if findings.anytime.words.absolute and len(own := findings.anytime.aocc):
         mean = own.groupby("optimizer")[["aocc", "aocc_from_zero"]].mean()
         problems = own["problem"].nunique()
         tables.append(
@@ -233,6 +233,8 @@ def _ladder(words: TargetWords, targets: pd.DataFrame, problems: int) -> list[st
     why = (
         "without an expected metric"
         if words.kind == "tolerance"
+        else "whose optimum was beaten, or on which the best of 2009 has no running time"
+        if words.kind == "runlength"
         else "on which no trial found a finite value"
         if words.kind != "percentages"
         else "where no trial found a finite value or the optimum is 0"
@@ -250,5 +252,5 @@ def _success(rates: pd.DataFrame, words: TargetWords) -> Table:
         wide.rename(columns=words.at),
         decimals=1,
         note="The CSV file and the sections below have the rates by problem, with 95% Wilson intervals.",
-        data=rates,
+        data=words.in_unit(rates),
     )

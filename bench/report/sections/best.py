@@ -80,5 +80,5 @@ def _table(findings: Findings, ratios: pd.DataFrame) -> Table:
         bold=lowest,
         note="Below 1: fewer evaluations than the best of 2009. ∞: no trial succeeded on half of the problems or more. "
         "Bold: the lowest of a row. The CSV file has every problem and target.",
-        data=ratios,
+        data=findings.anytime.words.in_unit(ratios, unit),
     )

@@ -130,13 +130,15 @@ def _running_times(findings: Findings, problem: str) -> Table:
     words, table = findings.anytime.words, findings.anytime.running_times
     own = table[table["problem"] == problem]
     shown = own.pivot(index="optimizer", columns=words.unit, values="ert").reindex(findings.trials.optimizers)
-    shown = shown.rename(columns=lambda level: f"{level:g}").rename_axis(index="optimizer", columns=None)
+    shown = shown.rename(columns=words.shown).rename_axis(index="optimizer", columns=None)
     shown = shown.astype(float).iloc[:, ::-1]
     lowest = shown.eq(shown.min()) & np.isfinite(shown)
     level = _level(own, words.unit)
     of = own[own[words.unit] == level]
     hardest = own[words.unit].min()
-    note = f"Bold: the lowest of a column; ∞: no trial succeeded; successes: trials that reached {hardest:g}."
+    note = (
+        f"Bold: the lowest of a column; ∞: no trial succeeded; successes: trials that reached {words.shown(hardest)}."
+    )
     if len(of):
         of = of.set_index("optimizer").reindex(findings.trials.optimizers)
         ert = of["ert"].astype(float)
@@ -158,9 +160,9 @@ def _running_times(findings: Findings, problem: str) -> Table:
         for reached, trials in zip(last["successes"], last["trials"], strict=True)
     ]
     best = findings.anytime.best_times
-    own_best = best[(best["problem"] == problem) & best["ert"].notna()].set_index("precision")["ert"]
+    own_best = best[(best["problem"] == problem) & best["ert"].notna()].set_index("tau")["ert"]
     if len(own_best):
-        shown.loc[BEST] = own_best.rename(index=lambda level: f"{level:g}").reindex(shown.columns)
+        shown.loc[BEST] = own_best.rename(index=words.shown).reindex(shown.columns)
         shown = shown.fillna({name: "" for name in ("95%", "10–90%", "successes") if name in shown})
         lowest = lowest.reindex(shown.index, fill_value=False)
         note += " The best of 2009: the lowest ERT of any algorithm of BBOB 2009 to each target, as cocopp has it."
@@ -170,7 +172,7 @@ def _running_times(findings: Findings, problem: str) -> Table:
         shown,
         bold=lowest,
         note=note,
-        data=own,
+        data=words.in_unit(own, words.unit),
     )
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import pandas as pd
 
+from bench.helpers.text import listed
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
 from bench.report.wording import count, listing, options
@@ -103,7 +104,10 @@ class _Origins:
         return [found[place] for place in sorted(found)]
 
     def warnings(self) -> Iterator[str]:
-        """Yield a warning where trials, or runs whose trials are unknown, belong to several environments."""
+        """Yield a warning on what an import left out, and where trials, or their runs, are of several environments."""
+        for record in self.records:
+            if lost := record.get("left_out"):
+                yield f"The import of {record['imported']} left out what cannot be read: {listed(lost, between='; ')}."
         used = [letter for letter, group in self.groups.items() if not self.known or any(self.made[i] for i in group)]
         if len(used) < 2:
             return

@@ -25,6 +25,10 @@ from bench.report.winner import TIED, WINNER_RULE, Across, Stage, Standing, verd
 from bench.report.wording import count, listing, p_text, unfinished_trials
 
 TITLE = "Verdict"
+SEPARABLY = (
+    "Separably lower",
+    "on a problem, a trial of one ends lower than a trial of the other more often than not, and a test shows that.",
+)
 TOO_FEW = "; with so few trials beside so many tests, nothing is tested on single problems here"
 
 
@@ -41,10 +45,12 @@ def section(findings: Findings) -> Section:
     if nothing:
         return Section(TITLE, (nothing,), lost=lost, warnings=warnings)
     conditions, said = sentences(findings.study, findings.descriptions), verdict(standing(findings))
+    texts = (said.headline, *(text for _, text in said.lines))
+    lines = (*said.lines, SEPARABLY) if any("separably" in text for text in texts) else said.lines
     cards = (
         Card(
             "What may be claimed", (said.headline, _evidence(findings)), "claim" if said.clear else "open",
-            lines=said.lines,
+            lines=lines,
         ),
         Card("What may not be claimed", (*_limits(findings), *conditions.limits), "limit", folded=True),
         Card("How often would this page be wrong?", error_text(findings), "limit", folded=True),
@@ -135,7 +141,7 @@ def _size(findings: Findings) -> str:
     """Return by how much the first in rank is lower than the second: in evaluations on suites, else in medians."""
     first, second = findings.final.ranked[:2]
     words = findings.anytime.words
-    if words.kind == "precisions" and not findings.anytime.running_times.empty:
+    if words.absolute and not findings.anytime.running_times.empty:
         table = findings.anytime.running_times
         own = table[np.isclose(table[words.unit].astype(float), words.level, rtol=1e-9, atol=0)]
         ert = analysis.table(own, "ert").astype(float).reindex(columns=[first, second]).replace(np.inf, np.nan).dropna()

@@ -153,7 +153,7 @@ def read(
         raise BenchError(f"recording {path}: column {table.names[at or 0]!r} cannot be both time and {role}")
 
     if len(table.lines) < 3:
-        raise BenchError(f"recording {path} has {len(table.lines)} samples; a load turn needs many more")
+        raise BenchError(f"recording {path} has too few samples for a load turn: {len(table.lines)}")
     of_unit = columns.unit(of, role, unit)
     scale = counts_per_rev if of_unit == "counts" else UNITS[role][of_unit]
     if scale is None:
@@ -170,7 +170,7 @@ def read(
     if bad.any():
         what = role if at is None else f"time or {role}"
         line = table.lines[int(np.argmax(bad))]
-        raise BenchError(f"recording {path}: line {line} has no number in {what} (NaN or text); mend or cut it")
+        raise BenchError(f"recording {path}: line {line} has no number in {what} (NaN or text); fix or cut it")
     seconds, values, repeated = _merged(seconds, values)
     start, dt = _grid(seconds, path)
     assumed = "; ".join(filter(None, (columns.assumed({"time": (at, time_unit), role: (of, unit)}), repeated)))
@@ -262,7 +262,7 @@ def _grid(time: Floats, path: Path) -> tuple[float, float]:
     steps = np.diff(time)
     if (steps <= 0).any():
         sample = int(np.argmax(steps <= 0)) + 2
-        raise BenchError(f"recording {path}: time stands still or runs backwards at sample {sample}; sort or mend it")
+        raise BenchError(f"recording {path}: time stands still or runs backwards at sample {sample}; sort or fix it")
     dt = float((time[-1] - time[0]) / (len(time) - 1))
     # One missing sample shifts half of the samples by more than this limit.
     off = np.abs(time - (time[0] + dt * np.arange(len(time)))) > 0.25 * dt

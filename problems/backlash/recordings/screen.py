@@ -95,7 +95,7 @@ def screen_values(recording: Recording) -> None:
     bad = ~np.isfinite(recording.speed)
     if bad.any():
         where = recording.start + recording.dt * int(np.argmax(bad))
-        raise BenchError(f"the speed at {where:.6g} s is not a number; mend the recording or cut out a part without it")
+        raise BenchError(f"the speed at {where:.6g} s is not a number; fix the recording or cut out a part without it")
     if np.ptp(recording.speed) <= 1e-9 * np.abs(recording.speed).max():  # rounding, after a change of unit
         raise BenchError(
             f"the speed is constant at {recording.speed[0]:.6g} rps, so there is no disturbance to fit; record with "

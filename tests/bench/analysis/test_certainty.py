@@ -43,6 +43,7 @@ def test_a_clear_order_is_sure_and_the_seed_repeats(frame_of):
     assert ranking_certainty(mixed).equals(ranking_certainty(mixed))
 
 
+@pytest.mark.slow
 def test_the_interval_covers_the_mean_rank_that_such_trials_give_on_average(frame_of):
     rng = np.random.default_rng(1)
     shifts, problems, n, studies = np.array([0.0, 0.2, 0.6, 1.5]), 3, 8, 60

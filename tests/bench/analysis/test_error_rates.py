@@ -65,6 +65,7 @@ def test_false_claims_are_as_rare_as_the_level(trials, optimizers, blocks):
         assert rates.across == 0 or level.across > 0
 
 
+@pytest.mark.slow
 def test_at_a_large_level_claims_are_common_and_seeds_repeat():
     pools, blocks = [np.arange(20.0)] * 4, list("pqrs")
     for further in (True, False):
@@ -92,6 +93,7 @@ def test_more_trials_detect_smaller_differences():
     assert np.isnan(detectable_a12(5, 0.05))  # complete separation has 1/16
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("further", [True, False])
 def test_more_trials_and_problems_detect_smaller_differences_across_problems(further):
     by_trials = [detectable_across(trials, 12, 0.05, further) for trials in (4, 10, 30)]

@@ -33,6 +33,7 @@ class TestInterquartileMean:
             assert row.low == pytest.approx(expected.confidence_interval.low, abs=0.04)
             assert row.high == pytest.approx(expected.confidence_interval.high, abs=0.04)
 
+    @pytest.mark.slow
     def test_the_interval_covers_as_often_as_it_says(self, frame_of):
         rng = np.random.default_rng(6)
         covered = 0

@@ -44,7 +44,7 @@ def test_a_failed_report_says_how_to_mend_it_and_what_could_not_be_checked():
     assert "  FAILED  repetition" in text
     assert "remedy: draw from rng alone" in text
     assert text.endswith(
-        "Clocked fails the contract in: repetition; not checked until that is mended: "
+        "Clocked fails the contract in: repetition; not checked until that is fixed: "
         "processes, no state, pickling, global states, anonymity"
     )
 

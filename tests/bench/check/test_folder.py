@@ -74,6 +74,7 @@ def test_the_user_may_ask_for_a_diagnosis_anew(made, asked):
     assert len(asked) == 2
 
 
+@pytest.mark.slow
 def test_a_changed_optimizer_alone_is_diagnosed_again(made, asked, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     code = "def {0}(objective, rng, n=3):\n    while True: objective(objective.initial(n))\n"
@@ -97,6 +98,7 @@ def test_noted_verdicts_of_other_code_and_damaged_ones_are_not_kept(damage, made
     assert [each.kept for each in diagnose_folder(folder, n_jobs=1)] == [False]
 
 
+@pytest.mark.slow
 def test_the_key_depends_on_options_and_on_the_code_of_the_harness(made, monkeypatch):
     study = made({"name": "scatter", "label": "a"}, {"name": "scatter", "label": "b", "agents": 7}).study()
     keys = {checked.key(entry, study.optimizer(entry.label)) for entry in study.optimizers}

@@ -181,6 +181,7 @@ def test_a_budget_of_solve_may_follow_the_dimension(bench_here):
     assert "60 (stopped by: budget)" in done.stdout
 
 
+@pytest.mark.slow
 def test_a_run_names_the_optimizers_that_stop_without_a_declared_reason(bench_here, tiny, tmp_path):
     (tmp_path / "lazy.py").write_text(
         "def three(objective, rng):\n    objective(rng.random((3, objective.dimension)))\n"

@@ -52,10 +52,11 @@ def test_status_prints_when_the_store_was_last_checked(bench_here, changed, made
     assert checked.returncode == 1
     assert SENTENCE in checked.stdout
     assert bench_here("status", out).returncode == 0
-    noted = Folder(out).store_note()
+    noted = Folder(out).noted("store.json")
     assert f"store checked {noted['checked']}: {SENTENCE}" in bench_here("status", out).stdout.splitlines()
 
 
+@pytest.mark.slow
 def test_a_report_names_a_changed_trial_and_leaves_it_out(bench_here, changed):
     _, out = changed
     done = bench_here("report", out)
@@ -90,6 +91,7 @@ def test_merge_names_a_changed_trial(bench_here, changed, tmp_path):
     assert "17 trials in" in done.stdout
 
 
+@pytest.mark.slow
 def test_the_next_run_makes_it_again(bench_here, changed, made):
     study, out = changed
     planned = bench_here("run", study, "--output", out, "--dry-run")

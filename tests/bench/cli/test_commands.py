@@ -122,6 +122,7 @@ def test_a_dry_run_prints_the_plan_and_the_time_and_writes_nothing(bench_here, m
     assert sorted((path.name, path.stat().st_mtime_ns) for path in (made / "out").iterdir()) == before
 
 
+@pytest.mark.slow
 def test_shards_run_merge_and_verify_by_command(bench_here, made, tmp_path):
     for number in (1, 2):
         done = bench_here(
@@ -195,6 +196,7 @@ def test_a_run_verifies_its_trials_before_the_report(bench_here, copied):
     assert "3 of 3 trials of 3 cells are the same bit by bit" in (out / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_run_without_a_finished_trial_has_nothing_to_verify_and_ends_with_one(bench_here, tmp_path):
     (tmp_path / "s.toml").write_text(
         'name = "s"\ntrials = 1\nbudget = 9\n[[problems]]\nname = "sphere-2"\n[[optimizers]]\nname = "faulty"\n'

@@ -103,7 +103,7 @@ def test_a_cache_that_cannot_be_written_is_broken(states, monkeypatch, tmp_path)
     monkeypatch.setenv("BENCH_CACHE", str(tmp_path / "file" / "below"))
     code, found = states()
     assert code == 1
-    assert found["caches", "recordings and scripts"]["remedy"] == "set BENCH_CACHE to a folder that can be written"
+    assert found["caches", "recordings"]["remedy"] == "set BENCH_CACHE to a folder that can be written"
 
 
 @pytest.mark.usefixtures("without_the_broken_plugin")

@@ -23,6 +23,7 @@ def test_a_plugin_that_fails_to_import_is_named_and_hides_no_other(bench_here):
     assert "hill-climber A (1+1)-ES" in text
 
 
+@pytest.mark.slow
 def test_the_list_as_json_holds_every_optimizer(bench_here):
     listed = {each["name"]: each for each in json.loads(bench_here("list", "--json", "optimizers").stdout)}
     assert listed["gwo"]["parameters"][0] == {

@@ -70,6 +70,7 @@ def test_every_command_takes_the_folder(bench_here, made, tmp_path):
     assert "2 trials removed" in done.stdout
 
 
+@pytest.mark.slow
 def test_controls_are_made_again_and_compared(bench, made, tmp_path):
     shutil.copytree(made / "out", tmp_path / "out")
     done = bench("verify", "out", "--trials", "1", cwd=tmp_path)

@@ -29,10 +29,14 @@ def folders(tmp_path_factory, testing_plugins):
     return place
 
 
+@pytest.mark.slow
 def test_a_report_may_use_other_targets_than_the_study(bench_here, folders, tmp_path):
     refused = bench_here("report", folders / "old", "--output", tmp_path / "out", "--targets", "precise")
     assert refused.returncode == 2
-    assert "the targets of a report must be 'precisions', 'relative', 'quantiles' or 'tolerance'" in refused.stderr
+    assert (
+        "the targets of a report must be 'precisions', 'runlength', 'relative', 'quantiles' or 'tolerance'"
+        in refused.stderr
+    )
     assert refused.stderr.count("\n") == 1
     refused = bench_here("report", folders / "old", "--output", tmp_path / "out", "--targets", "tolerance")
     assert "need a problem with an expected metric" in refused.stderr
@@ -44,6 +48,7 @@ def test_a_report_may_use_other_targets_than_the_study(bench_here, folders, tmp_
     assert "2 precisions from 10 to 0.1" in (tmp_path / "out" / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_two_folders_make_one_report(bench_here, folders, tmp_path):
     done = bench_here("report", folders / "old", folders / "new", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -117,6 +122,7 @@ def test_bad_input_is_one_sentence_and_exit_code_2(bench_here, folders, argument
     assert len(done.stderr.strip().splitlines()) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "code"), [(["export", "old", "--format", "csv"], 0), (["export", "nowhere", "--format", "csv"], 2)]
 )
@@ -141,6 +147,7 @@ def test_checking_a_folder_says_and_notes_what_was_found(bench_here, folders, tm
     assert json.loads((folder / "checks.json").read_text()).keys() == {"scatter", "early"}
 
 
+@pytest.mark.slow
 def test_what_was_found_is_a_warning_in_the_report(bench_here, folders, tmp_path):
     folder = shutil.copytree(folders / "old", tmp_path / "old")
     noted = {"check": "centre bias", "passed": False, "figure": 5e6, "finding": "Errors are higher off the centre."}
@@ -173,6 +180,7 @@ def test_checking_an_optimizer_ends_by_whether_it_keeps_the_contract(bench, benc
     assert "scatter keeps the contract; biased: fails the checks of centre bias" in biased.stdout
 
 
+@pytest.mark.slow
 def test_a_report_may_name_what_is_practically_equal(bench_here, folders, tmp_path):
     refused = bench_here("report", folders / "old", "--output", tmp_path / "out", "--rope", "wide")
     assert refused.returncode == 2

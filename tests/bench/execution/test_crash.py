@@ -165,7 +165,7 @@ def test_kills_lose_nothing_and_change_nothing(start, tmp_path, kills):
     assert first.end()[0] == 0
     usual = time.monotonic() - first.began  # of a whole, short run, on this machine as busy as it is
     ends = ["parent", "group"] * (kills // 8)
-    others = ["trial"] * (kills - len(ends))  # roots, templates, judges and those in which trials are made
+    others = ["trial"] * (kills - len(ends))  # roots, fork servers, evaluators and those in which trials are made
     chance.shuffle(ends)
     chance.shuffle(others)
     seen, planned = {}, 0
@@ -259,7 +259,7 @@ def test_a_second_run_is_refused_with_the_number_of_the_first(start, study, benc
     assert f"running: process {run.process.pid} on" in bench_here("status", folder).stdout
     run.kill("parent", random)
     run.end()
-    assert (folder / ".running.json").exists()
+    assert (folder / ".under-way").exists()
     assert "running:" not in bench_here("status", folder).stdout
 
 
@@ -283,12 +283,12 @@ def test_a_number_that_another_process_has_by_now_is_no_run(tmp_path):
     for seconds, believed in ((-60, False), (0, True), (60, True)):
         noted = {"pid": os.getpid(), "host": socket.gethostname(),
                  "started": (began + timedelta(seconds=seconds)).isoformat(timespec="seconds")}  # fmt: skip
-        (tmp_path / ".running.json").write_text(json.dumps(noted))
+        (tmp_path / ".under-way").write_text(json.dumps(noted))
         assert bool(Folder(tmp_path).running()) is believed
     for odd in ({"pid": "x"}, {"pid": 2**80}, {"pid": -1}, {"started": "yesterday"}, {"started": None}):
-        (tmp_path / ".running.json").write_text(json.dumps(noted | odd))
+        (tmp_path / ".under-way").write_text(json.dumps(noted | odd))
         assert Folder(tmp_path).running() is None
-    (tmp_path / ".running.json").write_text("{")
+    (tmp_path / ".under-way").write_text("{")
     assert Folder(tmp_path).running() is None
 
 

@@ -181,6 +181,7 @@ def test_a_run_whose_scheduler_is_lost_ends_with_a_sentence_and_goes_on_later(ma
     assert capfd.readouterr().err == ""
 
 
+@pytest.mark.slow
 def test_a_cluster_that_loses_all_its_workers_is_not_waited_for_for_ever(machines, tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "RETURN", 0.5)
     worker = machines.worker("one")

@@ -118,6 +118,7 @@ def test_a_run_notes_what_a_report_reads_and_the_report_starts_no_process(made, 
     assert "Doe, Jane" in write_report(made, n_jobs=1).read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_folder_without_the_note_has_the_built_in_ones_only_and_says_so(made, monkeypatch):
     monkeypatch.setattr(descriptions, "root", refuse)
     (made / "optimizers.json").unlink()
@@ -131,7 +132,7 @@ def test_a_folder_without_the_note_has_the_built_in_ones_only_and_says_so(made, 
 
 def test_a_note_may_hold_anything(made):
     strange = {"bibtex": 5, "values": ["a"], "accepts": {"agents": [7, "9"], "start": "x"}}
-    Folder(made).note_descriptions({"mine": strange, "gwo": "none", "z": {}})
+    Folder(made).note("optimizers.json", {"mine": strange, "gwo": "none", "z": {}})
     results = Results(made)
     mine, gwo = noted(results.study, results.descriptions).values()
     assert mine == Description(accepts={"agents": ["9"]})
@@ -140,4 +141,4 @@ def test_a_note_may_hold_anything(made):
 
 def test_a_merged_folder_keeps_the_notes(made, tmp_path):
     merge([made], tmp_path / "merged")
-    assert Folder(tmp_path / "merged").descriptions() == Folder(made).descriptions()
+    assert Folder(tmp_path / "merged").noted("optimizers.json") == Folder(made).noted("optimizers.json")

@@ -58,6 +58,7 @@ def test_decided_cells_get_no_more_trials_and_all_others_are_as_without_looks(lo
     assert [(each["trials"], each["extends"]) for each in record] == [(16, None)]  # one run, whatever its looks
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("after", [75])  # between the looks
 def test_an_interrupted_run_continues_in_the_same_state(looked, whole, tmp_path, after):
     made = []
@@ -116,6 +117,7 @@ def test_shards_are_refused_and_folders_merge(looked, whole, tmp_path):
     assert stopped_cells(looked, Folder(tmp_path / "merged").store) == whole[2][-1][1]
 
 
+@pytest.mark.slow
 def test_more_trials_after_complete_ones_are_on_record(small_study, tmp_path):
     def recorded():
         run_records = json.loads((tmp_path / "out" / "environment.json").read_text())

@@ -110,6 +110,7 @@ def folders(tmp_path_factory):
     return own, place
 
 
+@pytest.mark.slow
 def test_a_folder_is_extended_and_no_other_trial_changes(folders):
     own, place = folders
     before, after = Results(place / "without"), Results(place / "with")

@@ -117,6 +117,7 @@ def test_no_results_are_said_so(tmp_path):
         load_results(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_store_whose_table_was_never_made_is_begun_again(small_study, tmp_path):
     """A kill between the file's creation and its table's leaves an empty store."""
     run(small_study.override(trials=1), tmp_path / "out", n_jobs=1)
@@ -157,7 +158,7 @@ def test_a_damaged_file_of_a_folder_is_never_passed_over(small_study, file, cont
     (tmp_path / file).write_text(content, encoding="latin-1")
     uses = {
         "data.json": folder.fingerprints, "code.json": folder.fingerprints,
-        "verification.json": folder.verification, "checks.json": folder.checks,
+        "verification.json": lambda: folder.noted(file), "checks.json": folder.checks,
         "study.toml": lambda: folder.claim(small_study),
     }  # fmt: skip
     with pytest.raises(BenchError) as caught:
@@ -185,6 +186,7 @@ def test_what_a_missing_note_said_is_known_from_the_store(small_study, tmp_path)
     assert folder.fingerprints().data == {"sphere-2": "f00", "sphere-3": "new"}
 
 
+@pytest.mark.slow
 def test_the_copy_of_the_environments_is_written_anew(small_study, tmp_path):
     run(small_study.override(trials=1), tmp_path, n_jobs=1)
     (tmp_path / "environment.json").write_text("{")

@@ -145,6 +145,7 @@ def bbob_read(tmp_path_factory):
 class TestSuites:
     """Problems of COCO's own suites."""
 
+    @pytest.mark.slow
     def test_functions_dimensions_and_instances_are_coco_s(self, bbob_read):
         found = {(data["folder"], data["suite"], data["function"], data["dimension"]) for data in bbob_read[1]["sets"]}
         assert found == {(name, "bbob", f, d) for name in ("cma-es", "random-search") for f in (1, 15) for d in (2, 5)}
@@ -175,6 +176,7 @@ class TestSuites:
         for suite, functions in coco.SUITES.items():
             assert bbob_read[1]["known"][suite] == [functions[0], functions[-1]]
 
+    @pytest.mark.slow
     def test_a_study_of_several_suites_has_a_folder_for_each(self, tmp_path):
         numbers = {"bbob": 24, "bbob-boxed": 3, "bbob-largescale": 7, "bbob-mixint": 9, "bbob-noisy": 130}
         labels = [f"{suite}-f{number:02d}-d20-i{i}" for suite, number in numbers.items() for i in (2, 1)]
@@ -199,6 +201,7 @@ class TestSuites:
         assert "    1  home: " in about
         assert "of the constraints" not in about
 
+    @pytest.mark.slow
     def test_an_evaluation_of_a_constrained_function_counts_twice_as_in_coco(self, tmp_path):
         row = lambda *_: record([math.inf, 9.0, 5.5, 5.0], 2)  # noqa: E731
         results = make(tmp_path / "s", {"bbob-constrained-f54-d2-i1": 2}, ("a",), trials=1, row=row)

@@ -71,6 +71,7 @@ def test_a_data_set_is_found_by_its_algorithm_year_or_path(published, name):
         ("bbob/BIPOP-CMA-ES", "stands for 2 data sets; give one of bbob/2009/BIPOP-CMA-ES_hansen, bbob/2012/BIPOP"),
         ("bbob/DIRCT", "did you mean 'bbob/DIRECT'"),
         ("cec/DIRECT", "the archive has no suite 'cec'"),
+        ("bbob-biobj/MOEA", "bi-objective results are not supported"),
         ("DIRECT", "is no name of a published data set, such as 'bbob/BIPOP-CMA-ES'"),
     ],
 )

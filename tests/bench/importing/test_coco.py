@@ -15,16 +15,24 @@ from bench.report.findings import Findings
 from tests.bench.export.made import exported, make, read
 
 READ = """
+import contextlib
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
     import cocopp
     cocopp.archiving.official_archives.bbob
     cocopp.genericsettings.warning_level = 0
     targets, found = json.loads(sys.argv[3]), []
+    from cocopp import bestalg
+    with contextlib.redirect_stdout(sys.stderr):
+        best = bestalg.load_reference_algorithm("refalgs/best2009-bbob.tar.gz", force=True)
+    by_length = cocopp.pproc.RunlengthBasedTargetValues(
+        [0.5, 1.2, 3, 10, 50], reference_data=best, force_different_targets_factor=10**-0.2
+    )
     for data in cocopp.pproc.DataSetList(sys.argv[1]):
         found.append({
             "function": data.funcId, "dimension": data.dim, "ert": data.detERT(targets),
             "spent": data.maxevals.tolist(), "finals": data.finalfunvals.tolist(),
+            "by_length": data.detERT(by_length((data.funcId, data.dim))),
         })
 print("\\n" + json.dumps(found))
 """
@@ -66,6 +74,15 @@ class TestArchive:
                 assert mine == pytest.approx(ert if ert is not None else math.inf, rel=1e-12), (problem, precision)
                 reached += np.isfinite(mine)
         assert reached > 3000
+
+    def test_expected_running_times_to_targets_by_running_length_are_those_of_cocopp(self, both):
+        results, found = both
+        table = Findings(results, "runlength").anytime.running_times
+        for problem, data in found.items():
+            own = table[table["problem"] == problem].sort_values("budget / d", ascending=False)
+            assert own["ert"].tolist() == pytest.approx([math.inf if ert is None else ert for ert in data["by_length"]])
+        assert len(table) == 5 * len(found)
+        assert np.isfinite(table["ert"].astype(float)).sum() > 200
 
     def test_final_precisions_are_those_of_cocopp(self, both):
         results, found = both
@@ -191,7 +208,12 @@ class TestRefused:
             ),
             ("bbobexp_f1.info", b"funcId = 1", b"funcId = one", r"line 1, has no number of the function or dimension"),
             ("bbobexp_f1.info", b"data_f1\\bbobexp_f1_DIM2", b"..\\..\\etc", r"line 3, names .*which is outside the"),
-            ("bbobexp_f1.info", b"funcId = 1", b"suite = 'bbob-biobj', funcId = 1", r"several objectives"),
+            (
+                "bbobexp_f1.info",
+                b"funcId = 1",
+                b"suite = 'bbob-biobj', funcId = 1",
+                r"of bi-objective results",
+            ),
         ],
     )
     def test_a_broken_file_is_named_with_its_line_and_nothing_is_imported(

@@ -5,9 +5,13 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from typer.testing import CliRunner
 
 from bench import BenchError, Results, load_problem
+from bench.cli.app import app
 from bench.importing import import_results
+from bench.report.findings import Findings
+from bench.report.sections.environment import section
 from tests.bench.export.made import exported, make
 
 
@@ -114,3 +118,18 @@ def test_what_is_broken_is_named_and_nothing_is_imported(tmp_path, changes, sent
     with pytest.raises(BenchError, match=sentence):
         import_results(logged(tmp_path / "x", **changes), tmp_path / "back")
     assert [each.name for each in tmp_path.iterdir()] == ["x"]
+
+
+def test_a_log_of_maximisation_is_left_out_by_name_where_that_is_asked_for(tmp_path):
+    logged(tmp_path / "x" / "a", suite="Own")
+    logged(tmp_path / "x" / "b", suite="Own", function_id=7, maximization=True)
+    out = tmp_path / "back"
+    refused = CliRunner().invoke(app, ["import", str(tmp_path / "x"), "-o", str(out)])
+    assert isinstance(refused.exception, BenchError)
+    assert not out.exists()
+    found = CliRunner().invoke(app, ["import", str(tmp_path / "x"), "-o", str(out), "--partial"])
+    sentence = "b/IOHprofiler_f6_AttractiveSector.json holds results of maximisation"
+    assert f"left out: {sentence}" in " ".join(found.output.split())
+    assert Results(out).frame["problem"].tolist() == ["own-f06-d5-i1", "own-f06-d5-i2"]
+    assert sentence in " ".join(CliRunner().invoke(app, ["status", str(out)]).output.split())
+    assert any(sentence in each for each in section(Findings(Results(out))).warnings)

@@ -54,11 +54,14 @@ def test_sizes_are_limited(tmp_path, monkeypatch):
             import_results(each, tmp_path / "out")
 
 
-def test_an_archive_that_is_cut_short_is_refused(tmp_path):
-    file = packed(tmp_path)
-    file.write_bytes(file.read_bytes()[:-20])
-    with pytest.raises(BenchError, match="is damaged or cut short"):
-        import_results(file, tmp_path / "out")
+@pytest.mark.parametrize("size", [3, 40, -20])
+def test_an_archive_that_is_cut_short_is_refused(tmp_path, size):
+    with zipfile.ZipFile(tmp_path / "runs.zip", "w") as archive:
+        archive.writestr("runs.csv", TABLE)
+    for file in (packed(tmp_path), tmp_path / "runs.zip"):
+        file.write_bytes(file.read_bytes()[:size])
+        with pytest.raises(BenchError, match=f"{file.name} is damaged or cut short"):
+            import_results(file, tmp_path / "out")
 
 
 def test_an_unknown_format_and_several_formats_are_refused(tmp_path):

@@ -47,7 +47,7 @@ def test_what_was_packed_is_unpacked(packed, content, whole, tmp_path):
     assert {name: each.read_bytes() for name, each in files.items() if name != "store.json"} == content
     assert (found.files, found.trials) == (len(content), 120)
     assert found.sentence == "all 120 trials are as they were written"
-    assert Folder(found.path).store_note()["sound"]
+    assert Folder(found.path).noted("store.json")["sound"]
     pd.testing.assert_frame_equal(load_results(found.path), load_results(whole.path), check_exact=True)
 
 

@@ -126,6 +126,7 @@ def test_what_is_wrong_with_a_file_is_one_sentence(mine, name, options, said):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_a_run_takes_them_beside_the_study_s_own(bench, bench_here, mine):
     done = bench("run", "tiny.toml", "--optimizer", "mine.py:Mine", "--optimizer", "mine.py:walk", "--jobs", 2,
                  "--no-report", "--output", "out", cwd=mine.parent)  # fmt: skip

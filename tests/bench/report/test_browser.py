@@ -283,6 +283,7 @@ class TestFolded:
         assert browser.wait(self.SEEN)
         assert browser.run("document.querySelectorAll('main details[open]').length") == 2  # the part and its subsection
 
+    @pytest.mark.slow
     def test_only_open_sections_are_printed(self, browser, folded):
         browser.open(folded, media="print")
         browser.run("document.querySelector('main .folded').open = true")

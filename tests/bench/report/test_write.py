@@ -106,6 +106,7 @@ def test_the_bytes_do_not_depend_on_the_number_of_processes(make, tmp_path, monk
     assert Path("figures", "convergence.pdf") in contents[0]
 
 
+@pytest.mark.slow
 def test_no_single_winner_is_said(make, read, tmp_path):
     folder = make(tmp_path / "s", optimizers=("a", "b"), trials=3)
     page = read(write_report(folder))
@@ -168,6 +169,7 @@ def test_a_plugins_sections_come_after_the_comparison(make, read, tmp_path, monk
     assert "Mine made" in page.text
 
 
+@pytest.mark.slow
 def test_a_plugins_figure_has_no_id_of_a_section(make, read, tmp_path, monkeypatch):
     plot = matplotlib.figure.Figure()
     plot.subplots().plot([1, 2], [1, 2], "o")
@@ -195,6 +197,7 @@ def test_a_folder_without_results_is_refused(tmp_path):
         write_report(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_busy_machine_is_flagged(make, read, tmp_path):
     waited = {"wall_s": 2.0, "cpu_s": 1.0, "nfev": 60, "stop": "undeclared"}
     page = read(write_report(make(tmp_path / "s", optimizers=("a", "b"), trials=4, changes={"a": waited})))

@@ -58,6 +58,7 @@ def test_a_problem_that_raises_leaves_a_report_that_says_so(folder, monkeypatch,
     assert "ZeroDivisionError: boom" in page
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("entry", [None, 3, "@article{no"])
 def test_an_optimizer_that_cites_itself_wrongly_is_not_cited(folder, monkeypatch, tmp_path, entry):
     monkeypatch.setattr(StudyClass, "optimizer", lambda self, label: SimpleNamespace(bibtex=entry))
@@ -65,6 +66,7 @@ def test_an_optimizer_that_cites_itself_wrongly_is_not_cited(folder, monkeypatch
     assert "scatter" in (tmp_path / "out" / "methods.md").read_text()
 
 
+@pytest.mark.slow
 def test_a_section_that_fails_half_way_leaves_no_download(folder, monkeypatch, tmp_path):
     def sections(results):
         yield Section("Good", items=(Table("mine", "Mine.", pd.DataFrame({"a": [1]})),))
@@ -104,6 +106,7 @@ def test_a_folder_with_other_files_is_left_alone(folder, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["references.bib"]
 
 
+@pytest.mark.slow
 def test_an_interrupted_report_can_be_written_again(folder, monkeypatch, tmp_path):
     def interrupt(*arguments):
         raise KeyboardInterrupt
@@ -115,6 +118,7 @@ def test_an_interrupted_report_can_be_written_again(folder, monkeypatch, tmp_pat
     assert write_report(folder, output=tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_steps_are_told_before_their_work_and_end_at_their_number(folder, tmp_path):
     steps = []
     write_report(folder, output=tmp_path / "out", on_progress=lambda *step: steps.append(step))

@@ -173,12 +173,12 @@ def test_forks_end_with_their_original(calls, original, end):
 @LINUX
 @pytest.mark.parametrize("limit", [None, LONG])
 def test_a_stopped_process_or_original_is_given_up_without_a_time_limit_too(calls, original, monkeypatch, limit):
-    monkeypatch.setattr("bench.sandbox.process._ANSWER", 0.5)
     fork, other = original.fork(), original.fork()
     with pytest.raises(LostError):
         fork.call(calls.evaluate, "os.kill(os.getpid(), 19)", seconds=limit)
+    assert other.call(calls.echo, seconds=limit) == []
     os.kill(original._process.pid, signal.SIGSTOP)
-    assert other.call(calls.echo, seconds=limit) == []  # which needs no original
+    monkeypatch.setattr("bench.sandbox.process._ANSWER", 0.5)  # from here on nothing answers, however long one waits
     with pytest.raises(LostError):
         other.call(calls.sleep, 10 * LONG, seconds=limit)  # it is looked at before that
     with pytest.raises(LostError):

@@ -17,14 +17,16 @@ X86 = pytest.mark.skipif(os.uname().machine != "x86_64", reason="rounding modes 
 
 
 @pytest.fixture(scope="module")
-def template(testing_plugins):
-    with Process(hash_seed=0, forks=True) as template:
-        template.call(import_module("testing_calls").side_effects, "import ctypes, subprocess, threading", seconds=LONG)
-        yield template
+def fork_server(testing_plugins):
+    with Process(hash_seed=0, forks=True) as fork_server:
+        fork_server.call(
+            import_module("testing_calls").side_effects, "import ctypes, subprocess, threading", seconds=LONG
+        )
+        yield fork_server
 
 
-def left_by(template, statement):
-    with template.fork() as process:
+def left_by(fork_server, statement):
+    with fork_server.fork() as process:
         return process.call(import_module("testing_calls").side_effects, statement, seconds=LONG)
 
 
@@ -42,8 +44,8 @@ def left_by(template, statement):
         "import os; folder = os.getcwd(); os.chdir('/'); os.chdir(folder)",
     ],
 )
-def test_what_is_put_back_or_ends_is_no_side_effect(template, statement):
-    assert left_by(template, statement) == NOTHING
+def test_what_is_put_back_or_ends_is_no_side_effect(fork_server, statement):
+    assert left_by(fork_server, statement) == NOTHING
 
 
 @pytest.mark.parametrize(
@@ -80,8 +82,8 @@ def test_what_is_put_back_or_ends_is_no_side_effect(template, statement):
         ),
     ],
 )
-def test_a_process_that_is_not_as_it_was_is_detected(template, statement):
-    assert left_by(template, statement) == NOTHING | {"altered": True, "any": True}
+def test_a_process_that_is_not_as_it_was_is_detected(fork_server, statement):
+    assert left_by(fork_server, statement) == NOTHING | {"altered": True, "any": True}
 
 
 @pytest.mark.parametrize(
@@ -92,20 +94,20 @@ def test_a_process_that_is_not_as_it_was_is_detected(template, statement):
         ("import random, numpy as np; np.random.rand(); random.seed(1)", ["Python's random", "numpy.random"]),
     ],
 )
-def test_a_use_of_global_random_states_is_named(template, statement, names):
-    assert left_by(template, statement) == NOTHING | {"random": names, "any": True}
+def test_a_use_of_global_random_states_is_named(fork_server, statement, names):
+    assert left_by(fork_server, statement) == NOTHING | {"random": names, "any": True}
 
 
 @pytest.mark.parametrize("daemon", [True, False])
-def test_threads_that_stay_are_counted(template, daemon):
+def test_threads_that_stay_are_counted(fork_server, daemon):
     thread = f"threading.Thread(target=time.sleep, args=(600,), daemon={daemon})"
     statement = f"import threading, time\nfor _ in range(3): {thread}.start()"
-    assert left_by(template, statement) == NOTHING | {"threads": 3, "any": True}
+    assert left_by(fork_server, statement) == NOTHING | {"threads": 3, "any": True}
 
 
-def test_threads_that_no_module_knows_are_counted(template):
+def test_threads_that_no_module_knows_are_counted(fork_server):
     statement = "import _thread, time; _thread.start_new_thread(time.sleep, (600,))"  # it need not have begun to run
-    assert left_by(template, statement) == NOTHING | {"threads": 1, "any": True}
+    assert left_by(fork_server, statement) == NOTHING | {"threads": 1, "any": True}
 
 
 @pytest.mark.parametrize(
@@ -117,13 +119,13 @@ def test_threads_that_no_module_knows_are_counted(template):
         "import os, time\nif os.fork() == 0: os.setsid(); time.sleep(600)",
     ],
 )
-def test_processes_that_stay_are_counted(template, statement):
-    assert left_by(template, statement) == NOTHING | {"processes": 1, "any": True}
+def test_processes_that_stay_are_counted(fork_server, statement):
+    assert left_by(fork_server, statement) == NOTHING | {"processes": 1, "any": True}
 
 
-def test_multiprocessing_s_own_helper_is_no_stray(template):
+def test_multiprocessing_s_own_helper_is_no_stray(fork_server):
     statement = (
         "from multiprocessing import shared_memory\n"
         "memory = shared_memory.SharedMemory(create=True, size=8); memory.close(); memory.unlink()"
     )
-    assert left_by(template, statement)["processes"] == 0
+    assert left_by(fork_server, statement)["processes"] == 0

@@ -7,7 +7,7 @@ import pandas as pd
 
 from bench import BenchError, Results
 from bench.objective import Trace
-from bench.storage.mend import mend
+from bench.storage.repair import repair
 from bench.trial import Trial
 
 PROBLEMS, OPTIMIZERS, TRIALS = ("sphere-2", "sphere-3"), ("scatter", "early"), 30
@@ -49,9 +49,9 @@ def traces(results):
     return {key: (each.evaluations.tobytes(), each.values.tobytes()) for key, each in results.traces.items()}
 
 
-def assert_mended(folder, whole):
+def assert_repaired(folder, whole):
     """Mend a store, add what is missing, and compare all of it with the original."""
-    mend(folder, TRIALS)
+    repair(folder, TRIALS)
     add_missing(folder)
     assert folder.store.check(structure=True).sound
     results, original = Results(folder.path), Results(whole.path)

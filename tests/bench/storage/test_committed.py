@@ -10,8 +10,8 @@ import pytest
 from bench import BenchError, Results, load_results, run
 from bench.storage.committed import FILE, Committed, read
 from bench.storage.folder import Folder
-from bench.storage.mend import ASIDE, mend
-from tests.bench.storage.filled import RECORD, TRIALS, add_missing, assert_mended, damage_of, rows, traces
+from bench.storage.repair import ASIDE, repair
+from tests.bench.storage.filled import RECORD, TRIALS, add_missing, assert_repaired, damage_of, rows, traces
 
 MORE = 67  # trials in the write-ahead log alone
 
@@ -77,7 +77,7 @@ def test_damage_of_the_log_is_noticed_and_what_it_held_is_made_again(damage, see
         said = damage_of(spoilt, original, frame, known)
         assert said in ("", spoilt.store.check().sentence) or "copy: " in said, seed
         noticed += bool(said)
-        assert bool(mend(spoilt, TRIALS)) == bool(said), seed
+        assert bool(repair(spoilt, TRIALS)) == bool(said), seed
         add_missing(spoilt)
         again = Results(spoilt.path)
         assert not again.damage, seed
@@ -95,9 +95,9 @@ def test_the_number_of_lost_trials_is_reported(left, filled):
         assert len(load_results(left.path)) == 120 - MORE
     with pytest.raises(BenchError, match=f"cannot be written: {MORE} of 120"), left.store.writer():
         pass
-    said = mend(left, TRIALS)
+    said = repair(left, TRIALS)
     assert said == f"{sentence}; {120 - MORE} sound trials are kept, and the damaged store is now {ASIDE}"
-    assert_mended(left, filled)
+    assert_repaired(left, filled)
 
 
 @pytest.mark.parametrize("what", ["emptied", "removed"])
@@ -106,9 +106,9 @@ def test_a_store_that_is_gone_is_not_taken_for_a_new_one(what, left, filled):
     assert left.store.count().sentence.startswith("120 of 120 committed trials are missing")
     with pytest.raises(BenchError, match="cannot be written: 120 of 120"), left.store.writer():
         pass
-    assert mend(left, TRIALS).startswith("120 of 120 committed trials are missing; 'bench run' makes them again; 0 ")
-    assert mend(left, TRIALS) == ""
-    assert_mended(left, filled)
+    assert repair(left, TRIALS).startswith("120 of 120 committed trials are missing; 'bench run' makes them again; 0 ")
+    assert repair(left, TRIALS) == ""
+    assert_repaired(left, filled)
 
 
 def test_an_older_copy_of_the_store_is_noticed_though_it_has_as_many_rows(spoilt):
@@ -120,8 +120,8 @@ def test_an_older_copy_of_the_store_is_noticed_though_it_has_as_many_rows(spoilt
         writer.add(trial, row)
     spoilt.store.path.write_bytes(older)
     assert spoilt.store.check().sentence == "the last 1 commits are lost; 'bench run' makes them again"
-    assert "; 120 sound trials are kept" in mend(spoilt, TRIALS)
-    assert mend(spoilt, TRIALS) == ""
+    assert "; 120 sound trials are kept" in repair(spoilt, TRIALS)
+    assert repair(spoilt, TRIALS) == ""
 
 
 @pytest.mark.parametrize("note", [None, b"", b"{", b"[]", b'{"commits": 3}', b'{"commits": "x", "trials": 7}'])
@@ -140,7 +140,7 @@ def test_a_note_that_lags_behind_after_a_kill_is_no_damage(spoilt):
     noted = read(spoilt.path)
     (spoilt.path / FILE).write_text(json.dumps(Committed(noted.commits - 1, noted.trials - 1)._asdict()))
     assert spoilt.store.check().sound
-    assert mend(spoilt, TRIALS) == ""
+    assert repair(spoilt, TRIALS) == ""
 
 
 def test_removed_trials_are_not_missing(spoilt):
@@ -201,6 +201,7 @@ def test_a_store_that_is_deleted_during_a_run_is_an_error_and_its_trials_are_mad
     assert len(load_results(out)) == 6
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("share", [0.5, 0.8, 0.95])
 def test_a_run_into_a_store_that_was_cut_short_repairs_it(share, small_study, tmp_path):
     folder = Folder(tmp_path / "out")

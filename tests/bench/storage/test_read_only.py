@@ -19,6 +19,7 @@ def read_only(monkeypatch):
     return freeze
 
 
+@pytest.mark.slow
 def test_a_read_only_study_can_be_read_and_reported_elsewhere(small_study, tmp_path, read_only):
     run(small_study, tmp_path / "out", n_jobs=1)
     before = load_results(tmp_path / "out")

@@ -122,6 +122,7 @@ class TestPrecision:
         assert len(results.frame)
 
 
+@pytest.mark.slow
 def test_the_facts_hold_the_optimum_of_repaired_points_where_it_is_another_one(tmp_path):
     entries = [Entry("signature-03", "free"), Entry("signature-03", "bound", {"constrained": True})]
     Folder(tmp_path).claim(Study("s", tuple(entries), (Entry("gwo", "gwo"),)))

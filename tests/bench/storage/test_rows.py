@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 
 from bench import Results, load_results
-from bench.storage.mend import mend
+from bench.storage.repair import repair
 from bench.storage.rows import FORMAT, named, packed, typed
 from tests.bench.storage.changes import SCATTER, change
-from tests.bench.storage.filled import OPTIMIZERS, TRIALS, assert_mended
+from tests.bench.storage.filled import OPTIMIZERS, TRIALS, assert_repaired
 
 ONE = f"cell = {SCATTER} AND trial = 7"
 EARLY = "(SELECT id FROM cells WHERE problem = 'sphere-2' AND optimizer = 'early')"
@@ -100,7 +100,7 @@ def test_a_changed_row_is_named(statement, spoilt, filled):
     assert set(results.traces) == set(Results(filled.path).traces) - CHANGED
     with pytest.warns(UserWarning, match="scatter on sphere-2, trial 7"):
         assert len(load_results(spoilt.path)) == 119
-    assert_mended(spoilt, filled)
+    assert_repaired(spoilt, filled)
 
 
 OTHERS = {
@@ -154,7 +154,7 @@ def test_what_another_program_did_is_named(what, spoilt, filled):
     statements, damaged = OTHERS[what]
     change(spoilt.store.path, *statements)
     assert {*spoilt.store.check().damaged} == damaged
-    assert_mended(spoilt, filled)
+    assert_repaired(spoilt, filled)
 
 
 def test_a_trial_that_another_program_removed_is_missing(spoilt, filled):
@@ -163,7 +163,7 @@ def test_a_trial_that_another_program_removed_is_missing(spoilt, filled):
     assert (found.sound, found.trials, found.missing) == (False, 119, 1)
     assert found.sentence == "1 of 120 committed trials are missing; 'bench run' makes them again"
     assert spoilt.store.count() == found
-    assert_mended(spoilt, filled)
+    assert_repaired(spoilt, filled)
 
 
 def test_a_damaged_count_of_commits_costs_no_trial(spoilt):
@@ -172,5 +172,5 @@ def test_a_damaged_count_of_commits_costs_no_trial(spoilt):
         spoilt.store.path.write_bytes(before)
         change(spoilt.store.path, statement)
         assert "its count of commits cannot be read" in spoilt.store.check().sentence
-        assert "120 sound trials are kept" in mend(spoilt, TRIALS)
+        assert "120 sound trials are kept" in repair(spoilt, TRIALS)
         assert spoilt.store.check(structure=True).sound

@@ -220,12 +220,10 @@ def test_a_missing_or_unmade_store_is_empty_and_reading_makes_none(store, tmp_pa
         keys = store.keys()
         assert ("p", "o", 0) not in keys
         assert store.find("p", "o", 0) is None
+        assert list(store.rows()) == []
         if not store.path.exists():
             assert not list(tmp_path.iterdir())
-            with pytest.raises(BenchError, match=r"there is no trials\.sqlite"):
-                store.rows()
         store.path.touch()
-    assert list(store.rows()) == []
 
 
 def test_a_schema_that_changes_has_another_version():
@@ -291,7 +289,7 @@ def test_a_damaged_store_is_one_sentence_for_every_command(bench_here, damage, s
         ["report", folder.path],
         ["export", folder.path, "--format", "csv"],
         ["merge", folder.path, "--output", tmp_path / "merged"],
-        *([["run", study, "--output", folder.path, "--jobs", "1"]] if damage != _truncated else []),  # it mends this
+        *([["run", study, "--output", folder.path, "--jobs", "1"]] if damage != _truncated else []),  # it repairs this
     ):
         done = bench_here(*command)
         assert done.returncode == 2, (command, done.stdout)

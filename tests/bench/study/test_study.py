@@ -88,7 +88,10 @@ def test_identity_is_what_decides_a_result():
         ({"problems": [{"name": "a" * 10**6}]}, "of the problems has 1,000,000 characters, more than 200"),
         ({"name": ""}, "has no name"),
         ({"rope": "wide"}, "'rope' must be a positive width in the unit of the objective"),
-        ({"targets": "precision"}, "'targets' must be 'precisions', 'relative', 'quantiles' or 'tolerance'"),
+        (
+            {"targets": "precision"},
+            "'targets' must be 'precisions', 'runlength', 'relative', 'quantiles' or 'tol",
+        ),
         ({"targets": [1, -1]}, "percentages of the optimum such as ['5%', '1%'], not [1, -1]"),
         ({"problems": []}, "needs at least one [[problems]] table"),
         ({"optimizers": "gwo"}, "needs at least one [[optimizers]] table"),

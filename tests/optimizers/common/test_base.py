@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import optimizers
 from bench.helpers.bibtex import parse
 
@@ -40,6 +42,7 @@ print(sum(loops.outer.dispatcher.stats.cache_hits.values()), sum(loops.inner.dis
 """
 
 
+@pytest.mark.slow
 def test_a_function_is_compiled_at_its_first_call_and_read_from_the_disk_by_the_next_process(tmp_path):
     (tmp_path / "loops.py").write_text(LOOPS)
     run = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n{PROGRAM}"]

@@ -61,8 +61,8 @@ export const ranks = (p, chosen, i) => {
 export const features = [...new Set(problems.flatMap((each) => Object.keys(each.features)))]
   .map((name) => [name, [...new Set(problems.map((each) => each.features[name] ?? ""))]])
   .filter(([, values]) => values.length > 1 && values.length <= 40);
-export const levels = [...new Set(problems.flatMap((each) => each.targets.map(([level]) => level)))].sort(
-  (a, b) => b - a,
+export const levels = [...new Set(problems.flatMap((each) => each.targets.map(([level]) => level)))].sort((a, b) =>
+  data.targets.rising ? a - b : b - a,
 );
 
 export const runName = (cell, k) => {

@@ -6,7 +6,7 @@ from tests.bench.check import faulty
 from tests.bench.check.conformance.examine import expect_broken, verdicts
 
 FAULTS = [
-    (faulty.Broken, "run", "it raised ZeroDivisionError: by zero", "mend what raises"),
+    (faulty.Broken, "run", "it raised ZeroDivisionError: by zero", "fix what raises"),
     (faulty.Idle, "run", "without a single evaluation", "ask objective(x)"),
     (faulty.Stubborn, "budget", "2 more times after the budget of 1 was spent", "let BudgetExhausted pass"),
     (faulty.Rounding, "budget", "without a single evaluation of a budget of 1", "below one generation"),

@@ -43,7 +43,7 @@ def results(tmp_path_factory):
 
 @pytest.fixture
 def beside(results, monkeypatch):
-    def found(asked=None, known=KNOWN):
+    def found(asked="precisions", known=KNOWN):
         monkeypatch.setattr(findings_module, "best2009", lambda names: known)
         return Findings(results, asked, beside_best=True)
 
@@ -108,5 +108,5 @@ def test_the_methods_name_it(beside, results):
     assert "the lowest running times of the algorithms of BBOB 2009 (Hansen et al., 2010)" in " ".join(
         methods(beside()).text
     )
-    assert "2009" not in " ".join(methods(Findings(results)).text).replace("Moré and Wild, 2009", "")
+    assert "2009" not in " ".join(methods(Findings(results, "precisions")).text).replace("Moré and Wild, 2009", "")
     assert best.section(Findings(results)) is None

@@ -31,7 +31,7 @@ def test_the_biases_that_a_check_noted_are_warned_of(make, tmp_path):
         noted("structural bias", True, 0.4),
         noted("boundary clamping", True, 0.0),
     ]
-    Folder(folder).note_checks({"a": biased, "b": sound})
+    Folder(folder).note("checks.json", {"a": biased, "b": sound})
     findings = Findings(Results(folder))
     assert integrity.section(findings).warnings == ()  # they are said once, by the verdict
     warnings = verdict.section(findings).warnings

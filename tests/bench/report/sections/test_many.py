@@ -21,6 +21,7 @@ def many(make, tmp_path_factory):
     return Findings(Results(make(tmp_path_factory.mktemp("many") / "s", problems, trials=1)))
 
 
+@pytest.mark.slow
 def test_up_to_twenty_problems_only_single_ones_are_folded(few):
     assert comparison.section(few).items
     assert not comparison.section(few).sections
@@ -43,6 +44,7 @@ def test_the_matrix_of_many_problems_is_folded_below_its_text(many):
     assert [(each.folded, [item.name for item in each.items]) for each in section.sections] == [(True, ["comparison"])]
 
 
+@pytest.mark.slow
 def test_the_curves_of_many_problems_are_folded_below_those_of_all(many):
     section = anytime.section(many)
     assert [item.name for item in section.items] == ["targets-reached", "success-rates", "target-sets"]
@@ -52,6 +54,7 @@ def test_the_curves_of_many_problems_are_folded_below_those_of_all(many):
     assert [item.name for item in each.items] == ["convergence", "expected-running-time"]
 
 
+@pytest.mark.slow
 def test_problems_of_several_dimensions_are_folded_by_dimension(make, tmp_path):
     findings = Findings(Results(make(tmp_path / "s", tuple(f"p{i}" for i in range(MANY_PROBLEMS + 1)), trials=1)))
     findings.trials.__dict__["dimensions"] = {label: 2 if label == "p3" else 5 for label in findings.trials.problems}

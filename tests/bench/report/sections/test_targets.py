@@ -4,13 +4,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench import BenchError, Results
+from bench import BenchError, Results, load_problem
 from bench.report.findings import Findings
+from bench.report.findings import anytime as findings_module
 from bench.report.methods import methods
 from bench.report.sections import anytime, datasets
 from bench.report.target_words import default_targets, meaning, target_words
 from bench.storage.results import ProblemFacts
 from bench.study.targets import KINDS
+from tests.bench.export.made import make as made
+from tests.bench.export.made import record
 
 
 @pytest.fixture(scope="module")
@@ -25,6 +28,10 @@ def findings(folder, asked=None, expected=None, **optima):
         found.results._facts = lambda label: ProblemFacts(expected=expected)
     found.trials.__dict__["optima"] = optima
     return found
+
+
+def refused(names):
+    raise BenchError("it is not installed")
 
 
 class TestDefault:
@@ -102,6 +109,67 @@ class TestSections:
     def test_a_tolerance_needs_an_expected_metric(self, folder):
         with pytest.raises(BenchError, match="need a problem with an expected metric, and this study has none"):
             findings(folder, "tolerance").anytime.check_targets()
+
+
+class TestRunLengths:
+    """Targets by running length, of f08 in 2 dimensions: 3 trials of 100 evaluations, of optimizers a and b."""
+
+    @pytest.fixture
+    def small(self, tmp_path, monkeypatch):
+        def found(asked=None, function="bbob-f08-d2", **changes):
+            precisions = [1e2, 10**1.8, 10**1.6, 10**1.4, 10**1.2]
+            known = pd.DataFrame(
+                {"problem": "bbob-f08-d2", "precision": precisions, "ert": [1.0, 2.0, 6.0, 19.0, 99.0]}
+            )
+            monkeypatch.setattr(findings_module, "best2009", lambda names: known)
+            optimum = load_problem(f"{function}-i1").optimum
+
+            def row(trial, _values):
+                ends = {"a": 10**1.3, "b": 90.0}[trial.optimizer]
+                values = np.concatenate([np.full(7, 500.0), np.full(93, ends)]) + optimum
+                return record(values, 2)
+
+            study = {"trials": 3, "row": row} | changes
+            folder = made(tmp_path / "s", {f"{function}-i1": 2}, **study).paths[0]
+            return Findings(Results(folder), asked)
+
+        return found
+
+    def test_they_are_the_usual_ones_of_small_budgets_where_the_best_is_there(self, small, monkeypatch):
+        found = small()
+        assert found.anytime.words.kind == "runlength"
+        assert found.anytime.near == 0
+        monkeypatch.setattr(findings_module, "EXPENSIVE", 60)  # 120 evaluations are 60 d
+        assert Findings(found.results).anytime.words.kind == "precisions"
+        monkeypatch.undo()
+        monkeypatch.setattr(findings_module, "best2009", refused)
+        assert Findings(found.results).anytime.words.kind == "precisions"
+
+    def test_a_function_without_the_best_has_precisions(self, small):
+        assert small(function="bbob-f09-d2").anytime.words.kind == "precisions"
+
+    def test_the_tables_name_budgets_and_the_files_have_them(self, small):
+        found = small()
+        times = found.anytime.words.in_unit(found.anytime.running_times, "budget / d")
+        own = times[times["optimizer"] == "a"].set_index("budget / d")["ert"]
+        assert own.to_dict() == pytest.approx({0.5: 8.0, 1.2: 8.0, 3.0: 8.0, 10.0: np.inf, 50.0: np.inf})
+        rates = next(item for item in anytime.section(found).items if item.name == "success-rates")
+        assert list(rates.frame) == [f"the target for {each} d evaluations" for each in (3, 10, 50)]
+        assert sorted(rates.data["tau"].unique()) == pytest.approx([3, 10, 50])
+        problem = datasets._running_times(found, found.trials.problems[0])
+        assert list(problem.frame)[:5] == ["0.5", "1.2", "3", "10", "50"]
+        assert "trials that reached 50." in problem.note
+        assert "by running length: for budgets of 0.5, 1.2, 3, 10 and 50 times" in " ".join(methods(found).text)
+
+    def test_a_beaten_optimum_leaves_no_target_and_that_is_said(self, small):
+        found = small("runlength")
+        found.trials.__dict__["unbeaten"] = {}
+        assert found.anytime.targets.empty
+        assert "leave out 1 problem whose optimum was beaten, or" in " ".join(anytime.section(found).text)
+
+    def test_they_need_the_best(self, folder):
+        with pytest.raises(BenchError, match="the study has no such problem"):
+            findings(folder, "runlength").anytime.check_targets()
 
 
 class TestOrder:

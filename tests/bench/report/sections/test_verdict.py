@@ -41,6 +41,14 @@ def test_the_first_screen(findings):
     assert ranking.frame["mean rank"].tolist() == ["1.00 [1.00, 1.00]", "2.00 [2.00, 2.00]", "3.00 [3.00, 3.00]"]
 
 
+def test_separably_lower_is_explained_where_the_claim_says_it(make, tmp_path):
+    one = verdict.section(Findings(Results(make(tmp_path / "s", problems=("p",))))).cards[0]
+    assert "separably lower" in one.text[0]
+    assert one.lines[-1] == verdict.SEPARABLY
+    few = verdict.section(Findings(Results(make(tmp_path / "t", trials=1)))).cards[0]
+    assert "separably" not in f"{few.text[0]}{few.lines}"
+
+
 def test_ranks_that_no_test_separates_from_the_first_are_marked(make, tmp_path):
     alike = {"b": {"fun": 5.0}, "c": {"fun": 5.0}}
     ranks = verdict.section(Findings(Results(make(tmp_path / "s", trials=8, changes=alike)))).items[0]

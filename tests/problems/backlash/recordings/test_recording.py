@@ -185,7 +185,7 @@ def test_a_recording_s_problem_uses_the_headings_too(tmp_path):
             "has no two columns, of time and of speed; where its one column is the speed, give the sampling rate",
         ),
         ("time\n" + rows(T), {"rate": 500.0}, "column 'time' cannot be both time and speed"),
-        ("time,speed\n", {}, "has 0 samples"),
+        ("time,speed\n", {}, "too few samples for a load turn: 0"),
         ("time,speed\n0,1\n0.002,\n0.004,1\n0.006,1\n", {}, "line 3 has no number in time or speed"),
         ("time,speed\n0,1\n0.002,\n0.004,off\n0.006,1\n", {}, "line 3 has no number in time or speed"),
         ("time,speed\n0,1\n\n0.002,1\n0.004,1\n(end)\n", {}, "line 6 has no number in time or speed"),

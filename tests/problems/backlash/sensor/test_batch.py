@@ -57,6 +57,7 @@ def content(outcome):
     return {name: each.tobytes() if isinstance(each, np.ndarray) else repr(each) for name, each in fields.items()}
 
 
+@pytest.mark.slow
 @forks
 def test_estimates_do_not_depend_on_the_number_of_workers():
     paths = [Path(f"{level}.csv") for level in (9, 3, 12, 6, 5)]

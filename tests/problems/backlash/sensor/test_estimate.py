@@ -158,6 +158,7 @@ def test_noise_that_may_hide_too_much_is_told():
     assert "may hide a backlash above the limit" in " ".join(found.notes)
 
 
+@pytest.mark.slow
 def test_a_signal_without_a_period_has_that_of_the_calibration_s_gear_ratio():
     ratio = replace(sensor_calibration(), gear_ratio=100.0)
     for calibration, period in ((ratio, 1.0), (sensor_calibration(), 0.4), (None, 0.4)):
@@ -189,6 +190,7 @@ def test_a_calibration_that_ends_below_the_limit_cannot_say_progressed():
     assert estimate(noisy(12), Settings(resamples=0, calibration=short, limit_rad=0.001)).verdict == "progressed"
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("joint", "settings", "differs"),
     [

@@ -55,6 +55,7 @@ def test_no_long_run_finds_less(name, constrained):
     assert best_run(problem, constrained) >= found.value - CLOSE
 
 
+@pytest.mark.slow
 def test_the_constraints_leave_no_lower_optimum():
     for name in ("signature-03", "noisy-01", "noisy-05"):
         problem = bench.load_problem(name)
@@ -89,6 +90,7 @@ def test_rpm_is_the_same_fit_sixty_times_as_large():
     assert rpm.reference().value == pytest.approx(60 * rps.reference().value, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_period_between_samples_is_fitted_as_well_as_by_long_runs():
     joint = Joint(omega_ref=2 * np.pi * 81.3)
     made = simulate(joint, half_gap=0.0015, duration=12 * joint.turn)
@@ -137,6 +139,7 @@ def test_no_waveform_explains_more_than_the_ceiling():
                 assert explained == pytest.approx(ceiling[start])
 
 
+@pytest.mark.slow
 def test_a_bound_on_the_amplitude_is_kept():
     problem = bench.load_problem("signature-12", amplitude_factor=0.5)
     for constrained in (False, True):

@@ -20,7 +20,7 @@ ASIDE = f"{FILE}.damaged"
 """The copy of the last damaged store."""
 
 
-def mend(folder: Folder, trials: int) -> str:
+def repair(folder: Folder, trials: int) -> str:
     """Check the store of a locked folder and replace a damaged one; return a sentence on it, "" for a sound one.
 
     A damaged store is kept beside the new one. The lost trials are missing from the new one, and rows whose

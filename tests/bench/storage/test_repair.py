@@ -11,9 +11,9 @@ import pytest
 from bench import BenchError, Results, load_results, run
 from bench.execution.runner import plan
 from bench.storage.folder import Folder
-from bench.storage.mend import ASIDE, mend
+from bench.storage.repair import ASIDE, repair
 from tests.bench.storage.changes import change
-from tests.bench.storage.filled import RECORD, TRIALS, add_missing, assert_mended, damage_of, traces
+from tests.bench.storage.filled import RECORD, TRIALS, add_missing, assert_repaired, damage_of, traces
 
 
 @pytest.mark.parametrize(
@@ -29,7 +29,7 @@ def test_a_changed_record_of_an_environment_is_named_and_its_trials_kept(stateme
     assert found.environments == [1]
     assert found.sentence == "the record of environment 1 is damaged"
     assert len(Results(spoilt.path).frame) == 120
-    mend(spoilt, TRIALS)
+    repair(spoilt, TRIALS)
     assert spoilt.store.check().trials == 120
     if "DELETE" not in statement and "digest" not in statement:
         assert spoilt.environments() == [RECORD]  # environment.json holds a copy that fits its digest
@@ -65,11 +65,11 @@ def test_sixteen_random_bytes_anywhere_are_noticed_or_change_nothing(seeds, fill
         said = damage_of(spoilt, original, frame, known)
         noticed += bool(said)
         try:
-            mended = mend(spoilt, TRIALS)
+            repaired = repair(spoilt, TRIALS)
         except BenchError as error:  # its sentence says to move the store away
-            mended = str(error)
+            repaired = str(error)
             spoilt.store.path.rename(tmp_path / "moved-away")
-        assert mended or not said, seed
+        assert repaired or not said, seed
         add_missing(spoilt)
         again = Results(spoilt.path)
         assert not again.damage, seed
@@ -100,22 +100,22 @@ def test_what_can_be_read_of_a_damaged_file_is_kept(filled, spoilt):
     spoilt.store.path.write_bytes(content)
     with pytest.raises(BenchError, match="disk image is malformed; 'bench run' into this folder keeps the trials that"):
         Results(spoilt.path).frame  # noqa: B018
-    said = mend(spoilt, TRIALS)
+    said = repair(spoilt, TRIALS)
     assert "the structure of the file is damaged" in said
     kept = spoilt.store.check(structure=True)
     assert kept.sound
     assert 80 < kept.trials < 120  # one page of several
     assert f"{kept.trials} sound trials are kept, and the damaged store is now {ASIDE}" in said
     assert (spoilt.path / ASIDE).read_bytes() == content
-    assert_mended(spoilt, filled)
+    assert_repaired(spoilt, filled)
 
 
 def test_a_store_that_was_cut_short_keeps_its_beginning(filled, spoilt):
     content = spoilt.store.path.read_bytes()
     spoilt.store.path.write_bytes(content[: len(content) * 2 // 3])
-    mend(spoilt, TRIALS)
+    repair(spoilt, TRIALS)
     assert 20 < spoilt.store.check().trials < 120
-    assert_mended(spoilt, filled)
+    assert_repaired(spoilt, filled)
 
 
 @pytest.mark.parametrize("hole", [slice(0, 4096), slice(100, 4096), slice(4096, None)])
@@ -124,7 +124,7 @@ def test_a_store_beyond_repair_is_one_sentence_and_stays(hole, spoilt):
     content[hole] = bytes(len(content[hole]))
     spoilt.store.path.write_bytes(content)
     with pytest.raises(BenchError, match="restore it from a copy, or move it away and run the study again"):
-        mend(spoilt, TRIALS)
+        repair(spoilt, TRIALS)
     assert spoilt.store.path.read_bytes() == content
     assert not (spoilt.path / ASIDE).exists()
 
@@ -133,16 +133,16 @@ def test_rows_that_sqlite_cannot_find_are_not_given_up(spoilt):
     content = spoilt.store.path.read_bytes()
     spoilt.store.path.write_bytes(content.replace(b"CREATE TABLE results", b"CREATE TABLE r\xfesults"))
     with pytest.raises(BenchError, match="restore it from a copy, or move it away and run the study again"):
-        mend(spoilt, TRIALS)
+        repair(spoilt, TRIALS)
     spoilt.store.path.write_bytes(content.replace(b"CREATE VIEW trials", b"CREATE VXEW trials"))
-    assert "120 sound trials are kept" in mend(spoilt, TRIALS)
+    assert "120 sound trials are kept" in repair(spoilt, TRIALS)
 
 
 def test_a_sound_store_stays_as_it_is(spoilt):
     before = spoilt.store.path.read_bytes()
-    assert mend(spoilt, TRIALS) == ""
+    assert repair(spoilt, TRIALS) == ""
     assert spoilt.store.path.read_bytes() == before
-    assert spoilt.store_note()["sentence"] == "all 120 trials are as they were written"
+    assert spoilt.noted("store.json")["sentence"] == "all 120 trials are as they were written"
 
 
 def test_a_run_makes_damaged_trials_again(small_study, tmp_path):

@@ -1,0 +1,99 @@
+"""sbox-cost, ma-bbob and star-discrepancy against the package ioh."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from bench import BenchError, load_problem
+from problems.ioh import DISCREPANCIES, ma_bbob
+from tests.problems.suites import assert_pure_and_reloadable, best_found
+
+ioh = pytest.importorskip("ioh", reason="ioh has no wheel for this Python")
+
+BOXED = [(f"sbox-cost-f{n:02d}-d{d}-i{i}", n, d, i) for n in range(1, 25) for d, i in ((2, 1), (5, 15), (40, 200))]
+AFFINE = [(f"ma-bbob-f{n:04d}-d{d}", n, d) for n, d in ((1, 2), (2, 5), (17, 10), (500, 3), (1000, 40))]
+STARS = [(f"star-discrepancy-{label}-d{d}-i{d}", n, d) for label, n in DISCREPANCIES.items() for d in (2, 10)]
+
+
+def points(problem):
+    return np.random.default_rng(1).uniform(problem.lower, problem.upper, (12, problem.dimension))
+
+
+@pytest.mark.parametrize(("name", "number", "dimension", "instance"), BOXED)
+def test_values_and_optimum_of_sbox_cost_are_those_of_ioh(name, number, dimension, instance):
+    problem = load_problem(name)
+    theirs = ioh.get_problem(number, instance, dimension, ioh.ProblemClass.SBOX)
+    x = points(problem)
+    np.testing.assert_array_equal(problem.evaluate(x), [theirs(row) for row in x])
+    assert problem.evaluate(np.full((1, dimension), 5.01)).tolist() == [np.inf]
+    best = np.array([theirs.optimum.x])
+    assert (problem.repair(best) == best).all()
+    assert problem.optimum <= problem.evaluate(best)[0] <= problem.optimum + 1e-12 * abs(problem.optimum)
+
+
+@pytest.mark.parametrize(("name", "number", "dimension"), AFFINE)
+def test_values_and_optimum_of_ma_bbob_are_those_of_ioh(name, number, dimension):
+    problem, theirs = load_problem(name), ioh.problem.ManyAffine(number, dimension)
+    x = points(problem)
+    np.testing.assert_array_equal(problem.evaluate(x), [theirs(row) for row in x])
+    assert problem.evaluate(np.array([theirs.optimum.x])).tolist() == [problem.optimum]
+    assert 0 < problem.optimum < 1e-9
+
+
+@pytest.mark.parametrize(("name", "number", "dimension"), STARS)
+def test_star_discrepancies_are_those_of_ioh_with_the_other_sign(name, number, dimension):
+    problem = load_problem(name)
+    theirs = ioh.get_problem(number, dimension, dimension, ioh.ProblemClass.STAR_REAL)
+    assert theirs.meta_data.optimization_type == ioh.OptimizationType.MAX
+    kind, n = name.split("-")[2:4]
+    assert theirs.meta_data.name == f"{kind.capitalize()}StarDiscrepancy{n}"
+    x = points(problem)
+    np.testing.assert_array_equal(problem.evaluate(x), [-theirs(row) for row in x])
+    assert problem.evaluate(np.full((1, dimension), 1.01)).tolist() == [np.inf]
+    assert problem.optimum is None
+
+
+def test_a_discrepancy_is_the_share_of_the_points_in_a_box_less_its_volume():
+    problem = load_problem("star-discrepancy-halton-25-d3-i4")
+    grid = np.array(ioh.get_problem(51, 4, 3, ioh.ProblemClass.STAR_REAL).grid)
+    for corner in np.random.default_rng(2).uniform(0.2, 1, (20, 3)):
+        share = (grid < corner).all(axis=1).mean()
+        assert problem.evaluate(corner[None])[0] == pytest.approx(-abs(share - corner.prod()), abs=1e-12)
+
+
+@pytest.mark.sampled(4)
+@pytest.mark.parametrize("name", [f"sbox-cost-f{n:02d}-d5-i3" for n in range(1, 25)] + [each[0] for each in AFFINE[:4]])
+def test_no_search_beats_the_optimum(name):
+    problem = load_problem(name)
+    if name.startswith("sbox"):
+        theirs = ioh.get_problem(int(name[11:13]), 3, 5, ioh.ProblemClass.SBOX)
+    else:
+        theirs = ioh.problem.ManyAffine(int(name[9:13]), problem.dimension)
+    found = best_found(problem, start=np.array(theirs.optimum.x) + 1e-3, points=2_000)
+    assert found >= problem.optimum - 1e-12 * abs(problem.optimum)
+
+
+@pytest.mark.parametrize("name", ["sbox-cost-f21-d3-i2", "ma-bbob-f0003-d5", "star-discrepancy-sobol-50-d5-i1"])
+def test_values_depend_on_the_point_alone(name):
+    assert_pure_and_reloadable(load_problem(name))
+
+
+def test_problems_say_what_they_are():
+    assert [load_problem(name).features for name in ("sbox-cost-f08-d5-i3", "ma-bbob-f0003-d5")] == [
+        {"suite": "sbox-cost", "function": "f08", "instance": 3, "group": "low or moderate conditioning"},
+        {"suite": "ma-bbob", "function": "f0003", "group": "affine combination"},
+    ]
+    star = load_problem("star-discrepancy-sobol-50-d5-i1")
+    assert star.features == {
+        "suite": "star-discrepancy", "function": "sobol-50", "instance": 1, "group": "sobol points",
+    }  # fmt: skip
+    assert star.measure == "minus the local star discrepancy"
+    assert len(ma_bbob.grid.functions) == 1000
+
+
+@pytest.mark.parametrize("name", ["sbox-cost-f01-d2-i1", "ma-bbob-f0001-d2", "star-discrepancy-sobol-10-d2-i1"])
+def test_without_the_extra_one_sentence_says_what_to_install(name, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ioh", None)
+    with pytest.raises(BenchError, match=rf"'{name}' needs ioh; install it with: .*\[ioh\]"):
+        load_problem(name)
