@@ -462,7 +462,8 @@ def _command(words: Any, where: str) -> str:
     """Return the name of an optimizer that is a program, from the words of its command."""
     if not isinstance(words, list) or not words or not all(isinstance(word, str) and word for word in words):
         raise BenchError(
-            f'study {where}: the optimizer \'command\' needs the words of its command, as in command = ["Rscript", "mine.R"]'
+            f"study {where}: the optimizer 'command' needs the words of its command, as in "
+            'command = ["Rscript", "mine.R"]'
         )
     return f"command:{shlex.join(words)}"
 

@@ -1,16 +1,20 @@
 % A (1+1) search with the one-fifth rule: command = ["octave-cli", "--quiet", "climb.m"]; Octave 7 or later.
 1;
-function message = answer()
-  message = jsondecode(input("", "s")); % fgetl would wait for the line after this one
-  if isfield(message, "stop"), exit; end
+function line = answer()
+  line = input("", "s"); % fgetl would wait for the line after this one
+  if index(line, '"stop"'), exit; end
 end
-function message = ask(request)
+function values = numbers(line, name) % jsondecode would lose the last digit
+  values = str2num(["[" regexp(line, ["\"" name "\": \\[*([^\\]\"]*)"], "tokens"){1}{1} "]"]);
+end
+function line = ask(request)
   printf("%s\n", request);
   fflush(stdout);
-  message = answer();
+  line = answer();
 end
 function f = value(x)
-  f = ask(sprintf('{"x": [[%s]]}', strjoin(arrayfun(@(each) sprintf("%.17g", each), x, "UniformOutput", false), ", "))).f;
+  written = strjoin(arrayfun(@(each) sprintf("%.17g", each), x, "UniformOutput", false), ", ");
+  f = numbers(ask(sprintf('{"x": [[%s]]}', written)), "f");
 end
 function [drawn, seed] = uniform(n, seed)
   drawn = zeros(1, n);
@@ -19,9 +23,9 @@ function [drawn, seed] = uniform(n, seed)
     drawn(j) = seed / 2147483647;
   end
 end
-start = answer();
-[lower, upper, seed, step] = deal(start.lower(:)', start.upper(:)', start.seed, 0.2);
-x = ask('{"initial": 1}').x(:)';
+first = answer();
+[lower, upper, seed, step] = deal(numbers(first, "lower"), numbers(first, "upper"), numbers(first, "seed"), 0.2);
+x = numbers(ask('{"initial": 1}'), "x");
 f = value(x);
 while true
   [drawn, seed] = uniform(numel(x), seed);

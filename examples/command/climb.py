@@ -12,24 +12,23 @@ class Climb(AskTell):
     """A (1+1) search with the one-fifth rule."""
 
     def start(self, objective, rng):
-        self.box, self.x, self.f, self.step = objective, objective.initial(1), None, 0.2
+        """Take the box, a seed and a first point."""
+        self.box, self.x, self.f, self.step = objective, objective.initial(1), np.inf, 0.2
         self.seed = float(rng.integers(1, 2**31 - 1))
 
-    def uniform(self):
-        self.seed = 16807 * self.seed % 2147483647  # the generator MINSTD, which is exact in double precision
-        return self.seed / 2147483647
-
-    def ask(self, n):
-        if self.f is None:
+    def ask(self, n):  # noqa: ARG002 - there is one point in each generation
+        """Return the first point, then one near the best."""
+        if self.f == np.inf:
             return self.x
-        drawn = np.array([self.uniform() for _ in range(self.box.dimension)])
-        moved = self.x + self.step * (self.box.upper - self.box.lower) * (2 * drawn - 1)
+        moved = self.x.copy()
+        for j, width in enumerate(self.box.upper - self.box.lower):
+            self.seed = 16807 * self.seed % 2147483647  # the generator MINSTD, which is exact in double precision
+            moved[0, j] += self.step * width * (2 * (self.seed / 2147483647) - 1)
         return np.minimum(np.maximum(moved, self.box.lower), self.box.upper)
 
     def tell(self, x, f):
-        if self.f is None:
-            self.f = f
-            return
-        self.step *= 1.5 if f <= self.f else 0.9036020036098449
+        """Go on from a point that is no worse."""
+        if self.f < np.inf:
+            self.step *= 1.5 if f <= self.f else 0.9036020036098449
         if f <= self.f:
             self.x, self.f = x, f

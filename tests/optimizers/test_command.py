@@ -1,0 +1,287 @@
+"""Programs as optimizers: the protocol, what breaks it, and the clients of examples/command."""
+
+import os
+import shutil
+import subprocess
+import sys
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+from bench import AskTell, BenchError, FunctionProblem, Study, load_optimizer, solve
+
+CLIENTS = Path(__file__).parents[2] / "examples" / "command"
+INTERPRETERS = {"climb.js": "node", "climb.R": "Rscript", "climb.m": "octave-cli --quiet", "climb.jl": "julia"}
+HEAD = """
+import json, sys
+first = json.loads(input())
+def ask(**request):
+    print(json.dumps(request), flush=True)
+    return json.loads(input())
+"""
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch):
+    """A busy machine may take long to end a process; who waits for an end waits no longer than that."""
+    monkeypatch.setattr("optimizers.command.GRACE", 30.0)
+
+
+@pytest.fixture
+def sphere():
+    return FunctionProblem(lambda x: (x**2).sum(axis=1) + 0.1, [-2.0, -1.0, -3.0], [1.0, 3.0, 2.0])
+
+
+@pytest.fixture
+def program(tmp_path):
+    """Return a function that returns the optimizer of a program in Python, from its text."""
+
+    def made(text, head=HEAD, **options):
+        path = tmp_path / "mine.py"
+        path.write_text(head + text, encoding="utf-8")
+        return load_optimizer(f"command:'{sys.executable}' '{path}'", **options)
+
+    return made
+
+
+def outcome(result):
+    return result.x.tolist(), result.fun, result.trace.evaluations.tolist(), result.trace.values.tolist()
+
+
+@pytest.fixture(scope="session")
+def climb(tmp_path_factory):
+    """Return the name of the optimizer of a client."""
+
+    def named(client):
+        if client.endswith(".c"):
+            compiler = shutil.which("cc")
+            if compiler is None:
+                pytest.skip("no C compiler is installed")
+            made = tmp_path_factory.mktemp("client") / "climb"
+            subprocess.run([compiler, "-O2", "-o", made, CLIENTS / client, "-lm"], check=True)
+            return f"command:{made}"
+        interpreter = INTERPRETERS[client]
+        if shutil.which(interpreter.split()[0]) is None:
+            pytest.skip(f"{interpreter.split()[0]} is not installed")
+        return f"command:{interpreter} {CLIENTS / client}"
+
+    return named
+
+
+@pytest.mark.parametrize("client", ["climb.c", *INTERPRETERS])
+def test_each_client_makes_the_trials_of_the_plug_in_in_python_to_the_last_bit(climb, client, sphere):
+    name = climb(client)
+    expected = outcome(solve(sphere, f"{CLIENTS / 'climb.py'}:Climb", budget=60, seed=4))
+    assert outcome(solve(sphere, name, budget=60, seed=4)) == expected
+
+
+def test_a_client_has_at_most_forty_lines():
+    assert {path.name for path in CLIENTS.glob("climb.*")} == {"climb.c", "climb.py", *INTERPRETERS}
+    for path in CLIENTS.glob("climb.*"):
+        assert len(path.read_text(encoding="utf-8").splitlines()) <= 40
+
+
+class TestProtocol:
+    def test_the_first_line_has_the_box_the_budget_a_seed_and_the_options(self, program, sphere):
+        text = "ask(x=[first['lower']])\nask(stop=json.dumps([sorted(first), first['options'], first['budget']]))"
+        result = solve(sphere, program(text, sigma=0.3, mode="fast"), budget=5)
+        assert result.stop == (
+            '[["budget", "dimension", "integer", "lower", "options", "protocol", "seed", "upper"], '
+            '{"sigma": 0.3, "mode": "fast"}, 5]'
+        )
+        assert result.x.tolist() == sphere.lower.tolist()
+
+    def test_numbers_travel_without_loss_both_ways(self, program):
+        seen = []
+        problem = FunctionProblem(lambda x: seen.append(x.copy()) or x[:, 0] / 3, [0.0], [1.0])
+        text = "f = ask(x=[[0.1], [1 / 3]])['f']; ask(x=[[f[1]]])"
+        solve(problem, program(text), budget=5)
+        assert [each[0] for x in seen for each in x.tolist()] == [0.1, 1 / 3, 1 / 9]
+
+    def test_a_point_outside_the_box_is_answered_by_infinity(self, program, sphere):
+        result = solve(sphere, program("f = ask(x=[[9, 9, 9]])['f'][0]; ask(stop=str(f))"), budget=5)
+        assert result.stop == "inf"
+
+    def test_repair_and_initial_cost_no_evaluation(self, program, sphere):
+        text = "x = ask(initial=2)['x']; y = ask(repair=[[9, 9, 9]])['x']; ask(x=x + y)"
+        result = solve(sphere, program(text), budget=5)
+        assert result.nfev == 3
+
+    def test_the_last_line_says_that_the_budget_has_ended(self, program, sphere, tmp_path):
+        note = tmp_path / "note"
+        text = f"""
+while 'f' in (said := ask(x=[first['lower']] * 2)):
+    pass
+open({str(note)!r}, 'w').write(json.dumps(said))"""
+        assert solve(sphere, program(text), budget=5).nfev == 5
+        assert note.read_text() == '{"stop": "budget"}'
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("print('hello')", "wrote hello; wanted is a line of JSON"),
+        ("print('[' * 100_000)", r"wrote \[\[\[.*…; wanted is"),
+        ("print('{}')", "wrote {}; wanted is"),
+        ("ask(x=[[1, 2]])", r"sent the points \[\[1, 2\]\]; wanted is a list of points, each of 3 numbers"),
+        ("ask(x=[])", r"sent the points \[\]"),
+        ("ask(x='all')", "sent the points all"),
+        ("ask(initial=0)", 'wrote {"initial": 0}'),
+        ("ask(initial=1e300)", 'wrote {"initial": 1e'),
+        ("ask(x=[[1, 2, 3]], stop='now')", "wrote"),
+        ("sys.exit('no licence')", "ended with code 1; it complained: no licence"),
+        ("import os; os.kill(os.getpid(), 9)", "ended by signal 9"),
+    ],
+)
+def test_what_breaks_the_protocol_is_one_sentence(program, sphere, text, expected):
+    with pytest.raises(BenchError, match=f"the program .* mine.py {expected}") as raised:
+        solve(sphere, program(text), budget=5)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_program_that_closes_its_output_and_goes_on_is_one_sentence(program, sphere, monkeypatch):
+    monkeypatch.setattr("optimizers.command.GRACE", 0.1)
+    with pytest.raises(BenchError, match="closed its standard output; wanted is a request, or its end"):
+        solve(sphere, program("import os, time; os.close(1); time.sleep(600)"), budget=5)
+
+
+def test_a_line_that_never_ends_is_given_up(program, sphere, monkeypatch):
+    monkeypatch.setattr("optimizers.command.LONGEST", 10_000)
+    with pytest.raises(BenchError, match="wrote xxx"):
+        solve(sphere, program("while True: print('x' * 1000, end='')"), budget=5)
+
+
+@pytest.mark.parametrize(
+    "last", ["print('junk', flush=True)", "ask(x=[first['lower']]); ask(stop='now')", "ask(x=[first['lower']] * 9)"]
+)
+def test_the_program_ends_with_its_trial(program, sphere, tmp_path, last, monkeypatch):
+    monkeypatch.setattr("optimizers.command.GRACE", 0.1)
+    note = tmp_path / "pid"
+    text = f"import os, time\nopen({str(note)!r}, 'w').write(str(os.getpid()))\n{last}\ntime.sleep(600)"
+    with suppress(BenchError):
+        solve(sphere, program(text), budget=5)
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(note.read_text()), 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "expected"),
+    [
+        ("command:", {}, "names no program that can be run"),
+        ("command:./no-such-program", {}, "names no program that can be run"),
+        (f"command:{sys.executable}", {"sigma": float("inf")}, "must be texts, numbers, lists or tables"),
+    ],
+)
+def test_a_wrong_command_is_one_sentence(name, options, expected):
+    with pytest.raises(BenchError, match=expected):
+        load_optimizer(name, **options)
+
+
+class TestStudy:
+    def study(self, **optimizer):
+        entry = {"name": "command", "label": "mine", **optimizer}
+        problems = [{"name": "bbob-f01-d2-i1"}]
+        return Study.from_dict({"name": "s", "budget": 10, "problems": problems, "optimizers": [entry]})
+
+    def test_it_takes_the_words_of_a_command_and_a_sweep_of_the_program_s_options(self):
+        study = self.study(command=["Rscript", "my script.R"], options={"sigma": [1, 2]})
+        assert [each.name for each in study.optimizers] == ["command:Rscript 'my script.R'"] * 2
+        assert [each.label for each in study.optimizers] == ["mine[sigma=1]", "mine[sigma=2]"]
+
+    @pytest.mark.parametrize("words", [None, "Rscript mine.R", [], [""], [1]])
+    def test_wrong_words_are_one_sentence(self, words):
+        with pytest.raises(BenchError, match="needs the words of its command"):
+            self.study(**({} if words is None else {"command": words}))
+
+
+@dataclass(frozen=True)
+class Recorder(AskTell):
+    agents: int = 4
+    seen: list = field(default_factory=list)
+
+    def start(self, objective, rng):
+        self.rng, self.dimension = rng, objective.dimension
+
+    def ask(self, n):
+        return self.rng.random((n, self.dimension))
+
+    def tell(self, x, f):
+        self.seen.append((x.shape, f.shape))
+        self.told = f
+
+
+class TestAskTell:
+    def test_it_is_asked_for_its_agents_until_the_budget_ends_and_keeps_no_state(self, sphere):
+        optimizer = Recorder()
+        solve(sphere, optimizer, budget=10)
+        assert optimizer.seen == [((4, 3), (4,))] * 2
+        assert not hasattr(optimizer, "told")
+        assert solve(sphere, optimizer, budget=10).fun == solve(sphere, Recorder(), budget=10).fun
+
+    def test_cma_is_an_optimizer_in_ten_lines(self, sphere):
+        @dataclass(frozen=True)
+        class PyCMA(AskTell):
+            agents: int = 8
+
+            def start(self, objective, rng):
+                import cma
+
+                box = [objective.lower, objective.upper]
+                options = {"bounds": box, "popsize": self.agents, "seed": int(rng.integers(1, 2**31)), "verbose": -9}
+                self.search = cma.CMAEvolutionStrategy(objective.initial(1)[0], 0.5, options)
+
+            def ask(self, n):
+                return self.search.ask(n)
+
+            def tell(self, x, f):
+                self.search.tell(list(x), list(f))
+
+        assert solve(sphere, PyCMA(), budget=400).fun == pytest.approx(0.1, abs=1e-3)
+
+    def test_optuna_is_one(self, sphere):
+        optuna = pytest.importorskip("optuna")
+        optuna.logging.set_verbosity(optuna.logging.ERROR)
+
+        @dataclass(frozen=True)
+        class TPE(AskTell):
+            def start(self, objective, rng):
+                box = zip(objective.lower, objective.upper, strict=True)
+                self.space = {f"x{j}": optuna.distributions.FloatDistribution(*ends) for j, ends in enumerate(box)}
+                self.study = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=int(rng.integers(2**31))))
+
+            def ask(self, n):
+                self.trial = self.study.ask(self.space)
+                return list(self.trial.params.values())
+
+            def tell(self, x, f):
+                self.study.tell(self.trial, f[0])
+
+        assert solve(sphere, TPE(), budget=30).nfev == 30
+
+    def test_nevergrad_is_one(self, sphere):
+        nevergrad = pytest.importorskip("nevergrad")
+
+        @dataclass(frozen=True)
+        class OnePlusOne(AskTell):
+            def start(self, objective, rng):
+                box = nevergrad.p.Array(init=objective.initial(1)[0], lower=objective.lower, upper=objective.upper)
+                box.random_state.seed(int(rng.integers(2**31)))
+                self.search = nevergrad.optimizers.OnePlusOne(parametrization=box, budget=objective.budget)
+
+            def ask(self, n):
+                self.asked = self.search.ask()
+                return self.asked.value
+
+            def tell(self, x, f):
+                self.search.tell(self.asked, f[0])
+
+        assert solve(sphere, OnePlusOne(), budget=30).nfev == 30
+
+
+@pytest.mark.slow
+def test_a_program_keeps_the_contract(climb):
+    from bench import check_optimizer
+
+    assert check_optimizer(climb("climb.c")).passed
