@@ -108,7 +108,7 @@ def run(
         study = folder.claim(study)
         repaired = repair(folder, study.trials)  # before anything else reads the store
         before = folder.trials_asked()
-        folder.note_fingerprints(checked.fingerprints)
+        folder.refuse_changes(checked.fingerprints)  # once more, as they may lie in what was repaired
         plan = _plan(study, folder, part, repaired)
         display = held.enter_context(displayed(progress))
         if display is not None:

@@ -88,10 +88,6 @@ class KilledError(RuntimeError):
     """The supervisor was ended by another thread."""
 
 
-class _KilledFromOutsideError(RuntimeError):
-    """A process was ended by a signal that it may not have sent itself."""
-
-
 def check(task: Task) -> Checked:
     """Load all plug-ins of a study (:meth:`bench.study.Study.check`), the optimizers of each package in their own copy.
 
@@ -210,41 +206,33 @@ class Supervisor:
 
     def _insist(self, work: Callable[[Job], _Found]) -> _Found | Row:
         """Return what ``work`` finds with the processes, or the row of its failure; repeat it where one is killed."""
-        lost = ""
         for _ in range(ATTEMPTS):
+            self._doing, lost = "", ""
+            found: _Found | Row = {}
             try:
-                found = self._try(work, self._started())
-            except _KilledFromOutsideError as error:
-                lost = str(error)
+                found = work(self._started())
             except LostError:
                 lost = "its process or one that it was forked from was ended or stopped"
-            else:
-                if not self._killed:
-                    return found
+            except DiedError as error:
+                found = failed(_why_it_ended(error))
+                lost = f"its process ended with {error}" if error.code in KILLED else ""
+            except TimeExceededError as error:
+                where = f"{self._doing}, after {error}" if self._doing else f"after {error}, the limit of a trial"
+                found = {"status": "timeout", "error": f"stopped {where} (--timeout)"}
+            except MemoryExceededError as error:
+                found = failed(f"{error} (--memory)")
+            except PrintedTooMuchError:
+                found = failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
+            except RefusedError as error:
+                found = failed(f"its answer is refused: {error}")
+            except (RemoteError, ValueError) as error:  # ValueError: metrics or variables that are no columns
+                found = failed(f"{error} {self._doing}".strip())
+            if not (lost or self._killed):
+                return found
             self.close()  # what killed one process may have killed or stopped others
             if self._killed:
                 raise KilledError
         return failed(f"{lost} twice; the machine may be short of memory")
-
-    def _try(self, work: Callable[[Job], _Found], job: Job) -> _Found | Row:
-        self._doing = ""
-        try:
-            return work(job)
-        except TimeExceededError as error:
-            where = f"{self._doing}, after {error}" if self._doing else f"after {error}, the limit of a trial"
-            return {"status": "timeout", "error": f"stopped {where} (--timeout)"}
-        except MemoryExceededError as error:
-            return failed(f"{error} (--memory)")
-        except PrintedTooMuchError:
-            return failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
-        except DiedError as error:
-            if error.code in KILLED:
-                raise _KilledFromOutsideError(f"its process ended with {error}") from error
-            return failed(_why_it_ended(error))
-        except RefusedError as error:
-            return failed(f"its answer is refused: {error}")
-        except (RemoteError, ValueError) as error:  # ValueError: metrics or variables that are no columns
-            return failed(f"{error} {self._doing}".strip())
 
     def _claim(self, trial: Trial, job: Job) -> Row | _Claim:
         """Have a trial made; return what its optimizer's process claims, or the row where another one kept account."""

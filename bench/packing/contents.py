@@ -16,7 +16,7 @@ SUMS = "SHA256SUMS"
 PAGE, MANIFEST = "report.html", ".report.json"  # as bench.report writes them
 
 REQUIRED = (notes.STUDY, TRIALS, notes.ENVIRONMENT)
-NOTES = (notes.DATA, notes.CODE, notes.DESCRIPTIONS, notes.CHECKS, notes.VERIFICATION, notes.KILLED)
+NOTES = (notes.DESCRIPTIONS, notes.CHECKS, notes.VERIFICATION, notes.KILLED)
 """Notes that belong in an archive. Those on one moment of one machine do not: when the store was last checked, who is
 writing, and the lock."""
 
@@ -26,8 +26,6 @@ DESCRIPTIONS = {
     notes.ENVIRONMENT: (
         "The environments", "Versions, machine, commit, command, and hashes of study and data of every run.",
     ),
-    notes.DATA: ("Hashes of the problems' data", "By problem; empty where a problem's name determines its data."),
-    notes.CODE: ("Hashes of the optimizers' code", "SHA-256 by optimizer, of those that were given as a file."),
     notes.DESCRIPTIONS: ("Optimizers", "How the plug-ins described the optimizers: works, parameters and defaults."),
     notes.CHECKS: ("Checks of the optimizers", "What 'bench check' found: the contract, and biases."),
     notes.VERIFICATION: ("Verification", "What 'bench verify' found when it made trials again."),

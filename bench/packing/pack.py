@@ -68,7 +68,7 @@ def pack(
         raise BenchError(f"{target} is a folder; give the path of a file to write")
     if target.exists() and not (target.is_file() and zipfile.is_zipfile(target)):
         raise BenchError(f"{target} is another file than an archive; give another --output")
-    folder.fingerprints(), folder.checks(), folder.noted(VERIFICATION)  # raise where a note is damaged
+    folder.checks(), folder.noted(VERIFICATION)  # raise where a note is damaged
     reported = report_files(folder.path)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)

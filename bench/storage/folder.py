@@ -27,8 +27,6 @@ from bench.study import Fingerprints, Study
 
 STUDY = "study.toml"
 ENVIRONMENT = "environment.json"
-DATA = "data.json"
-CODE = "code.json"
 CHECKS = "checks.json"
 VERIFICATION = "verification.json"
 DESCRIPTIONS = "optimizers.json"
@@ -36,9 +34,6 @@ STORE = "store.json"
 KILLED = "killed.json"
 
 _CHANGED = (("data of problem", "data sets"), ("code of optimizer", "versions"))
-_REMOVED = dict.fromkeys((DATA, CODE), ": the store also notes what its trials were made with") | {
-    STORE: ": 'bench status --check' writes it again"
-}
 _CLOCKS = 2.0  # seconds by which two clocks may differ at the same moment
 
 
@@ -111,41 +106,27 @@ class Folder:
         return self.study()
 
     def fingerprints(self) -> Fingerprints:
-        """Return the noted fingerprints of data and code; raises BenchError where a note is damaged."""
-        return Fingerprints(self._fingerprints(DATA), self._fingerprints(CODE))
+        """Return the fingerprints of the data and the code that trials were made with, as the store notes them."""
+        environments: list[dict[str, Any]] = []
+        with suppress(DamagedStoreError):  # a run repairs the store before it makes trials
+            environments = self.environments()
+        found: tuple[dict[str, str], dict[str, str]] = {}, {}
+        for record in environments:
+            for key, labels in zip(("data", "code"), found, strict=True):
+                noted = record.get(key)
+                for label, fingerprint in noted.items() if isinstance(noted, dict) else ():
+                    labels.setdefault(label, fingerprint)
+        return Fingerprints(*found)
 
-    def note_fingerprints(self, found: Fingerprints) -> None:
-        """Note the fingerprints of data and code; refuse changed ones as :meth:`refuse_changes` does."""
-        noted = self.refuse_changes(found)
-        for file, before, now in zip((DATA, CODE), noted, found, strict=True):
-            if now:
-                self.note(file, before | now)
-
-    def refuse_changes(self, found: Fingerprints) -> Fingerprints:
-        """Return the noted fingerprints; raises BenchError for data or code that changed since they were noted."""
-        noted = self.fingerprints()
-        for (what, kinds), before, now in zip(_CHANGED, noted, found, strict=True):
+    def refuse_changes(self, found: Fingerprints) -> None:
+        """Raise BenchError for data or code that changed since trials were made with it."""
+        for (what, kinds), before, now in zip(_CHANGED, self.fingerprints(), found, strict=True):
             for label, fingerprint in now.items():
                 if before.get(label, fingerprint) != fingerprint:
                     raise BenchError(
                         f"the {what} {label!r} changed since {self.path} was begun, and its trials would mix two "
                         f"{kinds}; put it back or give another --output"
                     )
-        return noted
-
-    def _fingerprints(self, file: str) -> dict[str, str]:
-        """Return a file's fingerprints by label, or those of the store's environments where the file is missing."""
-        if os.path.exists(self.path / file):  # noqa: PTH110 - Path.exists raises without permission
-            noted = self.noted(file)
-            if not all(isinstance(each, str) for each in noted.values()):
-                raise self._damaged(file)
-            return noted
-        key = Path(file).stem
-        environments = []
-        with suppress(DamagedStoreError):  # a run rescues what can be read, before it notes fingerprints
-            environments = self.environments()
-        records = [each for record in environments if isinstance(each := record.get(key), dict)]
-        return {label: fingerprint for each in records for label, fingerprint in each.items() if fingerprint}
 
     def noted(self, name: str) -> dict[str, Any]:
         """Return the content of a note, by the name of its JSON file such as ``CHECKS``; empty where it is missing.
@@ -260,8 +241,8 @@ class Folder:
         return None
 
     def _damaged(self, name: str) -> BenchError:
-        file, why = self.path / name, _REMOVED.get(name, "")
-        return BenchError(f"{file} is damaged; restore it from a copy, or remove it{why}")
+        why = ": 'bench status --check' writes it again" if name == STORE else ""
+        return BenchError(f"{self.path / name} is damaged; restore it from a copy, or remove it{why}")
 
     def _write(self, name: str, text: str) -> None:
         with replacing(self.path / name) as temporary:

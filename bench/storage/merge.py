@@ -51,7 +51,7 @@ def merge(folders: Sequence[str | PathLike[str]], output: str | PathLike[str]) -
         notes = []
         with target.store.writer() as writer:
             for source in sources:
-                target.note_fingerprints(source.fingerprints())
+                target.refuse_changes(source.fingerprints())
                 found = source.check_store()
                 with source.store.reader() as reader:
                     new, old = copy(reader.sound(), reader.environments(), writer, str(source.path))

@@ -11,6 +11,7 @@ from bench import BenchError, Results, Study, load_results, run, solve
 from bench.execution.runner import plan
 from bench.storage.folder import Folder
 from bench.study import Entry, Fingerprints
+from tests.bench.storage.filled import change_record
 
 TIMES = ["wall_s", "cpu_s", "objective_s"]
 
@@ -150,14 +151,13 @@ def test_data_that_changed_under_a_study_is_refused(tmp_path):
                 run(study, tmp_path / "out", n_jobs=1)
 
 
-@pytest.mark.parametrize("file", ["data.json", "code.json", "verification.json", "checks.json", "study.toml"])
+@pytest.mark.parametrize("file", ["verification.json", "checks.json", "study.toml"])
 @pytest.mark.parametrize("content", ['{"sphere-2": "f0', "[]", "\xff"])
 def test_a_damaged_file_of_a_folder_is_never_passed_over(small_study, file, content, tmp_path):
     folder = Folder(tmp_path)
     folder.claim(small_study)
     (tmp_path / file).write_text(content, encoding="latin-1")
     uses = {
-        "data.json": folder.fingerprints, "code.json": folder.fingerprints,
         "verification.json": lambda: folder.noted(file), "checks.json": folder.checks,
         "study.toml": lambda: folder.claim(small_study),
     }  # fmt: skip
@@ -168,22 +168,17 @@ def test_a_damaged_file_of_a_folder_is_never_passed_over(small_study, file, cont
     assert "\n" not in str(caught.value)
 
 
-def test_what_a_missing_note_said_is_known_from_the_store(small_study, tmp_path):
+def test_other_data_or_code_than_that_of_stored_trials_is_refused(small_study, tmp_path):
     run(small_study.override(trials=1), tmp_path, n_jobs=1)
     folder = Folder(tmp_path)
-    with folder.store.writer() as writer:
-        record = folder.environments()[0]
-        changed = {"data": {"sphere-2": "f00"}, "code": {"scatter": "ba7", "early": ""}}
-        writer.change(1, record | changed)
-    for file in ("data.json", "code.json", "environment.json"):
-        (tmp_path / file).unlink(missing_ok=True)
+    change_record(tmp_path, data={"sphere-2": "f00"}, code={"scatter": "ba7"})
+    (tmp_path / "environment.json").unlink()
     assert folder.fingerprints() == ({"sphere-2": "f00"}, {"scatter": "ba7"})
     with pytest.raises(BenchError, match="the data of problem 'sphere-2' changed since"):
-        folder.note_fingerprints(Fingerprints({"sphere-2": "f01"}, {}))
+        folder.refuse_changes(Fingerprints({"sphere-2": "f01"}, {}))
     with pytest.raises(BenchError, match="the code of optimizer 'scatter' changed since"):
-        folder.note_fingerprints(Fingerprints({}, {"scatter": "f01"}))
-    folder.note_fingerprints(Fingerprints({"sphere-2": "f00", "sphere-3": "new"}, {}))
-    assert folder.fingerprints().data == {"sphere-2": "f00", "sphere-3": "new"}
+        folder.refuse_changes(Fingerprints({}, {"scatter": "f01"}))
+    folder.refuse_changes(Fingerprints({"sphere-2": "f00", "sphere-3": "new"}, {}))
 
 
 @pytest.mark.slow

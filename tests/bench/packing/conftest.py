@@ -22,7 +22,6 @@ def whole(tmp_path_factory):
     (folder.path / "study.toml").write_text(Study.from_dict(study).to_toml())
     add_missing(folder)
     folder.write_environments()
-    (folder.path / "data.json").write_text(json.dumps(dict.fromkeys(PROBLEMS, "")))
     (folder.path / "tables").mkdir()
     (folder.path / "tables" / "cells.csv").write_text("problem,median\nsphere-2,0.5\n")
     (folder.path / "report.html").write_text("<!doctype html><title>A small study</title>")

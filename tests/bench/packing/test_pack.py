@@ -13,7 +13,7 @@ from tests.bench.storage.filled import TRIALS
 
 def test_an_archive_holds_results_study_environments_hashes_and_report(content):
     assert sorted(content) == [
-        ".report.json", "SHA256SUMS", "data.json", "environment.json", "report.html", "ro-crate-metadata.json",
+        ".report.json", "SHA256SUMS", "environment.json", "report.html", "ro-crate-metadata.json",
         "study.toml", "tables/cells.csv", "trials.sqlite",
     ]  # fmt: skip
 

@@ -7,6 +7,7 @@ import pandas as pd
 
 from bench import BenchError, Results
 from bench.objective import Trace
+from bench.storage.folder import Folder
 from bench.storage.repair import repair
 from bench.trial import Trial
 
@@ -47,6 +48,13 @@ def add_missing(folder):
 
 def traces(results):
     return {key: (each.evaluations.tobytes(), each.values.tobytes()) for key, each in results.traces.items()}
+
+
+def change_record(path, **changes):
+    """Change the first environment's record in the store of a folder."""
+    folder = Folder(path)
+    with folder.store.writer() as writer:
+        writer.change(1, folder.environments()[0] | changes)
 
 
 def assert_repaired(folder, whole):

@@ -193,7 +193,6 @@ def test_a_store_that_is_deleted_during_a_run_is_an_error_and_its_trials_are_mad
     assert checked.returncode == 1
     assert f"{lost} of {lost} committed trials are missing" in checked.stdout
     (tmp_path / "hostile.py").write_text(DELETES.format(path=""))
-    (out / "code.json").unlink()
     (out / "environment.json").unlink(missing_ok=True)
     again = bench_here("run", study, "--output", out, "--jobs", 1, "--no-report")
     assert again.returncode == 0, again.stderr

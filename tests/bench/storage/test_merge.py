@@ -1,6 +1,5 @@
 """Shards, merging and verifying: what many machines make is one study, the same bit by bit."""
 
-import json
 import shutil
 
 import pandas as pd
@@ -12,6 +11,7 @@ from bench.storage.folder import Folder
 from bench.storage.merge import merge
 from bench.storage.store import Store
 from tests.bench.storage.changes import SCATTER, change, forge
+from tests.bench.storage.filled import change_record
 
 TIMES = ["wall_s", "cpu_s", "objective_s"]
 
@@ -115,8 +115,7 @@ def test_what_cannot_be_merged_is_refused(whole, tmp_path):
 
 def test_other_data_is_refused(copied, tmp_path):
     _, place = copied
-    noted = json.loads((place / "shard-2" / "data.json").read_text())
-    (place / "shard-2" / "data.json").write_text(json.dumps(noted | {"sphere-2": "f00"}))
+    change_record(place / "shard-2", data={"sphere-2": "f00"})
     with pytest.raises(BenchError, match="data of problem 'sphere-2' changed"):
         merge([place / "shard-1", place / "shard-2"], tmp_path / "united")
 
@@ -170,7 +169,7 @@ def test_verify_refuses_what_it_cannot_make_again(copied, tmp_path):
     _, place = copied
     with pytest.raises(BenchError, match="at least 1"):
         verify(place / "whole", trials=0)
-    (place / "whole" / "data.json").write_text(json.dumps({"sphere-2": "f00"}))
+    change_record(place / "whole", data={"sphere-2": "f00"})
     with pytest.raises(BenchError, match="data of problem 'sphere-2' changed"):
         verify(place / "whole")
     faulty = Study.from_dict({"name": "f", "trials": 1, "budget": 30, "problems": [{"name": "sphere-2"}],

@@ -1,7 +1,5 @@
 """Reading one folder, and several beside each other."""
 
-import json
-
 import pandas as pd
 import pytest
 
@@ -9,6 +7,7 @@ from bench import BenchError, Results, Study, load_results, run
 from bench.storage.folder import Folder
 from bench.study import Entry
 from tests.bench.export.made import make, some_fail
+from tests.bench.storage.filled import change_record
 
 
 @pytest.fixture
@@ -70,9 +69,8 @@ def test_what_cannot_be_compared_is_refused(ran):
     with pytest.raises(BenchError, match="given twice"):
         Results(one, one)
     other = ran("data")
-    noted = json.loads((other / "data.json").read_text())
-    (other / "data.json").write_text(json.dumps(noted | {"sphere-2": "f00"}))
-    (one / "data.json").write_text(json.dumps(noted | {"sphere-2": "ba7"}))
+    change_record(other, data={"sphere-2": "f00"})
+    change_record(one, data={"sphere-2": "ba7"})
     with pytest.raises(BenchError, match="other data"):
         Results(one, other)
 
@@ -88,7 +86,7 @@ def test_a_problem_whose_options_differ_is_refused(ran):
 def test_a_problem_whose_data_changed_is_not_loaded(ran):
     folder = ran("one")
     assert Results(folder).problem("sphere-2").dimension == 2
-    (folder / "data.json").write_text(json.dumps({"sphere-2": "f00"}))
+    change_record(folder, data={"sphere-2": "f00"})
     with pytest.raises(BenchError, match="no longer what the trials were made with"):
         Results(folder).problem("sphere-2")
 

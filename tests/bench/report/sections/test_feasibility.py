@@ -11,7 +11,7 @@ from bench.report.findings import Findings
 from bench.report.methods import methods
 from bench.report.sections import comparison, feasibility
 from bench.storage.folder import Folder
-from bench.study import Entry, Fingerprints
+from bench.study import Entry
 from tests.bench.report.conftest import finished
 
 NONE = {"fun": np.inf, "trace": Trace(np.array([], dtype=np.int64), np.array([]))}
@@ -26,9 +26,9 @@ def written(path, noted=True):
     folder, rng = Folder(path), np.random.default_rng(0)
     path.mkdir()
     folder.claim(study)
-    if noted:
-        folder.note_fingerprints(Fingerprints({"ring-2": study.problem("ring-2").fingerprint()}, {}))
     with folder.store.writer() as writer:
+        if noted:
+            writer.environment({"data": {"ring-2": study.problem("ring-2").fingerprint()}})
         for trial in study.plan():
             lost = trial.key == ("ring-2", "scatter", 0)
             writer.add(trial, finished(10.0, rng) | (NONE if lost else {}))

@@ -11,7 +11,7 @@ from bench.plots import style
 from bench.report import Table
 from bench.report.write import save_figure
 from bench.storage.folder import Folder
-from bench.study import Entry, Fingerprints
+from bench.study import Entry
 from problems.backlash.published.recordings import table_7_3
 from problems.backlash.report import noise, sections
 from problems.backlash.signature.problem import Fit, SignatureFit
@@ -171,7 +171,8 @@ def test_other_problems_have_no_such_section_whatever_their_label(tmp_path):
 
 def test_a_problem_whose_data_changed_has_no_best_fit(tmp_path):
     make(tmp_path / "s", [at(2), at(3)], lambda a, trial: a)
-    Folder(tmp_path / "s").note_fingerprints(Fingerprints({"noisy-02": "of other data"}, {}))
+    with Folder(tmp_path / "s").store.writer() as writer:
+        writer.environment({"data": {"noisy-02": "of other data"}})
     results = Results(tmp_path / "s")
     assert table(results, "table-7-3-best-fit").index.tolist() == ["noisy-03"]
 

@@ -11,7 +11,7 @@ from bench.plots import style
 from bench.report import Figure, Table
 from bench.report.write import save_figure
 from bench.storage.folder import Folder
-from bench.study import Entry, Fingerprints, Study
+from bench.study import Entry, Study
 from problems.backlash.report import accuracy, fitting_errors, levels, sections
 from problems.backlash.signature.problem import TOLERANCE_RAD, TOLERANCE_RPM, Fit, SignatureFit
 
@@ -281,7 +281,8 @@ def test_the_simulated_datasets_have_steps_like_the_thesis_s():
 
 def test_data_that_changed_is_said_and_left_out(tmp_path):
     make(tmp_path / "s")
-    Folder(tmp_path / "s").note_fingerprints(Fingerprints({"signature-03": "of other data"}, {}))
+    with Folder(tmp_path / "s").store.writer() as writer:
+        writer.environment({"data": {"signature-03": "of other data"}})
     results = Results(tmp_path / "s")
     (warning,) = views(results)[0].warnings
     assert warning.startswith("The expected values of signature-03 are not known here and left out: the data of")
