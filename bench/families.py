@@ -36,6 +36,12 @@ def dimension_in(name: str) -> int | None:
     return int(found[1]) if found else None
 
 
+def function_of(name: str) -> str:
+    """Return the name of a problem without its instance: ``"bbob-f08-d5"`` of ``"bbob-f08-d5-i1"``."""
+    before, mark, instance = name.rpartition("-i")
+    return before if mark and instance.isdigit() else name
+
+
 @dataclass(frozen=True)
 class Grid:
     """The problems of a suite by function, dimension and instance.

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from bench import analysis
 from bench.errors import BenchError
-from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of, readme, readme_lines
+from bench.export.trials import OTHERS, ExportedCell, ExportedTrial, exported_cells, folders_of, readme, readme_lines
 from bench.storage.results import ProblemFacts, Results
 from bench.typing import Floats
 
@@ -41,7 +41,6 @@ SUITES = {
 """The functions of the suites that cocopp knows."""
 
 CONSTRAINED = "bbob-constrained"  # its functions stand for problems of no suite, too
-OTHERS = "other-problems"  # the folder of these problems in a study of several suites
 PRECISION = 1e-8  # cocopp distinguishes no smaller difference
 SMALLEST = 1e-12  # cocopp takes logarithms: a difference must be positive
 INFINITE = 3e21  # COCO writes this value for infinity

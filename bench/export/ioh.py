@@ -1,7 +1,11 @@
 """The format of IOHprofiler, for IOHanalyzer and iohinspector.
 
-Each optimizer has a folder with a JSON file about the runs on each problem and a ``.dat`` file of their best-so-far
-values. A run is logged at its first evaluation, at every improvement and at its last evaluation.
+Each optimizer has a folder with a JSON file about the runs on each function and, for each dimension, a ``.dat`` file of
+their best-so-far values. A run is logged at its first evaluation, at every improvement and at its last evaluation.
+
+Problems of a suite keep its function and instance. Their values are logged less f_opt, as IOHexperimenter logs those of
+BBOB, so that instances can be put together; f_opt is an attribute of each run. bbob has IOHexperimenter's names of
+suite and functions, so that readers lay it over data of that package. Every other problem is a function of its own.
 
 Source: J. de Nobel, F. Ye, D. Vermetten, H. Wang, C. Doerr, T. Bäck, "IOHexperimenter: Benchmarking Platform for
 Iterative Optimization Heuristics", Evolutionary Computation 32(3), 2024.
@@ -11,17 +15,61 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 from bench.errors import BenchError
-from bench.export.trials import ExportedCell, ExportedTrial, exported_cells, folders_of, readme, readme_lines
+from bench.export.trials import (
+    OTHERS,
+    ExportedCell,
+    ExportedTrial,
+    exported_cells,
+    folders_of,
+    readme,
+    readme_lines,
+)
 from bench.helpers.text import file_name
+from bench.objective import Trace
 from bench.storage.results import Results
 
 VERSION = "0.3.22"  # of the format
-LARGEST_FUNCTION = 2**16 - 1  # readers store a function's number in 16 bits
+LARGEST = 2**16 - 1  # readers store numbers of functions and instances in 16 bits
 COLUMNS = ["evaluations", "raw_y"]
+F_OPT = "f_opt"
+"""The attribute of a run that has what its logged values lack; runs on problems of no suite do not have it."""
+
+BBOB = (
+    "Sphere", "Ellipsoid", "Rastrigin", "BuecheRastrigin", "LinearSlope", "AttractiveSector", "StepEllipsoid",
+    "Rosenbrock", "RosenbrockRotated", "EllipsoidRotated", "Discus", "BentCigar", "SharpRidge", "DifferentPowers",
+    "RastriginRotated", "Weierstrass", "Schaffers10", "Schaffers1000", "GriewankRosenBrock", "Schwefel",
+    "Gallagher101", "Gallagher21", "Katsuura", "LunacekBiRastrigin",
+)  # fmt: skip
+"""IOHexperimenter's names of the functions of BBOB, which SBOX has too."""
+
+SUITES = {"bbob": "BBOB", "sbox-cost": "SBOX"}
+"""The suites with these functions, and what IOHexperimenter calls them."""
+
+
+class Place(NamedTuple):
+    """What a problem is for readers: the suite, the function's number and name, and the instance.
+
+    ``optimum`` is what logged values lack, None for a problem of no suite.
+    """
+
+    suite: str
+    function: int
+    name: str
+    instance: int
+    optimum: float | None
+
+    @property
+    def folder(self) -> str:
+        """The folder of the suite, in a study of several."""
+        return OTHERS if self.optimum is None else file_name(self.suite.lower())
+
+
+Runs = list[tuple[Place, ExportedTrial]]
 
 
 def files(results: Results) -> Iterator[tuple[str, str]]:
@@ -30,57 +78,102 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
     Raises:
         BenchError: when no trial finished, or the study has more problems than the format can number.
     """
-    if len(results.study.problems) > LARGEST_FUNCTION:
-        raise BenchError(f"the ioh format holds at most {LARGEST_FUNCTION:,} problems; export fewer of them at a time")
-    folders = folders_of(results)
+    if len(results.study.problems) > LARGEST:
+        raise BenchError(f"the ioh format holds at most {LARGEST:,} problems; export fewer of them at a time")
+    places, folders = places_in_ioh(results), folders_of(results)
+    several = len({place.folder for place in places.values()}) > 1
+    functions: dict[tuple[str, str, int], list[ExportedCell]] = {}
+    for cell in exported_cells(results):
+        place = places[cell.problem]
+        functions.setdefault((place.folder if several else ".", cell.optimizer, place.function), []).append(cell)
     attributes = _experiment_attributes(results.environments)
     return (
-        (f"{folders[cell.optimizer]}/{path}", text)
-        for cell in exported_cells(results)
-        for path, text in _cell_files(cell, results.study.name, attributes)
+        (f"{suite}/{folders[optimizer]}/{path}".removeprefix("./"), text)
+        for (suite, optimizer, _), cells in functions.items()
+        for path, text in _function_files(cells, places, attributes)
     )
 
 
 def about(results: Results) -> str:
     """Return the export's README."""
-    functions = dict(enumerate((entry.label for entry in results.study.problems), start=1))
+    named = {f"{place.suite} {place.function}": place.name for place in places_in_ioh(results).values()}
     folders = {folder: label for label, folder in folders_of(results).items()}
-    return readme("ioh", functions=readme_lines(functions), folders=readme_lines(folders))
+    return readme("ioh", functions=readme_lines(named), folders=readme_lines(folders))
 
 
-def _cell_files(cell: ExportedCell, suite: str, attributes: list[dict[str, str]]) -> Iterator[tuple[str, str]]:
-    name = f"f{cell.function}_{file_name(cell.problem)}"
-    data = f"data_{name}/IOHprofiler_f{cell.function}_DIM{cell.dimension}.dat"
+def places_in_ioh(results: Results) -> dict[str, Place]:
+    """Return the place of each problem, by label: in its suite where its label is its name there, else in the study."""
+    numbers: dict[tuple[str, str], int] = {}
+    found = {}
+    for number, entry in enumerate(results.study.problems, start=1):
+        facts = results.facts(entry.label)
+        suite, function = str(facts.features.get("suite", "")), str(facts.features.get("function", ""))
+        instance = facts.features.get("instance", 1)
+        if not suite or not function or entry.label != entry.name or not 0 < int(instance) <= LARGEST:
+            found[entry.label] = Place(results.study.name, number, entry.label, 1, None)
+            continue
+        if named := re.fullmatch(r"f(\d+)", function):
+            own = int(named[1])
+        else:
+            own = numbers.setdefault((suite, function), sum(known == suite for known, _ in numbers) + 1)
+        name = BBOB[own - 1] if suite in SUITES else function
+        found[entry.label] = Place(SUITES.get(suite, suite), own, name, int(instance), facts.optimum or 0.0)
+    return found
+
+
+def _function_files(
+    cells: list[ExportedCell], places: dict[str, Place], attributes: list[dict[str, str]]
+) -> Iterator[tuple[str, str]]:
+    """Yield the files of an optimizer's runs on a function: one index, and a log for each dimension."""
+    place = places[cells[0].problem]
+    name = f"f{place.function}_{file_name(place.name.lower())}"
+    scenarios: dict[int, Runs] = {}
+    for cell in sorted(cells, key=lambda cell: (cell.dimension, places[cell.problem].instance)):
+        scenarios.setdefault(cell.dimension, []).extend((places[cell.problem], trial) for trial in cell.trials)
+    logs = {dimension: f"data_{name}/IOHprofiler_f{place.function}_DIM{dimension}.dat" for dimension in scenarios}
     head = {
         "version": VERSION,
-        "suite": suite,
-        "function_id": cell.function,
-        "function_name": cell.problem,
+        "suite": place.suite,
+        "function_id": place.function,
+        "function_name": place.name,
         "maximization": False,
-        "algorithm": {"name": cell.optimizer, "info": ""},
+        "algorithm": {"name": cells[0].optimizer, "info": ""},
         "experiment_attributes": attributes,
-        "run_attributes": ["trial", "seed"],
+        "run_attributes": ["trial", "seed", *([] if place.optimum is None else [F_OPT])],
         "attributes": COLUMNS,
-        "scenarios": [{"dimension": cell.dimension, "path": data, "runs": [_run(trial) for trial in cell.trials]}],
+        "scenarios": [
+            {"dimension": dimension, "path": logs[dimension], "runs": [_run(*run) for run in runs]}
+            for dimension, runs in scenarios.items()
+        ],
     }
     yield f"IOHprofiler_{name}.json", json.dumps(head, indent=1, allow_nan=False) + "\n"
-    yield data, "".join(_log(trial) for trial in cell.trials)
+    for dimension, runs in scenarios.items():
+        yield logs[dimension], "".join(_log(*run) for run in runs)
 
 
-def _run(trial: ExportedTrial) -> dict[str, Any]:
-    """Return the entry of a trial; every trial meets the same problem, so all are of instance 1."""
-    found = len(trial.trace.values) > 0
+def _run(place: Place, trial: ExportedTrial) -> dict[str, Any]:
+    """Return the entry of a trial."""
+    trace = _above(place, trial)
+    found = len(trace.values) > 0
     best = {
-        "evals": int(trial.trace.evaluations[-1]) if found else trial.nfev,
-        "y": float(trial.trace.values[-1]) if found else None,
+        "evals": int(trace.evaluations[-1]) if found else trial.nfev,
+        "y": float(trace.values[-1]) if found else None,
         "x": [value if math.isfinite(value) else None for value in trial.x.tolist()],
     }
-    return {"instance": 1, "evals": trial.nfev, "best": best, "trial": trial.number, "seed": trial.seed}
+    own = {} if place.optimum is None else {F_OPT: place.optimum}
+    return {
+        "instance": place.instance, "evals": trial.nfev, "best": best, "trial": trial.number, "seed": trial.seed, **own
+    }  # fmt: skip
 
 
-def _log(trial: ExportedTrial) -> str:
+def _above(place: Place, trial: ExportedTrial) -> Trace:
+    """Return a trial's trace less f_opt."""
+    return Trace(trial.trace.evaluations, trial.trace.values - (place.optimum or 0.0))
+
+
+def _log(place: Place, trial: ExportedTrial) -> str:
     """Return the rows of a trial under their header; Python's shortest exact decimals lose no digit."""
-    rows = zip(trial.evaluations.tolist(), trial.trace.at(trial.evaluations).tolist(), strict=True)
+    rows = zip(trial.evaluations.tolist(), _above(place, trial).at(trial.evaluations).tolist(), strict=True)
     return "".join([f"{' '.join(COLUMNS)}\n", *(f"{evaluation} {value!r}\n" for evaluation, value in rows)])
 
 

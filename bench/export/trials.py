@@ -18,6 +18,9 @@ from bench.objective import Trace
 from bench.storage.results import Results
 from bench.typing import Floats
 
+OTHERS = "other-problems"
+"""The folder of problems of no suite, in a study of several suites."""
+
 
 @dataclass(frozen=True)
 class ExportedTrial:
@@ -39,7 +42,6 @@ class ExportedTrial:
 class ExportedCell:
     """The finished trials of an optimizer on a problem, both by label; there is at least one."""
 
-    function: int  # the problem's number within the study, from 1
     problem: str
     optimizer: str
     dimension: int  # search variables
@@ -65,7 +67,7 @@ def exported_cells(results: Results) -> list[ExportedCell]:
         for optimizer, own in here.groupby("optimizer", observed=True)
     }
     for optimizer in results.study.optimizers:
-        for number, problem in enumerate(results.study.problems, start=1):
+        for problem in results.study.problems:
             own = by_cell.get((problem.label, optimizer.label))
             if own is None:
                 continue
@@ -77,7 +79,7 @@ def exported_cells(results: Results) -> list[ExportedCell]:
                 for trial, seed, nfev, x in zip(*columns, strict=True)
             )
             dimension = points.shape[1] or results.dimension(problem.label)
-            cells.append(ExportedCell(number, problem.label, optimizer.label, dimension, trials))
+            cells.append(ExportedCell(problem.label, optimizer.label, dimension, trials))
     return cells
 
 

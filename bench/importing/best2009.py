@@ -18,6 +18,7 @@ from pathlib import Path
 import pandas as pd
 
 from bench.errors import BenchError
+from bench.families import function_of
 from bench.importing import coco, naming
 from bench.importing.source import opened
 
@@ -47,12 +48,6 @@ def best2009(names: Iterable[str]) -> pd.DataFrame:
             "has no such problem; do without it"
         )
     return pd.concat(tables, ignore_index=True)
-
-
-def function_of(name: str) -> str:
-    """Return the name of a problem without its instance: ``"bbob-f08-d5"`` of ``"bbob-f08-d5-i1"``."""
-    before, mark, instance = name.rpartition("-i")
-    return before if mark and instance.isdigit() else name
 
 
 @cache

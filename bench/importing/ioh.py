@@ -1,7 +1,8 @@
 """Read the format of IOHprofiler: a JSON file about the runs on a function, and logs (``.dat``) of each dimension.
 
-``raw_y`` is the objective value, except in the suite BBOB, where it is the value less f_opt. Loggers write it with ten
-decimals, and the best value of a run with all digits into the JSON file, from where the last improvement is taken.
+``raw_y`` is the objective value, except in the suites BBOB and SBOX, where it is the value less f_opt. Loggers write it
+with ten decimals, and the best value of a run with all digits into the JSON file, from where the last improvement is
+taken.
 
 Source: J. de Nobel, F. Ye, D. Vermetten, H. Wang, C. Doerr, T. Bäck, "IOHexperimenter: Benchmarking Platform for
 Iterative Optimization Heuristics", Evolutionary Computation 32(3), 2024.
@@ -13,6 +14,7 @@ import math
 import re
 from collections.abc import Iterator
 from functools import partial
+from itertools import compress
 from pathlib import PurePosixPath
 from typing import Any, NamedTuple
 
@@ -20,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import BenchError
+from bench.export.ioh import BBOB, F_OPT
 from bench.helpers.parsing import parse_json
 from bench.importing import naming
 from bench.importing.runs import (
@@ -40,18 +43,10 @@ from bench.typing import Floats
 VALUE = "raw_y"
 DECIMALS = 1e-9  # to which a log and the JSON file of a run must agree
 
-BBOB = (
-    "Sphere", "Ellipsoid", "Rastrigin", "BuecheRastrigin", "LinearSlope", "AttractiveSector", "StepEllipsoid",
-    "Rosenbrock", "RosenbrockRotated", "EllipsoidRotated", "Discus", "BentCigar", "SharpRidge", "DifferentPowers",
-    "RastriginRotated", "Weierstrass", "Schaffers10", "Schaffers1000", "GriewankRosenBrock", "Schwefel",
-    "Gallagher101", "Gallagher21", "Katsuura", "LunacekBiRastrigin",
-)  # fmt: skip
-"""IOHexperimenter's names of bbob's functions, by which they are known where a log names no suite."""
+SBOX = "sbox-cost"
+"""The suite SBOX-COST, whose logs name its functions as those of bbob are named; their f_opt are the same."""
 
-GUESSED = (
-    "The logs name no suite; functions with the numbers and names of bbob's are taken for bbob's, though SBOX-COST has "
-    "the same."
-)
+GUESSED = "The logs name no suite; functions with the numbers and names of bbob's are taken for those of {}."
 
 _COLUMN = re.compile(r'"([^"]*)"|(\S+)')
 _UNNAMED = ("", "unknown_suite", "unknown suite", "no suite")
@@ -86,11 +81,17 @@ def runs(source: Source, reading: Reading) -> Iterator[Run]:
         BenchError: for a file that is no data of IOHprofiler or is cut short, and for results of maximisation.
     """
     scenarios = list(reading.each(filter(_is_index, source.files), partial(_scenarios, source)))
-    if any(
+    unnamed = [
         is_guessed(each.head.get("suite"), each.head["function_id"], each.head.get("function_name"))
         for each in scenarios
-    ):
-        reading.notes.append(GUESSED)
+    ]
+    if any(unnamed):
+        suite = "bbob" if all(map(_is_bbob, compress(scenarios, unnamed))) else SBOX
+        reading.notes.append(GUESSED.format(suite))
+        scenarios = [
+            each._replace(head=each.head | {"suite": suite}) if guessed else each
+            for each, guessed in zip(scenarios, unnamed, strict=True)
+        ]
     names = optimizer_labels(
         (each.file.parent, each.algorithm, (each.head["function_id"], each.dimension)) for each in scenarios
     )
@@ -175,13 +176,14 @@ def _block(rows: list[tuple[int, float]], log: PurePosixPath, begin: int) -> Blo
 
 
 def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: str) -> Run:
-    own = "trial" in run and "seed" in run  # this package's export, whose function names are labels of problems
-    if own:
-        problem, less = label(str(data.head.get("function_name", "")), str(data.file)), 0.0
+    own = "trial" in run and "seed" in run  # this package's export
+    name = str(data.head.get("function_name", ""))
+    if own and F_OPT not in run:  # of no suite
+        problem, less = label(name, str(data.file)), 0.0
     else:
-        name = str(data.head.get("function_name", ""))
         function = data.head["function_id"]
         problem, less = problem_of(data.head.get("suite"), function, name, data.dimension, run["instance"], data.file)
+        less = float(run[F_OPT]) if own else less
     trace = _exact(improvements(*block), run.get("best") or {}, where)
     trace = improvements(trace.evaluations, trace.values + less)
     last = int(block[0][-1]) if len(block[0]) else 0
@@ -190,6 +192,18 @@ def _run(data: _Data, algorithm: str, run: dict[str, Any], block: Block, where: 
         columns["seed"] = run["seed"]
     number = run["trial"] if own and is_whole(run["trial"]) and run["trial"] >= 0 else None
     return Run(problem, algorithm, data.dimension, max(run["evals"], last), trace, number, columns)
+
+
+def _is_bbob(data: _Data) -> bool:
+    """Return whether the first run's best value is that of bbob at its best point, or nothing shows the contrary."""
+    run = data.runs[0] if data.runs else {}
+    best = run.get("best") or {}
+    x, y = best.get("x"), best.get("y")
+    if y is None or not is_finite(y) or not isinstance(x, list) or not all(map(is_finite, x)):
+        return True
+    problem = naming.problem_name("bbob", data.head["function_id"], data.dimension, run["instance"])
+    value, optimum = naming.value(problem, x), naming.known(problem).optimum
+    return value is None or optimum is None or math.isclose(value - optimum, y, rel_tol=1e-6, abs_tol=1e-6)
 
 
 def is_guessed(suite: object, function: int | str, name: object) -> bool:
@@ -202,24 +216,25 @@ def is_guessed(suite: object, function: int | str, name: object) -> bool:
 def problem_of(
     suite: object, function: int | str, name: str, dimension: int, instance: int, file: PurePosixPath
 ) -> tuple[str, float]:
-    """Return the label of a problem, and what its raw values lack: f_opt of bbob, 0 of others.
+    """Return the label of a problem, and what its raw values lack: f_opt of bbob and SBOX-COST, 0 of others.
 
     Raises:
         BenchError: where f_opt cannot be looked up.
     """
     given = str(suite or "").strip()
-    if isinstance(function, str) or not (given.lower() == "bbob" or is_guessed(suite, function, name)):
-        return naming.problem_name(given or name, function, dimension, instance), 0.0
-    problem = naming.problem_name("bbob", function, dimension, instance)
-    optimum = naming.known(problem).optimum
-    if optimum is None:  # in other dimensions than COCO's, f_opt is the same
-        optimum = naming.known(naming.problem_name("bbob", function, 2, instance)).optimum
-    if optimum is None:
-        raise BenchError(
-            f"{file} holds values less f_opt, which cannot be looked up for {problem}; install it with: "
-            "pip install 'backlash-bench[suites]'"
-        )
-    return problem, optimum
+    shifted = {"bbob": "bbob", "sbox": SBOX, SBOX: SBOX}.get(given.lower())
+    if shifted is None and is_guessed(suite, function, name):
+        shifted = "bbob"
+    if shifted is None or isinstance(function, str):
+        return naming.problem_name(given or name, function, dimension, instance, name), 0.0
+    for known in (dimension, 2):  # in other dimensions than COCO's, f_opt is the same
+        optimum = naming.known(naming.problem_name("bbob", function, known, instance)).optimum
+        if optimum is not None:
+            return naming.problem_name(shifted, function, dimension, instance), optimum
+    raise BenchError(
+        f"{file} holds values less f_opt, which cannot be looked up for {shifted}; install it with: pip install "
+        "'backlash-bench[suites]'"
+    )
 
 
 def _exact(trace: Trace, best: dict[str, Any], where: str) -> Trace:

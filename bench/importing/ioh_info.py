@@ -78,7 +78,7 @@ def runs(source: Source, reading: Reading) -> Iterator[Run]:
     """
     sets = list(reading.each(filter(is_index, source.files), partial(_index, source)))
     if any(data.function.isdigit() and is_guessed(data.suite, int(data.function), data.name) for data in sets):
-        reading.notes.append(GUESSED)
+        reading.notes.append(GUESSED.format("bbob"))
     names = optimizer_labels(
         (data.index.parent, data.algorithm, (data.function, data.dimension, entry.instance))
         for data in sets

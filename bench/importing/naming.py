@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from contextlib import suppress
 from functools import cache
 from typing import NamedTuple
+
+import numpy as np
 
 from bench.errors import BenchError
 from bench.families import Grid, dimension_in
@@ -24,14 +27,19 @@ class Known(NamedTuple):
     variables: tuple[str, ...] = ()
 
 
-def problem_name(suite: str, function: int | str, dimension: int, instance: int) -> str:
-    """Return the name of a suite's problem, such as ``"bbob-f08-d5-i1"``; an unknown suite's is of the same form."""
+def problem_name(suite: str, function: int | str, dimension: int, instance: int, name: str = "") -> str:
+    """Return the name of a suite's problem, such as ``"bbob-f08-d5-i1"``; an unknown suite's is of the same form.
+
+    ``name`` is that of the function, by which families know functions that they do not number.
+    """
     clean = _clean(suite)
-    if isinstance(function, int):
-        named = _functions(clean).get(function, f"f{function:02d}")
+    grid = _grid(clean)
+    if grid is not None and name in grid.functions:
+        named = name
     else:
-        named = _clean(function)
-    return f"{clean}-{named}-d{dimension}-i{instance}"
+        named = f"f{function:02d}" if isinstance(function, int) else _clean(function)
+    alone = grid is not None and not grid.instances and instance == 1
+    return f"{clean}-{named}-d{dimension}" + ("" if alone else f"-i{instance}")
 
 
 def _clean(text: str) -> str:
@@ -39,16 +47,15 @@ def _clean(text: str) -> str:
 
 
 @cache
-def _functions(suite: str) -> dict[int, str]:
-    """Return the names of a suite's functions by number, as its family spells them; empty for an unknown suite."""
+def _grid(suite: str) -> Grid | None:
+    """Return the functions of a suite, None of an unknown one."""
     if suite not in registry.entries("problems"):
-        return {}
+        return None
     try:
         grid = getattr(registry.load("problems", suite), "grid", None)
     except BenchError:
-        return {}
-    names = grid.functions if isinstance(grid, Grid) else ()
-    return {int(name[1:]): name for name in names if re.fullmatch(r"f\d+", name)}
+        return None
+    return grid if isinstance(grid, Grid) else None
 
 
 @cache
@@ -59,6 +66,14 @@ def known(name: str) -> Known:
         return Known(None if problem.optimum is None else float(problem.optimum), tuple(problem.variables))
     except Exception:  # a plug-in may raise anything; reports give the reason
         return Known()
+
+
+def value(name: str, x: Sequence[float]) -> float | None:
+    """Return the value of the problem of that name at a point; None where it cannot be computed."""
+    try:
+        return float(loading.load_problem(name).evaluate(np.array([x], dtype=np.float64))[0])
+    except Exception:  # a plug-in may raise anything
+        return None
 
 
 @cache

@@ -63,7 +63,7 @@ class Results:
 
     Several folders make one study of all their problems and optimizers. An optimizer's label that occurs in several
     folders gets the folder's name, as in ``"gwo (old)"``. Where one of the folders was imported, the study has the
-    problems that all folders have, and the budgets may differ.
+    problems that all folders have, or functions whose instances are repetitions, and the budgets may differ.
 
     Attributes:
         names: the folders' names, with as many parents as make them distinct.
@@ -96,6 +96,11 @@ class Results:
             else each.study.looks[0]
             if each.name in self.looked
             else each.study.trials
+            for each in self._sources
+            for entry in each.study.optimizers
+        }
+        self._planned_problems = {
+            entry.label: {problem.label for problem in each.study.problems}
             for each in self._sources
             for entry in each.study.optimizers
         }
@@ -228,6 +233,10 @@ class Results:
     def facts(self, label: str) -> ProblemFacts:
         """Return the facts of the problem of that label, as it loads on this machine; never raises."""
         return self._facts(label)
+
+    def planned_on(self, optimizer: str, problems: Iterable[str]) -> int:
+        """Return the trials that an optimizer should have on these problems in all; 0 where no plan is known."""
+        return self.planned[optimizer] * sum(label in self._planned_problems[optimizer] for label in problems)
 
     def dimension(self, label: str) -> int:
         """Return the number of search variables of a problem, as it loads or by its name; 0 where neither shows it."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 
 from bench.errors import BenchError
-from bench.families import dimension_in
+from bench.families import dimension_in, function_of
 from bench.helpers.text import joined
+from bench.plugins import selection
 from bench.study import Entry, Study
 from bench.study.budget import Budget, described
 
@@ -16,7 +17,8 @@ from bench.study.budget import Budget, described
 def united(studies: Sequence[Study], names: Sequence[str]) -> Study:
     """Return one study with the problems and optimizers of all, which are in folders of these names.
 
-    Where one of them is imported, only the problems that all have remain, and the budget is the largest.
+    Where one of them is imported, only the problems that all have remain, and the budget is the largest. Functions that
+    all have keep the instances of each, where these are repetitions (:func:`compared`).
 
     Raises:
         BenchError: when studies that were run here differ in budget or in the handling of constraints, when a problem's
@@ -37,7 +39,7 @@ def united(studies: Sequence[Study], names: Sequence[str]) -> Study:
                     "only runs on the same problem can be compared"
                 )
     if len(own) < len(studies):
-        shared = _shared(studies)
+        shared = compared(studies)
         problems = {label: entry for label, entry in problems.items() if label in shared}
         if not problems:
             raise BenchError(
@@ -64,9 +66,17 @@ def differences(studies: Sequence[Study], names: Sequence[str]) -> list[str]:
     """
     if len(studies) == 1 or not any(study.imported for study in studies):
         return []
-    shared = _shared(studies)
-    several = "" if len(shared) == 1 else "s"
-    sentences = [f"The folders share {len(shared):,} problem{several}; only those are compared."]
+    shared = compared(studies)
+    count = len(set(shared.values()))
+    sentences = [f"The folders share {count:,} problem{'' if count == 1 else 's'}; only those are compared."]
+    pooled = {label for label, function in shared.items() if function != label}
+    numbers = [_instances(entry.label for entry in study.problems if entry.label in pooled) for study in studies]
+    if any(each != numbers[0] for each in numbers):
+        kept = [f"{_ranges(sorted(own))} of {name}" for own, name in zip(numbers, names, strict=True)]
+        sentences.append(
+            "Instances of a function are repetitions, so all runs of a folder on it are pooled, as cocopp does: "
+            f"instances {joined(kept)}. No test pairs single runs; those over all problems pair functions."
+        )
     for study, name in zip(studies, names, strict=True):
         if more := [entry.label for entry in study.problems if entry.label not in shared]:
             parts = _parts(more, shared)
@@ -99,9 +109,32 @@ def _require_alike(first: Study, study: Study) -> None:
         )
 
 
-def _shared(studies: Sequence[Study]) -> set[str]:
-    """Return the labels of the problems that all studies have."""
-    return set.intersection(*({entry.label for entry in study.problems} for study in studies))
+def compared(studies: Sequence[Study]) -> dict[str, str]:
+    """Return what each problem is compared as, by label, of those that all studies have.
+
+    That is its function in a dimension where instances are repetitions by construction, as those of COCO's suites are:
+    each study may have other ones. Elsewhere it is the problem itself.
+    """
+    repeated: dict[str, bool] = {}
+    found: dict[str, str] = {}
+    for study in studies:
+        for entry in study.problems:
+            function = function_of(entry.label)
+            if function not in repeated:
+                repeated[function] = function != entry.label and _is_known(study, entry)
+            found[entry.label] = function if repeated[function] else entry.label
+    shared = set.intersection(*({found[entry.label] for entry in study.problems} for study in studies))
+    return {label: function for label, function in found.items() if function in shared}
+
+
+def _is_known(study: Study, entry: Entry) -> bool:
+    """Return whether an entry is an instance of a suite's function with a known optimum, which a report then pools."""
+    if entry.label != entry.name or not selection.is_of_suite(entry.name):
+        return False
+    with suppress(Exception):  # a plug-in may raise anything
+        problem = study.problem(entry.label)
+        return problem.optimum is not None and "instance" in problem.features
+    return False
 
 
 def _largest(studies: Sequence[Study], problems: Iterable[str]) -> Budget:
@@ -131,16 +164,21 @@ def _within(budget: Budget, labels: Iterable[str]) -> Budget:
     return {dimension: most for dimension, most in budget.items() if dimension in known} or budget
 
 
-def _parts(labels: Iterable[str], shared: set[str]) -> str:
+def _parts(labels: Sequence[str], shared: Iterable[str]) -> str:
     """Return the dimensions and instances that occur among the labels and not among the shared ones, in words."""
     found = []
-    for what, pattern in (("dimensions", r"-d([0-9]+)(?:-i[0-9]+)?$"), ("instances", r"-i([0-9]+)$")):
-        own, others = (
-            {int(each[1]) for label in group if (each := re.search(pattern, label))} for group in (labels, shared)
-        )
-        if more := sorted(own - others):
+    for what, numbers in (("dimensions", _dimensions), ("instances", _instances)):
+        if more := sorted(numbers(labels) - numbers(shared)):
             found.append(f"{what} {_ranges(more)}")
     return f", of {joined(found)} among others" if found else ""
+
+
+def _dimensions(labels: Iterable[str]) -> set[int]:
+    return {number for label in labels if (number := dimension_in(label))}
+
+
+def _instances(labels: Iterable[str]) -> set[int]:
+    return {int(label.rpartition("-i")[2]) for label in labels if function_of(label) != label}
 
 
 def _ranges(numbers: Sequence[int]) -> str:

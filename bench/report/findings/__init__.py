@@ -109,9 +109,11 @@ class Findings:
             if isinstance(study.budget, int) and trials.allowed == trials.budgets
             else budgets,
             planned_trials={
-                (entry.label, label): trials.decisions.stopped.get((entry.label, label), planned)
+                (entry.label, label): trials.decisions.stopped.get(
+                    (entry.label, label), results.planned_on(label, [entry.label])
+                )
                 for entry in study.problems
-                for label, planned in results.planned.items()
+                for label in results.planned
             },
             traces=results.traces,
             boxes={label: each.continuous for label, each in facts.items() if each.box},

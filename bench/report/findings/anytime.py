@@ -11,7 +11,8 @@ import pandas as pd
 
 from bench import analysis
 from bench.errors import BenchError
-from bench.importing.best2009 import best2009, function_of
+from bench.families import function_of
+from bench.importing.best2009 import best2009
 from bench.report.findings.trials import Trials
 from bench.report.target_words import TargetWords, default_targets, target_words
 from bench.study.targets import NO_METRIC, Targets

@@ -156,11 +156,9 @@ class Trials:
     @cached_property
     def coverage(self) -> pd.DataFrame:
         """Stored, failed and missing trials of each cell."""
-        members, planned = self.pooled.members, self.results.planned
+        members, planned = self.pooled.members, self.results.planned_on
         cells, stopped = product(members, self.optimizers), self.decisions.stopped
-        return analysis.coverage(
-            self.whole, {(p, o): stopped.get((p, o), planned[o] * len(members[p])) for p, o in cells}
-        )
+        return analysis.coverage(self.whole, {(p, o): stopped.get((p, o), planned(o, members[p])) for p, o in cells})
 
     @cached_property
     def known(self) -> dict[str, ProblemFacts]:

@@ -9,6 +9,7 @@ import pytest
 from bench import BenchError, analysis
 from bench.export import export, ioh
 from tests.bench.export.made import BUDGET, HOSTILE, exported, make, read, some_fail
+from tests.bench.importing.test_ioh import logged
 
 READ_IOH = """
 from types import ModuleType
@@ -76,6 +77,37 @@ class TestIOH:
         assert head["experiment_attributes"] == [{"git_sha": "0a1+0a1-dirty"}]
 
 
+@pytest.mark.skipif(find_spec("iohinspector") is None, reason="reads the ioh format with iohinspector")
+def test_a_suite_keeps_its_functions_and_instances_and_lies_beside_ioh_s_own_data(tmp_path):
+    pytest.importorskip("cocoex", reason="the optimal values of bbob come from coco-experiment")
+    labels = {f"bbob-f{f:02d}-d{d}-i{i}": d for f in (2, 8) for d in (2, 5) for i in (1, 4)}
+    results = make(tmp_path / "s", labels, trials=2)
+    folder = exported(results, "ioh", tmp_path / "out")
+    run = {"instance": 4, "evals": 1, "best": {"evals": 1, "y": 9.0, "x": [0.0] * 5}}
+    logged(folder / "theirs", "evaluations raw_y\n1 9.0\n", [run])
+    found = read(READ_IOH, folder, tmp_path)["overview"]
+    assert {(row["suite"], row["function_id"], row["function_name"]) for row in found} == {
+        ("BBOB", 2, "Ellipsoid"), ("BBOB", 8, "Rosenbrock"), ("BBOB", 6, "AttractiveSector")
+    }  # fmt: skip
+    own = [row for row in found if row["algorithm_name"] == "a" and row["function_id"] == 8 and row["dimension"] == 5]
+    assert [row["instance"] for row in own] == [1, 1, 4, 4]
+    optima = {i: results.facts(f"bbob-f08-d5-i{i}").optimum for i in (1, 4)}
+    frame = results.frame[results.frame["optimizer"] == "a"].set_index("problem")["fun"]
+    expected = [value - optima[i] for i in (1, 4) for value in frame[f"bbob-f08-d5-i{i}"]]
+    assert [row["best_y"] for row in own] == expected
+
+
+def test_several_suites_have_a_folder_each(tmp_path):
+    pytest.importorskip("cocoex", reason="the optimal values of bbob come from coco-experiment")
+    results = make(tmp_path / "s", {"bbob-f01-d2-i1": 2, "classical-sphere-d2-i1": 2, "p": 3}, ("a",))
+    folder = exported(results, "ioh", tmp_path / "out")
+    assert sorted(str(path.relative_to(folder)) for path in folder.rglob("*.json")) == [
+        "bbob/a/IOHprofiler_f1_sphere.json",
+        "classical/a/IOHprofiler_f1_sphere.json",
+        "other-problems/a/IOHprofiler_f3_p.json",
+    ]
+
+
 READ_AOCC = """
 import iohinspector
 from iohinspector.metrics.utils import transform_fval
@@ -102,7 +134,7 @@ def test_the_area_over_the_convergence_curve_is_iohinspector_s(tmp_path):
 
 
 def test_more_problems_than_the_ioh_format_numbers_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(ioh, "LARGEST_FUNCTION", 1)
+    monkeypatch.setattr(ioh, "LARGEST", 1)
     with pytest.raises(BenchError, match="at most 1 problems"):
         export(make(tmp_path / "s", trials=1), "ioh", tmp_path / "out")
     assert not (tmp_path / "out").exists()

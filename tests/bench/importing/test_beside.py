@@ -7,13 +7,14 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from bench import BenchError, Results, analysis, load_results
+from bench import BenchError, Results, analysis, load_problem, load_results
 from bench.cli.app import app
 from bench.execution.verify import verify
 from bench.importing import import_results
 from bench.report import write_report
 from bench.report.findings import Findings
 from bench.report.methods import methods
+from bench.report.sections.beside import section
 from bench.storage.folder import Folder
 from bench.study import Entry, Study
 from bench.trial import Trial
@@ -97,7 +98,7 @@ class TestUnited:
         """Two trials of an archived optimizer are not too few beside three of ours."""
         both = Results(mine, archive)
         assert both.planned == {"own": 3, "archived": 0}
-        found = Findings(both)
+        found = Findings(both, "precisions")
         assert found.integrity.set_index("check").loc["completeness", "verdict"] == "pass"
         assert not found.trials.coverage["missing"].any()
 
@@ -130,6 +131,53 @@ class TestUnited:
         seeds = load_results(folder.path, archive)["seed"]
         assert seeds.dtype == "Int64"
         assert seeds.dropna().tolist() == [large]
+
+
+def of_years(tmp_path, name, instances):
+    """Import made-up runs on two functions of bbob, of which each has another instance twice."""
+    rows = [
+        f"{label},{name},{trial},{at},{load_problem(label).optimum + value / i}"
+        for function in (1, 8)
+        for i in instances
+        for label in [f"bbob-f0{function}-d2-i{i}"]
+        for trial in (0, 1)
+        for at, value in ((1, 800.0), (30 + trial, 0.5), (200 + 7 * i, 0.25))
+    ]
+    (tmp_path / f"{name}.csv").write_text("\n".join([ROWS[0], *rows, ""]))
+    import_results(tmp_path / f"{name}.csv", tmp_path / name)
+    return tmp_path / name
+
+
+def test_sets_of_different_years_keep_all_their_runs_of_a_function(tmp_path):
+    """Instances of bbob are repetitions: an archive's running times do not depend on what stands beside it."""
+    pytest.importorskip("cocoex", reason="the optimal values of bbob come from coco-experiment")
+
+    def high(_, values):
+        return record(values + 1000, 2)
+
+    sets = [of_years(tmp_path, *each) for each in (("old", (1, 2, 3)), ("new", (3, 61, 62)), ("part", (2,)))]
+    own = make(tmp_path / "own", {"bbob-f01-d2-i1": 2, "bbob-f01-d2-i9": 2}, ("mine",), 3, high).paths[0]
+    both = Results(own, *sets)
+    found = Findings(both, "precisions")
+    assert found.trials.problems == ["bbob-f01-d2"]
+    assert found.trials.whole.groupby("optimizer", observed=True).size().to_dict() == {
+        "mine": 6, "old": 6, "new": 6, "part": 2
+    }  # fmt: skip
+    assert not found.trials.coverage["missing"].any()
+    assert found.integrity.set_index("check").loc["completeness", "verdict"] == "pass"
+    for folder in sets[:2]:
+        alone = Findings(Results(folder), "precisions").anytime.running_times.set_index(["problem", "precision"])
+        beside = found.anytime.running_times.set_index(["optimizer", "problem", "precision"]).loc[folder.name]
+        assert beside["ert"].tolist() == alone["ert"].loc[["bbob-f01-d2"]].tolist()
+        assert np.isfinite(alone["ert"].astype(float)).any()
+    shared, pooled, *left = both.differences
+    assert shared == "The folders share 1 problem; only those are compared."
+    assert pooled.endswith(
+        "instances 1, 9 of own, 1 to 3 of old, 3, 61, 62 of new and 2 of part. No test pairs single runs; those over "
+        "all problems pair functions."
+    )
+    assert left[0] == "Left out of old: 3 problems that not all folders have."
+    assert "as cocopp does" in section(found).text[1]
 
 
 def test_every_command_that_reads_a_folder_reads_an_imported_one(archive, tmp_path):

@@ -15,6 +15,18 @@ from bench.report.sections.environment import section
 from tests.bench.export.made import exported, make
 
 
+def test_problems_of_suites_come_back_with_their_names(tmp_path):
+    pytest.importorskip("cocoex", reason="the optimal values of bbob come from coco-experiment")
+    labels = {"bbob-f08-d2-i3": 2, "bbob-f08-d2-i1": 2, "bbob-f08-d5-i1": 5, "classical-sphere-d2-i2": 2, "p": 3}
+    results = make(tmp_path / "s", labels)
+    import_results(exported(results, "ioh", tmp_path / "out"), tmp_path / "back")
+    back, keys = Results(tmp_path / "back").frame, ["problem", "optimizer", "trial"]
+    theirs, own = (each.astype({"problem": str}).sort_values(keys) for each in (back, results.frame))
+    for name in (*keys, "seed", "nfev"):
+        assert theirs[name].tolist() == own[name].tolist()
+    np.testing.assert_allclose(theirs["fun"], own["fun"], rtol=1e-12, atol=1e-13)
+
+
 def test_our_export_comes_back_to_the_last_bit(tmp_path):
     results = make(tmp_path / "s", {"sphere-2": 2, "p": 3})
     import_results(exported(results, "ioh", tmp_path / "out"), tmp_path / "back")
@@ -55,10 +67,9 @@ def logged(folder, log=LOG, runs=RUNS, **changes):
     return folder
 
 
-@pytest.mark.parametrize("suite", ["BBOB", "unknown_suite"])
-def test_bbob_gets_this_project_s_names_and_objective_values(tmp_path, suite):
+def test_bbob_gets_this_project_s_names_and_objective_values(tmp_path):
     pytest.importorskip("cocoex", reason="the optimal values of bbob come from coco-experiment")
-    import_results(logged(tmp_path / "x", suite=suite), tmp_path / "back")
+    import_results(logged(tmp_path / "x"), tmp_path / "back")
     results = Results(tmp_path / "back")
     assert results.frame["problem"].tolist() == ["bbob-f06-d5-i1", "bbob-f06-d5-i2"]
     assert results.frame["nfev"].tolist() == [50, 9]
@@ -68,11 +79,28 @@ def test_bbob_gets_this_project_s_names_and_objective_values(tmp_path, suite):
     assert results.traces["bbob-f06-d5-i1", "rs", 0].evaluations.tolist() == [1, 43]
 
 
-def test_a_function_known_by_its_name_alone_is_noted(tmp_path):
+POINT = [-2.7701787547621093, -0.8239530205145273, 0.6430778994240107, 2.6990302090039258, 2.0396877373660605]
+VALUES = {"bbob": 1375.7603702038753, "sbox-cost": 2875.155849696214}
+"""What ioh 0.3.22 logs at this point of Rosenbrock's function, instance 1, of the two suites, without their names."""
+
+
+@pytest.mark.parametrize("named", [True, False])
+@pytest.mark.parametrize("suite", VALUES)
+def test_a_suite_with_the_names_of_bbob_s_functions_is_known_by_its_values(tmp_path, suite, named):
     pytest.importorskip("cocoex", reason="the optimal values of bbob come from coco-experiment")
-    (note,) = import_results(logged(tmp_path / "x", suite="unknown_suite"), tmp_path / "back").notes
-    assert note.startswith("The logs name no suite; functions with the numbers and names of bbob's are taken for")
-    assert import_results(logged(tmp_path / "y"), tmp_path / "named").notes == ()
+    value = VALUES[suite]
+    given = {"bbob": "BBOB", "sbox-cost": "SBOX"}[suite] if named else "unknown_suite"
+    run = {"instance": 1, "evals": 38, "best": {"evals": 38, "y": value, "x": POINT}}
+    folder = logged(
+        tmp_path / "x", f"evaluations raw_y\n38 {value:.10f}\n", [run],
+        suite=given, function_id=8, function_name="Rosenbrock",
+    )  # fmt: skip
+    notes = import_results(folder, tmp_path / "back").notes
+    frame = Results(tmp_path / "back").frame
+    assert frame["problem"].tolist() == [f"{suite}-f08-d5-i1"]
+    assert frame["fun"].tolist() == [149.15 + value]
+    unnamed = f"The logs name no suite; functions with the numbers and names of bbob's are taken for those of {suite}."
+    assert notes == (() if named else (unnamed,))
 
 
 def test_the_optimum_of_a_bbob_function_is_the_same_in_dimensions_that_coco_does_not_have(tmp_path):
