@@ -62,7 +62,8 @@ def _figure(findings: Findings, name: str, reached: pd.DataFrame, panels: Panels
     ends = {_title(*panel): anytime.ends(panel[2], per_dimension=True) for panel in panels}
     known = reached[reached["optimizer"].isin([*drawn, BEST])]
     kwargs = {"columns": columns} if columns else {}
-    what = "function" if all(len(problems) == 1 for _, _, problems in panels) else "group"
+    single = all(len(problems) == 1 for _, _, problems in panels)
+    what = "dimension" if columns else "function" if single else "group"
     return reached_figure(name, known, drawn, ends=ends if anytime.words.restarts else None, what=what, **kwargs)
 
 
