@@ -118,9 +118,13 @@ def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
         least = max(2 / comb(len(cells[best]) + len(times), len(times)) for times in rivals)
         if least * problems >= ALPHA:
             continue  # whatever the times, the trials are too few
-        found = [rank_sum(cells[best], times) for times in rivals]
-        p = max(value if lower else 1.0 for value, lower in found) * problems
-        if p < ALPHA:
+        p = 0.0
+        for times in rivals:
+            one, lower = rank_sum(cells[best], times)
+            p = max(p, problems * one if lower else 1.0)
+            if p >= ALPHA:
+                break
+        else:
             rows.append((problem, tau, best, p))
     return pd.DataFrame(rows, columns=["problem", "tau", "optimizer", "p"])
 
