@@ -70,7 +70,7 @@ from bench.analysis.cells import (
 )
 from bench.analysis.certainty import ranking_certainty
 from bench.analysis.compare import compact_letters, comparison_matrix, medians, ranking, table
-from bench.analysis.competition import checkpoint_shares, checkpoints, error_statistics, signs
+from bench.analysis.competition import checkpoint_shares, checkpoints, error_statistics, rank_sum, signs
 from bench.analysis.direction import ALPHA, a12
 from bench.analysis.dominance import u_scores
 from bench.analysis.error_rates import (
@@ -88,12 +88,13 @@ from bench.analysis.integrity import integrity
 from bench.analysis.kolmogorov_smirnov import TIED
 from bench.analysis.looks import Decisions, at_looks, blind_looks, decide
 from bench.analysis.pairwise import CUTOFFS, adjusted, effect_size, holm, pairwise_tests
-from bench.analysis.reference import RUN_LENGTHS, reference_times, runlength_targets
+from bench.analysis.reference import RUN_LENGTHS, reference_shares, reference_times, runlength_targets
 from bench.analysis.running_time import (
     in_seconds,
     mean_shares,
     restart_shares,
     running_times,
+    separably_fastest,
     simulated_restarts,
 )
 from bench.analysis.stability import rank_stability
@@ -174,11 +175,13 @@ __all__ = [
     "precision_targets",
     "probability_of_improvement",
     "rank_stability",
+    "rank_sum",
     "ranking",
     "ranking_certainty",
     "ranks_by_block",
     "rates_of_equals",
     "rates_of_spreads",
+    "reference_shares",
     "reference_times",
     "reference_values",
     "regret",
@@ -186,6 +189,7 @@ __all__ = [
     "runlength_targets",
     "running_times",
     "scores",
+    "separably_fastest",
     "signs",
     "simulated_restarts",
     "stage_ranks",

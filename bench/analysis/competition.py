@@ -72,7 +72,8 @@ def signs(frame: pd.DataFrame, optima: Mapping[str, float], reference: str) -> p
             theirs = found.get((problem, optimizer), np.empty(0))
             if optimizer != reference and len(mine) and len(theirs):
                 both = merge_near_ties(_errors(np.concatenate((mine, theirs)), problem, optima))
-                rows.append((problem, optimizer, *_rank_sum(both[: len(mine)], both[len(mine) :])))
+                p, lower = rank_sum(both[: len(mine)], both[len(mine) :])
+                rows.append((problem, optimizer, p, "=" if p >= ALPHA else "+" if lower else "-"))
     return pd.DataFrame(rows, columns=["problem", "optimizer", "p", "sign"])
 
 
@@ -130,17 +131,14 @@ def _statistics(errors: Floats) -> dict[str, float]:
             "best": float(errors.min()), "worst": float(errors.max())}  # fmt: skip
 
 
-def _rank_sum(mine: Floats, theirs: Floats) -> tuple[float, str]:
-    """Return p and sign of two samples."""
-    pooled = np.concatenate((mine, theirs))
+def rank_sum(these: Floats, others: Floats) -> tuple[float, bool]:
+    """Return the two-sided p of Wilcoxon's rank-sum test of two samples, and whether the first is the lower one."""
+    pooled = np.concatenate((these, others))
     distinct = np.unique(pooled).size
     if distinct == 1:
-        return 1.0, "="
-    few_tied = distinct < len(pooled) and min(len(mine), len(theirs)) <= FEW
+        return 1.0, False
     method: PermutationMethod | Literal["auto"] = "auto"
-    if few_tied:
+    if distinct < len(pooled) and min(len(these), len(others)) <= FEW:
         method = PermutationMethod(n_resamples=RESAMPLES, rng=np.random.default_rng(SEED))
-    found = mannwhitneyu(mine, theirs, alternative="two-sided", method=method)
-    p = float(found.pvalue)
-    lower = found.statistic < len(mine) * len(theirs) / 2
-    return p, "=" if p >= ALPHA else "+" if lower else "-"
+    found = mannwhitneyu(these, others, alternative="two-sided", method=method)
+    return float(found.pvalue), bool(found.statistic < len(these) * len(others) / 2)

@@ -12,8 +12,9 @@ is the ERT. The draws begin with every trial equally often, so that nothing is r
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Mapping
-from math import ceil
+from math import ceil, comb
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,8 +22,9 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import betaincinv, stdtrit
 
-from bench.analysis.anytime import Counts
+from bench.analysis.anytime import Counts, expected_running_time
 from bench.analysis.cells import labels
+from bench.analysis.competition import ALPHA, rank_sum
 from bench.typing import Floats
 
 RESTARTS = 1000  # simulated restarts a target, as in COCO's tables
@@ -59,7 +61,8 @@ def running_times(hits: pd.DataFrame, restarts: int = RESTARTS) -> pd.DataFrame:
     """Return the ERT of each cell and target with its spread, one row a cell and target.
 
     Columns: problem, optimizer, tau, target, trials, successes, ert (as of
-    :func:`bench.analysis.expected_running_time`); ``low`` and ``high``, its 95 % interval; ``p10`` and ``p90``, the
+    :func:`bench.analysis.expected_running_time`); ``unsuccessful``, the median time that the trials without a success
+    spent, missing where there is none; ``low`` and ``high``, its 95 % interval; ``p10`` and ``p90``, the
     10th and 90th percentiles of simulated restarts, the dispersion that COCO prints as ratios of the ERT. All four are
     missing without a success; one trial alone has no interval.
 
@@ -75,18 +78,55 @@ def running_times(hits: pd.DataFrame, restarts: int = RESTARTS) -> pd.DataFrame:
         successes = batch.reached.sum(axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             ert = np.where(successes > 0, batch.paid.sum(axis=1) / successes, np.inf)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # of cells in which every trial succeeded
+            unsuccessful = np.nanmedian(np.where(batch.reached, np.nan, batch.paid), axis=1)
         low, high = _intervals(batch)
         drawn = _percentiles(simulated_restarts(batch, restarts), (10, 90))
         p10, p90 = (np.where(np.isfinite(ert), each, np.nan) for each in drawn)
         problem, optimizer = np.repeat(np.array(batch.cells, dtype=object), targets, axis=0).T
         columns = {
             "tau": batch.tau, "target": batch.target, "trials": np.full((count, targets), trials),
-            "successes": successes, "ert": ert, "low": low, "high": high, "p10": p10, "p90": p90,
+            "successes": successes, "ert": ert, "unsuccessful": unsuccessful,
+            "low": low, "high": high, "p10": p10, "p90": p90,
         }  # fmt: skip
         flat = {name: each.ravel() for name, each in columns.items()}
         tables.append(pd.DataFrame({"problem": problem, "optimizer": optimizer} | flat))
-    names = ["problem", "optimizer", "tau", "target", "trials", "successes", "ert", *SPREAD]
+    names = ["problem", "optimizer", "tau", "target", "trials", "successes", "ert", "unsuccessful", *SPREAD]
     return _in_order(tables, hits, names)
+
+
+def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
+    """Return where one optimizer is faster to a target than each other one: problem, tau, optimizer and p.
+
+    The one with the lowest ERT is compared with each rival by the rank-sum test of the times of trials, an unsuccessful
+    one later than any other (:func:`bench.analysis.rank_sum`). ``p`` is the largest of these, times the number of
+    problems (Bonferroni, as COCO corrects its tables); rows have p < 0.05. It is not corrected for the targets.
+    """
+    rows = []
+    problems = hits["problem"].nunique()
+    for (problem, tau), own in hits.groupby(["problem", "tau"], sort=False, observed=True):
+        cells = {
+            str(label): np.asarray(each["evaluations"], dtype=np.float64)
+            for label, each in own.groupby("optimizer", sort=False, observed=True)
+        }
+        table = expected_running_time(own).dropna(subset="ert")
+        if len(cells) < 2 or not np.isfinite(table["ert"].astype(float)).any():
+            continue
+        best = str(table["optimizer"].iloc[int(np.argmin(table["ert"].to_numpy(dtype=float)))])
+        rivals = [times for label, times in cells.items() if label != best]
+        least = max(2 / comb(len(cells[best]) + len(times), len(times)) for times in rivals)
+        if least * problems >= ALPHA:
+            continue  # whatever the times, the trials are too few
+        p = 0.0
+        for times in rivals:
+            one, lower = rank_sum(cells[best], times)
+            p = max(p, problems * one if lower else 1.0)
+            if p >= ALPHA:
+                break
+        else:
+            rows.append((problem, tau, best, p))
+    return pd.DataFrame(rows, columns=["problem", "tau", "optimizer", "p"])
 
 
 def in_seconds(hits: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame:

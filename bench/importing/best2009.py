@@ -45,7 +45,7 @@ def best2009(names: Iterable[str]) -> pd.DataFrame:
     if not any(map(len, tables)):
         raise BenchError(
             f"{NAME} has running times on {' and '.join(SUITES)} in 2, 3, 5, 10, 20 and 40 dimensions, and the study "
-            "has no such problem; do without it"
+            "has no such problem; leave out this reference and targets by running length"
         )
     return pd.concat(tables, ignore_index=True)
 

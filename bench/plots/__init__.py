@@ -12,7 +12,7 @@ Example:
 """
 
 from bench.plots import style
-from bench.plots.curves import convergence, data_profile, ecdf, ert, regret, scaling
+from bench.plots.curves import convergence, data_profile, ecdf, ert, ert_scatter, regret, scaling
 from bench.plots.ranks import a12_forest, cd_diagram, rank_course
 from bench.plots.rows import box_plot, timing
 
@@ -24,6 +24,7 @@ __all__ = [
     "data_profile",
     "ecdf",
     "ert",
+    "ert_scatter",
     "rank_course",
     "regret",
     "scaling",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -50,12 +52,27 @@ def regret(
     return _finish(ax, EVALUATIONS, "regret", pens if legend else None, problem)
 
 
-def ecdf(curves: pd.DataFrame, *, pens: style.Pens | None = None, legend: bool = True, ax: Axes | None = None) -> Axes:
+def ecdf(
+    curves: pd.DataFrame,
+    *,
+    pens: style.Pens | None = None,
+    legend: bool = True,
+    ax: Axes | None = None,
+    ends: Mapping[str, float] | None = None,
+) -> Axes:
     """Draw the share of all targets that each optimizer reached, over evaluations (Hansen et al. 2022).
 
-    ``curves`` are those of :func:`bench.analysis.ecdf`.
+    ``curves`` are those of :func:`bench.analysis.ecdf`. A cross marks the end of the budget of an optimizer, which
+    ``ends`` gives in the unit of the axis: beyond it, restarts are simulated.
     """
-    return _fractions(curves, "share of targets reached", pens, legend, ax)
+    ax, pens = style.own_axes(ax), style.pens_of(curves, pens)
+    _fractions(curves, "share of targets reached", pens, legend, ax)
+    along = next(name for name in AXES if name in curves)
+    for optimizer, end in (ends or {}).items():
+        own = curves[(curves["optimizer"] == optimizer) & (curves[along].astype(float) <= end * (1 + 1e-9))]
+        if len(own) and optimizer in pens:
+            ax.plot(end, own["fraction"].iloc[-1], "x", color=pens[optimizer].color, markersize=5, markeredgewidth=1.2)
+    return ax
 
 
 def data_profile(
@@ -93,6 +110,35 @@ def ert(
     if len(own):
         ax.set_xlim(own["tau"].max() * 1.2, own["tau"].min() / 1.2)
     return _finish(ax, "target tau", f"ERT in {EVALUATIONS}", pens if legend else None, problem)
+
+
+def ert_scatter(
+    table: pd.DataFrame, across: str, up: str, *, pens: Mapping[str, style.Pen], ax: Axes | None = None
+) -> Axes:
+    """Draw the ERT of one optimizer over that of another, a point a problem and target, on log axes.
+
+    ``table`` has kind, whose pen a point has, and the ERTs in the columns ``across`` and ``up``. Above the diagonal
+    ``across`` is faster. A point at a dotted line is infinite for the optimizer of that axis; points that are infinite
+    for both are not drawn.
+    """
+    ax = style.own_axes(ax)
+    finite = table[[across, up]].replace(np.inf, np.nan)
+    low, high = float(finite.min().min()) / 2, float(finite.max().max()) * 2
+    own = table[finite.notna().any(axis=1)]
+    for kind, pen in pens.items():
+        x, y = own.loc[own["kind"] == kind, [across, up]].replace(np.inf, 2 * high).to_numpy(dtype=float).T
+        ax.plot(x, y, linestyle="", marker=pen.marker, color=pen.color, markersize=3.5, alpha=0.8)
+    if np.isfinite(low):
+        ax.plot([low, 2 * high], [low, 2 * high], color="black", linewidth=0.7)
+        for line in (ax.axvline, ax.axhline):
+            line(2 * high, color="black", linewidth=0.7, linestyle=":")
+        ax.set_xlim(low, 3 * high)
+        ax.set_ylim(low, 3 * high)
+    style.log_scale(ax, "x")
+    style.log_scale(ax, "y")
+    ax.set_xlabel(f"ERT / d of {style.plain(across)}")
+    ax.set_ylabel(f"ERT / d of {style.plain(up)}")
+    return ax
 
 
 def scaling(

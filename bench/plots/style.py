@@ -72,6 +72,9 @@ class Pen:
 
 Pens = Mapping[str, Pen]
 
+BESIDE = Pen("#7F7F7F", "", "-")
+"""The pen of a published reference, which is no optimizer of the study."""
+
 
 def context() -> AbstractContextManager[None]:
     """Return the context in which a report draws and saves its figures, whatever the user's own settings."""
@@ -235,18 +238,18 @@ def handles(pens: Pens) -> list[Line2D]:
 
 
 def legend_above(figure: matplotlib.figure.Figure, entries: Sequence[Any]) -> None:
-    """Put a legend of labelled artists above all panels of a figure that is as wide as the text."""
-    columns = _legend_columns([str(entry.get_label()) for entry in entries])
+    """Put a legend of labelled artists above all panels of a figure."""
+    columns = _legend_columns([str(entry.get_label()) for entry in entries], figure.get_figwidth())
     figure.legend(handles=entries, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
 
 
-def legend_height(texts: Sequence[str]) -> float:
-    """Return the height in inches of a :func:`legend_above` with these texts."""
-    return LEGEND_ROW * ceil(len(texts) / _legend_columns(texts)) + 0.08
+def legend_height(texts: Sequence[str], width: float = TEXT) -> float:
+    """Return the height in inches of a :func:`legend_above` with these texts, in a figure of this width."""
+    return LEGEND_ROW * ceil(len(texts) / _legend_columns(texts, width)) + 0.08
 
 
-def _legend_columns(texts: Sequence[str]) -> int:
-    return max(min(int((TEXT - 0.1) / (text_width(texts, SMALL) + 0.45)), len(texts)), 1)
+def _legend_columns(texts: Sequence[str], width: float) -> int:
+    return max(min(int((width - 0.1) / (text_width(texts, SMALL) + 0.45)), len(texts)), 1)
 
 
 def spread(count: int) -> np.ndarray:

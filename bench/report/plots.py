@@ -25,6 +25,7 @@ from bench.plots import (
     data_profile,
     ecdf,
     ert,
+    ert_scatter,
     rank_course,
     regret,
     scaling,
@@ -33,6 +34,7 @@ from bench.plots import (
 )
 from bench.plots.curves import MOST_BANDS
 from bench.plots.ranks import RANK_NAME, cd_height, forest_names
+from bench.report.findings import BEST
 from bench.report.parts import Figure
 from bench.report.target_words import TargetWords, target_words
 from bench.report.wording import listing
@@ -183,25 +185,29 @@ def ert_figure(
 
 
 def ecdf_figure(
-    reached: pd.DataFrame, profile: pd.DataFrame, optimizers: Iterable[str], *, target: str, restarts: bool = False
+    reached: pd.DataFrame,
+    profile: pd.DataFrame,
+    optimizers: Iterable[str],
+    *,
+    target: str,
+    ends: Mapping[str, float] | None = None,
 ) -> Figure:
     """Return two panels over evaluations: the share of targets reached, and the data profile at a ``target``.
 
-    ``restarts`` says whether ``reached`` are shares of simulated restarts.
+    ``ends`` are the budgets, where ``reached`` are shares of simulated restarts; these may have the best of 2009.
     """
-    pens = style.pens(optimizers)
+    pens = _beside(reached, optimizers)
     figure, (left, right) = style.grid(2, height=1.8, left=0.5, across=0.55, top=_legend_height(pens) + 0.1)
-    ecdf(reached, pens=pens, legend=False, ax=left)
     data_profile(profile, pens=pens, legend=False, ax=right)
+    ecdf(reached, pens=pens, legend=False, ax=left, ends=ends)
     style.legend_above(figure, style.handles(pens))
     along = "groups" if "groups" in profile else "evaluations"
     over = "per_dimension" if "per_dimension" in reached else "evaluations"
     unit = ", over groups of d + 1 evaluations" if along == "groups" else ""
     caption = (
-        f"Left: the share of all targets, of all problems and {'simulated restarts' if restarts else 'trials'}, that "
-        "was reached, over evaluations"
-        f"{' / d' if over == 'per_dimension' else ''}. Right: the data profile at {target}, the share of all "
-        f"trials that reached this one target{unit}."
+        f"Left: the share of all targets, of all problems and {'simulated restarts' if ends else 'trials'}, that "
+        f"was reached, over evaluations{' / d' if over == 'per_dimension' else ''}.{_ended(ends)} Right: the data "
+        f"profile at {target}, the share of all trials that reached this one target{unit}."
     )
     panels = {"targets reached": (reached, over), "data profile": (profile, along)}
     data = pd.concat([frame.assign(panel=name) for name, (frame, _) in panels.items()], ignore_index=True)
@@ -212,28 +218,73 @@ def ecdf_figure(
     return Figure("targets-reached", caption, figure, data, shown)
 
 
-def group_figure(curves: pd.DataFrame, optimizers: Iterable[str], *, restarts: bool = False) -> Figure:
-    """Return the share of targets reached over evaluations / d, a panel a group of functions and dimension.
+def reached_figure(
+    name: str,
+    curves: pd.DataFrame,
+    optimizers: Iterable[str],
+    *,
+    ends: Mapping[str, Mapping[str, float]] | None = None,
+    what: str = "group",
+    columns: int = COLUMNS,
+) -> Figure:
+    """Return the share of targets reached over evaluations / d, a panel a group of functions, or a function.
 
-    ``curves`` are those of :func:`bench.analysis.ecdf` with a column problem, the panel's name.
+    ``curves`` are those of :func:`bench.analysis.ecdf` with a column problem, the panel's name, and may have the best
+    of 2009; ``ends`` are the budgets by panel, where they are of simulated restarts.
     """
+    pens = _beside(curves, optimizers)
 
     def draw(frame: pd.DataFrame, problem: str, *, pens: style.Pens, legend: bool, ax: Axes) -> Axes:
-        ecdf(frame[frame["problem"] == problem], pens=pens, legend=legend, ax=ax)
+        ecdf(frame[frame["problem"] == problem], pens=pens, legend=legend, ax=ax, ends=(ends or {}).get(problem))
         unbroken = style.plain(problem, 2 * TITLE_LETTERS).replace(" = ", "\xa0=\xa0")
         lines = textwrap.wrap(unbroken, TITLE_LETTERS)
         ax.set_title("\n".join(lines), loc="left", fontsize="small")
         ax.set_ylabel("share reached")
         return ax
 
-    figure, _ = _multiples(curves, style.pens(optimizers), draw, across=0.46, down=0.4)
+    longest = max((len(f"{each}") for each in labels(curves, "problem")), default=0)
+    down = 0.4 if longest > TITLE_LETTERS else 0.28  # for titles of two lines
+    figure, _ = _multiples(curves, pens, draw, across=0.46, down=down, columns=columns)
     caption = (
-        f"The share of all targets, of all problems and {'simulated restarts' if restarts else 'trials'} of a group, "
-        "that was reached, over evaluations / d. "
-        "Higher and further left is better."
+        f"The share of all targets, of all problems and {'simulated restarts' if ends else 'trials'} of a {what}, "
+        f"that was reached, over evaluations / d. Higher and further left is better.{_ended(ends)}"
     )
     shown = _at_round_numbers(curves, ["problem", "per_dimension"], "fraction", (1,))
-    return Figure("targets-by-group", caption, figure, curves, shown)
+    return Figure(name, caption, figure, curves, shown)
+
+
+def scatter_figure(table: pd.DataFrame, across: str, up: str) -> Figure:
+    """Return the ERT of one optimizer over that of another, a point a problem and target.
+
+    ``table`` has problem, kind (such as the dimension), target and the two ERTs in evaluations / d, by optimizer.
+    """
+    kinds = list(dict.fromkeys(table["kind"]))
+    pens = {kind: style.Pen(style.PALETTE[i % 8], style.MARKERS[i % 7], "") for i, kind in enumerate(kinds)}
+    figure, (ax,) = style.grid(
+        1,
+        width=style.COLUMN,
+        height=2.4,
+        left=0.55,
+        right=0.15,
+        bottom=0.45,
+        top=_legend_height(pens, style.COLUMN) + 0.1,
+    )
+    ert_scatter(table, across, up, pens=pens, ax=ax)
+    style.legend_above(figure, style.handles(pens))
+    caption = (
+        f"Expected running time / d of {up} over that of {across}, a point a problem and target. Above the diagonal, "
+        f"{across} is faster. Dotted: infinite, as no trial reached the target."
+    )
+    return Figure("ert-scatter", caption, figure, table)
+
+
+def _beside(curves: pd.DataFrame, optimizers: Iterable[str]) -> style.Pens:
+    """Return the pens of the optimizers, and of the best of 2009 where there is a curve of it."""
+    return dict(style.pens(optimizers)) | ({BEST: style.BESIDE} if (curves["optimizer"] == BEST).any() else {})
+
+
+def _ended(ends: Mapping[str, object] | None) -> str:
+    return " Crosses: the end of the budget; beyond it, restarts are simulated." if ends else ""
 
 
 def scaling_figure(table: pd.DataFrame, optimizers: Iterable[str], *, target: str) -> Figure:
@@ -334,19 +385,27 @@ def timing_figure(table: pd.DataFrame) -> Figure:
 
 
 def _multiples(
-    frame: pd.DataFrame, pens: style.Pens, draw: Callable[..., Axes], *, across: float, down: float = 0.3
+    frame: pd.DataFrame,
+    pens: style.Pens,
+    draw: Callable[..., Axes],
+    *,
+    across: float,
+    down: float = 0.3,
+    columns: int = COLUMNS,
 ) -> tuple[matplotlib.figure.Figure, list[Axes]]:
     """Draw a panel for each problem that has rows, axis labels at the edges only, and the legend above all."""
     problems = [problem for problem in labels(frame, "problem") if (frame["problem"] == problem).any()]
+    width, height = (style.TEXT, 1.0) if columns == COLUMNS else (style.COLUMN, 1.2)
+    height = 0.85 if len(problems) > 6 * columns else height  # all rows on one page
     figure, axes = style.grid(
-        len(problems), columns=COLUMNS, height=1.0, left=0.6, across=across, down=down,
-        top=_legend_height(pens) + down - 0.05,
+        len(problems), columns=columns, width=width, height=height, left=0.6, across=across, down=down,
+        top=_legend_height(pens, width) + down - 0.05,
     )  # fmt: skip
     for place, (problem, ax) in enumerate(zip(problems, axes, strict=True)):
         draw(frame, problem, pens=pens, legend=False, ax=ax)
-        if place % COLUMNS:
+        if place % columns:
             ax.set_ylabel("")
-        if place + COLUMNS < len(problems):
+        if place + columns < len(problems):
             ax.set_xlabel("")
             ax.tick_params(labelbottom=False)
     style.legend_above(figure, style.handles(pens))
@@ -363,8 +422,8 @@ def _width(margins: float) -> float:
     return style.COLUMN if margins < 0.6 * style.COLUMN else style.TEXT
 
 
-def _legend_height(pens: style.Pens) -> float:
-    return style.legend_height([str(entry.get_label()) for entry in style.handles(pens)])
+def _legend_height(pens: style.Pens, width: float = style.TEXT) -> float:
+    return style.legend_height([str(entry.get_label()) for entry in style.handles(pens)], width)
 
 
 def _at_round_numbers(frame: pd.DataFrame, rows: list[str], value: str, multiples: tuple[int, ...]) -> pd.DataFrame:
@@ -387,4 +446,5 @@ def _at_round_numbers(frame: pd.DataFrame, rows: list[str], value: str, multiple
     kept = frame[frame[along].isin(at)].astype(dict.fromkeys((*groups, "optimizer"), object))
     table = kept.pivot(index=rows, columns="optimizer", values=value)
     order = pd.MultiIndex.from_frame(kept[rows].drop_duplicates()) if groups else pd.Index(at, name=along)
-    return table.reindex(index=order, columns=labels(frame, "optimizer")).rename_axis(columns=None)
+    known = labels(frame, "optimizer")
+    return table.reindex(index=order, columns=known).rename_axis(columns=None)

@@ -262,7 +262,9 @@ class _Report:
         self.views.append(View(anchor, section, [], [], sorted(self.files.items())))
 
     def view(self, section: Section, anchor: str) -> View:
-        view = View(anchor, section, [self.item(part) for part in section.items], [], [])
+        # Of many problems, a paper has the tables of the whole suite; the CSV files of single ones are kept.
+        latex = not (section.problem and self.findings.trials.many)
+        view = View(anchor, section, [self.item(part, latex=latex) for part in section.items], [], [])
         for each in section.sections:
             if each.problem:
                 self.step(f"{section.title}: {each.title}")
@@ -272,11 +274,11 @@ class _Report:
             view.views.append(self.view(each, inner))
         return view
 
-    def item(self, part: Part) -> Item:
+    def item(self, part: Part, *, latex: bool = True) -> Item:
         name = free(file_name(part.name), self.names)
         self.names.add(name)
         if isinstance(part, Table):
-            files = save_table(part, self.folder, name)
+            files = save_table(part, self.folder, name, latex=latex)
             item = Item(name, files, part)
         else:
             svg, files = save_figure(part, self.folder, name, self.drawer.finish(part.figure))
@@ -309,15 +311,16 @@ class _Report:
         manifest.write_text(json.dumps(sorted(self.files), indent=0), encoding="utf-8")
 
 
-def save_table(table: Table, folder: Path, name: str) -> list[str]:
-    """Write a table as CSV (full precision) and LaTeX; return the paths relative to ``folder``."""
+def save_table(table: Table, folder: Path, name: str, *, latex: bool = True) -> list[str]:
+    """Write a table as CSV (full precision) and, on request, LaTeX; return the paths relative to ``folder``."""
     (folder / TABLES).mkdir(exist_ok=True)
-    paths = [f"{TABLES}/{name}.csv", f"{TABLES}/{name}.tex"]
+    paths = [f"{TABLES}/{name}.{kind}" for kind in (("csv", "tex") if latex else ("csv",))]
     if table.data is None:
         save_csv(table.frame, folder / paths[0], index=table.has_index)
     else:
         save_csv(table.data, folder / paths[0], index=False)
-    (folder / paths[1]).write_text(to_latex(table, name), encoding="utf-8", newline="\n")
+    if latex:
+        (folder / paths[1]).write_text(to_latex(table, name), encoding="utf-8", newline="\n")
     return paths
 
 

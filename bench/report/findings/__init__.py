@@ -17,7 +17,7 @@ import pandas as pd
 from bench import analysis
 from bench.execution.descriptions import Descriptions, noted
 from bench.execution.matched import matched
-from bench.report.findings.anytime import Anytime
+from bench.report.findings.anytime import BEST, Anytime
 from bench.report.findings.controls import Controls
 from bench.report.findings.display import COLOURED, CROWD, MANY_OPTIMIZERS, Display
 from bench.report.findings.final import Final
@@ -28,7 +28,18 @@ from bench.study import Study
 from bench.study.rope import Rope
 from bench.study.targets import Targets
 
-__all__ = ["COLOURED", "CROWD", "MANY_OPTIMIZERS", "MANY_PROBLEMS", "Anytime", "Display", "Final", "Findings", "Trials"]
+__all__ = [
+    "BEST",
+    "COLOURED",
+    "CROWD",
+    "MANY_OPTIMIZERS",
+    "MANY_PROBLEMS",
+    "Anytime",
+    "Display",
+    "Final",
+    "Findings",
+    "Trials",
+]
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -18,6 +19,7 @@ from bench.report.target_words import TargetWords, default_targets, target_words
 from bench.study.targets import NO_METRIC, Targets
 
 NEAR = 0.01  # of the best known value
+BEST = "best of 2009"  # in place of the label of an optimizer
 EXPENSIVE = 1000  # evaluations / d below which targets by running length are the usual ones
 LEVEL = ["problem", "tau", "precision"]
 
@@ -94,6 +96,26 @@ class Anytime:
         """The share of each optimizer's trials that came near the best known value."""
         return analysis.near_best(self.trials.measured_final, self.trials.optima, self.near, analysis.SOLVED)
 
+    @property
+    def shows_best(self) -> bool:
+        """Whether curves and tables show the best of 2009: it was asked for, or targets are set by it."""
+        return self.beside_best or self.words.kind == "runlength"
+
+    @property
+    def curves(self) -> list[str]:
+        """The labels of the curves of simulated restarts: the optimizers, and the best of 2009 where it is shown."""
+        return [*self.trials.optimizers, *([BEST] if self.shows_best else [])]
+
+    def ends(self, problems: Collection[str], *, per_dimension: bool) -> dict[str, float]:
+        """Return the largest budget of each optimizer on these problems; beyond it, restarts are simulated."""
+        found = dict.fromkeys(self.trials.optimizers, 0.0)
+        for key, evaluations in cast("Mapping[Any, int]", self.trials.allowed).items():
+            label, own = (key, found) if isinstance(key, str) else (key[0], [key[1]])
+            if label in problems:
+                each = evaluations / self.trials.dimensions[label] if per_dimension else evaluations
+                found |= {optimizer: max(found[optimizer], each) for optimizer in own}
+        return found
+
     def check_targets(self) -> None:
         """Raise BenchError where no problem has what the targets, or the best of 2009, are measured by."""
         if self.words.kind == "tolerance" and not any(each.expected for each in self.trials.known.values()):
@@ -103,7 +125,7 @@ class Anytime:
                 f"the running times of best2009 are those to precisions, and the targets are {self.words.kind}; add "
                 "--targets precisions or leave out best2009"
             )
-        if self.beside_best or self.words.kind == "runlength":
+        if self.shows_best:
             _ = self.best  # where there is none, a sentence says so
 
     @cached_property
@@ -163,7 +185,7 @@ class Anytime:
         seconds = times[names].add_suffix("_s") if len(times) else pd.DataFrame(columns=[f"{each}_s" for each in names])
         dimension = table["problem"].astype(object).map(self.trials.dimensions).astype(float)
         table = table.assign(ert_per_d=table["ert"].astype(float) / dimension)
-        if self.beside_best:
+        if self.shows_best:
             best = self.best_times.set_index(["problem", "tau"])["ert"]
             keys = pd.MultiIndex.from_arrays([table["problem"].astype(object), table["tau"].astype(float)])
             table = table.assign(best2009=best.reindex(keys).to_numpy())
@@ -175,7 +197,7 @@ class Anytime:
 
         It is missing on functions without any, and where trials beat the optimum that precisions are measured from.
         """
-        if not self.beside_best:
+        if not self.shows_best:
             return pd.DataFrame(columns=["problem", "tau", "precision", "ert"])
         if self.words.kind == "runlength":
             levels = self._run_lengths
@@ -215,7 +237,21 @@ class Anytime:
         first = 1 / max(dimensions.values(), default=1) if dimensions else 1.0
         grid = np.append(np.geomspace(first, budget, 50), np.geomspace(budget, 10 * budget, 11)[1:])
         own = hits if dimensions is None else hits[hits["problem"].isin(dimensions)]
-        return analysis.restart_shares(own, grid, dimensions)
+        shares = analysis.restart_shares(own, grid, dimensions)
+        if not self.shows_best:
+            return shares
+        best = analysis.reference_shares(self._best_to_targets, grid, dimensions).assign(optimizer=BEST)
+        return pd.concat([shares, best], ignore_index=True)
+
+    @cached_property
+    def _best_to_targets(self) -> pd.DataFrame:
+        """The ERT of the best of 2009 to every target that is a precision."""
+        if self.words.kind == "runlength":
+            levels = self._run_lengths
+        else:
+            known = self.targets["known"].astype(bool) & self.targets["problem"].isin(self.trials.dimensions)
+            levels = self.targets.loc[known, ["problem", "tau"]].assign(precision=lambda own: own["tau"])
+        return analysis.reference_times(self.best, self.functions, levels.reset_index(drop=True))
 
     @cached_property
     def target_sets(self) -> pd.DataFrame:

@@ -31,14 +31,20 @@ def section(findings: Findings) -> Section:
     most = budget if sizes is None else max(ceil(budgets[label] / (1 + d)) for label, d in sizes.items())
     profiles = analysis.data_profiles(hits, words.level, analysis.evaluation_grid(most), sizes)
     if words.restarts:
-        reached = analysis.mean_shares(findings.anytime.restart_shares, findings.trials.optimizers)
+        reached = analysis.mean_shares(findings.anytime.restart_shares, findings.anytime.curves)
     elif not findings.trials.scaled:
         reached = analysis.ecdf(hits, analysis.evaluation_grid(budget))
     else:
         along = np.geomspace(1 / max(dimensions.values()), max(budgets[label] / d for label, d in dimensions.items()))
         reached = analysis.ecdf(hits, along, dimensions)
     together = ecdf_figure(
-        reached, profiles, findings.display.pens, target=words.at(words.level), restarts=words.restarts
+        reached,
+        profiles,
+        findings.display.pens,
+        target=words.at(words.level),
+        ends=findings.anytime.ends(findings.trials.problems, per_dimension=findings.trials.scaled)
+        if words.restarts
+        else None,
     )
     rates: list[Part] = [_success(findings.anytime.success, words), *_areas(findings)]
     text = (

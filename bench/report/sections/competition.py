@@ -11,7 +11,9 @@ from bench.report.parts import Section, Table
 from bench.report.wording import count, listing
 
 TITLE = "The competition’s table"
-SIGNS = ("+", "=", "-")
+SIGNS = {"+": "+", "=": "=", "-": "−"}
+"""The signs as they are printed: a hyphen would be lost as a superscript."""
+
 BY_U_SCORES = ("cec2022", "cec2024")
 """The suites of the competitions whose winners U-scores determined."""
 
@@ -60,14 +62,14 @@ def _tested(reference: str, tests: pd.DataFrame, *, stopped: bool) -> str:
     """Return what the signs mean, and how often they would appear without any difference."""
     meaning = (
         f"+: the errors of {reference} are lower than those of the other optimizer (Wilcoxon’s rank-sum test, "
-        "two-sided, p < 0.05); -: they are higher; =: neither is shown, which is not equality."
+        "two-sided, p < 0.05); −: they are higher; =: neither is shown, which is not equality."
     )
     if tests.empty:
         return f"{meaning} No problem has trials of {reference} and of another optimizer."
     return (
         f"{meaning} As the field does, each test is made at 0.05 by itself: nothing is corrected for the "
         f"{count(len(tests), 'test')} of this table. If no optimizer differed from {reference}, about "
-        f"{0.05 * len(tests):.2g} of its signs would still be + or - on average, or fewer with few or tied trials"
+        f"{0.05 * len(tests):.2g} of its signs would still be + or − on average, or fewer with few or tied trials"
         + (", and more here, as looks stopped trials where a difference was large" if stopped else "")
         + ". The verdict and the comparison have tests that are corrected for their number."
     )
@@ -84,12 +86,12 @@ def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites
     cells = {each: [_cell(*pair) for pair in zip(mean[each], sd[each], strict=True)] for each in optimizers}
     texts = pd.DataFrame(cells, index=mean.index)
     sign = tests.pivot(index="problem", columns="optimizer", values="sign").reindex_like(mean)
-    marks = sign.where(sign.notna(), "").astype(object)
+    marks = sign.replace(SIGNS).where(sign.notna(), "").astype(object)
     lowest = mean.eq(mean.min(axis=1), axis=0) & np.isfinite(mean)
     ends: dict[str, list[str]] = {}
     if reference:
         counts = [" / ".join(str(int((sign[each] == one).sum())) for one in SIGNS) for each in optimizers]
-        ends[" / ".join(SIGNS)] = [
+        ends[" / ".join(SIGNS.values())] = [
             "" if each == reference else own for each, own in zip(optimizers, counts, strict=True)
         ]
     scores = findings.anytime.u_scores if suites <= set(BY_U_SCORES) and len(optimizers) > 1 else pd.DataFrame()
@@ -102,7 +104,7 @@ def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites
     return Table(
         "competition",
         "Mean and standard deviation of the error"
-        + (f", and where {reference} is better (+), not shown to differ (=) or worse (-)" if reference else "")
+        + (f", and where {reference} is better (+), not shown to differ (=) or worse (−)" if reference else "")
         + ".",
         frame.rename_axis(index="problem", columns=None),
         texts=pd.concat([texts, last]),

@@ -8,13 +8,12 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis import CUTOFFS, SOLVED, TIED, effect_size
-from bench.report.findings import CROWD, MANY_OPTIMIZERS, Final, Findings
+from bench.report.findings import BEST, CROWD, MANY_OPTIMIZERS, Final, Findings
 from bench.report.parts import MOST_ROWS, Part, Section, Table
 from bench.report.plots import distribution_figure
 from bench.report.wording import count, interval, listing, usual_decimals
 
 TITLE = "Problem by problem"
-BEST = "best of 2009"
 SHOWN = 20  # of many optimizers, in the figure of a problem; of a crowd, in its tables
 
 
@@ -133,28 +132,32 @@ def _running_times(findings: Findings, problem: str) -> Table:
     shown = shown.rename(columns=words.shown).rename_axis(index="optimizer", columns=None)
     shown = shown.astype(float).iloc[:, ::-1]
     lowest = shown.eq(shown.min()) & np.isfinite(shown)
+    last = own[own[words.unit] == own[words.unit].min()].set_index("optimizer").reindex(shown.index)
+    never = [
+        f"∞ ({spent:,.0f})" if np.isinf(ert) else ""
+        for ert, spent in zip(last["ert"], last["unsuccessful"], strict=True)
+    ]
+    texts = pd.DataFrame({shown.columns[-1]: never}, index=shown.index) if len(shown.columns) else None
     level = _level(own, words.unit)
     of = own[own[words.unit] == level]
     hardest = own[words.unit].min()
     note = (
-        f"Bold: the lowest of a column; ∞: no trial succeeded; successes: trials that reached {words.shown(hardest)}."
+        "Bold: the lowest of a column; ∞: no trial succeeded, in brackets the median evaluations of the trials; "
+        f"successes: trials that reached {words.shown(hardest)}."
     )
     if len(of):
         of = of.set_index("optimizer").reindex(findings.trials.optimizers)
         ert = of["ert"].astype(float)
         seconds = of["ert_s"].astype(float)
         shown["95%"] = _intervals(of["low"], of["high"], usual_decimals(ert))
-        shown["10–90%"] = _intervals(of["p10"] / ert, of["p90"] / ert, 2)
         shown["ERT / d"], shown["seconds"] = of["ert_per_d"].astype(float), seconds
         for column in ("ERT / d", "seconds"):
             lowest[column] = shown[column].eq(shown[column].min()) & np.isfinite(shown[column])
         note += (
             f" At {words.at(level)}, the hardest target that the most optimizers reached: a 95% interval of the "
-            "ERT, in which a failure may cost the whole budget; the 10th and 90th percentiles of simulated restarts "
-            "over the ERT, the dispersion that COCO prints; and the ERT in evaluations / d and in seconds of wall "
-            "time, at the pace of each trial."
+            "ERT, in which a failure may cost the whole budget, and the ERT in evaluations / d and in seconds of wall "
+            "time, at the pace of each trial. The CSV file has percentiles of simulated restarts."
         )
-    last = own[own[words.unit] == hardest].set_index("optimizer").reindex(findings.trials.optimizers)
     shown["successes"] = [
         "" if pd.isna(trials) else f"{reached:.0f}/{trials:.0f}"
         for reached, trials in zip(last["successes"], last["trials"], strict=True)
@@ -163,7 +166,7 @@ def _running_times(findings: Findings, problem: str) -> Table:
     own_best = best[(best["problem"] == problem) & best["ert"].notna()].set_index("tau")["ert"]
     if len(own_best):
         shown.loc[BEST] = own_best.rename(index=words.shown).reindex(shown.columns)
-        shown = shown.fillna({name: "" for name in ("95%", "10–90%", "successes") if name in shown})
+        shown = shown.fillna({name: "" for name in ("95%", "successes") if name in shown})
         lowest = lowest.reindex(shown.index, fill_value=False)
         note += " The best of 2009: the lowest ERT of any algorithm of BBOB 2009 to each target, as cocopp has it."
     return Table(
@@ -171,6 +174,7 @@ def _running_times(findings: Findings, problem: str) -> Table:
         f"{problem}: expected running time (ERT) in evaluations to each target, by {words.unit}.",
         shown,
         bold=lowest,
+        texts=None if texts is None else texts.reindex(shown.index, fill_value=""),
         note=note,
         data=words.in_unit(own, words.unit),
     )

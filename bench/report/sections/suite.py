@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pandas as pd
 
 from bench import analysis
-from bench.report.findings import Anytime, Findings, Trials
-from bench.report.parts import Part, Section, Table
-from bench.report.plots import group_figure, scaling_figure
+from bench.report.ert_table import ert_table
+from bench.report.findings import BEST, Anytime, Findings, Trials
+from bench.report.parts import Figure, Part, Section, Table
+from bench.report.plots import reached_figure, scaling_figure, scatter_figure
 from bench.report.wording import count, listing
 
 TITLE = "The suite at a glance"
 ALL = "all functions"
+Panels = list[tuple[str, int, list[str]]]  # group, dimension and problems
 SAME_SHARE = 5e-4  # of the targets: shares closer than this are printed alike
 
 
@@ -25,22 +29,71 @@ def section(findings: Findings) -> Section | None:
         or len(members[["group", "dimension"]].drop_duplicates()) < 2
     ):
         return None
-    items: list[Part] = [_ranks(findings, members)]
-    if findings.trials.traces:
-        reached = _reached(findings, members)
-        items.insert(0, group_figure(reached, findings.display.drawn, restarts=findings.anytime.words.restarts))
-        if members.groupby("function")["dimension"].nunique().max() > 1:
-            words = findings.anytime.words
-            items.append(
-                scaling_figure(
-                    _scaling(findings.anytime, members), findings.display.drawn, target=words.at(words.level)
-                )
-            )
-    text = [_meaning(findings.trials, members)]
-    if findings.trials.traces:
-        most = max(findings.trials.budgets[label] / d for label, d in findings.trials.dimensions.items())
-        text.insert(0, _most_targets(reached[reached["per_dimension"] <= most * (1 + 1e-9)]))
-    return Section(TITLE, (*text, *findings.display.drawn_words), tuple(items))
+    ranks = _ranks(findings, members)
+    text, words = [_meaning(findings.trials, members)], findings.anytime.words
+    if not findings.trials.traces:
+        return Section(TITLE, (*text, *findings.display.drawn_words), (ranks,))
+    reached = _reached(findings, _panels(members))
+    items: list[Part] = [_figure(findings, "targets-by-group", reached, _panels(members)), ranks]
+    if members.groupby("function")["dimension"].nunique().max() > 1:
+        scaled = _scaling(findings.anytime, members)
+        items.append(scaling_figure(scaled, findings.display.drawn, target=words.at(words.level)))
+    items += _scatter(findings, members)
+    most = max(findings.trials.budgets[label] / d for label, d in findings.trials.dimensions.items())
+    own = reached[(reached["per_dimension"] <= most * (1 + 1e-9)) & (reached["optimizer"] != BEST)]
+    text = [_most_targets(own), *text, *findings.display.drawn_words]
+    return Section(TITLE, tuple(text), tuple(items), sections=tuple(_each_dimension(findings, members)))
+
+
+def overview(findings: Findings) -> list[Figure]:
+    """Return the share of targets reached of all functions, a panel a dimension; none for other studies than suites."""
+    members = _members(findings.trials)
+    if members.empty or not findings.trials.traces or len(members) != len(findings.trials.problems):
+        return []
+    panels = [
+        (ALL, int(str(dimension)), list(own["problem"])) for dimension, own in members.groupby("dimension", sort=True)
+    ]
+    return [_figure(findings, "targets-of-all", _reached(findings, panels), panels, columns=min(len(panels), 2))]
+
+
+def _figure(findings: Findings, name: str, reached: pd.DataFrame, panels: Panels, columns: int = 0) -> Figure:
+    """Return the figure of curves of :func:`_reached`, on ``columns`` columns of panels within one of a paper."""
+    anytime, drawn = findings.anytime, findings.display.drawn
+    ends = {_title(*panel): anytime.ends(panel[2], per_dimension=True) for panel in panels}
+    known = reached[reached["optimizer"].isin([*drawn, BEST])]
+    kwargs = {"columns": columns} if columns else {}
+    single = all(len(problems) == 1 for _, _, problems in panels)
+    what = "dimension" if columns else "function" if single else "group"
+    return reached_figure(name, known, drawn, ends=ends if anytime.words.restarts else None, what=what, **kwargs)
+
+
+def _each_dimension(findings: Findings, members: pd.DataFrame) -> Iterator[Section]:
+    """Yield the functions of each dimension: the targets reached on each, and their running times in one table."""
+    for dimension, own in members.groupby("dimension", sort=True):
+        d, problems = int(str(dimension)), list(own["problem"])
+        panels = [(str(row.function), d, [str(row.problem)]) for row in own.itertuples()]
+        items: list[Part] = []
+        reached = _reached(findings, panels)
+        if len(reached):
+            items.append(_figure(findings, f"targets-by-function-d{d}", reached, panels))
+        if len(findings.anytime.running_times):
+            items.append(ert_table(findings, problems, d))
+        yield Section(f"Function by function in dimension {d}", (), tuple(items), folded=True)
+
+
+def _scatter(findings: Findings, members: pd.DataFrame) -> list[Figure]:
+    """Return the running times of the first two in rank, or of the reference and the first other one."""
+    first = findings.reference or findings.final.ranked[0]
+    second = next(label for label in findings.final.ranked if label != first)
+    unit, times = findings.anytime.words.unit, findings.anytime.running_times
+    own = times[times["problem"].isin(members["problem"])]
+    wide = own.pivot(index=["problem", unit], columns="optimizer", values="ert_per_d").astype(float)
+    wide = wide.reindex(columns=[first, second]).dropna()
+    if not np.isfinite(wide).any(axis=None):
+        return []
+    table = wide.reset_index().rename_axis(columns=None)
+    kind = "d = " + table["problem"].map(members.set_index("problem")["dimension"]).astype(str)
+    return [scatter_figure(findings.anytime.words.in_unit(table.assign(kind=kind), unit), first, second)]
 
 
 def _members(trials: Trials) -> pd.DataFrame:
@@ -74,7 +127,11 @@ def _meaning(trials: Trials, members: pd.DataFrame) -> str:
     return text
 
 
-def _panels(members: pd.DataFrame) -> list[tuple[str, int, list[str]]]:
+def _title(group: str, dimension: int, _: object = None) -> str:
+    return f"{group}, d = {dimension}"
+
+
+def _panels(members: pd.DataFrame) -> Panels:
     """Return group, dimension and problems of each panel: first all functions, then each group, by dimension."""
     panels: dict[tuple[str, int], list[str]] = {}
     groups = list(dict.fromkeys(members["group"]))
@@ -87,9 +144,7 @@ def _panels(members: pd.DataFrame) -> list[tuple[str, int, list[str]]]:
 
 def _ranks(findings: Findings, members: pd.DataFrame) -> Table:
     ranks, panels = analysis.table(findings.final.standings, "rank").dropna(), _panels(members)
-    rows = {
-        f"{group}, d = {dimension}": ranks[ranks.index.isin(problems)].mean() for group, dimension, problems in panels
-    }
+    rows = {_title(group, dimension): ranks[ranks.index.isin(problems)].mean() for group, dimension, problems in panels}
     shown = pd.DataFrame(rows).T.reindex(columns=findings.trials.optimizers).rename_axis("group and dimension")
     problems = [len(problems) for _, _, problems in panels]
     return Table(
@@ -125,30 +180,23 @@ def _most_targets(reached: pd.DataFrame) -> str:
     return f"Within the whole budget, the most targets were reached by {'; by '.join(shown)}."
 
 
-def _reached(findings: Findings, members: pd.DataFrame) -> pd.DataFrame:
+def _reached(findings: Findings, panels: Panels) -> pd.DataFrame:
     """Return the ECDF of each optimizer in each panel, over evaluations / d."""
-    if findings.anytime.words.restarts:
-        return _restarted(findings, members)
-    hits = findings.anytime.hits
-    most = max(findings.trials.budgets[label] / d for label, d in findings.trials.dimensions.items())
-    grid = np.geomspace(1 / max(findings.trials.dimensions.values()), most, 60)
-    curves = []
-    for group, dimension, problems in _panels(members):
-        own = hits[hits["problem"].isin(problems)]
-        curve = analysis.ecdf(own, grid, findings.trials.dimensions)
-        curves.append(curve.assign(problem=f"{group}, d = {dimension}"))
-    return pd.concat(curves, ignore_index=True)
-
-
-def _restarted(findings: Findings, members: pd.DataFrame) -> pd.DataFrame:
-    """Return the share of simulated restarts of each optimizer in each panel, over evaluations / d."""
-    shares = findings.anytime.restarts_per_dimension
-    curves = [
-        analysis.mean_shares(own, findings.trials.optimizers).assign(problem=f"{group}, d = {dimension}")
-        for group, dimension, problems in _panels(members)
-        if len(own := shares[shares["problem"].isin(problems)])
-    ]
-    return pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(columns=[*shares, "problem"])
+    trials, anytime, curves = findings.trials, findings.anytime, []
+    most = max(trials.budgets[label] / d for label, d in trials.dimensions.items())
+    grid = np.geomspace(1 / max(trials.dimensions.values()), most, 60)
+    for panel in panels:
+        found = anytime.restarts_per_dimension if anytime.words.restarts else anytime.hits
+        own = found[found["problem"].isin(panel[2])]
+        if len(own):
+            curve = (
+                analysis.mean_shares(own, anytime.curves)
+                if anytime.words.restarts
+                else analysis.ecdf(own, grid, trials.dimensions)
+            )
+            curves.append(curve.assign(problem=_title(*panel)))
+    columns = ["optimizer", "per_dimension", "fraction", "problem"]
+    return pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(columns=columns)
 
 
 def _scaling(anytime: Anytime, members: pd.DataFrame) -> pd.DataFrame:

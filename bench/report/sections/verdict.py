@@ -20,6 +20,7 @@ from bench.report.parts import Card, Part, Section
 from bench.report.ranking import rank_map, ranking_table
 from bench.report.sections import integrity
 from bench.report.sections.power import error_text
+from bench.report.sections.suite import overview
 from bench.report.sections.trials import NOT_ADJUSTED, extension_text
 from bench.report.winner import TIED, WINNER_RULE, Across, Stage, Standing, verdict
 from bench.report.wording import count, listing, p_text, unfinished_trials
@@ -56,7 +57,7 @@ def section(findings: Findings) -> Section:
         Card("How often would this page be wrong?", error_text(findings), "limit", folded=True),
         Card("How this is decided", (_grounds(findings), *conditions.others), "limit", folded=True),
     )  # fmt: skip
-    items: list[Part] = [rank_map(findings), *first_picture(findings), ranking_table(findings)]
+    items: list[Part] = [rank_map(findings), *overview(findings), *first_picture(findings), ranking_table(findings)]
     return Section(TITLE, (), tuple(items), warnings, cards=cards, lost=lost)
 
 

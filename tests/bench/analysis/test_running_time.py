@@ -15,6 +15,7 @@ from bench.analysis.running_time import (
     mean_shares,
     restart_shares,
     running_times,
+    separably_fastest,
     simulated_restarts,
 )
 from tests.bench.export.made import read
@@ -78,6 +79,12 @@ class TestRunningTimes:
         assert running_times(hits).iloc[0].high < 14 + 14 * share / (1 - share)  # no trial is known to cost more
         other = pd.concat([hits, hits_of({("p", "b"): [INF]}, spent=1000.0)])
         assert running_times(other).iloc[0].high == row.high
+
+    def test_the_median_of_those_without_a_success_stands_beside_the_ert(self):
+        hits = pd.concat([hits_of({("p", "a"): [INF] * 3}, spent=each) for each in (10.0, 40.0)], ignore_index=True)
+        hits["trial"] = range(6)
+        assert running_times(hits).iloc[0].unsuccessful == 25.0
+        assert np.isnan(running_times(hits_of({("p", "a"): [10, 11]})).iloc[0].unsuccessful)
 
     def test_a_single_success_has_an_interval_within_what_its_time_may_be(self):
         row = running_times(hits_of({("p", "a"): [10, *[INF] * 9]}).assign(budget=100.0)).iloc[0]
@@ -203,3 +210,20 @@ def test_simulated_restarts_and_dispersion_are_cocopp_s(tmp_path):
         assert row.ert == theirs["ert"]
         # beside cocopp's own draws, many of them: they differ by what a thousand draws differ
         assert [row.p10, row.p90] == pytest.approx(theirs["own"], rel=0.12)
+
+
+class TestFastest:
+    def test_the_fastest_is_marked_where_it_beats_each_other_one(self):
+        quick, slow, never = [10.0 + i for i in range(15)], [100.0 + i for i in range(15)], [INF] * 15
+        cells = {("p", "a"): quick, ("p", "b"): slow, ("q", "a"): slow, ("q", "b"): [*slow[1:], 99.0],
+                 ("r", "a"): never, ("r", "b"): never}  # fmt: skip
+        (row,) = separably_fastest(hits_of(cells)).to_dict("records")
+        assert (row["problem"], row["optimizer"]) == ("p", "a")
+        assert row["p"] == pytest.approx(3 * stats.mannwhitneyu(quick, slow).pvalue)  # of three problems
+
+    def test_a_rival_that_is_no_slower_or_few_trials_leave_none(self):
+        quick, slow = [10.0 + i for i in range(15)], [100.0 + i for i in range(15)]
+        assert separably_fastest(hits_of({("p", "a"): quick, ("p", "b"): quick, ("p", "c"): slow})).empty
+        few = {(f"p{i}", each): times[:4] for i in range(24) for each, times in (("a", quick), ("b", slow))}
+        assert separably_fastest(hits_of(few)).empty
+        assert separably_fastest(hits_of({("p", "a"): quick})).empty

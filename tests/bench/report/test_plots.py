@@ -12,6 +12,7 @@ from bench import analysis
 from bench.objective import Trace
 from bench.plots import style
 from bench.report import plots as report
+from bench.report.findings import BEST
 from tests.bench.plots.frames import (
     GRID,
     clock,
@@ -47,12 +48,21 @@ def strictly():
 def every_figure(optimizers, problems=("p", "q")):
     frame = trials({(p, o): [1.0, 2.0, 4.0] for p in problems for o in optimizers})
     ranks = ranks_of(optimizers)
+    shares = fractions([*optimizers, BEST]).rename(columns={"evaluations": "per_dimension"})
+    reached = pd.concat([shares.assign(problem=f"{each}, d = 2") for each in problems])
+    ends = {f"{each}, d = 2": dict.fromkeys(optimizers, 10.0) for each in problems}
+    erts = pd.DataFrame(
+        {"problem": "p", "kind": "d = 2", optimizers[0]: [1.0, np.inf, 8.0], "another": [2.0, 3.0, np.inf]}
+    )
     return [
         report.distribution_figure(frame, problems[0], 0.5, {"speed_rpm": (101.0, 0.5)}),
         report.convergence_figure(curves(problems, optimizers), optimizers),
         report.regret_figure(curves(problems, optimizers), optimizers),
         report.ert_figure(times(problems, optimizers), optimizers),
         report.ecdf_figure(fractions(optimizers), fractions(optimizers, "groups"), optimizers, target="tau = 0.01"),
+        report.reached_figure("targets", reached, optimizers, ends=ends),
+        report.reached_figure("targets-of-all", reached, optimizers, ends=ends, columns=2),
+        report.scatter_figure(erts, optimizers[0], "another"),
         report.rank_figure(ranks, [list(ranks.index)]),
         report.forest_figure(improvements(optimizers)),
         report.timing_figure(clock(optimizers)),

@@ -62,6 +62,14 @@ def test_the_tables_have_its_times(beside):
     assert len(table.rows) == 3
 
 
+def test_curves_have_its_share_of_targets(beside):
+    curves = beside([50.0, 1.0]).anytime.restarts_per_dimension
+    own = curves[(curves["optimizer"] == "best of 2009") & (curves["problem"] == "bbob-f08-d2")]
+    assert own.set_index("per_dimension")["fraction"].asof([2.4, 2.9, 5.9]).tolist() == [0.0, 0.5, 1.0]  # 5 and 10 / d
+    other = Findings(beside().results, [50.0, 1.0]).anytime.restarts_per_dimension
+    assert "best of 2009" not in set(other["optimizer"])
+
+
 def test_the_ratios_are_given_by_dimension_and_target(beside):
     section = best.section(beside())
     table = section.items[0].frame

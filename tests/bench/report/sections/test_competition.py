@@ -26,8 +26,8 @@ def tables(section):
 def test_signs_and_their_counts_are_beside_the_means(make, tmp_path):
     found = section(make(tmp_path / "s", trials=6), "b", p=1.0, q=1.0)
     table = tables(found)["competition"]
-    assert table.marks.loc["p"].to_dict() == {"a": "-", "b": "", "c": "+"}
-    assert table.texts.loc["+ / = / -"].to_dict() == {"a": "0 / 0 / 2", "b": "", "c": "2 / 0 / 0"}
+    assert table.marks.loc["p"].to_dict() == {"a": "−", "b": "", "c": "+"}
+    assert table.texts.loc["+ / = / −"].to_dict() == {"a": "0 / 0 / 2", "b": "", "c": "2 / 0 / 0"}
     assert table.texts.loc["U-score"].to_dict() == {"a": "144.0", "b": "72.0", "c": "0.0"}
     assert table.bold.loc["q"].to_dict() == {"a": True, "b": False, "c": False}
     assert not table.bold.loc["U-score"].any()
@@ -42,7 +42,7 @@ def test_signs_and_their_counts_are_beside_the_means(make, tmp_path):
 def test_the_text_says_that_nothing_is_corrected_and_what_that_means(make, tmp_path):
     text = " ".join(section(make(tmp_path / "s", trials=3), "a", p=1.0, q=1.0).text)
     assert "nothing is corrected for the 4 tests of this table" in text
-    assert "If no optimizer differed from a, about 0.2 of its signs would still be + or -" in text
+    assert "If no optimizer differed from a, about 0.2 of its signs would still be + or −" in text
 
 
 def test_values_stand_where_no_optimum_is_known(make, tmp_path):
@@ -65,7 +65,7 @@ def test_checkpoints_are_those_of_the_suite(make, tmp_path):
 def test_small_and_odd_studies_have_it(make, tmp_path):
     alone = section(make(tmp_path / "one", optimizers=("a",), trials=1), "a", p=1.0)
     assert "No problem has trials of a and of another optimizer." in alone.text[1]
-    assert tables(alone)["competition"].texts.at["+ / = / -", "a"] == ""
+    assert tables(alone)["competition"].texts.at["+ / = / −", "a"] == ""
     failed = section(make(tmp_path / "failed", fail=[("p", "a")]), "a", p=1.0, q=1.0)
     assert tables(failed)["competition"].texts.at["p", "a"] == "∞"
     skipped = section(make(tmp_path / "skipped", trials=2, skip=[("p", "b", 0), ("p", "b", 1)]), "b", p=1.0)

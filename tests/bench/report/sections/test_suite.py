@@ -6,9 +6,11 @@ import pytest
 from bench import Results, Study, run
 from bench.analysis import PRECISIONS
 from bench.analysis import table as table_of
+from bench.report import write_report
 from bench.report.findings import Findings
+from bench.report.latex import to_latex
 from bench.report.ranking import rank_map
-from bench.report.sections import anytime, comparison, datasets, suite
+from bench.report.sections import anytime, comparison, datasets, suite, verdict
 
 
 @pytest.fixture(scope="module")
@@ -136,6 +138,52 @@ def test_running_times_are_shown_over_the_dimension(findings, items):
     assert table["classical sphere", 5, "cma-es-fast"] == pytest.approx(expected)
 
 
+def test_functions_have_their_own_curves_and_one_table_a_dimension(findings):
+    first, second = suite.section(findings).sections
+    assert [first.title, second.title] == [f"Function by function in dimension {d}" for d in (2, 5)]
+    curves, table = second.items
+    assert curves.name == "targets-by-function-d5"
+    assert curves.data["problem"].unique().tolist() == ["classical sphere, d = 5", "classical rastrigin, d = 5"]
+    assert table.name == "running-times-d5"
+    assert table.frame.index.tolist() == [
+        (each, label) for each in ("sphere", "rastrigin") for label in findings.trials.optimizers
+    ]
+    times = findings.anytime.running_times.set_index(["problem", "optimizer", "precision"])
+    ert = times.at[("classical-sphere-d5", "cma-es-fast", 10.0), "ert"]
+    assert table.frame.at[("sphere", "cma-es-fast"), "10"].startswith(f"{ert:,.0f} (")
+    assert table.frame.at[("rastrigin", "random-search"), "1e-08"] == "∞ (1,000)"
+    assert table.frame.at[("rastrigin", "random-search"), "successes"] == "0/6"
+    assert not table.marks.loc[("sphere", "random-search")].any()
+    assert r"\begin{tabular}" in to_latex(table, "t")
+
+
+def test_the_first_screen_has_the_targets_beside_the_ranks(findings):
+    names = [item.name for item in verdict.section(findings).items]
+    assert names[:2] == ["rank-map", "targets-of-all"]
+    (figure,) = suite.overview(findings)
+    assert figure.data["problem"].unique().tolist() == ["all functions, d = 2", "all functions, d = 5"]
+    crosses = [line for ax in figure.figure.axes for line in ax.lines if line.get_marker() == "x"]
+    assert {float(line.get_xdata()[0]) for line in crosses} == {200.0}  # evaluations / d, where restarts begin
+    assert "Crosses: the end of the budget" in figure.caption
+
+
+def test_the_running_times_of_two_are_scattered(findings, items):
+    table = items["ert-scatter"].data
+    assert set(findings.final.ranked[:2]) <= set(table)
+    assert set(table["kind"]) == {"d = 2", "d = 5"}
+    assert suite._scatter(Findings(findings.results, reference="random-search"), suite._members(findings.trials))[
+        0
+    ].caption.startswith("Expected running time / d of cma-es-fast over that of random-search")
+
+
+def test_of_many_problems_no_single_one_has_a_latex_file(findings, tmp_path, monkeypatch):
+    monkeypatch.setattr("bench.report.findings.trials.MANY_PROBLEMS", 3)
+    tables = write_report(findings.results.paths[0], output=tmp_path / "out", n_jobs=1).parent / "tables"
+    assert (tables / "running-times-d2.tex").exists()
+    assert not list(tables.glob("cells-*.tex"))
+    assert list(tables.glob("cells-*.csv"))
+
+
 def test_a_study_of_one_kind_has_no_overview(make, tmp_path):
     assert suite.section(Findings(Results(make(tmp_path / "s")))) is None
 
@@ -157,7 +205,7 @@ def test_a_function_s_own_section_has_its_expected_running_times(findings):
     (own, *_) = datasets.section(findings).sections
     table = next(item for item in own.items if item.name == "running-times-classical-sphere-d2")
     shown, times = table.frame, findings.anytime.running_times.set_index(["problem", "optimizer", "precision"])
-    assert list(shown) == ["10", "1", "0.1", "0.01", "0.001", "1e-05", "1e-07", "1e-08", "95%", "10–90%", "ERT / d",
+    assert list(shown) == ["10", "1", "0.1", "0.01", "0.001", "1e-05", "1e-07", "1e-08", "95%", "ERT / d",
                            "seconds", "successes"]  # fmt: skip
     assert shown.loc["cma-es-fast", "10"] == times.loc[("classical-sphere-d2", "cma-es-fast", 10.0), "ert"]
     assert shown.loc["random-search", "successes"] == "0/6"

@@ -87,7 +87,8 @@ class TestSections:
         found = findings(folder, [5.0, 2.0, 1e-3], p=4.0, q=4.0)
         table = found.anytime.running_times
         spread = ["low", "high", "p10", "p90", "ert_per_d", "ert_s", "low_s", "high_s", "p10_s", "p90_s"]
-        assert list(table) == ["problem", "optimizer", "precision", "trials", "successes", "ert", *spread]
+        cell = ["problem", "optimizer", "precision", "trials", "successes", "ert", "unsuccessful"]
+        assert list(table) == [*cell, *spread]
         own = table[table["successes"] > 0]
         assert len(own)
         assert (own["low"] <= own["ert"]).all()
