@@ -16,7 +16,7 @@ import blocks
 from sphinx.application import Sphinx
 from sphinx.util import logging
 
-LINK = re.compile(r"/_generated/((?:tutorials|how-to|reference|reference/api|explanation)/[\w-]+)/")
+LINK = re.compile(r"/_generated/((?:tutorials|how-to|reference/api|reference|explanation)/[\w-]+)/")
 REPORT = re.compile(r"(?:examples/|\{report\} )([\w-]+)/")
 REPEATED = ("", "tutorials", "how-to")  # the parts of the site all of whose pages are run
 MOST_LINES = 60  # of what a block printed
