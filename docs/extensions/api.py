@@ -8,7 +8,7 @@ from pathlib import Path
 
 from sphinx.application import Sphinx
 
-from extensions.pages import write
+from extensions.pages import code, table, write
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
@@ -22,24 +22,29 @@ def pages() -> dict[str, str]:
     from bench import analysis
 
     homes: dict[str, list[str]] = {}
+    values = []
     for name in analysis.__all__:
         thing = getattr(analysis, name)
-        named = inspect.isroutine(thing) or inspect.isclass(thing)
-        homes.setdefault(inspect.unwrap(thing).__module__ if named else "", []).append(name)
-    return {home.rpartition(".")[2] or "constants": page(home, names) for home, names in sorted(homes.items())}
+        if inspect.isroutine(thing) or inspect.isclass(thing):
+            homes.setdefault(inspect.unwrap(thing).__module__, []).append(name)
+        else:
+            values.append((code(name), code(" ".join(str(thing).split()))))
+    constants = f"# Constants\n\n{table(('name of `bench.analysis`', 'value'), values)}\n"
+    written = {home.rpartition(".")[2]: page(home, names) for home, names in homes.items()}
+    return written | {"constants": constants}
 
 
 def page(home: str, names: list[str]) -> str:
     """Return the page of a module: the first sentence about it, and the names that it defines."""
-    about = (inspect.getdoc(import_module(home)) or "").partition("\n\n")[0] if home else "Levels and limits."
+    about = (inspect.getdoc(import_module(home)) or "").partition("\n\n")[0]
     title = " ".join(about.replace("``", "`").split()).removesuffix(".")
-    entries = "\n\n".join(_entry(home, name) for name in names)
+    entries = "\n\n".join(map(_entry, names))
     return f"# {title}\n\n```{{eval-rst}}\n.. currentmodule:: bench.analysis\n\n{entries}\n```\n"
 
 
-def _entry(home: str, name: str) -> str:
+def _entry(name: str) -> str:
     from bench import analysis
 
-    kind = "autoclass" if inspect.isclass(getattr(analysis, name)) else "autofunction" if home else "autodata"
-    members = "\n   :members:" if kind == "autoclass" else ""
-    return f".. {kind}:: bench.analysis.{name}{members}"
+    members = "autoclass", "\n   :members:"
+    kind, options = members if inspect.isclass(getattr(analysis, name)) else ("autofunction", "")
+    return f".. {kind}:: bench.analysis.{name}{options}"
