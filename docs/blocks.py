@@ -91,11 +91,11 @@ def runnable(page: Path) -> bool:
 def run(page: Path, folder: Path) -> dict[int, str]:
     """Run a page's blocks in a folder; raises BlockError at the first one that fails.
 
-    Returns what blocks printed that the page does not show itself, by the last line of the block.
+    Returns what blocks printed that the page does not show itself, by their number from 0.
     """
     namespace: dict[str, object] = {"__name__": "__main__"}
     printed, unshown = "", {}
-    for block in blocks(page):
+    for number, block in enumerate(blocks(page)):
         where = f"{page.relative_to(ROOT)}:{block.line}"
         if block.reason is not None:
             printed = ""
@@ -114,7 +114,7 @@ def run(page: Path, folder: Path) -> dict[int, str]:
         else:
             raise BlockError(f"{where}: a block of {block.kind} cannot be run, and needs a reason")
         if printed.strip() and block.kind in ("console", "python") and not (block.reason or block.file):
-            unshown[block.last] = printed
+            unshown[number] = printed
     return unshown
 
 
@@ -124,7 +124,7 @@ def folder_of(page: Path) -> Path:
 
 
 def has_run(page: Path) -> bool:
-    """Return whether the build has run a page of the site as it is now."""
+    """Return whether the build has run the blocks of a page of the site as they are now."""
     if not page.is_relative_to(DOCS):
         return False
     mark = folder_of(page) / ".hash"
@@ -132,8 +132,9 @@ def has_run(page: Path) -> bool:
 
 
 def digest(page: Path) -> str:
-    """Return the hash of a page's text."""
-    return hashlib.sha256(page.read_bytes()).hexdigest()
+    """Return the hash of what is run of a page."""
+    found = [(block.kind, block.text, block.file, block.reason) for block in blocks(page)]
+    return hashlib.sha256(repr(found).encode()).hexdigest()
 
 
 def _shell(line: str, folder: Path, where: str) -> str:
@@ -153,7 +154,7 @@ def _environment(folder: Path) -> Iterator[None]:
     """Work in a folder, find this environment's programs, and keep the user's own data out."""
     before = dict(os.environ)
     os.environ |= {
-        "PATH": str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"], "COLUMNS": "88",
+        "PATH": str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"], "COLUMNS": "80",
         "MPLBACKEND": "agg", "BENCH_ARCHIVE": str(folder / "archive"),
         "BENCH_PUBLISHED_DATA": str(folder / "published"),
     }  # fmt: skip

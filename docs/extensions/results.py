@@ -23,7 +23,7 @@ MOST_LINES = 60  # of what a block printed
 
 
 def run_pages(app: Sphinx) -> None:
-    """Run each page of these parts, or whose files another page shows, unless it was run and has not changed."""
+    """Run each page of these parts, or whose files another page shows, unless its blocks have run as they are."""
     source = Path(app.srcdir)
     texts = [page.read_text(encoding="utf-8") for page in blocks.PAGES]
     pages = {source / f"{name}.md" for text in texts for name in LINK.findall(text)}
@@ -36,7 +36,7 @@ def run_pages(app: Sphinx) -> None:
             for old in (folder, site):
                 shutil.rmtree(old, ignore_errors=True)
             folder.mkdir(parents=True)
-            printed = {line: text.replace(f"{folder}/", "") for line, text in blocks.run(page, folder).items()}
+            printed = {at: text.replace(f"{folder}/", "") for at, text in blocks.run(page, folder).items()}
             (folder / ".printed.json").write_text(json.dumps(printed), encoding="utf-8")
             (folder / ".hash").write_text(blocks.digest(page))
         if page.stem in shown and not site.exists():
@@ -58,11 +58,12 @@ def show_printed(app: Sphinx, name: str, text: list[str]) -> None:
     file = Path(app.srcdir) / "_generated" / name / ".printed.json"
     if not file.exists():
         return
-    lines = text[0].split("\n")
-    for last, printed in sorted(json.loads(file.read_text(encoding="utf-8")).items(), key=lambda each: -int(each[0])):
+    lines, found = text[0].split("\n"), blocks.blocks(Path(app.srcdir) / f"{name}.md")
+    for number, printed in reversed(json.loads(file.read_text(encoding="utf-8")).items()):
         shown = [line.rstrip() for line in printed.strip("\n").splitlines()]
         shown = [*shown[:MOST_LINES], "…"] if len(shown) > MOST_LINES else shown
-        lines[int(last) : int(last)] = ["", "~~~~{code-block} text", ":class: printed", "", *shown, "~~~~", ""]
+        at = found[int(number)].last
+        lines[at:at] = ["", "~~~~{code-block} text", ":class: printed", "", *shown, "~~~~", ""]
     text[0] = "\n".join(lines)
 
 
