@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import hashlib
 import io
 import os
 import re
@@ -33,9 +34,10 @@ from pathlib import Path
 from markdown_it import MarkdownIt
 
 ROOT = Path(__file__).resolve().parents[1]
+DOCS = ROOT / "docs"
 PARTS = ("", "tutorials", "how-to", "reference", "reference/api", "explanation")
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
-PAGES += sorted(page for part in PARTS for page in (ROOT / "docs" / part).glob("*.md"))
+PAGES += sorted(page for part in PARTS for page in (DOCS / part).glob("*.md"))
 RUN = {"console", "python", "output", "toml", "r", "julia", "bash", "{code-block}", "{literalinclude}"}
 REASON = re.compile(r"^(?:% not run:|<!-- not run:)\s*(.*?)\s*(?:-->)?$")
 FILE = re.compile(r"^<!-- file: (.*) -->$")
@@ -48,11 +50,12 @@ class BlockError(Exception):
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block: its kind, text and first line, the file that it shows, and why it is not run (None: it is)."""
+    """A fenced block: its kind, text, first and last line, the file that it shows, why it is not run (None: it is)."""
 
     kind: str
     text: str
     line: int
+    last: int
     file: str | None = None
     reason: str | None = None
 
@@ -76,15 +79,23 @@ def blocks(page: Path) -> list[Block]:
             content = re.sub(r"\A(:[\w-]+:.*\n)*\n*", "", content)
             if kind == "{literalinclude}":
                 content = (page.parent / argument.strip()).resolve().read_text(encoding="utf-8")
-        found.append(Block(kind, content, token.map[0] + 1, file, reason and reason[1]))
+        found.append(Block(kind, content, token.map[0] + 1, token.map[1], file, reason and reason[1]))
     return found
 
 
-def run(page: Path, folder: Path) -> None:
-    """Run a page's blocks in a folder; raises BlockError at the first one that fails."""
+def runnable(page: Path) -> bool:
+    """Return whether any block of a page is run."""
+    return any(block.reason is None and block.kind in ("console", "python") for block in blocks(page))
+
+
+def run(page: Path, folder: Path) -> dict[int, str]:
+    """Run a page's blocks in a folder; raises BlockError at the first one that fails.
+
+    Returns what blocks printed that the page does not show itself, by their number from 0.
+    """
     namespace: dict[str, object] = {"__name__": "__main__"}
-    printed = ""
-    for block in blocks(page):
+    printed, unshown = "", {}
+    for number, block in enumerate(blocks(page)):
         where = f"{page.relative_to(ROOT)}:{block.line}"
         if block.reason is not None:
             printed = ""
@@ -99,8 +110,31 @@ def run(page: Path, folder: Path) -> None:
             tomllib.loads(block.text)
         elif block.kind == "output":
             _compare(block.text, printed, where)
+            unshown.popitem()
         else:
             raise BlockError(f"{where}: a block of {block.kind} cannot be run, and needs a reason")
+        if printed.strip() and block.kind in ("console", "python") and not (block.reason or block.file):
+            unshown[number] = printed
+    return unshown
+
+
+def folder_of(page: Path) -> Path:
+    """Return the folder in which the build runs a page of the site."""
+    return DOCS / "_generated" / page.relative_to(DOCS).with_suffix("")
+
+
+def has_run(page: Path) -> bool:
+    """Return whether the build has run the blocks of a page of the site as they are now."""
+    if not page.is_relative_to(DOCS):
+        return False
+    mark = folder_of(page) / ".hash"
+    return mark.exists() and mark.read_text() == digest(page)
+
+
+def digest(page: Path) -> str:
+    """Return the hash of what is run of a page."""
+    found = [(block.kind, block.text, block.file, block.reason) for block in blocks(page)]
+    return hashlib.sha256(repr(found).encode()).hexdigest()
 
 
 def _shell(line: str, folder: Path, where: str) -> str:
@@ -120,7 +154,7 @@ def _environment(folder: Path) -> Iterator[None]:
     """Work in a folder, find this environment's programs, and keep the user's own data out."""
     before = dict(os.environ)
     os.environ |= {
-        "PATH": str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"], "COLUMNS": "100",
+        "PATH": str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"], "COLUMNS": "80",
         "MPLBACKEND": "agg", "BENCH_ARCHIVE": str(folder / "archive"),
         "BENCH_PUBLISHED_DATA": str(folder / "published"),
     }  # fmt: skip

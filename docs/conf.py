@@ -8,6 +8,7 @@ import pydoc
 import re
 import sys
 from contextlib import suppress
+from importlib.metadata import metadata
 from importlib.metadata import version as version_of
 from operator import attrgetter
 from pathlib import Path
@@ -18,6 +19,7 @@ from sphinx.application import Sphinx
 
 Signature = tuple[object, object]
 
+ICONS = {"Repository": "code-branch", "Issues": "circle-dot", "Documentation": "book", "Changelog": "list"}
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))  # the extensions, blocks.py and the figures
 
@@ -29,8 +31,9 @@ project_copyright = f"{author}. Licence: Apache-2.0"
 version = release = version_of("backlash-bench")
 
 extensions = [
-    "myst_parser", "sphinx_design", "sphinx.ext.autodoc", "sphinx.ext.napoleon",
-    "extensions.commands", "extensions.plugins", "extensions.drawings", "extensions.results", "extensions.performance",
+    "myst_parser", "sphinx_copybutton", "sphinx_design", "sphinx.ext.autodoc", "sphinx.ext.napoleon",
+    "extensions.api", "extensions.commands", "extensions.plugins", "extensions.drawings", "extensions.results",
+    "extensions.pictures", "extensions.performance",
 ]  # fmt: skip
 exclude_patterns = ["_build", "_generated"]
 smartquotes_action = "qe"  # quotes and ellipses; two hyphens stay an option
@@ -48,7 +51,8 @@ napoleon_use_rtype = False
 napoleon_attr_annotations = False
 
 html_theme = "pydata_sphinx_theme"
-html_title = "backlash-bench"
+html_title = f"backlash-bench {version}"
+copybutton_selector = "div:not(.output):not(.printed) > div.highlight > pre"  # what a reader types, not what is printed
 html_static_path = ["_static"]
 html_extra_path = ["_generated/site"]  # the reports of the tutorials
 html_css_files = ["site.css"]
@@ -56,24 +60,30 @@ html_show_sourcelink = False
 html_copy_source = False
 html_theme_options = {
     "show_toc_level": 2,
-    "show_prev_next": False,
-    "navbar_end": ["theme-switcher"],
+    "navbar_end": ["theme-switcher", "navbar-icon-links"],
+    "icon_links": [  # of [project.urls] in pyproject.toml, where there are any
+        {"name": name, "url": url, "icon": f"fa-solid fa-{ICONS.get(name, 'link')}"}
+        for name, url in (each.split(", ", 1) for each in metadata("backlash-bench").get_all("Project-URL", []))
+    ],
     "footer_start": ["copyright"],
     "footer_end": [],
     "secondary_sidebar_items": ["page-toc"],
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
-html_sidebars = {"index": []}
+html_sidebars = {"index": [], "gallery": [], "help": []}
 
 linkcheck_anchors = False
 linkcheck_timeout = 20
 
 
 def setup(app: Sphinx) -> None:
-    """Shorten the types of arrays in signatures, and accept references to code that has no page."""
+    """Shorten types in signatures, accept references to code without a page, leave the places of named tuples out."""
     app.connect("autodoc-process-signature", shortened)
     app.connect("missing-reference", without_page)
+    app.connect(
+        "autodoc-skip-member", lambda *given: True if str(given[3].__doc__).startswith("Alias for field") else None
+    )
 
 
 def shortened(*given: object) -> Signature:

@@ -29,8 +29,8 @@ def import_results(
     MINE IMPORTED' compares both. Imported trials cannot be repeated. A file that is damaged, or of maximisation, ends
     the import; --partial imports the others, and reports list what is missing.
     """
+    from bench.helpers.text import count
     from bench.importing import import_results as import_source
-    from bench.report.wording import count
 
     found = import_source(source, output, licence=licence, partial=partial)
     for note in found.notes:

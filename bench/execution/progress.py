@@ -21,6 +21,7 @@ from rich.progress import (
 
 from bench.execution.plan import Plan
 from bench.helpers.console import duration, print_line
+from bench.helpers.text import count
 from bench.trial import Trial
 
 SHOWN = 20  # failures of an optimizer that are printed as they happen
@@ -106,11 +107,11 @@ def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], con
     """Print the size of a plan, how much of it is done, and its notes."""
     study = plan.study
     total, present = (sum(each) for each in zip(*counts.values(), strict=True))
-    controls = f" and {len(study.controls)} controls" if study.controls else ""
-    size = f"{len(study.problems)} problems x {len(study.optimizers)} optimizers{controls} x "
-    size += f"{'at most ' if study.looks else ''}{study.trials} trials"
-    part = f"; shard {plan.shard} of them: {total} runs" if plan.shard else f" = {total} runs"
-    done = f", {present} of them already done" if present else ""
+    controls = f" and {count(len(study.controls), 'control')}" if study.controls else ""
+    size = f"{count(len(study.problems), 'problem')} x {count(len(study.optimizers), 'optimizer')}{controls} x "
+    size += f"{'at most ' if study.looks else ''}{count(study.trials, 'trial')}"
+    part = f"; shard {plan.shard} of them: {count(total, 'run')}" if plan.shard else f" = {count(total, 'run')}"
+    done = f", {present:,} of them already done" if present else ""
     print_line(f"study {study.name}: {size}{part} of {study.budget_words}{done}", console=console)
     if study.looks:
         print_line(f"looks at {', '.join(map(str, study.looks))} trials: {_decided([], plan)}", console=console)

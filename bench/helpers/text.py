@@ -55,6 +55,11 @@ def option(value: Any) -> str:
     return value if isinstance(value, str) else json.dumps(value, default=str)
 
 
+def count(number: int, noun: str, plural: str = "") -> str:
+    """Return ``"1 trial"``, ``"2 trials"`` or ``"60,000 trials"``; ``plural`` is needed where it does not end in -s."""
+    return f"{number:,} {noun if number == 1 else plural or noun + 's'}"
+
+
 def html_table(caption: str, rows: Iterable[Sequence[Any]], heads: Sequence[str] = ()) -> str:
     """Return a small table for a notebook; all texts are escaped, and colours are left to the notebook's theme.
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bench.helpers.text import count as count
 from bench.helpers.text import option
 
 MISSING = "–"
@@ -60,11 +61,6 @@ def _significant(value: float, digits: int) -> str:
     if not 1e-4 <= abs(value) < 1e6:
         return f"{value:.{digits - 1}e}"
     return f"{value:,.{max(digits - 1 - math.floor(math.log10(abs(value))), 0)}f}"
-
-
-def count(number: int, noun: str, plural: str = "") -> str:
-    """Return ``"1 trial"``, ``"2 trials"`` or ``"60,000 trials"``; ``plural`` is needed where it does not end in -s."""
-    return f"{number:,} {noun if number == 1 else plural or noun + 's'}"
 
 
 def percent(share: float) -> str:

@@ -233,7 +233,7 @@ class Study:
 
     @property
     def with_controls(self) -> tuple[Entry, ...]:
-        """The optimizers, and after them the controls: all that is run."""
+        """Return the optimizers and after them the controls, which together are all that is run."""
         return (*self.optimizers, *self.controls)
 
     def packages(self) -> dict[str, list[str]]:

@@ -6,6 +6,7 @@ import inspect
 import json
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
@@ -16,6 +17,7 @@ from sphinx.application import Sphinx
 from extensions.pages import code, plain, table, write
 
 Record = Mapping[str, Any]
+UNFOLDED = 40  # members of a family in one table
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
@@ -72,15 +74,9 @@ def family_page(name: str, members: Iterable[Record]) -> str:
     first = members[0]
     install = f"pip install 'backlash-bench[{first['extra']}]'" if first["extra"] else "nothing: scipy is always there"
     shared = set.intersection(*(set(each["unmapped"]) for each in members))
-    rows = [
-        (
-            code(each["name"]),
-            plain(each["about"]),
-            ", ".join(f"{code(one['name'])} = {code(one['default'])}" for one in each["parameters"]),
-            plain(" ".join(remark for remark in each["unmapped"] if remark not in shared)),
-        )
-        for each in members
-    ]
+    repeated = Counter(remark for each in members for remark in each["unmapped"] if remark not in shared)
+    numbers = {remark: at for at, remark in enumerate((each for each, n in repeated.items() if n > 1 and each), 1)}
+    rows = [_member(each, shared, numbers) for each in members]
     papers = sorted(set.intersection(*(set(each["paper"]) for each in members)))
     parts = [
         f"# {name}: {len(members)} optimizers",
@@ -94,9 +90,27 @@ def family_page(name: str, members: Iterable[Record]) -> str:
             ],
         ),
         f"`bench list {name}` prints the same with the ranges of all parameters, with `--json` for programs.",
-        table(("name", "what it is", "parameters and defaults", "remarks"), rows),
+        "\n".join(f"{number}. {plain(remark)}" for remark, number in numbers.items()),
+        *_members(rows),
     ]
-    return "\n\n".join(parts) + "\n"
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _member(record: Record, shared: set[str], numbers: Mapping[str, int]) -> tuple[str, ...]:
+    """Return the row of a member; a remark that several members have is there by its number."""
+    own = [remark for remark in record["unmapped"] if remark and remark not in shared]
+    remarks = [str(numbers[each]) if each in numbers else plain(each) for each in own]
+    parameters = ", ".join(f"{code(one['name'])} = {code(one['default'])}" for one in record["parameters"])
+    return code(record["name"]), plain(record["about"]), parameters, "; ".join(remarks)
+
+
+def _members(rows: list[tuple[str, ...]]) -> list[str]:
+    """Return the table of the members, or of a large family several that a reader opens."""
+    head = ("name", "what it is", "parameters and defaults", "remarks")
+    if len(rows) <= UNFOLDED:
+        return [table(head, rows)]
+    parts = [rows[at : at + UNFOLDED] for at in range(0, len(rows), UNFOLDED)]
+    return [f":::{{dropdown}} {part[0][0]} to {part[-1][0]}\n{table(head, part)}\n:::" for part in parts]
 
 
 def parameter(record: Record) -> tuple[str, str, str]:

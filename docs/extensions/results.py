@@ -1,12 +1,13 @@
-"""Run the pages whose results the site shows, as the tests run them, before Sphinx reads them.
+"""Run the pages that readers repeat, and show below each block what it printed.
 
-A page that names ``/_generated/PART/PAGE/FILE`` shows a file that a page's own blocks wrote; their reports are the
-site's ``examples/PAGE/report.html``.
+A page that names ``/_generated/PART/PAGE/FILE`` shows a file that a page's own blocks wrote; the reports that a page
+wrote are the site's ``examples/PAGE/RUN/report.html`` where any page shows one of them, other pages of its folder the
+site's ``examples/PAGE/FILE.html``.
 """
 
 from __future__ import annotations
 
-import hashlib
+import json
 import re
 import shutil
 from pathlib import Path
@@ -15,31 +16,59 @@ import blocks
 from sphinx.application import Sphinx
 from sphinx.util import logging
 
-LINK = re.compile(r"/_generated/((?:tutorials|how-to|reference|explanation)/[\w-]+)/")
+LINK = re.compile(r"/_generated/((?:tutorials|how-to|reference/api|reference|explanation)/[\w-]+)/")
+REPORT = re.compile(r"(?:examples/|\{report\} )([\w-]+)/")
+REPEATED = ("", "tutorials", "how-to")  # the parts of the site all of whose pages are run
+MOST_LINES = 60  # of what a block printed
 
 
 def run_pages(app: Sphinx) -> None:
-    """Run each page whose files another page shows, unless it was run before and has not changed."""
+    """Run each page of these parts, or whose files another page shows, unless its blocks have run as they are."""
     source = Path(app.srcdir)
-    shown = {name for page in blocks.PAGES for name in LINK.findall(page.read_text(encoding="utf-8"))}
-    for name in sorted(shown):
-        page, folder = source / f"{name}.md", source / "_generated" / name
-        mark = folder / ".hash"
-        digest = hashlib.sha256(page.read_bytes()).hexdigest()
-        if mark.exists() and mark.read_text() == digest:
-            continue
-        logging.getLogger(__name__).info("running the blocks of %s", page.name)
-        shutil.rmtree(folder, ignore_errors=True)
-        folder.mkdir(parents=True)
-        blocks.run(page, folder)
-        for report in folder.glob("results/runs/*/report.html"):  # with the files that it links
-            copy = source / "_generated" / "site" / "examples" / page.stem
-            shutil.rmtree(copy, ignore_errors=True)
-            shutil.copytree(report.parent, copy, ignore=shutil.ignore_patterns(".*"))
-        mark.write_text(digest)
+    texts = [page.read_text(encoding="utf-8") for page in blocks.PAGES]
+    pages = {source / f"{name}.md" for text in texts for name in LINK.findall(text)}
+    pages |= {page for part in REPEATED for page in (source / part).glob("*.md") if blocks.runnable(page)}
+    shown = {name for text in texts for name in REPORT.findall(text)}
+    for page in sorted(pages):
+        folder, site = blocks.folder_of(page), source / "_generated" / "site" / "examples" / page.stem
+        if not blocks.has_run(page):
+            logging.getLogger(__name__).info("running the blocks of %s", page.relative_to(source))
+            for old in (folder, site):
+                shutil.rmtree(old, ignore_errors=True)
+            folder.mkdir(parents=True)
+            printed = {at: text.replace(f"{folder}/", "") for at, text in blocks.run(page, folder).items()}
+            (folder / ".printed.json").write_text(json.dumps(printed), encoding="utf-8")
+            (folder / ".hash").write_text(blocks.digest(page))
+        if page.stem in shown and not site.exists():
+            publish(folder, site)
+
+
+def publish(folder: Path, site: Path) -> None:
+    """Copy the reports of a page with the files that they link, and its other pages of HTML, into the site."""
+    for report in folder.glob("results/runs/*/report.html"):
+        unlinked = shutil.ignore_patterns(".*", "*.sqlite", "committed.json", "store.json")
+        shutil.copytree(report.parent, site / report.parent.name, ignore=unlinked)
+    for page in folder.glob("*.html"):
+        site.mkdir(parents=True, exist_ok=True)
+        shutil.copy(page, site)
+
+
+def show_printed(app: Sphinx, name: str, text: list[str]) -> None:
+    """Add to a page, below each block whose output it does not have itself, what the block printed."""
+    file = Path(app.srcdir) / "_generated" / name / ".printed.json"
+    if not file.exists():
+        return
+    lines, found = text[0].split("\n"), blocks.blocks(Path(app.srcdir) / f"{name}.md")
+    for number, printed in reversed(json.loads(file.read_text(encoding="utf-8")).items()):
+        shown = [line.rstrip() for line in printed.strip("\n").splitlines()]
+        shown = [*shown[:MOST_LINES], "…"] if len(shown) > MOST_LINES else shown
+        at = found[int(number)].last
+        lines[at:at] = ["", "~~~~{code-block} text", ":class: printed", "", *shown, "~~~~", ""]
+    text[0] = "\n".join(lines)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Run the pages when the build begins."""
     app.connect("builder-inited", run_pages)
+    app.connect("source-read", show_printed)
     return {"parallel_read_safe": True}

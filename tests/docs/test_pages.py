@@ -1,6 +1,7 @@
 """The code blocks of the site's pages, of the README and of CONTRIBUTING do what the pages say."""
 
 import importlib.util
+import os
 import sys
 from pathlib import Path
 
@@ -19,6 +20,8 @@ RUNNABLE = [name for name, page in PAGES.items() if any(block.reason is None for
 @pytest.mark.slow
 @pytest.mark.parametrize("name", RUNNABLE)
 def test_the_blocks_of_a_page_run(name, tmp_path, monkeypatch):
+    if "BENCH_SITE" in os.environ and blocks.has_run(PAGES[name]):
+        pytest.skip("the build of the site has run this page as it is")
     monkeypatch.setenv("MPLBACKEND", "agg")
     blocks.run(PAGES[name], tmp_path)
 
@@ -62,3 +65,30 @@ def test_files_are_written_output_is_compared_and_reasons_are_heeded(tmp_path, m
     assert sorted(path.name for path in tmp_path.rglob("*") if path.is_file()) == [
         "a.toml", "code.py", "copy.py", "page.md"
     ]  # fmt: skip
+
+
+def test_what_a_block_printed_is_returned_where_the_page_does_not_show_it(tmp_path, monkeypatch):
+    monkeypatch.setattr(blocks, "ROOT", tmp_path)
+    page = tmp_path / "page.md"
+    page.write_text(
+        "```console\necho a\n```\n\n```output\na\n```\n\n"
+        "% not run: it would fail\n```console\nfalse\n```\n\n"
+        "```python\nprint('b')\n```\n\n```console\ntrue\n```\n",
+        encoding="utf-8",
+    )
+    assert blocks.run(page, tmp_path) == {3: "b\n"}
+    assert page.read_text(encoding="utf-8").splitlines()[blocks.blocks(page)[3].last - 1] == "```"
+
+
+def test_a_page_has_run_as_long_as_its_blocks_are_the_same(tmp_path, monkeypatch):
+    monkeypatch.setattr(blocks, "DOCS", tmp_path)
+    page = tmp_path / "how-to" / "page.md"
+    page.parent.mkdir()
+    page.write_text("```console\ntrue\n```\n", encoding="utf-8")
+    assert not blocks.has_run(page)
+    blocks.folder_of(page).mkdir(parents=True)
+    (blocks.folder_of(page) / ".hash").write_text(blocks.digest(page), encoding="utf-8")
+    page.write_text("A sentence.\n\n```console\ntrue\n```\n", encoding="utf-8")
+    assert blocks.has_run(page)
+    page.write_text("```console\nfalse\n```\n", encoding="utf-8")
+    assert not blocks.has_run(page)

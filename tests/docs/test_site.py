@@ -6,6 +6,7 @@
 import importlib.util
 import json
 import os
+import re
 from collections import deque
 from html.parser import HTMLParser
 from pathlib import Path
@@ -14,6 +15,7 @@ from urllib.parse import unquote, urldefrag, urlparse
 import pytest
 
 CLICKS = 3
+MOST_WORDS = 5000
 LOADED = {("script", "src"), ("link", "href"), ("img", "src"), ("iframe", "src"), ("source", "src")}
 VOID = {"area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "track", "wbr"}
 
@@ -95,6 +97,31 @@ def test_no_link_is_dead(site, pages):
             if not file.is_file() or (anchor and known is not None and anchor not in known):
                 dead.append((str(path.relative_to(site)), link))
     assert dead == []
+
+
+def test_no_page_is_too_long_to_read(site, pages):
+    words = {}
+    for path in pages:
+        if "examples" not in path.relative_to(site).parts and path.name != "changelog.html":
+            article = re.search(r"<article.*</article>", path.read_text(encoding="utf-8"), re.DOTALL)
+            unfolded = re.sub(r"<details.*?</details>", " ", article[0], flags=re.DOTALL) if article else ""
+            words[str(path.relative_to(site))] = len(re.sub(r"<[^>]+>", " ", unfolded).split())
+    assert {name: number for name, number in words.items() if number > MOST_WORDS} == {}
+
+
+def test_the_gallery_has_its_reports_and_none_is_large(site, pages):
+    links = {link for link in pages[site / "gallery.html"].main if link.startswith("examples/")}
+    reports = {link.split("#")[0] for link in links}
+    assert len(reports) >= 5
+    assert all((site / report).stat().st_size < 6e6 for report in reports)
+
+
+def test_commands_show_what_they_print_and_reports_what_they_look_like(site):
+    guides = [path.read_text(encoding="utf-8") for path in (site / "how-to").glob("*.html")]
+    assert sum("printed" in text for text in guides) > len(guides) / 2
+    for name, pictures in (("index", 4), ("gallery", 10), ("reference/report", 16), ("reference/api/plots", 11)):
+        text = (site / f"{name}.html").read_text(encoding="utf-8")
+        assert len(set(re.findall(r'<img[^>]* src="([^"]+)"', text))) >= pictures, name
 
 
 def test_nothing_is_loaded_from_elsewhere(site, pages):

@@ -111,7 +111,7 @@ def test_a_dry_run_prints_the_plan_and_the_time_and_writes_nothing(bench_here, m
     done = bench_here("run", made / "mixed.toml", "--output", made / "out", "--dry-run", "--trials", 1000, "--jobs", 2)
     assert done.returncode == 0
     assert (
-        "2 problems x 2 optimizers x 1000 trials = 4000 runs of 30 evaluations, 9 of them already done" in done.stdout
+        "2 problems x 2 optimizers x 1,000 trials = 4,000 runs of 30 evaluations, 9 of them already done" in done.stdout
     )
     assert "  faulty: 1997 to run" in done.stdout
     assert "with 2 jobs, estimated from the stored trials" in done.stdout

@@ -24,6 +24,6 @@ def test_a_run_prints_its_progress_where_it_is_asked_for_and_in_a_notebook(
         on_trial=lambda *each: heard.append(each),
     )
     printed = capsys.readouterr().out
-    assert printed.count("study small: 2 problems x 3 optimizers x 1 trials = 6 runs of 60 evaluations") == shown
+    assert printed.count("study small: 2 problems x 3 optimizers x 1 trial = 6 runs of 60 evaluations") == shown
     assert printed.count("6 of 6 runs done") == shown
     assert len(heard) == 7
