@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,13 +15,13 @@ from bench.report.parts import Table
 Row = Mapping[Hashable, Any]  # of the running times
 
 
-def ert_table(findings: Findings, problems: Sequence[str], dimension: int) -> Table:
-    """Return the ERT of each optimizer on the functions ``problems`` over the best of 2009, or in evaluations.
+def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -> Table:
+    """Return the ERT of each optimizer on problems, whose names are given, over the best of 2009 or in evaluations.
 
     In brackets is the dispersion, half the range from the 10th to the 90th percentile of simulated restarts, in the
     same unit. A star marks an optimizer that is separably faster than every other one.
     """
-    anytime, known = findings.anytime, findings.trials.known
+    anytime = findings.anytime
     words, times = anytime.words, anytime.running_times
     own = times[times["problem"].isin(problems)]
     found: dict[tuple[str, str, float], Row] = {
@@ -36,8 +36,7 @@ def ert_table(findings: Findings, problems: Sequence[str], dimension: int) -> Ta
     stars = set(zip(fastest["problem"], fastest["optimizer"], fastest["tau"], strict=True))
     rows: dict[tuple[str, str], list[str]] = {}
     bold, marks = [], []
-    for problem in problems:
-        name = str(known[problem].features.get("function", problem))
+    for problem, name in problems.items():
         divisors = [best.get((problem, level), np.nan) for level in levels]
         if anytime.shows_best:
             rows[name, BEST] = [*map(_short, divisors), ""]

@@ -111,7 +111,7 @@ class Anytime:
         found = dict.fromkeys(self.trials.optimizers, 0.0)
         for key, evaluations in cast("Mapping[Any, int]", self.trials.allowed).items():
             label, own = (key, found) if isinstance(key, str) else (key[0], [key[1]])
-            if label in problems:
+            if label in problems and (not per_dimension or label in self.trials.dimensions):
                 each = evaluations / self.trials.dimensions[label] if per_dimension else evaluations
                 found |= {optimizer: max(found[optimizer], each) for optimizer in own}
         return found

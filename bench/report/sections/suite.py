@@ -34,6 +34,8 @@ def section(findings: Findings) -> Section | None:
     if not findings.trials.traces:
         return Section(TITLE, (*text, *findings.display.drawn_words), (ranks,))
     reached = _reached(findings, _panels(members))
+    if reached.empty:
+        return Section(TITLE, ("No trial has a target.", *text, *findings.display.drawn_words), (ranks,))
     items: list[Part] = [_figure(findings, "targets-by-group", reached, _panels(members)), ranks]
     if members.groupby("function")["dimension"].nunique().max() > 1:
         scaled = _scaling(findings.anytime, members)
@@ -53,7 +55,8 @@ def overview(findings: Findings) -> list[Figure]:
     panels = [
         (ALL, int(str(dimension)), list(own["problem"])) for dimension, own in members.groupby("dimension", sort=True)
     ]
-    return [_figure(findings, "targets-of-all", _reached(findings, panels), panels, columns=min(len(panels), 2))]
+    reached = _reached(findings, panels)
+    return [_figure(findings, "targets-of-all", reached, panels, columns=min(len(panels), 2))] if len(reached) else []
 
 
 def _figure(findings: Findings, name: str, reached: pd.DataFrame, panels: Panels, columns: int = 0) -> Figure:
@@ -70,14 +73,16 @@ def _figure(findings: Findings, name: str, reached: pd.DataFrame, panels: Panels
 def _each_dimension(findings: Findings, members: pd.DataFrame) -> Iterator[Section]:
     """Yield the functions of each dimension: the targets reached on each, and their running times in one table."""
     for dimension, own in members.groupby("dimension", sort=True):
-        d, problems = int(str(dimension)), list(own["problem"])
-        panels = [(str(row.function), d, [str(row.problem)]) for row in own.itertuples()]
+        d, parts = int(str(dimension)), own["function"].str.partition(" ")
+        functions = parts[2] if parts[0].nunique() == 1 and parts[2].all() else own["function"]
+        names = dict(zip(own["problem"], functions if functions.is_unique else own["problem"], strict=True))
+        panels = [(name, d, [problem]) for problem, name in names.items()]
         items: list[Part] = []
         reached = _reached(findings, panels)
         if len(reached):
             items.append(_figure(findings, f"targets-by-function-d{d}", reached, panels))
         if len(findings.anytime.running_times):
-            items.append(ert_table(findings, problems, d))
+            items.append(ert_table(findings, names, d))
         yield Section(f"Function by function in dimension {d}", (), tuple(items), folded=True)
 
 

@@ -143,7 +143,7 @@ def test_functions_have_their_own_curves_and_one_table_a_dimension(findings):
     assert [first.title, second.title] == [f"Function by function in dimension {d}" for d in (2, 5)]
     curves, table = second.items
     assert curves.name == "targets-by-function-d5"
-    assert curves.data["problem"].unique().tolist() == ["classical sphere, d = 5", "classical rastrigin, d = 5"]
+    assert curves.data["problem"].unique().tolist() == ["sphere, d = 5", "rastrigin, d = 5"]
     assert table.name == "running-times-d5"
     assert table.frame.index.tolist() == [
         (each, label) for each in ("sphere", "rastrigin") for label in findings.trials.optimizers
@@ -155,6 +155,23 @@ def test_functions_have_their_own_curves_and_one_table_a_dimension(findings):
     assert table.frame.at[("rastrigin", "random-search"), "successes"] == "0/6"
     assert not table.marks.loc[("sphere", "random-search")].any()
     assert r"\begin{tabular}" in to_latex(table, "t")
+
+
+def test_functions_of_one_name_stand_under_their_labels(findings):
+    members = suite._members(findings.trials).assign(function="same")
+    (first, _) = suite._each_dimension(findings, members)
+    curves, table = first.items
+    assert curves.data["problem"].unique().tolist() == ["classical-sphere-d2, d = 2", "classical-rastrigin-d2, d = 2"]
+    assert table.frame.index.get_level_values("function").nunique() == 2
+
+
+def test_a_suite_without_a_target_has_its_ranks_alone(findings):
+    again = Findings(findings.results)
+    again.anytime.__dict__["hits"] = findings.anytime.hits[:0]
+    assert suite.overview(again) == []
+    section = suite.section(again)
+    assert [item.name for item in section.items] == ["ranks-by-group"]
+    assert section.text[0] == "No trial has a target."
 
 
 def test_the_first_screen_has_the_targets_beside_the_ranks(findings):
