@@ -71,7 +71,7 @@ html_theme_options = {
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
-html_sidebars = {"index": [], "gallery": [], "help": []}
+html_sidebars = {"index": [], "gallery": [], "help": [], "explanation/comparison": []}
 
 linkcheck_anchors = False
 linkcheck_timeout = 20
