@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -55,11 +55,13 @@ class Grid:
         functions: the dimensions of each function, by the function's name: ``{"f01": (2, 3, 5), …}``.
         instances: the instances that patterns and studies take by default, from 1; a name may have any from 1 to
             200,000. With 0, the suite has no instances, and names end with the dimension.
+        titles: what functions are called, by the function's name: ``{"f01": "sphere", …}``; some may have none.
     """
 
     suite: str
     functions: Mapping[str, Sequence[int]]
     instances: int = 0
+    titles: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def dimensions(self) -> list[int]:

@@ -24,7 +24,7 @@ from bench import Problem
 from bench.errors import require
 from bench.families import Grid, Member
 from bench.typing import Floats
-from problems.bbob.noiseless import FUNCTIONS, GROUPS
+from problems.bbob.noiseless import FUNCTIONS, GROUPS, TITLES
 from problems.common import Suite, SuiteProblem, features_of, group_of
 
 DIMENSIONS = (2, 3, 5, 10, 20, 40)
@@ -72,7 +72,7 @@ def _discrepancy(name: str, member: Member) -> Problem:
     return problem
 
 
-sbox_cost = Suite(Grid("sbox-cost", {f"f{n:02d}": DIMENSIONS for n in FUNCTIONS}, INSTANCES), _boxed)
+sbox_cost = Suite(Grid("sbox-cost", {f"f{n:02d}": DIMENSIONS for n in FUNCTIONS}, INSTANCES, TITLES), _boxed)
 ma_bbob = Suite(Grid("ma-bbob", {f"f{n:04d}": DIMENSIONS for n in AFFINE}), _affine)
 star_discrepancy = Suite(
     Grid("star-discrepancy", dict.fromkeys(DISCREPANCIES, (2, 3, 5, 10, 20)), INSTANCES), _discrepancy

@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import json
 from collections.abc import Callable, Iterable
+from contextlib import suppress
+from itertools import chain
 from typing import Annotated, Any
 
 import typer
@@ -16,6 +18,8 @@ from bench.cli import completion
 from bench.errors import BenchError, nearest
 from bench.families import Grid
 from bench.plugins import registry
+
+Row = tuple[str, tuple[str, str]]  # a name; what it is, and its style
 
 KINDS = ("optimizers", "problems", "studies", "commands")
 
@@ -53,6 +57,12 @@ def list_plugins(
             autocompletion=_families,
         ),
     ] = "",
+    search: Annotated[
+        str, typer.Option(help="Print what has this text in its name or description, installed or not.")
+    ] = "",
+    full: Annotated[
+        bool, typer.Option("--full", help="Print papers, code and parameters of each optimizer of a kind or family.")
+    ] = False,
     as_json: Annotated[
         bool,
         typer.Option(
@@ -60,15 +70,42 @@ def list_plugins(
         ),
     ] = False,
 ) -> None:
-    """List the installed plug-ins: optimizers with lineage and parameters, problems, studies, commands.
+    """List the installed plug-ins: optimizers, problems, studies, commands.
 
-    Of one suite, all functions are listed with their dimensions and instances, and of one family, all members.
+    Of one kind, each has a line; of one suite, all functions are listed with their dimensions and instances, of one
+    family all members, and of one optimizer its papers, code and parameters.
     """
     kind, family = _chosen(kind, family)
+    found = _matching(search, kind, family) if search else None
     if as_json:
-        print(json.dumps(records(kind, family), indent=1, default=str))
+        print(json.dumps(records(kind, family) if found is None else found, indent=1, default=str))
+    elif found is not None:
+        _print(f"with {search!r}", [_row(each) for each in found], Console())
     else:
-        show(kind, family, Console())
+        show(kind, family, full, Console())
+
+
+def _matching(text: str, kind: str, family: str) -> list[dict[str, Any]]:
+    """Return the records that have a text; raises BenchError where none has."""
+    suites = [family] if family else list(registry.entries("problems"))
+    every: list[dict[str, Any]] = []
+    for each in KINDS if kind == "all" else (kind,):
+        every += chain.from_iterable(map(_problem_records, suites)) if each == "problems" else records(each, family)
+    found = [each for each in every if text.lower() in " ".join(_words(each)).lower()]
+    if not found:
+        raise BenchError(f"no plug-in has {text!r} in its name or description")
+    return found
+
+
+def _words(record: dict[str, Any]) -> tuple[str, str]:
+    """Return the name of a record and what it says."""
+    title = str(record.get("title", "")) or str(record.get("about", "")).partition("\n")[0]
+    return str(record["name"]), str(record.get("error", "")) or title
+
+
+def _row(record: dict[str, Any]) -> Row:
+    name, about = _words(record)
+    return name, (about, "red" if "error" in record else "")
 
 
 def _chosen(kind: str, family: str) -> tuple[str, str]:
@@ -88,22 +125,37 @@ def _require_known(what: str, name: str, known: Iterable[str]) -> None:
         raise BenchError(f"unknown {what} {name!r}{nearest(name, known)}")
 
 
-def show(kind: str, family: str, console: Console) -> None:
+def show(kind: str, family: str, full: bool, console: Console) -> None:
     """Print the plug-ins of one kind or of all, or of one family; one that fails to load by its error."""
     if family and kind == "problems":
         console.print(_problems(family), "")
+        if missing := _why_not(family):
+            console.print(Text(missing, style="red"))
         return
-    for each in KINDS if kind == "all" else (kind,):
-        table = _table(each, "name", "what it is")
-        if family and registry.is_family(registry.load(each, family)):
-            members = registry.load(each, family).names()
-            rows = _shared_lines_first([(name, _describe(_optimizer, name)) for name in members], f"all of {family}")
-        else:
-            names = [family] if family else sorted(registry.entries(each))
-            rows = [(name, _describe(_about, each, name, kind == "optimizers")) for name in names]
-        for name, (about, style) in rows:
-            table.add_row(Text(name, no_wrap=True), Text(about, style=style))
-        console.print(table, "")
+    if kind == "all":
+        for each in KINDS:
+            console.print(Text(f"{each}: {', '.join(sorted(registry.entries(each)))}"), "")
+        console.print(
+            Text("'bench list KIND' or NAME describes them, '--search TEXT' finds one by name or description.")
+        )
+        return
+    if family and registry.is_family(registry.load(kind, family)):
+        rows = [(name, _describe(_optimizer, name)) for name in registry.load(kind, family).names()]
+        rows = _shared_lines_first(rows, f"all of {family}") if full else rows
+    else:
+        full = full or bool(family)
+        names = [family] if family else sorted(registry.entries(kind))
+        rows = [(name, _describe(_about, kind, name, full)) for name in names]
+    _print(
+        kind, rows if full else [(name, (about.partition("\n")[0], style)) for name, (about, style) in rows], console
+    )
+
+
+def _print(title: str, rows: list[Row], console: Console) -> None:
+    table = _table(title, "name", "what it is")
+    for name, (about, style) in rows:
+        table.add_row(Text(name, no_wrap=True), Text(about, style=style))
+    console.print(table, "")
 
 
 def _table(title: str, *heads: str) -> Table:
@@ -118,11 +170,25 @@ def _problems(family: str) -> Table:
         for record in records("problems", family):
             table.add_row(Text(record["name"]))
         return table
-    table = _table(family, "function", "dimensions", *(["instances"] if grid.instances else []), "first name")
+    titles, instances = ["what it is"] if grid.titles else [], ["instances"] if grid.instances else []
+    table = _table(family, "function", *titles, "dimensions", *instances, "first name")
     for each in records("problems", family):
-        instances = [f"1 to {grid.instances}"] if grid.instances else []
-        table.add_row(each["function"], ", ".join(map(str, each["dimensions"])), *instances, Text(each["name"]))
+        title = [each["title"]] if grid.titles else []
+        number = [f"1 to {grid.instances}"] if grid.instances else []
+        table.add_row(each["function"], *title, ", ".join(map(str, each["dimensions"])), *number, Text(each["name"]))
     return table
+
+
+def _why_not(family: str) -> str:
+    """Return why the problems of a suite cannot be loaded, such as for want of an extra; "" where they can be."""
+    grid = _grid(family)
+    if grid is None:
+        return ""
+    try:
+        registry.load("problems", family).load(next(grid.names(instances=[1])))
+    except BenchError as error:
+        return str(error)
+    return ""
 
 
 def _grid(family: str) -> Grid | None:
@@ -150,7 +216,7 @@ def records(kind: str, family: str = "") -> list[dict[str, Any]]:
             plugin = registry.load("optimizers", name)
             names = plugin.names() if registry.is_family(plugin) else [name]
         except Exception as error:  # a plug-in may raise anything
-            known.append({"name": name, "error": str(error)})
+            known += [{"name": each, "error": str(error)} for each in _known_members(name)]
             continue
         for member in names:
             try:
@@ -160,6 +226,13 @@ def records(kind: str, family: str = "") -> list[dict[str, Any]]:
     return known
 
 
+def _known_members(family: str) -> list[str]:
+    """Return the members that a family knows without its library, or the family's own name."""
+    with suppress(Exception):  # a plug-in may raise anything
+        return [f"{family}:{member}" for member in registry.load("optimizers", family).members()]
+    return [family]
+
+
 def _problem_records(family: str) -> list[dict[str, Any]]:
     grid = _grid(family)
     if grid is None:
@@ -167,7 +240,7 @@ def _problem_records(family: str) -> list[dict[str, Any]]:
     return [
         {
             "function": function, "dimensions": list(dimensions), "instances": grid.instances,
-            "name": next(grid.names([function])),
+            "name": next(grid.names([function])), "title": grid.titles.get(function, ""),
         }
         for function, dimensions in grid.functions.items()
     ]  # fmt: skip
@@ -179,7 +252,7 @@ def _plain_record(kind: str, name: str) -> dict[str, Any]:
     return {"name": name, "package": registry.package(kind, name), "error" if style else "about": about}
 
 
-def _shared_lines_first(rows: list[tuple[str, tuple[str, str]]], name: str) -> list[tuple[str, tuple[str, str]]]:
+def _shared_lines_first(rows: list[Row], name: str) -> list[Row]:
     """Move the lines that all rows share into a first row, called ``name``."""
     texts = [about.splitlines() for _, (about, _) in rows]
     shared = [line for line in texts[0] if all(line in text for text in texts)] if len(texts) > 1 else []

@@ -43,4 +43,6 @@ def _problem(name: str, member: Member) -> Problem:
     return SuiteProblem(evaluate, lower, upper, name=name, optimum=optimum, features=features, violations=violations)
 
 
-constrained = Suite(Grid("bbob-constrained", {f"f{n:02d}": DIMENSIONS for n in range(1, 55)}, INSTANCES), _problem)
+TITLES = {f"f{n:02d}": BASES[(n - 1) // 6] for n in range(1, 55)}
+
+constrained = Suite(Grid("bbob-constrained", dict.fromkeys(TITLES, DIMENSIONS), INSTANCES, TITLES), _problem)

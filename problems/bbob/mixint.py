@@ -14,7 +14,7 @@ import numpy as np
 from bench import Problem
 from bench.families import Grid, Member
 from problems.bbob.coco import INSTANCES, evaluated, function_of, optimum_of
-from problems.bbob.noiseless import FUNCTIONS, GROUPS
+from problems.bbob.noiseless import FUNCTIONS, GROUPS, TITLES
 from problems.common import Suite, SuiteProblem, features_of, group_of
 
 DIMENSIONS = (5, 10, 20, 40, 80, 160)
@@ -35,4 +35,4 @@ def _problem(name: str, member: Member) -> Problem:
     return SuiteProblem(evaluated(function), *bounds, name=name, optimum=optimum, features=features, integer=integer)
 
 
-mixint = Suite(Grid("bbob-mixint", {f"f{n:02d}": DIMENSIONS for n in FUNCTIONS}, INSTANCES), _problem)
+mixint = Suite(Grid("bbob-mixint", {f"f{n:02d}": DIMENSIONS for n in FUNCTIONS}, INSTANCES, TITLES), _problem)

@@ -17,6 +17,21 @@ from problems.common import Suite, SuiteProblem, features_of, group_of
 
 FUNCTIONS = range(1, 25)
 
+TITLES = dict(
+    zip(
+        (f"f{number:02d}" for number in FUNCTIONS),
+        (
+            "sphere", "ellipsoid", "Rastrigin", "Büche-Rastrigin", "linear slope", "attractive sector",
+            "step ellipsoid", "Rosenbrock", "rotated Rosenbrock", "rotated ellipsoid", "discus", "bent cigar",
+            "sharp ridge", "different powers", "rotated Rastrigin", "Weierstrass", "Schaffer F7, conditioning 10",
+            "Schaffer F7, conditioning 1000", "Griewank-Rosenbrock F8F2", "Schwefel", "Gallagher, 101 peaks",
+            "Gallagher, 21 peaks", "Katsuura", "Lunacek bi-Rastrigin",
+        ),
+        strict=True,
+    )
+)  # fmt: skip
+"""The names of the functions, as RR-6829 has them."""
+
 GROUPS = {
     "separable": range(1, 6),
     "low or moderate conditioning": range(6, 10),
@@ -28,7 +43,7 @@ GROUPS = {
 
 
 def _suite(suite: str, dimensions: tuple[int, ...]) -> Suite:
-    grid = Grid(suite, {f"f{number:02d}": dimensions for number in FUNCTIONS}, INSTANCES)
+    grid = Grid(suite, {f"f{number:02d}": dimensions for number in FUNCTIONS}, INSTANCES, TITLES)
     return Suite(grid, partial(_problem, suite))
 
 

@@ -20,6 +20,7 @@ import numpy as np
 from bench import Problem
 from bench.families import Grid, Member
 from bench.typing import Floats
+from problems.bbob import noiseless
 from problems.bbob.coco import BOX, INSTANCES, evaluated, function_of, optimal_point, optimum_of, rotation
 from problems.common import Suite, SuiteProblem, features_of, group_of
 
@@ -133,4 +134,6 @@ def _problem(name: str, member: Member) -> Problem:
     return SuiteProblem(observed, lower, upper, name=name, optimum=optimum, features=features, noiseless=noiseless)
 
 
-noisy = Suite(Grid("bbob-noisy", {f"f{number}": DIMENSIONS for number in BASES}, INSTANCES), _problem)
+TITLES = {f"f{number}": noiseless.TITLES[f"f{base:02d}"] for number, base in BASES.items()}
+
+noisy = Suite(Grid("bbob-noisy", dict.fromkeys(TITLES, DIMENSIONS), INSTANCES, TITLES), _problem)

@@ -73,21 +73,11 @@ def test_the_default_output_is_named_after_the_study(bench_here, tiny, tmp_path)
     assert (tmp_path / "results" / "runs" / "tiny" / "trials.sqlite").exists()
 
 
-def test_list_names_everything_and_a_broken_plugin_s_error(bench):
+def test_list_names_everything(bench):
     done = bench("list", COLUMNS="200")
     assert done.returncode == 0
-    for name in (
-        "cma-es",
-        "gwo",
-        "hill-climber",
-        "signature-01 … signature-20",
-        "recording:<name>",
-        "thesis",
-        "simulate",
-    ):
+    for name in ("cma-es", "gwo", "hill-climber", "broken", "signature", "recording", "thesis", "simulate"):
         assert name in done.stdout
-    assert "failed to load: ModuleNotFoundError: No module named 'testing_plugins_missing'" in done.stdout
-    assert "agents=30" in done.stdout
 
 
 def test_solve_prints_the_point_and_the_figures(bench_here):

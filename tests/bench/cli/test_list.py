@@ -1,15 +1,18 @@
 """What ``bench list`` prints about optimizers: lineage, parameters, families, and what failed to load."""
 
 import json
+import sys
 
 import pytest
+from typer.testing import CliRunner
 
 from bench import BenchError, Study
+from bench.cli.app import app
 from bench.plugins import catalogue, registry
 
 
 def test_an_optimizer_is_listed_with_its_lineage(bench_here):
-    done = bench_here("list", "optimizers")
+    done = bench_here("list", "optimizers", "--full")
     text = " ".join(done.stdout.split())
     assert done.returncode == 0
     assert "paper: Mirjalili et al., 2014, Grey Wolf Optimizer, doi:10.1016/j.advengsoft.2013.12.007" in text
@@ -58,11 +61,11 @@ def test_a_family_lists_its_members(bench_here):
     assert done.returncode == 0
     for name in ("differential_evolution", "dual_annealing", "shgo", "direct", "basinhopping"):
         assert f"scipy:{name}" in done.stdout
-        assert f"scipy:{name}" in bench_here("list", "optimizers").stdout
+        assert f"scipy:{name}" in bench_here("list", "optimizers", "--full").stdout
 
 
 def test_what_all_members_share_is_printed_once(bench_here):
-    said = bench_here("list", "scipy").stdout
+    said = bench_here("list", "scipy", "--full").stdout
     assert said.count("code: scipy ") == said.count("family: scipy") == 1
     assert said.index("all of scipy") < said.index("code: scipy ") < said.index("scipy:basinhopping")
     assert said.count("parameters: ") == 5
@@ -83,9 +86,16 @@ def test_a_suite_lists_its_functions_and_dimensions(bench_here, words):
 
 
 def test_a_suite_with_instances_lists_their_number(bench_here):
-    assert "f24       2, 3, 5, 10, 20, 40  1 to 15    bbob-f24-d2-i1" in bench_here("list", "problems", "bbob").stdout
+    rows = [line.split() for line in bench_here("list", "problems", "bbob").stdout.splitlines()]
+    assert ["f08", "Rosenbrock", "2,", "3,", "5,", "10,", "20,", "40", "1", "to", "15", "bbob-f08-d2-i1"] in rows
     listed = json.loads(bench_here("list", "problems", "bbob", "--json").stdout)
-    first = {"function": "f01", "dimensions": [2, 3, 5, 10, 20, 40], "instances": 15, "name": "bbob-f01-d2-i1"}
+    first = {
+        "function": "f01",
+        "dimensions": [2, 3, 5, 10, 20, 40],
+        "instances": 15,
+        "name": "bbob-f01-d2-i1",
+        "title": "sphere",
+    }
     assert (len(listed), listed[0]) == (24, first)
 
 
@@ -116,3 +126,43 @@ def test_a_second_word_must_be_a_family(bench_here, words, sentence):
 def test_a_record_of_what_cannot_be_loaded_says_why():
     with pytest.raises(BenchError, match="failed to load"):
         catalogue.record("broken")
+
+
+def listed(monkeypatch, missing, *words):
+    """Return what a list prints where a library is missing."""
+    monkeypatch.setitem(sys.modules, missing, None)
+    done = CliRunner().invoke(app, ["list", *words])
+    assert done.exit_code == 0, done.output
+    return " ".join(done.output.split())
+
+
+def test_a_search_finds_a_member_whose_library_is_missing_and_names_the_extra(monkeypatch):
+    said = listed(monkeypatch, "minionpy", "optimizers", "minion", "--search", "shade")
+    assert "minion:LSHADE the minion optimizers need minionpy; install it with: pip install" in said
+    assert "minion:ABC" not in said
+
+
+def test_a_search_finds_functions_by_what_they_are_called(bench_here):
+    said = bench_here("list", "problems", "--search", "rosenbrock").stdout
+    assert "bbob-f08-d2-i1" in said
+    assert "classical-rosenbrock-d2-i1" in said
+    assert "bbob-f01-d2-i1" not in said
+
+
+def test_a_search_without_a_match_is_an_error(bench_here):
+    done = bench_here("list", "studies", "--search", "nowhere")
+    assert (done.returncode, done.stderr) == (2, "bench: no plug-in has 'nowhere' in its name or description\n")
+
+
+def test_a_suite_without_its_library_says_how_to_get_it(monkeypatch):
+    said = listed(monkeypatch, "cocoex", "bbob")
+    assert "f01 sphere" in said
+    assert "needs cocoex; install it with: pip install 'backlash-bench[suites]'" in said
+
+
+def test_a_list_fits_a_screen(bench_here):
+    """Citations and parameters are printed on request only."""
+    assert len(bench_here("list").stdout.splitlines()) < 24
+    said = bench_here("list", "optimizers").stdout
+    assert len(said.splitlines()) < 50
+    assert "doi:" not in said
