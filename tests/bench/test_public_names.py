@@ -8,8 +8,8 @@ import pytest
 import bench
 
 NAMES = [
-    "BenchError", "BudgetExhausted", "FittedData", "FunctionProblem", "Grid", "Objective", "Optimizer", "Problem",
-    "Result", "Results", "Study", "Trace", "check_optimizer", "load_optimizer", "load_problem", "load_results",
+    "AskTell", "BenchError", "BudgetExhausted", "FittedData", "FunctionProblem", "Grid", "Objective", "Optimizer",
+    "Problem", "Result", "Results", "Study", "Trace", "check_optimizer", "load_optimizer", "load_problem", "load_results",
     "parameter", "run", "solve", "write_report",
 ]  # fmt: skip
 

@@ -21,11 +21,11 @@ def asked(monkeypatch):
     """Make few runs; return the optimizers that were diagnosed."""
     asked = []
 
-    def few(optimizers, n_jobs):
+    def few(optimizers, n_jobs, **given):
         asked.extend(optimizers)
-        return diagnose_all(optimizers, n_jobs=n_jobs, **SIZES)
+        return diagnose_all(optimizers, n_jobs=n_jobs, **(SIZES | given))
 
-    monkeypatch.setattr(checked, "diagnose_all", few)
+    monkeypatch.setattr("bench.check.bias.diagnose_all", few)
     return asked
 
 

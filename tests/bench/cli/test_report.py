@@ -136,7 +136,7 @@ def test_a_process_of_its_own_says_and_ends_the_same(bench, bench_here, folders,
 def test_checking_a_folder_says_and_notes_what_was_found(bench_here, folders, tmp_path, monkeypatch):
     folder = shutil.copytree(folders / "old", tmp_path / "old")
     sizes = {"dimension": 2, "runs": 1, "noise_runs": 3}
-    monkeypatch.setattr("bench.check.folder.diagnose_all", partial(diagnose_all, **sizes))
+    monkeypatch.setattr("bench.check.bias.diagnose_all", partial(diagnose_all, **sizes))
     first, again, anew = (bench_here("check", folder, *options) for options in ((), (), ("--anew",)))
     for done in (first, again, anew):
         assert done.returncode == 0, done.stderr

@@ -180,7 +180,7 @@ class TestRun:
         table = page.partition("#### `environment.json`")[2].partition("\n#")[0]
         rows = [line.partition("|")[2].partition("|")[0] for line in table.splitlines() if line.startswith("| `")]
         documented = re.findall(r"`(\w+)`", " ".join(rows))
-        imported = {"imported", "format", "sha256", "licence", "importer"}  # tests of importing hold these
+        imported = {"imported", "format", "sha256", "licence", "importer", "left_out"}  # tests of importing hold these
         assert (machine() | run(small_study, Fingerprints({}, {}), 1, "local")).keys() | imported == set(documented)
 
 
