@@ -65,13 +65,15 @@ def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int
     are the counts to look at, such as an :func:`evaluation_grid`.
     """
     never = np.full(len(evaluations), np.inf)
-    found: dict[str, dict[str, list[Floats]]] = {label: {} for label in labels(frame, "problem")}
+    found: dict[str, dict[str, list[Floats]]] = {}
     for problem, optimizer, trace in zip(frame["problem"], frame["optimizer"], _traces_of(frame, traces), strict=True):
         values = never if trace is None else trace.at(evaluations)
-        found[problem].setdefault(optimizer, []).append(values)
+        found.setdefault(problem, {}).setdefault(optimizer, []).append(values)
     tables = []
-    for problem, cells in found.items():
-        optimizers = [label for label in labels(frame, "optimizer") if label in cells]
+    order = labels(frame, "optimizer")
+    for problem in (label for label in labels(frame, "problem") if label in found):
+        cells = found[problem]
+        optimizers = [label for label in order if label in cells]
         sizes = np.array([len(cells[label]) for label in optimizers])
         curves = np.empty((3, len(optimizers), len(evaluations)))
         for size in set(sizes.tolist()):  # cells of as many trials at once
@@ -80,7 +82,7 @@ def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int
         own = {"problem": problem, "optimizer": np.repeat(np.array(optimizers, dtype=object), len(evaluations))}
         along = (np.tile(evaluations, len(optimizers)), *curves.reshape(3, -1))
         tables.append(pd.DataFrame(own | dict(zip(CURVE, along, strict=True))))
-    return _stacked([table for table in tables if len(table)], ["problem", "optimizer", *CURVE])
+    return _stacked(tables, ["problem", "optimizer", *CURVE])
 
 
 def fractions(known: bool) -> Floats:

@@ -105,12 +105,13 @@ def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
     """
     rows = []
     problems = hits["problem"].nunique()
+    running_times = dict(list(expected_running_time(hits).groupby(["problem", "tau"], observed=True)))
     for (problem, tau), own in hits.groupby(["problem", "tau"], sort=False, observed=True):
         cells = {
             str(label): np.asarray(each["evaluations"], dtype=np.float64)
             for label, each in own.groupby("optimizer", sort=False, observed=True)
         }
-        table = expected_running_time(own).dropna(subset="ert")
+        table = running_times[problem, tau].dropna(subset="ert")
         if len(cells) < 2 or not np.isfinite(table["ert"].astype(float)).any():
             continue
         best = str(table["optimizer"].iloc[int(np.argmin(table["ert"].to_numpy(dtype=float)))])
