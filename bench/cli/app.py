@@ -25,6 +25,7 @@ from bench.cli import (
     rm,
     run,
     similar,
+    site,
     solve,
     status,
     tune,
@@ -55,8 +56,8 @@ for _name, _command in (
     ("report", report.report),
     ("export", export.export), ("import", import_.import_results), ("check", check.check), ("solve", solve.solve),
     ("verify", verify.verify), ("merge", merge.merge), ("rm", rm.remove), ("pack", pack.pack),
-    ("unpack", unpack.unpack), ("gate", gate.gate), ("describe", describe.describe), ("similar", similar.similar),
-    ("tune", tune.tune), ("doctor", doctor.doctor), ("new", new.new),
+    ("unpack", unpack.unpack), ("site", site.site), ("gate", gate.gate), ("describe", describe.describe),
+    ("similar", similar.similar), ("tune", tune.tune), ("doctor", doctor.doctor), ("new", new.new),
 ):  # fmt: skip
     app.command(_name)(_command)
 app.add_typer(archive.archive, name="archive")

@@ -1,0 +1,191 @@
+"""Read an archive for the board: unpack it, verify it, and keep what is ranked and where it comes from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench.errors import BenchError
+from bench.families import dimension_in
+from bench.helpers.text import printable
+from bench.packing import unpack
+from bench.plugins.loading import family
+from bench.plugins.registry import DISTRIBUTION
+from bench.storage.folder import Folder
+from bench.study import Study
+from bench.typing import Floats
+
+LONGEST = 100  # characters shown of a text of an archive, which may hold anything
+
+
+@dataclass(frozen=True, order=True)
+class Setting:
+    """What two results must share to be compared.
+
+    Attributes:
+        suite: the family of the problems.
+        dimension: their number of variables.
+        budget: the evaluations of a trial.
+        problems: label, name, options and hash of the data of each problem, as JSON.
+        constraints: what optimizers saw of infeasible points.
+        looks: the declared looks, which stop cells early.
+        alone: the archive of imported trials, whose budgets nobody set; "" of others.
+    """
+
+    suite: str
+    dimension: int
+    budget: int
+    problems: tuple[str, ...]
+    constraints: str
+    looks: tuple[int, ...]
+    alone: str
+
+    @property
+    def title(self) -> str:
+        """The suite, the dimension and the budget in words."""
+        return f"{printable(self.suite, LONGEST)}, d = {self.dimension:,}, {self.budget:,} evaluations"
+
+    @property
+    def labels(self) -> list[str]:
+        """The labels of the problems, in order."""
+        return [json.loads(each)[0] for each in self.problems]
+
+
+@dataclass(frozen=True)
+class Again:
+    """A trial that was made again: ``different`` says how it differs, ``reason`` why it could not be made."""
+
+    trial: str
+    different: str = ""
+    reason: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """The outcome in a few words."""
+        outcome = f"not made again: {self.reason}" if self.reason else self.different and f"differs: {self.different}"
+        return outcome or "the same bit by bit"
+
+
+@dataclass(frozen=True)
+class Archive:
+    """A verified archive.
+
+    Attributes:
+        name: the name of its file.
+        sha256: the hash of its file.
+        study: the study.
+        records: the environments that made its trials, oldest first.
+        trials: the number of stored trials.
+        scores: what each cell's trials ended at, +inf for failed ones, by problem and optimizer.
+        dimensions: the number of variables of each problem, as far as it is known.
+        data: the hash of each problem's data.
+        again: the trials that were made again.
+    """
+
+    name: str
+    sha256: str
+    study: Study
+    records: tuple[Mapping[str, Any], ...]
+    trials: int
+    scores: Mapping[tuple[str, str], Floats]
+    dimensions: Mapping[str, int]
+    data: Mapping[str, str]
+    again: tuple[Again, ...] = ()
+
+    @property
+    def settings(self) -> list[Setting]:
+        """The settings of the study, one for each suite and dimension."""
+        problems: dict[tuple[str, int], list[str]] = {}
+        for each in self.study.problems:
+            if each.label in self.dimensions:
+                key = (family(each.name), self.dimensions[each.label])
+                said = [each.label, each.name, each.options, self.data.get(each.label, "")]
+                problems.setdefault(key, []).append(json.dumps(said, sort_keys=True, default=str))
+        alone = self.name if self.study.imported else ""
+        same = (self.study.constraints, tuple(self.study.looks), alone)
+        return [
+            Setting(suite, dimension, self.study.evaluations(dimension), tuple(sorted(own)), *same)
+            for (suite, dimension), own in sorted(problems.items())
+        ]
+
+    @property
+    def versions(self) -> str:
+        """The versions of this harness and of Python that made the trials."""
+        packages = (record.get("packages") for record in self.records)
+        own = _texts(each.get(DISTRIBUTION) for each in packages if isinstance(each, Mapping))
+        python = _texts(record.get("python") for record in self.records)
+        return ", ".join(filter(None, (own and f"bench {own}", python and f"Python {python}"))) or "unknown"
+
+    @property
+    def date(self) -> str:
+        """The day on which the last run ended, or began where that is not noted."""
+        noted = (record.get("ended") or record.get("started") for record in self.records)
+        return max((printable(str(each), 10).rstrip("…") for each in noted if each), default="unknown")
+
+    @property
+    def verified(self) -> str:
+        """How many trials of those chosen were the same when they were made again; "" where none was chosen."""
+        if not self.again:
+            return ""
+        same = sum(not each.different and not each.reason for each in self.again)
+        differ = sum(bool(each.different) for each in self.again)
+        reasons = sorted({each.reason for each in self.again if each.reason})
+        said = [f"{same} of {len(self.again)}", f"{differ} differ" if differ else "", *reasons[:1]]
+        return "; ".join(filter(None, said))
+
+
+def read(source: Path, temporary: Path) -> Archive:
+    """Unpack an archive into a new folder, verify all of it, and return what the board needs.
+
+    Raises:
+        BenchError: naming the archive, where :func:`bench.packing.unpack` refuses it.
+    """
+    unpack(source, temporary)
+    folder = Folder(temporary)
+    study = folder.study()
+    dimensions = {each.label: size for each in study.problems if (size := dimension_in(each.name))}
+    cells: dict[tuple[str, str], list[float]] = {}
+    for row in folder.store.rows(columns=("problem", "optimizer", "status", "fun", "variables")):
+        fun = row["fun"]
+        finished = row["status"] == "ok" and isinstance(fun, float | int) and math.isfinite(fun)
+        cells.setdefault((row["problem"], row["optimizer"]), []).append(float(fun) if finished else math.inf)
+        if row["problem"] not in dimensions and row["variables"]:
+            dimensions[row["problem"]] = len(json.loads(row["variables"]))
+    with source.open("rb") as file:
+        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
+    found = Archive(
+        printable(source.name, LONGEST), sha256, study, tuple(folder.environments()), sum(map(len, cells.values())),
+        {cell: np.array(values) for cell, values in cells.items()}, dimensions, folder.fingerprints().data,
+    )  # fmt: skip
+    try:
+        _ = found.settings
+    except BenchError as error:
+        raise BenchError(f"{source}: {error}") from error
+    return found
+
+
+def refuse_twins(archives: Iterable[Archive]) -> None:
+    """Raise BenchError where two archives have one name, or hold one study, whose trials would count twice."""
+    names: dict[str, Archive] = {}
+    studies: dict[str, Archive] = {}
+    for each in archives:
+        if names.setdefault(each.name.lower(), each) is not each:
+            raise BenchError(f"two archives have the name {each.name}; rename one of them")
+        # The name of a study decides no trial, and an archive may hold it under another one.
+        first = studies.setdefault(replace(each.study, name="study").identity(), each)
+        if first is not each:
+            raise BenchError(
+                f"{first.name} and {each.name} hold the same study with the same seed, so their trials would count "
+                "twice; give one of them, or join their folders by 'bench merge'"
+            )
+
+
+def _texts(values: Iterable[object]) -> str:
+    return ", ".join(sorted({printable(str(each), LONGEST) for each in values if each}))

@@ -1,0 +1,93 @@
+"""Write the board of several archives: index.html, board.csv, and a page for each study."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+from bench.board import pages
+from bench.board.archive import Archive, read, refuse_twins
+from bench.board.ranks import standings
+from bench.errors import BenchError
+from bench.helpers.atomic import replacing
+from bench.helpers.text import file_name
+
+PAGE, TABLE, STUDIES = "index.html", "board.csv", "studies"
+
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class Board:
+    """A board that was written: its first page, the archives on it, and why others were left out."""
+
+    page: Path
+    archives: tuple[Archive, ...]
+    refused: tuple[str, ...]
+
+
+def write_board(
+    sources: Sequence[Path], output: Path, *, keep_going: bool = False, on_progress: Progress = lambda *_: None
+) -> Board:
+    """Write a static site over archives that :func:`bench.packing.pack` wrote.
+
+    Each archive is unpacked and verified. The same archives give the same bytes, in any order. Nothing is written where
+    one is refused, unless others are to be written without it.
+
+    Args:
+        sources: the archives.
+        output: the folder to write: a new or empty one, or that of an earlier board, which is replaced.
+        keep_going: leave out archives that are refused, and write the rest.
+        on_progress: called with the name of each archive, the number of archives read, and of all.
+
+    Raises:
+        BenchError: for an archive that is refused, and an output that cannot be written.
+    """
+    _refuse_others(output)
+    found: list[Archive] = []
+    refused = []
+    for place, source in enumerate(sorted(sources, key=lambda each: (each.name, str(each)))):
+        on_progress(source.name, place, len(sources))
+        try:
+            archive = _read(source)
+            refuse_twins([*found, archive])
+            found.append(archive)
+        except BenchError as error:
+            if not keep_going:
+                raise
+            refused.append(str(error))
+    if not found:
+        raise BenchError(refused[0] if refused else "a board needs an archive that 'bench pack' wrote")
+    _write(found, output)
+    return Board(output / PAGE, tuple(found), tuple(refused))
+
+
+def _refuse_others(output: Path) -> None:
+    """Raise BenchError for a folder that holds anything but a board."""
+    if not output.exists():
+        return
+    present = {each.name for each in output.iterdir()} if output.is_dir() else {""}
+    if present and not (TABLE in present and present <= {PAGE, TABLE, STUDIES}):
+        raise BenchError(f"{output} holds other files than a board; give a new folder by --output")
+
+
+def _read(source: Path) -> Archive:
+    with tempfile.TemporaryDirectory(prefix="bench-board-") as temporary:
+        return read(source, Path(temporary) / "study")
+
+
+def _write(archives: Sequence[Archive], output: Path) -> None:
+    output.parent.mkdir(parents=True, exist_ok=True)
+    found = standings(archives)
+    # A name that differs from another one in capitals alone is refused, so that no two pages share a file.
+    addresses = {each.name: f"{STUDIES}/{file_name(each.name.lower())}.html" for each in archives}
+    with replacing(output) as temporary:
+        (temporary / STUDIES).mkdir(parents=True)
+        files = {addresses[each.name]: pages.study(each) for each in archives}
+        for name, page in {PAGE: pages.index(archives, found, addresses), **files}.items():
+            (temporary / name).write_text(pages.render(page), encoding="utf-8", newline="\n")
+        pd.DataFrame(pages.table(found)).to_csv(temporary / TABLE, index=False, lineterminator="\n")

@@ -1,0 +1,37 @@
+"""bench site: a board over many archives of results."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from bench.helpers.console import print_error, print_line
+
+
+def site(
+    archives: Annotated[list[Path], typer.Argument(metavar="ARCHIVE…", help="Archives that 'bench pack' wrote.")],
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Folder to write.")],
+    keep_going: Annotated[
+        bool, typer.Option("--keep-going", help="Leave out archives that are refused, and write the rest.")
+    ] = False,
+) -> None:
+    """Write a board: a static site that ranks the optimizers of many archives, where they may be compared.
+
+    Every archive is unpacked and compared with its checksums and digests; one that was changed is refused by name. A
+    table has the optimizers that ran the same problems with the same budget, and each row says where it comes from.
+    The same archives give the same bytes. The exit code is 1 where archives were left out.
+    """
+    from bench.board import write_board
+    from bench.execution.progress import steps
+
+    with steps(Console(), "read") as on_progress:
+        board = write_board(archives, output, keep_going=keep_going, on_progress=on_progress)
+    for sentence in board.refused:
+        print_error(sentence)
+    print_line(f"{len(board.archives):,} archives: {board.page}")
+    if board.refused:
+        sys.exit(1)

@@ -1,0 +1,249 @@
+"""A board from archives: its ranks, its provenance, and what it refuses."""
+
+import re
+import shutil
+import zipfile
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bench import BenchError, Study
+from bench.board import write_board
+from bench.board.ranks import mean_ranks
+from bench.objective import Trace
+from bench.packing import pack
+from bench.plugins.registry import DISTRIBUTION
+from bench.storage.folder import Folder
+from bench.trial import Trial
+
+RECORD = {
+    "started": "2026-01-01T00:00:00+00:00", "ended": "2026-01-02T00:00:00+00:00", "python": "3.12.1",
+    "packages": {DISTRIBUTION: "1.2.3"},
+}  # fmt: skip
+PROBLEMS = ("bbob-f01-d2-i1", "bbob-f02-d2-i1")
+
+
+def row(fun):
+    if fun is None:
+        return {"status": "failed", "error": "RuntimeError: no"}
+    return {
+        "status": "ok", "fun": fun, "nfev": 60, "wall_s": 0.5, "cpu_s": 0.5, "objective_s": 0.1, "stop": "budget",
+        "outside_box": 0, "x": {"x1": fun, "x2": 0.0}, "metrics": {}, "trace": Trace(np.array([1]), np.array([fun])),
+    }  # fmt: skip
+
+
+def packed(path, scores, **study):
+    """Pack a study in which each optimizer's trials on every problem end at the scores given by its label."""
+    folder = Folder(path.with_suffix(""))
+    folder.path.mkdir(parents=True)
+    content = {
+        "name": "small", "trials": 2, "budget": 60, "problems": [{"names": [*PROBLEMS]}],
+        "optimizers": [{"name": "scatter", "label": label, "agents": sum(map(ord, label))} for label in scores],
+    }  # fmt: skip
+    (folder.path / "study.toml").write_text(Study.from_dict(content | study).to_toml())
+    with folder.store.writer() as writer:
+        number = writer.environment(RECORD)
+        for problem in PROBLEMS:
+            for label, values in scores.items():
+                for trial, fun in enumerate(values):
+                    writer.add(Trial(problem, label, trial, 7), row(fun), number)
+    folder.write_environments()
+    file = pack(folder.path, path).path
+    shutil.rmtree(folder.path)
+    return file
+
+
+def rows(board):
+    table = pd.read_csv(board.page.parent / "board.csv", dtype={"seed": int})
+    return [(each.optimizer, each.archive, each.place, each.mean_rank) for each in table.itertuples()]
+
+
+@pytest.fixture
+def two(tmp_path):
+    """Two archives of one setting and other seeds."""
+    return [
+        packed(tmp_path / "a.zip", {"good": (1.0, 2.0), "lost": (3.0, None)}, seed=1),
+        packed(tmp_path / "b.zip", {"best": (0.0, 0.5), "tied": (1.0, 2.0)}, seed=2),
+    ]
+
+
+def contents(folder):
+    return {each.relative_to(folder).as_posix(): each.read_bytes() for each in folder.rglob("*") if each.is_file()}
+
+
+def test_optimizers_of_one_setting_are_ranked_together(two, tmp_path):
+    board = write_board(two, tmp_path / "board")
+    assert rows(board) == [
+        ("best", "b.zip", 1, 1.0), ("good", "a.zip", 2, 2.5), ("tied", "b.zip", 2, 2.5), ("lost", "a.zip", 4, 4.0)
+    ]  # fmt: skip
+
+
+def test_every_row_says_where_it_comes_from(two, tmp_path):
+    page = write_board(two, tmp_path / "board").page.read_text()
+    table = page.partition("bbob-f01")[2].partition("</table>")[0]
+    found = [each for each in table.split("<tr>") if "<td" in each]
+    assert len(found) == 4
+    for each in found:
+        assert re.search(r'href="studies/[ab]-zip-[0-9a-f]{8}.html">[ab].zip</a>', each)
+        assert "bench 1.2.3, Python 3.12.1" in each
+        assert "2026-01-02" in each
+        assert re.search(r">[0-9a-f]{12}<", each)
+
+
+@pytest.mark.parametrize("other", [{"budget": 61}, {"constraints": "death"}])
+def test_another_setting_has_a_table_of_its_own(two, tmp_path, other):
+    third = packed(tmp_path / "c.zip", {"other": (9.0, 9.0)}, **other)
+    found = rows(write_board([*two, third], tmp_path / "board"))
+    assert ("other", "c.zip", 1, 1.0) in found
+    assert ("lost", "a.zip", 4, 4.0) in found
+
+
+def test_more_problems_are_another_setting(two, tmp_path):
+    more = {"problems": [{"names": [*PROBLEMS, "bbob-f03-d2-i1"]}]}
+    third = packed(tmp_path / "c.zip", {"other": (0.1, 0.1)}, **more)
+    found = rows(write_board([*two, third], tmp_path / "board"))
+    assert [place for label, _, place, _ in found if label == "best"] == [1]
+
+
+def test_an_optimizer_without_trials_on_a_problem_has_no_rank(tmp_path):
+    only = {"problems": [{"names": ["bbob-f01-d2-i1", "bbob-f02-d2-i1"]}]}
+    folder = Folder(tmp_path / "part")
+    folder.path.mkdir()
+    study = {"name": "part", "trials": 1, "budget": 60, "optimizers": [{"name": "scatter"}, {"name": "early"}]}
+    (folder.path / "study.toml").write_text(Study.from_dict(study | only).to_toml())
+    with folder.store.writer() as writer:
+        number = writer.environment(RECORD)
+        for problem, label in (
+            ("bbob-f01-d2-i1", "scatter"),
+            ("bbob-f02-d2-i1", "scatter"),
+            ("bbob-f01-d2-i1", "early"),
+        ):
+            writer.add(Trial(problem, label, 0, 7), row(1.0), number)
+    folder.write_environments()
+    board = write_board([pack(folder.path, tmp_path / "part.zip").path], tmp_path / "board")
+    table = pd.read_csv(tmp_path / "board" / "board.csv")
+    assert list(table["optimizer"]) == ["scatter", "early"]
+    assert table["mean_rank"].isna().tolist() == [False, True]
+    assert "without a trial on some problem has no rank" in board.page.read_text()
+
+
+def test_the_same_trials_count_once(two, tmp_path):
+    copy = packed(tmp_path / "c.zip", {"good": (1.0, 2.0), "new": (8.0, 8.0)}, seed=1)
+    board = write_board([*two, copy], tmp_path / "board")
+    assert [archive for label, archive, _, _ in rows(board) if label == "good"] == ["a.zip"]
+    assert "good of c.zip has the trials of good of a.zip" in board.page.read_text()
+
+
+def test_ranks_follow_rivals_beaten_then_chance():
+    # On one problem: 0 beats both; 1 and 2 beat none or one.
+    mean, chance = mean_ranks([[np.array([0.0])], [np.array([1.0])], [np.array([2.0])]])
+    assert (mean.tolist(), chance.tolist()) == ([1, 2, 3], [1, 0.5, 0])
+    mean, _ = mean_ranks([[np.array([1.0])], [np.array([1.0 + 1e-12])], [np.array([np.inf, np.inf])]])
+    assert mean.tolist() == [1.5, 1.5, 3]
+    mean, chance = mean_ranks([[np.array([1.0])]])
+    assert mean.tolist() == [1.0]
+    assert np.isnan(chance).all()
+
+
+def test_the_order_of_arguments_changes_no_byte(two, tmp_path):
+    write_board(two, tmp_path / "one")
+    write_board(two[::-1], tmp_path / "other")
+    assert contents(tmp_path / "one") == contents(tmp_path / "other")
+    write_board(two, tmp_path / "one")  # replaces an earlier board
+    assert contents(tmp_path / "one") == contents(tmp_path / "other")
+
+
+def test_scripts_in_labels_and_titles_are_texts(tmp_path):
+    evil = "<script>alert(1)</script>"
+    file = packed(tmp_path / "a&<b>.zip", {evil: (1.0, 2.0), '"><img src=x>': (2.0, 3.0)}, title=f"{evil} & co")
+    write_board([file], tmp_path / "board")
+    for name, content in contents(tmp_path / "board").items():
+        if name.endswith(".html"):
+            page = content.decode()
+            assert evil not in page
+            assert "<img" not in page
+            assert "&lt;script&gt;alert(1)" in page
+            assert "a&amp;&lt;b&gt;.zip" in page
+
+
+def test_the_pages_load_nothing_and_link_to_files_of_the_board(two, tmp_path):
+    board = write_board(two, tmp_path / "board")
+    for page in (tmp_path / "board").rglob("*.html"):
+        for address in re.findall(r'(?:href|src)="([^"#]+)"', page.read_text()):
+            assert (page.parent / address).resolve().is_file()
+    assert "default-src 'none'" in board.page.read_text()
+
+
+# what is refused
+
+
+def change(file):
+    """Change one byte of the trials in an archive."""
+    with zipfile.ZipFile(file) as archive:
+        content = {name: archive.read(name) for name in archive.namelist()}
+    content["trials.sqlite"] = content["trials.sqlite"][:-1] + bytes([content["trials.sqlite"][-1] ^ 1])
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, each in content.items():
+            archive.writestr(name, each)
+
+
+def assert_refused(sources, output, match):
+    with pytest.raises(BenchError, match=match) as refused:
+        write_board(sources, output)
+    assert "\n" not in str(refused.value)
+    assert not output.exists()
+
+
+def test_a_changed_archive_is_refused_by_name(two, tmp_path):
+    change(two[1])
+    assert_refused(two, tmp_path / "board", r"b\.zip: trials\.sqlite was changed")
+
+
+@pytest.mark.parametrize("name", ["../out.csv", "/tmp/out.csv", "code.py"])
+def test_a_name_that_leaves_the_folder_is_refused(two, tmp_path, name):
+    with zipfile.ZipFile(two[0], "a") as archive:
+        archive.writestr(name, "")
+    assert_refused(two, tmp_path / "board", r"a\.zip holds .* no file of an archive of results")
+
+
+def test_a_bomb_is_refused(two, tmp_path):
+    with zipfile.ZipFile(two[0], "a", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("tables/zeros.csv", bytes(300_000_000))
+    assert_refused(two, tmp_path / "board", r"a\.zip unpacks to [0-9,]+ times its size")
+
+
+def test_two_archives_of_one_name_are_refused(two, tmp_path):
+    (tmp_path / "there").mkdir()
+    again = packed(tmp_path / "there" / "A.zip", {"other": (1.0, 2.0)})
+    assert_refused([*two, again], tmp_path / "board", r"two archives have the name a\.zip")
+
+
+def test_one_study_in_two_archives_is_refused(two, tmp_path):
+    again = packed(tmp_path / "c.zip", {"good": (1.0, 2.0), "lost": (3.0, None)}, seed=1, name="renamed")
+    assert_refused([*two, again], tmp_path / "board", r"a\.zip and c\.zip hold the same study with the same seed")
+
+
+@pytest.mark.parametrize("file", ["missing.zip", "none.zip"])
+def test_what_is_no_archive_is_refused(tmp_path, file):
+    (tmp_path / "none.zip").write_text("none")
+    assert_refused([tmp_path / file], tmp_path / "board", file)
+
+
+def test_other_files_are_not_replaced(two, tmp_path):
+    (tmp_path / "board").mkdir()
+    (tmp_path / "board" / "index.html").write_text("mine")
+    with pytest.raises(BenchError, match="holds other files than a board"):
+        write_board(two, tmp_path / "board")
+    assert (tmp_path / "board" / "index.html").read_text() == "mine"
+
+
+def test_the_command_leaves_out_what_is_refused_on_request_only(two, bench_here, tmp_path):
+    change(two[1])
+    done = bench_here("site", *two, "-o", tmp_path / "board")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert not (tmp_path / "board").exists()
+    done = bench_here("site", *two, "-o", tmp_path / "board", "--keep-going")
+    assert done.returncode == 1
+    assert "b.zip: trials.sqlite was changed" in done.stderr
+    assert "b.zip" not in (tmp_path / "board" / "index.html").read_text()
