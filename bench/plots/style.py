@@ -152,7 +152,7 @@ def names(labels: Iterable[str], at_most: int = 24) -> dict[str, str]:
         alike.setdefault(name, []).append(label)
     for group in alike.values():
         if len(group) > 1:
-            start = max(len(commonprefix(group)) - 3, 0)  # letter by letter is meant
+            start = max(len(commonprefix(group)) - 3, 0)  # noqa: RUF071  (letter by letter is meant)
             short |= {label: plain("…" + label[start:], at_most) for label in group}
     return short
 
