@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pandas as pd
 
 from bench.board import pages
+from bench.board.again import make_again, require_sandbox
 from bench.board.archive import Archive, read, refuse_twins
 from bench.board.ranks import standings
 from bench.errors import BenchError
@@ -31,7 +32,12 @@ class Board:
 
 
 def write_board(
-    sources: Sequence[Path], output: Path, *, keep_going: bool = False, on_progress: Progress = lambda *_: None
+    sources: Sequence[Path],
+    output: Path,
+    *,
+    verify: int = 0,
+    keep_going: bool = False,
+    on_progress: Progress = lambda *_: None,
 ) -> Board:
     """Write a static site over archives that :func:`bench.packing.pack` wrote.
 
@@ -41,21 +47,22 @@ def write_board(
     Args:
         sources: the archives.
         output: the folder to write: a new or empty one, or that of an earlier board, which is replaced.
+        verify: trials of each archive to make again, in a sandbox.
         keep_going: leave out archives that are refused, and write the rest.
         on_progress: called with the name of each archive, the number of archives read, and of all.
 
     Raises:
-        BenchError: for an archive that is refused, and an output that cannot be written.
+        BenchError: for an archive that is refused, an output that cannot be written, and ``verify`` without a sandbox.
     """
     _refuse_others(output)
+    if verify:
+        require_sandbox()
     found: list[Archive] = []
     refused = []
     for place, source in enumerate(sorted(sources, key=lambda each: (each.name, str(each)))):
         on_progress(source.name, place, len(sources))
         try:
-            archive = _read(source)
-            refuse_twins([*found, archive])
-            found.append(archive)
+            found.append(_read(source, found, verify))
         except BenchError as error:
             if not keep_going:
                 raise
@@ -75,9 +82,12 @@ def _refuse_others(output: Path) -> None:
         raise BenchError(f"{output} holds other files than a board; give a new folder by --output")
 
 
-def _read(source: Path) -> Archive:
+def _read(source: Path, others: Sequence[Archive], verify: int) -> Archive:
     with tempfile.TemporaryDirectory(prefix="bench-board-") as temporary:
-        return read(source, Path(temporary) / "study")
+        path = Path(temporary) / "study"
+        found = read(source, path)
+        refuse_twins([*others, found])
+        return replace(found, again=make_again(path, verify, found.sha256)) if verify else found
 
 
 def _write(archives: Sequence[Archive], output: Path) -> None:

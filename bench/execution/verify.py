@@ -97,7 +97,7 @@ def verify(
         task = Task(study, hash_seed=HASH_SEED, strict=strict, sandbox=sandbox)
         for trial, row, _ in pool.answers(task, machine, lambda: planned):
             made += 1
-            if what := _difference(folder.store, trial, row):
+            if what := difference(folder.store, trial, row):
                 different.setdefault(trial, what)
             if on_progress is not None:
                 on_progress(f"{trial.optimizer} on {trial.problem}", made, len(planned))
@@ -131,7 +131,7 @@ def _other_number(folder: Folder) -> int:
     return cores + 1 if noted[-1:] == [cores] else cores
 
 
-def _difference(store: Store, trial: Trial, row: Row) -> str:
+def difference(store: Store, trial: Trial, row: Row) -> str:
     """Return how a trial made again differs from the stored one, "" where it does not."""
     before, again = store.find(*trial.key), stored(trial, row)
     if before is None:

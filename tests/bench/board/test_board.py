@@ -8,8 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench import BenchError, Study
+from bench import BenchError, Study, run
 from bench.board import write_board
+from bench.board.again import require_sandbox
 from bench.board.ranks import mean_ranks
 from bench.objective import Trace
 from bench.packing import pack
@@ -37,9 +38,10 @@ def packed(path, scores, **study):
     """Pack a study in which each optimizer's trials on every problem end at the scores given by its label."""
     folder = Folder(path.with_suffix(""))
     folder.path.mkdir(parents=True)
+    agents = {label: 2 + sum(map(ord, label)) % 40 for label in scores}
     content = {
         "name": "small", "trials": 2, "budget": 60, "problems": [{"names": [*PROBLEMS]}],
-        "optimizers": [{"name": "scatter", "label": label, "agents": sum(map(ord, label))} for label in scores],
+        "optimizers": [{"name": "scatter", "label": label, "agents": number} for label, number in agents.items()],
     }  # fmt: skip
     (folder.path / "study.toml").write_text(Study.from_dict(content | study).to_toml())
     with folder.store.writer() as writer:
@@ -247,3 +249,69 @@ def test_the_command_leaves_out_what_is_refused_on_request_only(two, bench_here,
     assert done.returncode == 1
     assert "b.zip: trials.sqlite was changed" in done.stderr
     assert "b.zip" not in (tmp_path / "board" / "index.html").read_text()
+
+
+# trials made again
+
+try:
+    require_sandbox()
+    REASON = ""
+except BenchError as error:
+    REASON = str(error)
+sandboxed = pytest.mark.skipif(bool(REASON), reason=REASON or "bubblewrap can be used")
+
+
+@sandboxed
+def test_trials_are_made_again(bench_here, tmp_path):
+    study = {
+        "name": "real", "trials": 2, "budget": 60, "problems": [{"name": "bbob-f01-d2-i1"}],
+        "optimizers": [{"name": "random-search"}],
+    }  # fmt: skip
+    run(Study.from_dict(study), tmp_path / "real", n_jobs=1)
+    file = pack(tmp_path / "real", tmp_path / "real.zip").path
+    done = bench_here("site", file, "-o", tmp_path / "board", "--verify", 5)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert pd.read_csv(tmp_path / "board" / "board.csv")["made_again"].tolist() == ["2 of 2"]
+    assert ">2 of 2<" in (tmp_path / "board" / "index.html").read_text()
+    [page] = (tmp_path / "board" / "studies").glob("*.html")
+    assert page.read_text().count("the same bit by bit") == 2
+
+
+@sandboxed
+def test_a_trial_that_differs_is_marked(bench_here, tmp_path):
+    file = packed(tmp_path / "a.zip", {"forged": (-1e9,)})
+    done = bench_here("site", file, "-o", tmp_path / "board", "--verify", 1)
+    assert done.returncode == 1
+    assert re.search(r"different: a\.zip: forged on bbob-f0[12]-d2-i1, trial 0 differs: ", done.stdout)
+    assert "0 of 1; 1 differ" in (tmp_path / "board" / "index.html").read_text()
+
+
+@sandboxed
+def test_seeds_that_were_chosen_are_found_out(tmp_path):
+    study = Study.from_dict({
+        "name": "real", "trials": 1, "budget": 60, "problems": [{"name": "bbob-f01-d2-i1"}],
+        "optimizers": [{"name": "random-search"}],
+    })  # fmt: skip
+    run(study, tmp_path / "lucky", n_jobs=1)
+    frozen = tmp_path / "lucky" / "study.toml"
+    frozen.write_text(frozen.read_text().replace("seed = 0", "seed = 1"))
+    board = write_board([pack(tmp_path / "lucky", tmp_path / "lucky.zip").path], tmp_path / "board", verify=1)
+    assert board.archives[0].again[0].different
+
+
+@sandboxed
+def test_a_trial_that_cannot_be_made_is_marked_with_the_reason(bench_here, tmp_path):
+    missing = {"optimizers": [{"name": "not-installed-here", "label": "x"}]}
+    file = packed(tmp_path / "a.zip", {"x": (1.0, 2.0)}, **missing)
+    for name in ("one", "other"):
+        done = bench_here("site", file, "-o", tmp_path / name, "--verify", 1)
+        assert done.returncode == 0
+        assert "0 of 1; unknown optimizer &#39;not-installed-here&#39;" in (tmp_path / name / "index.html").read_text()
+    assert contents(tmp_path / "one") == contents(tmp_path / "other")
+
+
+def test_no_trial_is_made_without_a_sandbox(two, tmp_path, monkeypatch):
+    monkeypatch.setattr("bench.board.again.shutil.which", lambda name: None)
+    with pytest.raises(BenchError, match="needs bubblewrap, which is not installed here"):
+        write_board(two, tmp_path / "board", verify=1)
+    assert not (tmp_path / "board").exists()

@@ -1,0 +1,80 @@
+"""Make trials of an unpacked archive again, in a sandbox, each in a study of its own problem and optimizer alone."""
+
+from __future__ import annotations
+
+import random
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+from bench.board.archive import LONGEST, Again
+from bench.errors import BenchError
+from bench.execution.backends import open_pool
+from bench.execution.runner import prepare
+from bench.execution.supervisor import Task
+from bench.execution.verify import HASH_SEED, difference
+from bench.helpers.text import printable
+from bench.sandbox import bubblewrap
+from bench.seeds import trial_seed
+from bench.storage.folder import Folder
+from bench.study import Study
+from bench.trial import Trial
+
+SANDBOX = "bwrap"
+TIMEOUT = 600.0  # wall seconds of a trial
+MEMORY = 4_000_000_000  # bytes of a trial's process
+
+
+def require_sandbox() -> None:
+    """Raise BenchError where no sandbox can be used here."""
+    if shutil.which("bwrap") is None:
+        raise BenchError(
+            "--verify makes trials in a sandbox and needs bubblewrap, which is not installed here; install it (on "
+            "Debian: apt install bubblewrap), or leave out --verify"
+        )
+    bubblewrap.find(SANDBOX)
+
+
+def make_again(path: Path, trials: int, choice: str) -> tuple[Again, ...]:
+    """Make some finished trials of a folder again and return the outcomes.
+
+    They are drawn at random from ``choice``, the hash of the archive, and their seeds follow from the study's, so that
+    the author of an archive chooses neither. A trial that cannot be made here costs no other one: each is of a study
+    that has its problem and optimizer alone, which changes no seed.
+    """
+    folder = Folder(path)
+    study = folder.study()
+    known = {entry.label for entry in study.optimizers}
+    with folder.store.reader() as reader:
+        every = [(row["problem"], row["optimizer"], row["trial"]) for row in reader.sound("status = 'ok'")]
+    finished = sorted(key for key in every if key[1] in known)
+    chosen = random.Random(choice).sample(finished, min(trials, len(finished)))
+    return tuple(_again(folder, study, Trial(*key, trial_seed(study.seed, *key))) for key in chosen)
+
+
+def _again(folder: Folder, study: Study, trial: Trial) -> Again:
+    name = printable(f"{trial.optimizer} on {trial.problem}, trial {trial.number}", LONGEST)
+    alone = replace(
+        study,
+        problems=tuple(each for each in study.problems if each.label == trial.problem),
+        optimizers=tuple(each for each in study.optimizers if each.label == trial.optimizer),
+        controls=(),
+        looks=(),
+    )
+    try:
+        machine = prepare(alone, folder, SANDBOX).machine
+        task = Task(alone, timeout=TIMEOUT, memory=MEMORY, hash_seed=HASH_SEED, sandbox=SANDBOX)
+        with open_pool("local", 1, None) as pool:
+            rows = [row for _, row, _ in pool.answers(task, machine, lambda: [trial])]
+    except BenchError as error:
+        return Again(name, reason=_one_line(str(error).replace(str(folder.path), "the archive")))
+    if not rows:
+        return Again(name, reason="its process was killed from outside")
+    [row] = rows
+    if row["status"] != "ok":
+        return Again(name, reason=_one_line(str(row["error"])))
+    return Again(name, different=_one_line(difference(folder.store, trial, row)))
+
+
+def _one_line(text: str) -> str:
+    return printable(text.partition("\n")[0], 2 * LONGEST)
