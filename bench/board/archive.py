@@ -14,7 +14,7 @@ import numpy as np
 
 from bench.errors import BenchError
 from bench.families import dimension_in
-from bench.helpers.text import printable
+from bench.helpers.text import count, printable
 from bench.packing import unpack
 from bench.plugins.loading import family
 from bench.plugins.registry import DISTRIBUTION
@@ -49,8 +49,9 @@ class Setting:
 
     @property
     def title(self) -> str:
-        """The suite, the dimension and the budget in words."""
-        return f"{printable(self.suite, LONGEST)}, d = {self.dimension:,}, {self.budget:,} evaluations"
+        """What is shared, in words."""
+        said = f"{printable(self.suite, LONGEST)}, d = {self.dimension:,}, {self.budget:,} evaluations"
+        return f"{said}, {count(len(self.problems), 'problem')}" + f", imported in {self.alone}" * bool(self.alone)
 
     @property
     def labels(self) -> list[str]:
@@ -116,6 +117,11 @@ class Archive:
         ]
 
     @property
+    def seed(self) -> str:
+        """The study's seed; imported trials have none that is known."""
+        return "unknown" if self.study.imported else str(self.study.seed)
+
+    @property
     def versions(self) -> str:
         """The versions of this harness and of Python that made the trials."""
         packages = (record.get("packages") for record in self.records)
@@ -179,7 +185,8 @@ def refuse_twins(archives: Iterable[Archive]) -> None:
         if names.setdefault(each.name.lower(), each) is not each:
             raise BenchError(f"two archives have the name {each.name}; rename one of them")
         # The name of a study decides no trial, and an archive may hold it under another one.
-        first = studies.setdefault(replace(each.study, name="study").identity(), each)
+        key = each.sha256 if each.study.imported else replace(each.study, name="study").identity()
+        first = studies.setdefault(key, each)
         if first is not each:
             raise BenchError(
                 f"{first.name} and {each.name} hold the same study with the same seed, so their trials would count "

@@ -25,11 +25,12 @@ HEADS = ("place", "mean rank", "chance to end lower", "optimizer", "archive", "t
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of a table: its text, the page that it links to, and whether it is a number."""
+    """A cell of a table: its text, the page that it links to, whether it is a number, and whether it is bad news."""
 
     text: str
     link: str = ""
     number: bool = False
+    lost: bool = False
 
     @property
     def long(self) -> bool:
@@ -87,8 +88,8 @@ def index(archives: Sequence[Archive], found: Sequence[Standing], addresses: Map
         (
             Cell(each.name, addresses[each.name]), Cell(each.study.title or each.study.name),
             Cell(each.sha256[:SHORT]), Cell(f"{each.trials:,}", number=True),
-            Cell(str(each.study.seed), number=True), Cell(each.versions), Cell(each.date),
-            *([Cell(each.verified)] * checked),
+            Cell(each.seed, number=True), Cell(each.versions), Cell(each.date),
+            *([_verified(each)] * checked),
         )
         for each in archives
     )  # fmt: skip
@@ -105,7 +106,7 @@ def study(archive: Archive) -> Page:
         "archive": archive.name,
         "SHA-256 of the archive": archive.sha256,
         "study": f"{own.name}, identity {own.identity()}",
-        "seed": str(own.seed),
+        "seed": archive.seed,
         "trials": f"{archive.trials:,}",
         "versions": archive.versions,
         "date": archive.date,
@@ -137,7 +138,7 @@ def _pairs(facts: Mapping[str, str]) -> tuple[tuple[Cell, ...], ...]:
 def _table(found: Standing, addresses: Mapping[str, str], checked: bool) -> Part:
     """Return the table of a setting; the archives link to the ``addresses`` of their pages."""
     setting, ranked = found.setting, sum(bool(row.place) for row in found.rows)
-    text = f"{count(ranked, 'optimizer')} ranked on {count(len(setting.labels), 'problem')}: {listed(setting.labels)}."
+    text = f"{count(ranked, 'optimizer')} ranked on {listed(setting.labels)}."
     notes = [*found.notes]
     if setting.constraints != DEFAULT:
         notes.append(f"Constraints are handled by {setting.constraints}.")
@@ -165,12 +166,16 @@ def _cells(row: Row, addresses: Mapping[str, str], checked: bool) -> tuple[Cell,
         Cell(row.optimizer.label),
         Cell(archive.name, addresses.get(archive.name, "")),
         Cell(f"{least}" if least == most else f"{least} to {most}", number=True),
-        Cell(str(archive.study.seed), number=True),
+        Cell(archive.seed, number=True),
         Cell(archive.versions),
         Cell(archive.date),
-        *([Cell(archive.verified)] * checked),
+        *([_verified(archive)] * checked),
         Cell(archive.sha256[:SHORT]),
     )
+
+
+def _verified(archive: Archive) -> Cell:
+    return Cell(archive.verified, lost=any(each.different for each in archive.again))
 
 
 def _digits(value: float, decimals: int) -> str:
@@ -186,7 +191,7 @@ def table(found: Sequence[Standing]) -> list[dict[str, object]]:
             "constraints": each.setting.constraints, "looks": " ".join(map(str, each.setting.looks)),
             "place": row.place or "", "mean_rank": row.mean_rank, "chance": row.chance,
             "optimizer": row.optimizer.label, "archive": row.archive.name, "trials_least": row.trials[0],
-            "trials_most": row.trials[1], "seed": row.archive.study.seed, "versions": row.archive.versions,
+            "trials_most": row.trials[1], "seed": row.archive.seed, "versions": row.archive.versions,
             "date": row.archive.date, "made_again": row.archive.verified, "sha256": row.archive.sha256,
         }
         for number, each in enumerate(found, start=1)

@@ -34,7 +34,7 @@ def row(fun):
     }  # fmt: skip
 
 
-def packed(path, scores, **study):
+def packed(path, scores, record=RECORD, **study):
     """Pack a study in which each optimizer's trials on every problem end at the scores given by its label."""
     folder = Folder(path.with_suffix(""))
     folder.path.mkdir(parents=True)
@@ -45,7 +45,7 @@ def packed(path, scores, **study):
     }  # fmt: skip
     (folder.path / "study.toml").write_text(Study.from_dict(content | study).to_toml())
     with folder.store.writer() as writer:
-        number = writer.environment(RECORD)
+        number = writer.environment(record)
         for problem in PROBLEMS:
             for label, values in scores.items():
                 for trial, fun in enumerate(values):
@@ -57,7 +57,7 @@ def packed(path, scores, **study):
 
 
 def rows(board):
-    table = pd.read_csv(board.page.parent / "board.csv", dtype={"seed": int})
+    table = pd.read_csv(board.page.parent / "board.csv")
     return [(each.optimizer, each.archive, each.place, each.mean_rank) for each in table.itertuples()]
 
 
@@ -130,6 +130,17 @@ def test_an_optimizer_without_trials_on_a_problem_has_no_rank(tmp_path):
     assert "without a trial on some problem has no rank" in board.page.read_text()
 
 
+def test_imported_trials_are_ranked_among_themselves(two, tmp_path):
+    imported = {"optimizers": [{"name": "imported:x", "label": "x"}]}
+    files = [
+        packed(tmp_path / f"{name}.zip", {"x": (0.0, value)}, **imported) for name, value in (("c", 0.1), ("d", 0.2))
+    ]
+    found = write_board([*two, *files], tmp_path / "board")
+    assert rows(found)[-2:] == [("x", "c.zip", 1, 1.0), ("x", "d.zip", 1, 1.0)]
+    table = pd.read_csv(tmp_path / "board" / "board.csv")
+    assert table.loc[table["optimizer"] == "x", "seed"].tolist() == ["unknown", "unknown"]
+
+
 def test_the_same_trials_count_once(two, tmp_path):
     copy = packed(tmp_path / "c.zip", {"good": (1.0, 2.0), "new": (8.0, 8.0)}, seed=1)
     board = write_board([*two, copy], tmp_path / "board")
@@ -158,7 +169,9 @@ def test_the_order_of_arguments_changes_no_byte(two, tmp_path):
 
 def test_scripts_in_labels_and_titles_are_texts(tmp_path):
     evil = "<script>alert(1)</script>"
-    file = packed(tmp_path / "a&<b>.zip", {evil: (1.0, 2.0), '"><img src=x>': (2.0, 3.0)}, title=f"{evil} & co")
+    record = {"packages": {DISTRIBUTION: evil}, "python": [evil], "ended": 5, "command": evil, evil: {evil: evil}}
+    scores = {evil: (1.0, 2.0), '"><img src=x>': (2.0, 3.0)}
+    file = packed(tmp_path / "a&<b>.zip", scores, record, title=f"{evil} & co")
     write_board([file], tmp_path / "board")
     for name, content in contents(tmp_path / "board").items():
         if name.endswith(".html"):
@@ -283,7 +296,7 @@ def test_a_trial_that_differs_is_marked(bench_here, tmp_path):
     done = bench_here("site", file, "-o", tmp_path / "board", "--verify", 1)
     assert done.returncode == 1
     assert re.search(r"different: a\.zip: forged on bbob-f0[12]-d2-i1, trial 0 differs: ", done.stdout)
-    assert "0 of 1; 1 differ" in (tmp_path / "board" / "index.html").read_text()
+    assert '<span class="lost">0 of 1; 1 differ</span>' in (tmp_path / "board" / "index.html").read_text()
 
 
 @sandboxed
