@@ -80,7 +80,7 @@ class _Talk:
             raise BenchError(f"the program {words[0]} cannot be started: {error.strerror}") from error
         pipes = self._process.stdin, self._process.stdout, self._process.stderr
         self._stdin, self._stdout, self._stderr = cast(tuple[IO[bytes], IO[bytes], IO[bytes]], pipes)
-        self._complaints: deque[bytes] = deque(maxlen=2)  # the last lines that it wrote to standard error
+        self._complaints: deque[bytes] = deque(maxlen=3)  # the last lines that it wrote to standard error
         self._reader = Thread(target=self._listen, daemon=True)
         self._reader.start()
 

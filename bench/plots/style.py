@@ -13,8 +13,8 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
 from hashlib import blake2b
+from itertools import takewhile
 from math import ceil
-from os.path import commonprefix
 from pathlib import Path
 from typing import Any, Literal
 
@@ -152,7 +152,8 @@ def names(labels: Iterable[str], at_most: int = 24) -> dict[str, str]:
         alike.setdefault(name, []).append(label)
     for group in alike.values():
         if len(group) > 1:
-            start = max(len(commonprefix(group)) - 3, 0)  # noqa: RUF071  (letter by letter is meant)
+            alike_letters = takewhile(lambda letters: len(set(letters)) == 1, zip(*group, strict=False))
+            start = max(len(list(alike_letters)) - 3, 0)
             short |= {label: plain("…" + label[start:], at_most) for label in group}
     return short
 

@@ -1,5 +1,5 @@
 % A (1+1) search with the one-fifth rule: command = ["octave-cli", "--quiet", "climb.m"]; Octave 7 or later.
-1;
+sigterm_dumps_octave_core(false); % or each trial that is ended leaves a file octave-workspace
 function line = answer()
   line = input("", "s"); % fgetl would wait for the line after this one
   if index(line, '"stop"'), exit; end

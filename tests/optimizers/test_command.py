@@ -65,6 +65,8 @@ def climb(tmp_path_factory):
         interpreter = INTERPRETERS[client]
         if shutil.which(interpreter.split()[0]) is None:
             pytest.skip(f"{interpreter.split()[0]} is not installed")
+        if client.endswith(".R") and subprocess.run(["Rscript", "-e", "loadNamespace('jsonlite')"]).returncode:
+            pytest.skip("R's package jsonlite is not installed")
         return f"command:{interpreter} {CLIENTS / client}"
 
     return named
