@@ -75,9 +75,14 @@ def write_board(
 
 def _refuse_others(output: Path) -> None:
     """Raise BenchError for a folder that holds anything but a board."""
-    if not output.exists():
+    try:
+        present = {each.name for each in output.iterdir()}
+    except FileNotFoundError:
         return
-    present = {each.name for each in output.iterdir()} if output.is_dir() else {""}
+    except NotADirectoryError:
+        present = {output.name}
+    except OSError as error:
+        raise BenchError(f"{output} cannot be read: {error.strerror}") from error
     if present and not (TABLE in present and present <= {PAGE, TABLE, STUDIES}):
         raise BenchError(f"{output} holds other files than a board; give a new folder by --output")
 
@@ -91,11 +96,10 @@ def _read(source: Path, others: Sequence[Archive], verify: int) -> Archive:
 
 
 def _write(archives: Sequence[Archive], output: Path) -> None:
-    output.parent.mkdir(parents=True, exist_ok=True)
     found = standings(archives)
     # A name that differs from another one in capitals alone is refused, so that no two pages share a file.
     addresses = {each.name: f"{STUDIES}/{file_name(each.name.lower())}.html" for each in archives}
-    with replacing(output) as temporary:
+    with replacing(output.resolve()) as temporary:
         (temporary / STUDIES).mkdir(parents=True)
         files = {addresses[each.name]: pages.study(each) for each in archives}
         for name, page in {PAGE: pages.index(archives, found, addresses), **files}.items():

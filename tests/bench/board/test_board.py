@@ -253,6 +253,26 @@ def test_other_files_are_not_replaced(two, tmp_path):
     assert (tmp_path / "board" / "index.html").read_text() == "mine"
 
 
+@pytest.mark.parametrize("output", ["file", "file/board"])
+def test_an_output_that_cannot_be_written_is_refused(two, bench_here, tmp_path, output):
+    (tmp_path / "file").write_text("mine")
+    done = bench_here("site", *two, "-o", tmp_path / output)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+@pytest.mark.parametrize("output", [".", "link", "new/deep"])
+def test_folders_that_are_empty_linked_or_new_are_filled(two, bench_here, tmp_path, output):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "empty" / "target").mkdir()
+    place = tmp_path / "empty" / "target" if output == "." else tmp_path / "empty"
+    (tmp_path / "empty" / "link").symlink_to(tmp_path / "empty" / "target")
+    done = bench_here("site", *two, "-o", output, cwd=place)
+    assert (done.returncode, done.stderr) == (0, "")
+    folder = tmp_path / "empty" / ("new/deep" if output == "new/deep" else "target")
+    assert {each.name for each in folder.iterdir()} == {"index.html", "board.csv", "studies"}
+
+
 def test_the_command_leaves_out_what_is_refused_on_request_only(two, bench_here, tmp_path):
     change(two[1])
     done = bench_here("site", *two, "-o", tmp_path / "board")
