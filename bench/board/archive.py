@@ -117,9 +117,12 @@ class Archive:
         ]
 
     @property
-    def seed(self) -> str:
-        """The study's seed; imported trials have none that is known."""
-        return "unknown" if self.study.imported else str(self.study.seed)
+    def provenance(self) -> dict[str, str]:
+        """Where the trials come from, in words, for every row of a table; the seed of imported trials is unknown."""
+        return {
+            "seed": "unknown" if self.study.imported else str(self.study.seed), "versions": self.versions,
+            "date": self.date, "made again": self.verified, "SHA-256": self.sha256,
+        }  # fmt: skip
 
     @property
     def versions(self) -> str:

@@ -1,144 +1,72 @@
-"""The pages of a board: what stands on them, and their HTML, which loads nothing and escapes all text."""
+"""The pages of a board: the first one with a table for each setting, and one for each study."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from importlib import resources
+from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
+import pandas as pd
 
 from bench.board.archive import LONGEST, Archive
-from bench.board.ranks import RULE, Row, Standing, standings
+from bench.board.ranks import RULE, Standing, standings
 from bench.helpers.text import count, joined, listed, option, printable
-from bench.report.interactive.part import digest
+from bench.report import Section, Table, write_page
 from bench.scoring.constraints import DEFAULT
 
-WIDE = 30  # characters from which a cell may break into lines
 SHORT = 12  # digits shown of a hash
-MOST = 1_000  # rows of a table; board.csv has all
-
-HEADS = ("place", "mean rank", "chance to end lower", "optimizer", "archive", "trials", "seed", "versions", "date")
 
 
-@dataclass(frozen=True)
-class Cell:
-    """A cell of a table: its text, the page that it links to, whether it is a number, and whether it is bad news."""
-
-    text: str
-    link: str = ""
-    number: bool = False
-    lost: bool = False
-
-    @property
-    def long(self) -> bool:
-        """Whether the text may break into lines."""
-        return len(self.text) > WIDE
-
-
-@dataclass(frozen=True)
-class Part:
-    """A part of a page: paragraphs, a text to copy, a table, and notes below it."""
-
-    title: str
-    text: tuple[str, ...] = ()
-    code: str = ""
-    heads: tuple[str, ...] = ()
-    rows: tuple[tuple[Cell, ...], ...] = ()
-    notes: tuple[str, ...] = ()
-
-    @property
-    def ems(self) -> int:
-        """About how wide the table is, in units of its font size."""
-        columns = zip(self.heads, *([cell.text for cell in row] for row in self.rows), strict=True)
-        return round(sum(1 + 0.6 * max(min(len(each), WIDE) for each in column) for column in columns))
-
-
-@dataclass(frozen=True)
-class Page:
-    """A page; ``back`` is the address of the board on the page of a study."""
-
-    title: str
-    lead: tuple[str, ...]
-    parts: tuple[Part, ...]
-    back: str = ""
-
-
-def render(page: Page) -> str:
-    """Return the page as HTML."""
-    environment = Environment(
-        loader=PackageLoader("bench.board", ""), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True, keep_trailing_newline=True,
-    )  # fmt: skip
-    style, script = (
-        Markup(resources.files("bench.report").joinpath(name).read_text(encoding="utf-8"))
-        for name in ("page.css", "page.js")
-    )
-    template = environment.get_template("board.html.j2")
-    return template.render(page=page, style=style, script=script, script_hash=digest(script))
-
-
-def index(archives: Sequence[Archive], found: Sequence[Standing], addresses: Mapping[str, str]) -> Page:
-    """Return the first page: the rule, a table for each setting, and the archives."""
-    checked = any(each.again for each in archives)
-    heads = ("archive", "study", "SHA-256", "trials", "seed", "versions", "date", *(["made again"] * checked))
-    rows = tuple(
-        (
-            Cell(each.name, addresses[each.name]), Cell(each.study.title or each.study.name),
-            Cell(each.sha256[:SHORT]), Cell(f"{each.trials:,}", number=True),
-            Cell(each.seed, number=True), Cell(each.versions), Cell(each.date),
-            *([_verified(each)] * checked),
-        )
+def write_index(
+    path: Path, archives: Sequence[Archive], found: Sequence[Standing], addresses: Mapping[str, str]
+) -> None:
+    """Write the first page: the rule, the archives, and a table for each setting."""
+    rows = [
+        {"archive": each.name, "study": each.study.title or each.study.name, "trials": f"{each.trials:,}"}
+        | each.provenance
         for each in archives
-    )  # fmt: skip
-    lead = f"{count(len(archives), 'archive')}, each unpacked and compared with its checksums and digests."
-    tables = [_table(each, addresses, checked) for each in found]
-    parts = (Part("How the ranks are made", (RULE,)), *tables, Part("Archives", heads=heads, rows=rows))
-    return Page("A board of packed studies", (lead,), parts)
+    ]
+    caption = f"{count(len(archives), 'archive')}, each unpacked and compared with its checksums and digests."
+    table = _table("archives", caption, pd.DataFrame(rows), archives, addresses)
+    settings = [_setting(each, archives, addresses) for each in found]
+    lead = f"{count(len(archives), 'archive')}; a section below for each of {count(len(found), 'setting')}."
+    write_page(path, "A board of packed studies", lead, [Section("The rule", (RULE,), (table,)), *settings])
 
 
-def study(archive: Archive) -> Page:
-    """Return the page of a study: its ranks among its own optimizers, and where its trials come from."""
-    own, checked = archive.study, bool(archive.again)
-    facts = {
-        "archive": archive.name,
-        "SHA-256 of the archive": archive.sha256,
-        "study": f"{own.name}, identity {own.identity()}",
-        "seed": archive.seed,
-        "trials": f"{archive.trials:,}",
-        "versions": archive.versions,
-        "date": archive.date,
-        "made again": archive.verified or "no trial",
-    }
-    parts = [Part("Provenance", heads=("what", "value"), rows=_pairs(facts))]
-    parts += [_table(each, {}, checked) for each in standings([archive])]
-    if unknown := [each.label for each in own.problems if each.label not in archive.dimensions]:
-        parts.append(Part("Left out", (f"The dimension of {listed(unknown)} is unknown, as no trial ended there.",)))
+def write_study(path: Path, archive: Archive) -> None:
+    """Write the page of a study: where its trials come from, and its ranks among its own optimizers."""
+    own = archive.study
+    facts = {"board": "index.html", "archive": archive.name, "study": f"{own.name}, identity {own.identity()}"}
+    facts |= {"trials": f"{archive.trials:,}"} | archive.provenance
+    links = pd.DataFrame({"value": ["../index.html", *[""] * (len(facts) - 1)]}, index=pd.Index(facts))
+    unknown = listed([each.label for each in own.problems if each.label not in archive.dimensions])
+    warnings = (f"No table has {unknown}: no trial ended there, so the dimension is unknown.",) if unknown else ()
+    sections = [Section("Provenance", items=(_pairs("Where the trials come from.", facts, links),), warnings=warnings)]
+    sections += [_setting(each, [archive], {}) for each in standings([archive])]
     if archive.again:
-        parts.append(Part("Trials made again", heads=("trial", "outcome"), rows=_pairs(
-            {each.trial: each.sentence for each in archive.again}
-        )))  # fmt: skip
+        outcomes = {each.trial: each.sentence for each in archive.again}
+        sections.append(Section("Trials made again", items=(_pairs("What became of each.", outcomes),)))
     for number, record in enumerate(archive.records, start=1):
         said = {key: printable(option(record[key]), 2_000) for key in sorted(record) if key not in ("data", "code")}
-        parts.append(Part(f"Environment {number}", heads=("key", "value"), rows=_pairs(said)))
-    parts.append(Part("The study as it was frozen", code=own.to_toml()))
+        sections.append(
+            Section(f"Environment {number}", items=(_pairs(f"Environment {number}, as the run noted it.", said),))
+        )
+    sections.append(Section("The study as it was frozen", code=own.to_toml()))
     lead = (
         f"{count(len(own.optimizers), 'optimizer')} on {count(len(own.problems), 'problem')}, {own.budget_words} a "
         "trial. The ranks on this page are those among the optimizers of this study alone, by the rule of the board."
     )
-    return Page(own.title or own.name, (lead,), tuple(parts), "../index.html")
+    write_page(path, own.title or own.name, lead, sections)
 
 
-def _pairs(facts: Mapping[str, str]) -> tuple[tuple[Cell, ...], ...]:
-    return tuple((Cell(printable(key, LONGEST)), Cell(value)) for key, value in facts.items())
+def _pairs(caption: str, facts: Mapping[str, str], links: pd.DataFrame | None = None) -> Table:
+    index = pd.Index([printable(key, LONGEST) for key in facts], name="what")
+    frame = pd.DataFrame({"value": [*facts.values()]}, index=index)
+    return Table(caption, caption, frame, links=links, most_rows=len(frame))
 
 
-def _table(found: Standing, addresses: Mapping[str, str], checked: bool) -> Part:
-    """Return the table of a setting; the archives link to the ``addresses`` of their pages."""
-    setting, ranked = found.setting, sum(bool(row.place) for row in found.rows)
-    text = f"{count(ranked, 'optimizer')} ranked on {listed(setting.labels)}."
+def _setting(found: Standing, archives: Sequence[Archive], addresses: Mapping[str, str]) -> Section:
+    setting, rows = found.setting, found.rows
+    ranked = int(rows["place"].notna().sum())
     notes = [*found.notes]
     if setting.constraints != DEFAULT:
         notes.append(f"Constraints are handled by {setting.constraints}.")
@@ -146,54 +74,26 @@ def _table(found: Standing, addresses: Mapping[str, str], checked: bool) -> Part
         notes.append(f"Looks at {joined([*map(str, setting.looks)])} trials stopped cells that were decided.")
     if setting.alone:
         notes.append("These trials were imported and nobody set their budget, so they are ranked among themselves.")
-    if ranked < len(found.rows):
+    if ranked < len(rows):
         notes.append("An optimizer without a trial on some problem has no rank.")
     if ranked == 1:
         notes.append("One optimizer alone: nothing is compared here.")
-    if len(found.rows) > MOST:
-        notes.append(f"The first {MOST:,} of {len(found.rows):,} rows are shown; board.csv has all.")
-    rows = tuple(_cells(row, addresses, checked) for row in found.rows[:MOST])
-    heads = (*HEADS, *(["made again"] * checked), "SHA-256")
-    return Part(setting.title, (text,), heads=heads, rows=rows, notes=tuple(notes))
+    caption = f"{count(ranked, 'optimizer')} ranked on {listed(setting.labels)}."
+    return Section(setting.title, tuple(notes), (_table(setting.title, caption, rows, archives, addresses),))
 
 
-def _cells(row: Row, addresses: Mapping[str, str], checked: bool) -> tuple[Cell, ...]:
-    archive, (least, most) = row.archive, row.trials
-    return (
-        Cell(str(row.place or "–"), number=True),
-        Cell(_digits(row.mean_rank, 2), number=True),
-        Cell(_digits(row.chance, 3), number=True),
-        Cell(row.optimizer.label),
-        Cell(archive.name, addresses.get(archive.name, "")),
-        Cell(f"{least}" if least == most else f"{least} to {most}", number=True),
-        Cell(archive.seed, number=True),
-        Cell(archive.versions),
-        Cell(archive.date),
-        *([_verified(archive)] * checked),
-        Cell(archive.sha256[:SHORT]),
+def _table(
+    name: str, caption: str, rows: pd.DataFrame, archives: Sequence[Archive], addresses: Mapping[str, str]
+) -> Table:
+    """Return a table whose archives link to the ``addresses`` of their pages, with those that differ in red."""
+    differ = {each.name for each in archives if any(one.different for one in each.again)}
+    shown = rows if any(each.again for each in archives) else rows.drop(columns="made again")
+    return Table(
+        name,
+        caption,
+        shown.assign(**{"SHA-256": rows["SHA-256"].str[:SHORT]}),
+        decimals={"mean rank": 2, "chance to end lower": 3},
+        links=pd.DataFrame({"archive": rows["archive"].map(lambda each: addresses.get(each, ""))}),
+        lost=pd.DataFrame({"made again": rows["archive"].isin(differ)}),
+        most_rows=len(rows),
     )
-
-
-def _verified(archive: Archive) -> Cell:
-    return Cell(archive.verified, lost=any(each.different for each in archive.again))
-
-
-def _digits(value: float, decimals: int) -> str:
-    return "–" if math.isnan(value) else f"{value:.{decimals}f}"
-
-
-def table(found: Sequence[Standing]) -> list[dict[str, object]]:
-    """Return all rows of all tables with every digit, for the CSV file."""
-    return [
-        {
-            "table": number, "suite": each.setting.suite, "dimension": each.setting.dimension,
-            "budget": each.setting.budget, "problems": len(each.setting.problems),
-            "constraints": each.setting.constraints, "looks": " ".join(map(str, each.setting.looks)),
-            "place": row.place or "", "mean_rank": row.mean_rank, "chance": row.chance,
-            "optimizer": row.optimizer.label, "archive": row.archive.name, "trials_least": row.trials[0],
-            "trials_most": row.trials[1], "seed": row.archive.seed, "versions": row.archive.versions,
-            "date": row.archive.date, "made_again": row.archive.verified, "sha256": row.archive.sha256,
-        }
-        for number, each in enumerate(found, start=1)
-        for row in each.rows
-    ]  # fmt: skip

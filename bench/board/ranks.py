@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
 from bench.analysis.cells import merge_near_ties
 from bench.analysis.standings import against_rivals, ranks, won
 from bench.board.archive import Archive, Setting
-from bench.study import Entry
 from bench.typing import Floats
 
 RULE = (
@@ -25,32 +25,18 @@ RULE = (
 
 
 @dataclass(frozen=True)
-class Row:
-    """An optimizer in a table.
+class Standing:
+    """What is known of a setting.
 
     Attributes:
-        archive: the archive that its trials are from.
-        optimizer: its entry in the study.
-        mean_rank: the mean rank over the problems, NaN where a problem has no trial.
-        chance: the mean A12 against the others.
-        place: 1 for the lowest mean rank; equal ones share the smallest place; 0 without a rank.
-        trials: the numbers of trials on a problem, the smallest and the largest.
+        setting: what all rows share.
+        rows: an optimizer each, best first: place (equal mean ranks share the smallest), mean rank and mean A12 against
+            the others, all missing where a problem has no trial; the trials on a problem, and where they are from.
+        notes: sentences on what was left out.
     """
 
-    archive: Archive
-    optimizer: Entry
-    mean_rank: float
-    chance: float
-    place: int
-    trials: tuple[int, int]
-
-
-@dataclass(frozen=True)
-class Standing:
-    """The rows of a setting, best first, and sentences on what was left out."""
-
     setting: Setting
-    rows: tuple[Row, ...]
+    rows: pd.DataFrame
     notes: tuple[str, ...]
 
 
@@ -64,26 +50,28 @@ def standings(archives: Sequence[Archive]) -> list[Standing]:
 
 
 def _standing(setting: Setting, archives: Sequence[Archive]) -> Standing:
-    entries: list[tuple[Archive, Entry, list[Floats]]] = []
-    rows: list[Row] = []
+    rows: list[dict[str, object]] = []
+    ranked, notes = [], []
     seen: dict[tuple[object, ...], str] = {}
-    notes = []
     for archive in archives:
         for entry in archive.study.optimizers:
             values = [archive.scores.get((label, entry.label), np.empty(0)) for label in setting.labels]
             content = (entry.name, repr(entry.options), *(each.tobytes() for each in values))
             shown = f"{entry.label} of {archive.name}"
-            if not all(map(len, values)):
-                rows.append(Row(archive, entry, np.nan, np.nan, 0, _least_and_most(values)))
-            elif (first := seen.setdefault(content, shown)) != shown:
+            sizes = sorted({len(each) for each in values})
+            if sizes[0] and (first := seen.setdefault(content, shown)) != shown:
                 notes.append(f"{shown} has the trials of {first}, so it is left out.")
-            else:
-                entries.append((archive, entry, values))
-    mean, chance = mean_ranks([values for _, _, values in entries])
-    for (archive, entry, values), rank, own in zip(entries, mean, chance, strict=True):
-        rows.append(Row(archive, entry, rank, own, int(np.sum(mean < rank)) + 1, _least_and_most(values)))
-    rows.sort(key=lambda row: (not row.place, row.place, row.archive.name, row.optimizer.label))
-    return Standing(setting, tuple(rows), tuple(notes))
+                continue
+            ranked += [values] if sizes[0] else []
+            trials = " to ".join(str(each) for each in (sizes[0], sizes[-1])[-len(sizes) :])
+            own = {"ranked": sizes[0] > 0, "optimizer": entry.label, "archive": archive.name, "trials": trials}
+            rows.append({**own, **archive.provenance})
+    frame = pd.DataFrame(rows)
+    frame.insert(0, "mean rank", np.nan)
+    frame.insert(1, "chance to end lower", np.nan)
+    frame.loc[frame.pop("ranked"), ["mean rank", "chance to end lower"]] = np.column_stack(mean_ranks(ranked))
+    frame.insert(0, "place", frame["mean rank"].rank(method="min").astype("Int64"))
+    return Standing(setting, frame.sort_values(["place", "archive", "optimizer"], ignore_index=True), tuple(notes))
 
 
 def mean_ranks(values: Sequence[Sequence[Floats]]) -> tuple[Floats, Floats]:
@@ -102,8 +90,3 @@ def mean_ranks(values: Sequence[Sequence[Floats]]) -> tuple[Floats, Floats]:
         found.append((ranks(beaten, chance), chance if len(own) > 1 else np.full(1, np.nan)))
     mean, chance = np.mean(found, axis=0)
     return np.round(mean, 9), chance
-
-
-def _least_and_most(values: Sequence[Floats]) -> tuple[int, int]:
-    sizes = [len(each) for each in values]
-    return min(sizes), max(sizes)

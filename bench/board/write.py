@@ -12,7 +12,7 @@ import pandas as pd
 from bench.board import pages
 from bench.board.again import make_again, require_sandbox
 from bench.board.archive import Archive, read, refuse_twins
-from bench.board.ranks import standings
+from bench.board.ranks import Standing, standings
 from bench.errors import BenchError
 from bench.helpers.atomic import replacing
 from bench.helpers.text import file_name
@@ -101,7 +101,20 @@ def _write(archives: Sequence[Archive], output: Path) -> None:
     addresses = {each.name: f"{STUDIES}/{file_name(each.name.lower())}.html" for each in archives}
     with replacing(output.resolve()) as temporary:
         (temporary / STUDIES).mkdir(parents=True)
-        files = {addresses[each.name]: pages.study(each) for each in archives}
-        for name, page in {PAGE: pages.index(archives, found, addresses), **files}.items():
-            (temporary / name).write_text(pages.render(page), encoding="utf-8", newline="\n")
-        pd.DataFrame(pages.table(found)).to_csv(temporary / TABLE, index=False, lineterminator="\n")
+        pages.write_index(temporary / PAGE, archives, found, addresses)
+        for each in archives:
+            pages.write_study(temporary / addresses[each.name], each)
+        tables = [_flat(number, each) for number, each in enumerate(found, start=1)]
+        pd.concat(tables).to_csv(temporary / TABLE, index=False, lineterminator="\n")
+
+
+def _flat(number: int, found: Standing) -> pd.DataFrame:
+    """Return the rows of a standing behind the number of its table and its setting."""
+    setting = found.setting
+    shared = {
+        "table": number, "suite": setting.suite, "dimension": setting.dimension, "budget": setting.budget,
+        "problems": len(setting.problems), "constraints": setting.constraints,
+        "looks": " ".join(map(str, setting.looks)),
+    }  # fmt: skip
+    plain = found.rows.rename(columns=lambda name: name.lower().replace(" ", "_").replace("-", ""))
+    return pd.DataFrame([shared] * len(plain)).join(plain)
