@@ -130,6 +130,13 @@ def test_an_optimizer_without_trials_on_a_problem_has_no_rank(tmp_path):
     assert "without a trial on some problem has no rank" in board.page.read_text()
 
 
+def test_a_setting_in_which_nothing_can_be_ranked_is_shown_without_ranks(tmp_path):
+    file = packed(tmp_path / "a.zip", {"x": (1.0,)}, problems=[{"names": [*PROBLEMS, "bbob-f03-d2-i1"]}])
+    board = write_board([file], tmp_path / "board")
+    assert pd.read_csv(tmp_path / "board" / "board.csv")["place"].isna().all()
+    assert "0 optimizers ranked on" in board.page.read_text()
+
+
 def test_imported_trials_are_ranked_among_themselves(two, tmp_path):
     imported = {"optimizers": [{"name": "imported:x", "label": "x"}]}
     files = [
