@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.stats import bootstrap, f, friedmanchisquare, norm, rankdata, t, trim_mean
 
 from bench.analysis.cells import complete_problems, labels, merge_near_ties, reference_values, scores
-from bench.analysis.direction import ALPHA, Effects, a12, effects, mean_of, stacked, standardised, wilson_form
+from bench.analysis.direction import ALPHA, Effects, effects, mean_of, stacked, standardised, wilson_form
 from bench.analysis.pairwise import RESAMPLES, holm, percentile_interval
 from bench.typing import Floats
 
@@ -198,11 +198,9 @@ def improvement_of(samples: Sequence[tuple[Floats, Floats]]) -> tuple[float, flo
     As :func:`probability_of_improvement` does; missing without any problem, and the interval where a sample has a
     single value.
     """
-    found = [effects(one[np.newaxis], other[np.newaxis]) for one, other in samples if min(len(one), len(other)) > 1]
-    if len(found) < len(samples) or not found:
-        chances = [a12(one, other) for one, other in samples]
-        return float(np.mean(chances)) if chances else np.nan, np.nan, np.nan
-    mean = mean_of(stacked(found))
+    if not samples:
+        return np.nan, np.nan, np.nan
+    mean = mean_of(stacked([effects(one[np.newaxis], other[np.newaxis]) for one, other in samples]))
     low, high = wilson_form(mean.a12, mean.ratio)
     return float(mean.a12[0]), float(low[0]), float(high[0])
 

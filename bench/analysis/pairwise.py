@@ -144,9 +144,8 @@ def alike(samples: Sequence[Floats]) -> Iterator[tuple[NDArray[np.intp], Floats,
 
 def _compare(these: Floats, others: Floats, joint: float) -> dict[str, Any]:
     """Compare pairs of samples, (g, n) and (g, m); an array a column."""
-    smaller = min(these.shape[1], others.shape[1])
-    if smaller < 2:
-        return {"a12": direction.wins(these, others).mean(axis=(1, 2)), **ks_tests(these, others)} if smaller else {}
+    if not min(these.shape[1], others.shape[1]):
+        return {}
     found = direction.effects(these, others)
     ends = {"a12": direction.intervals(found), "joint": direction.intervals(found, joint)}
     sides = {
