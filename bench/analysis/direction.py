@@ -127,31 +127,31 @@ def _compiled_placements() -> Callable[..., None]:
     return compiled(_placements, types.void(plane, plane, types.int64[:, ::1]))
 
 
-def stacked(found: Sequence[Effects]) -> Effects:
+def stacked(estimates: Sequence[Effects]) -> Effects:
     """Return the estimates of several problems, (g,) each, as one of (problems, g)."""
-    smaller = np.array([np.broadcast_to(each.smaller, each.a12.shape) for each in found], dtype=np.float64)
-    return Effects(np.array([each.a12 for each in found]), np.array([each.ratio for each in found]), smaller)
+    smaller = np.array([np.broadcast_to(each.smaller, each.a12.shape) for each in estimates], dtype=np.float64)
+    return Effects(np.array([each.a12 for each in estimates]), np.array([each.ratio for each in estimates]), smaller)
 
 
-def mean_of(found: Effects) -> Effects:
+def mean_of(estimates: Effects) -> Effects:
     """Return the mean of independent estimates over the first axis, that of problems; missing where there is none.
 
     All pairs of trials on all problems are won with a chance of at most the mean to the power of all of them, since the
     geometric mean is never above the arithmetic one: so their smaller samples add up.
     """
-    number = max(len(found.a12), 1)
-    inside = found.inside.sum(axis=0) / number
+    number = max(len(estimates.a12), 1)
+    inside = estimates.inside.sum(axis=0) / number
     with np.errstate(invalid="ignore", divide="ignore"):
-        chance = found.a12.sum(axis=0) / np.where(len(found.a12), number, np.nan)
-        ratio = found.variance.sum(axis=0) / number**2 / (inside * (1 - inside))
-    smallest = float(np.min(found.smaller)) if len(found.a12) else 0.0
-    return Effects(chance, ratio, len(found.a12) * smallest)
+        chance = estimates.a12.sum(axis=0) / np.where(len(estimates.a12), number, np.nan)
+        ratio = estimates.variance.sum(axis=0) / number**2 / (inside * (1 - inside))
+    smallest = float(np.min(estimates.smaller)) if len(estimates.a12) else 0.0
+    return Effects(chance, ratio, len(estimates.a12) * smallest)
 
 
-def p_values(found: Effects) -> Floats:
+def p_values(estimates: Effects) -> Floats:
     """Return the two-sided p-values of A12 = 0.5, (g,), never below :func:`least_p`."""
-    size = np.abs(standardised(found.a12[np.newaxis], found.ratio[np.newaxis]))
-    return np.asarray(np.fmax(2 * norm.sf(size), least_p(found.smaller)), dtype=np.float64)  # 1 of single values
+    size = np.abs(standardised(estimates.a12[np.newaxis], estimates.ratio[np.newaxis]))
+    return np.asarray(np.fmax(2 * norm.sf(size), least_p(estimates.smaller)), dtype=np.float64)  # 1 of single values
 
 
 def standardised(chances: Floats, ratios: Floats, axis: int = 0) -> Floats:
@@ -169,10 +169,10 @@ def least_p(smaller: ArrayLike) -> Any:
     return np.minimum(2.0 ** (1 - np.asarray(smaller, dtype=np.float64)), 1.0)
 
 
-def intervals(found: Effects, level: float = 0.95) -> tuple[Floats, Floats]:
+def intervals(estimates: Effects, level: float = 0.95) -> tuple[Floats, Floats]:
     """Return both ends of the intervals of A12, (g,) each: the form of Wilson's (1927) interval of a proportion."""
-    low, high = wilson_form(found.a12, found.ratio, float(norm.ppf((1 + level) / 2)))
-    apart = ((1 - level) / 2) ** (1 / found.smaller)  # the lower end that complete separation allows
+    low, high = wilson_form(estimates.a12, estimates.ratio, float(norm.ppf((1 + level) / 2)))
+    apart = ((1 - level) / 2) ** (1 / estimates.smaller)  # the lower end that complete separation allows
     return np.minimum(low, apart), np.maximum(high, 1 - apart)
 
 
