@@ -106,10 +106,10 @@ def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
     rows = []
     problems = hits["problem"].nunique()
     running_times = dict(list(expected_running_time(hits).groupby(["problem", "tau"], observed=True)))
-    for (problem, tau), own in hits.groupby(["problem", "tau"], sort=False, observed=True):
+    for (problem, tau), rows_of_target in hits.groupby(["problem", "tau"], sort=False, observed=True):
         cells = {
             str(label): np.asarray(each["evaluations"], dtype=np.float64)
-            for label, each in own.groupby("optimizer", sort=False, observed=True)
+            for label, each in rows_of_target.groupby("optimizer", sort=False, observed=True)
         }
         table = running_times[problem, tau].dropna(subset="ert")
         if len(cells) < 2 or not np.isfinite(table["ert"].astype(float)).any():
@@ -141,8 +141,8 @@ def in_seconds(hits: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame:
     keys = [frame["problem"].astype(object), frame["optimizer"].astype(object)]
     pace = pace.fillna(pace.groupby(keys).transform("median"))
     index = pd.MultiIndex.from_arrays([*keys, frame["trial"]])
-    own = pd.MultiIndex.from_arrays([hits[name].astype(object) for name in ("problem", "optimizer", "trial")])
-    each = pace.to_numpy()[index.get_indexer(own)] if len(hits) else np.empty(0)
+    trial_of_hit = pd.MultiIndex.from_arrays([hits[name].astype(object) for name in ("problem", "optimizer", "trial")])
+    each = pace.to_numpy()[index.get_indexer(trial_of_hit)] if len(hits) else np.empty(0)
     times = np.where(np.isfinite(hits["evaluations"]), hits["evaluations"] * each, np.inf)
     return hits.assign(evaluations=times, **{name: hits[name] * each for name in ("spent", "budget") if name in hits})
 
@@ -155,7 +155,7 @@ def restart_shares(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, in
     A target that no trial reached is never reached.
     """
     unit = "evaluations" if dimensions is None else "per_dimension"
-    found = []
+    shares_of = []
     for batch in _batches(hits, DRAWN):
         drawn = simulated_restarts(batch, DRAWN)
         if dimensions is not None:
@@ -164,10 +164,10 @@ def restart_shares(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, in
         place = np.searchsorted(grid, flat, side="left") + (len(grid) + 1) * np.arange(len(flat))[:, np.newaxis]
         counts = np.bincount(place.ravel(), minlength=len(flat) * (len(grid) + 1)).reshape(len(flat), -1)
         shares = counts[:, :-1].cumsum(axis=1) / flat.shape[1]
-        found += list(zip(batch.cells, shares, strict=True))
+        shares_of += list(zip(batch.cells, shares, strict=True))
     tables = [
         pd.DataFrame({"problem": problem, "optimizer": optimizer, unit: grid, "fraction": share})
-        for (problem, optimizer), share in found
+        for (problem, optimizer), share in shares_of
     ]
     return _in_order(tables, hits, ["problem", "optimizer", unit, "fraction"])
 
@@ -242,7 +242,7 @@ def _mean(paid: Floats, chosen: Flags, most: Floats) -> tuple[Floats, Floats, Fl
 
 def _percentiles(drawn: Floats, shares: tuple[float, ...]) -> list[Floats]:
     """Return the percentiles of the last axis, missing where it is infinite; between order statistics as cocopp's."""
-    found = []
+    percentiles = []
     ordered = np.sort(drawn, axis=-1)
     size = drawn.shape[-1]
     for share in shares:
@@ -251,8 +251,8 @@ def _percentiles(drawn: Floats, shares: tuple[float, ...]) -> list[Floats]:
         high = min(low + 1, size - 1)
         with np.errstate(invalid="ignore"):
             value = (low + 1 - place) * ordered[..., low] + (place - low) * ordered[..., high]
-        found.append(np.where(np.isfinite(value), value, np.nan))
-    return found
+        percentiles.append(np.where(np.isfinite(value), value, np.nan))
+    return percentiles
 
 
 def _batches(hits: pd.DataFrame, each: int) -> Iterator[Batch]:

@@ -55,6 +55,15 @@ def test_the_estimate_and_its_variance_are_those_of_the_placements(n, m, kind):
     assert found.a12[0] == pytest.approx(mannwhitneyu(others[0], these[0]).statistic / (n * m))
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("this", "other", "chance"), [([1], [2], 1.0), ([1], [1], 0.5), ([2, 4, 5], [3], 1 / 3)])
+def test_a_single_value_has_an_estimate_but_no_variance_and_shows_nothing(this, other, chance):
+    found = effect_of(this, other)
+    assert found.a12.tolist() == [chance]
+    assert np.isnan(found.ratio).all()
+    assert p_values(found).tolist() == [1.0]
+
+
 @pytest.mark.parametrize("kind", ["untied", "tied"])
 @pytest.mark.parametrize(("n", "m"), [(9, 9), (12, 7), (30, 30)])
 def test_the_statistic_is_brunner_and_munzel_s_with_the_variance_under_the_hypothesis(n, m, kind):
