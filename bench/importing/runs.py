@@ -148,6 +148,14 @@ def optimizer_labels(named: Iterable[tuple[PurePosixPath, str, Hashable]]) -> di
     }
 
 
+def inside(folder: PurePosixPath, name: object, where: str) -> PurePosixPath:
+    """Return the path of a file that an index in ``folder`` names; raises BenchError for one outside the folder."""
+    path = PurePosixPath(str(name).replace("\\", "/"))
+    if path.is_absolute() or ".." in path.parts:
+        raise BenchError(f"{where} names {shown(path)}, which is outside the folder")
+    return folder / path
+
+
 def evaluation(text: str) -> int:
     """Return the number of an evaluation in a file; raises ValueError for a text that is none, or is too large."""
     found = int(text)
