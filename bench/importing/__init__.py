@@ -19,7 +19,7 @@ from bench.importing.runs import Reading, Run
 from bench.importing.source import Source, opened
 from bench.importing.write import numbered, study_of, write
 from bench.storage import provenance
-from bench.study.study import LONGEST_LABEL
+from bench.study.entries import LONGEST_LABEL
 
 __all__ = ["FORMATS", "Imported", "import_results"]
 

@@ -14,7 +14,7 @@ from bench.errors import BenchError
 from bench.helpers.text import printable
 from bench.numbers import LARGEST_BUDGET, LARGEST_SEED, MOST_TRIALS
 from bench.objective import Trace
-from bench.study.study import LONGEST_LABEL
+from bench.study.entries import LONGEST_LABEL
 from bench.typing import Floats
 
 LARGEST_DIMENSION = 1_000_000
