@@ -60,7 +60,8 @@ def atlas(
     different = int(found.pairs["different"].sum())
     print_line(
         f"{different} of {count(len(found.pairs), 'pair')} of implementations of one method "
-        f"{'is' if different == 1 else 'are'} different; those of one letter were not found different ({count(len(found.tests), 'test')}, adjusted together)",
+        f"{'is' if different == 1 else 'are'} different ({count(len(found.tests), 'test')}, adjusted together); "
+        "implementations of one letter were not found different",
         console=console,
     )
     if len(found.pairs) and not found.enough:
