@@ -59,8 +59,17 @@ class Atlas:
     enough: bool
 
 
-def compare(surveyed: Sequence[Surveyed], alpha: float = ALPHA) -> Atlas:
-    """Compare the implementations of each method with each other; raises BenchError where all failed."""
+def compare(surveyed: Sequence[Surveyed], alpha: float = ALPHA, *, similar: bool = True) -> Atlas:
+    """Compare the implementations of each method with each other.
+
+    Args:
+        surveyed: the implementations, those of one method side by side.
+        alpha: the level of the tests.
+        similar: whether to compute distances and the map, which takes most of the time.
+
+    Raises:
+        BenchError: where all implementations failed.
+    """
     alive = [each for each in surveyed if not each.failed]
     if not alive:
         reasons = [f"{each.implementation.label}: {each.failed}" for each in surveyed]
@@ -71,7 +80,7 @@ def compare(surveyed: Sequence[Surveyed], alpha: float = ALPHA) -> Atlas:
     tests = _tests(couples)
     trials = min((len(values) for each in alive for values in each.measures.values()), default=0)
     found = None
-    if len(alive) > 1 and trials >= 10:
+    if similar and len(alive) > 1 and trials >= 10:
         # No test of it is used: with this level it makes the fewest divisions.
         found = similarity({each.implementation.key: [*each.behaviours.values()] for each in alive}, alpha=1.0)
     pairs = pd.DataFrame([_pair(*couple, tests, found, alpha) for couple in couples], columns=list(COLUMNS))
