@@ -6,6 +6,7 @@ The same versions, table and seed give the same bytes; times are in ``times.csv`
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bench.analysis.similarity import Similarity
 from bench.atlas.compare import Atlas, biases
 from bench.atlas.runs import DIMENSION, MEASURES, PROBLEMS, Surveyed
 from bench.atlas.table import Method
@@ -65,20 +67,24 @@ def write_atlas(found: Atlas, methods: Sequence[Method], output: Path, *, trials
         for name, frame in frames(found).items():
             frame.to_csv(temporary / f"{name}.csv", index=False, lineterminator="\n", encoding="utf-8")
         if found.similarity is not None:
-            numbers = {each.name: number for number, each in enumerate(methods, 1)}
-            colours = pd.Series({
-                each.implementation.key: numbers[each.implementation.method]
-                for each in found.surveyed
-                if not each.failed
-            })  # fmt: skip
             with style.context():
-                drawn = similarity_map(replace(found.similarity, clusters=colours))
+                drawn = similarity_map(_named(found.similarity, found.surveyed))
                 drawn.savefig(temporary / "map.svg", metadata={"Date": None})
         pages = {INDEX: index_page(found, methods, f"{size}; seed {seed}")}
         pages |= {f"{each.name}.md": method_page(found, each, size) for each in methods}
         for name, text in pages.items():
             (temporary / name).write_text(text, encoding="utf-8", newline="\n")
     return output / INDEX
+
+
+def _named(found: Similarity, surveyed: Sequence[Surveyed]) -> Similarity:
+    """Return the similarity with labels as names, where they are unique, and methods in place of clusters."""
+    own = [each.implementation for each in surveyed if not each.failed]
+    times = Counter(each.label for each in own)
+    names = [each.label if times[each.label] == 1 else each.key for each in own]
+    methods = list(dict.fromkeys(each.method for each in own))
+    colours = pd.Series([methods.index(each.method) + 1 for each in own], index=names)
+    return replace(found, places=found.places.set_axis(names), clusters=colours)
 
 
 def check_output(output: Path) -> None:
@@ -125,8 +131,8 @@ def index_page(found: Atlas, methods: Sequence[Method], size: str) -> str:
     several = found.pairs.groupby("method", sort=False)["different"].sum()
     counted = (
         f"{int(several.sum())} of {count(len(found.pairs), 'pair')} of implementations of one method "
-        f"{'is' if several.sum() == 1 else 'are'} different. No pair is in {int((several == 0).sum())} of "
-        f"{count(len(several), 'method')} with several implementations."
+        f"{'is' if several.sum() == 1 else 'are'} different. In {int((several == 0).sum())} of "
+        f"{count(len(several), 'method')} with several implementations, no pair is."
         if len(several)
         else ""
     )
