@@ -26,7 +26,8 @@ from bench.plots import style
 from bench.plots.similarity import similarity_map
 from bench.report.wording import cell_text
 
-INDEX, MARK = "index.md", "implementations.csv"
+INDEX, MARK, MAP_FILE = "index.md", "implementations.csv", "map.svg"
+TABLES = ("implementations", "pairs", "tests", "medians", "times")
 RULE = (
     "Two implementations are *different* where their trials differ on at least one function in at least one of four "
     "measures by an exact Kolmogorov-Smirnov test: the median value of the first generation, that of the next two, the "
@@ -69,7 +70,7 @@ def write_atlas(found: Atlas, methods: Sequence[Method], output: Path, *, trials
         if found.similarity is not None:
             with style.context():
                 drawn = similarity_map(_named(found.similarity, found.surveyed))
-                drawn.savefig(temporary / "map.svg", metadata={"Date": None})
+                drawn.savefig(temporary / MAP_FILE, metadata={"Date": None})
         pages = {INDEX: index_page(found, methods, f"{size}; seed {seed}")}
         pages |= {f"{each.name}.md": method_page(found, each, size) for each in methods}
         for name, text in pages.items():
@@ -88,9 +89,20 @@ def _named(found: Similarity, surveyed: Sequence[Surveyed]) -> Similarity:
 
 
 def check_output(output: Path) -> None:
-    """Raise BenchError for a folder that is neither new, nor empty, nor that of an atlas."""
-    if output.exists() and not (output.is_dir() and ((output / MARK).exists() or not any(output.iterdir()))):
-        raise BenchError(f"{output} holds other files than an atlas; give a new folder by --output")
+    """Raise BenchError for a folder that is neither new, nor empty, nor holds an atlas and nothing else."""
+    try:
+        present = {each.name for each in output.iterdir()}
+        known = {f"{name}.csv" for name in TABLES} | {INDEX, MAP_FILE}
+        if MARK in present:
+            known |= {f"{each}.md" for each in pd.read_csv(output / MARK)["method"]}
+    except FileNotFoundError:
+        return
+    except NotADirectoryError:
+        present, known = {output.name}, set()
+    except (OSError, ValueError, KeyError) as error:
+        raise BenchError(f"{output} cannot be read as an atlas, which would be replaced: {error}") from error
+    if others := sorted(present - known):
+        raise BenchError(f"{output} holds other files than an atlas, such as {others[0]}; give a new one by --output")
 
 
 def frames(found: Atlas) -> dict[str, pd.DataFrame]:

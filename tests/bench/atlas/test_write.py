@@ -34,10 +34,8 @@ def test_an_atlas_is_a_folder_of_pages_tables_and_a_map(tmp_path):
 
 
 def test_the_same_atlas_gives_the_same_bytes_and_replaces_an_earlier_one(tmp_path):
-    for name in ("one", "other"):
-        write_atlas(*sample(), tmp_path / name, trials=12, budget=60, seed=4)
-    write_atlas(*sample(shift=0.0), tmp_path / "other", trials=12, budget=60, seed=4)
-    write_atlas(*sample(), tmp_path / "other", trials=12, budget=60, seed=4)
+    for name, shift in (("one", 3.0), ("other", 0.0), ("other", 3.0)):
+        write_atlas(*sample(shift), tmp_path / name, trials=12, budget=60, seed=4)
     for each in (tmp_path / "one").iterdir():
         assert each.read_bytes() == (tmp_path / "other" / each.name).read_bytes()
 
@@ -64,7 +62,16 @@ def test_a_page_of_too_few_trials_says_so():
     assert "not found different" in text
 
 
-def test_a_folder_with_other_files_is_kept(tmp_path):
-    (tmp_path / "thesis.tex").touch()
-    with pytest.raises(BenchError, match="holds other files than an atlas"):
+@pytest.mark.parametrize("name", ["thesis.tex", "README.md", "gwo.md"])
+def test_a_folder_with_other_files_is_kept(tmp_path, name):
+    (tmp_path / name).touch()
+    (tmp_path / "implementations.csv").write_text("method,label\nm,one\n", encoding="utf-8")
+    (tmp_path / "m.md").touch()
+    with pytest.raises(BenchError, match=f"holds other files than an atlas, such as {name}"):
         write_atlas(*sample(), tmp_path, trials=12, budget=60, seed=4)
+
+
+def test_a_file_is_no_folder_of_an_atlas(tmp_path):
+    (tmp_path / "atlas").touch()
+    with pytest.raises(BenchError, match="holds other files"):
+        write_atlas(*sample(), tmp_path / "atlas", trials=12, budget=60, seed=4)

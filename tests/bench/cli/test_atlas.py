@@ -31,8 +31,8 @@ def test_it_prints_who_differs_and_writes_the_same_pages_again(bench_here, table
             "atlas", table, "--trials", "12", "--budget", "200", "--jobs", jobs, "--output", tmp_path / name
         )
         assert done.returncode == 0, done.stderr
-    assert "2 of 6 pairs" not in done.stdout  # faulty fails in no problem of five dimensions
-    assert "(240 tests, adjusted together)" in " ".join(done.stdout.split())
+    # In five dimensions "faulty" draws uniform points, as "scatter" does.
+    assert "4 of 6 pairs of implementations of one method are different (240 tests" in " ".join(done.stdout.split())
     for each in (tmp_path / "one").iterdir():
         if each.name != "times.csv":
             assert each.read_bytes() == (tmp_path / "other" / each.name).read_bytes()
