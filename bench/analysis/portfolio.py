@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import factorial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -101,8 +101,8 @@ def student(values: Sequence[float] | Floats, alpha: float = ALPHA) -> tuple[flo
     return mean, mean - reach, mean + reach
 
 
-def over_functions(values: pd.Series[float], blocks: Mapping[str, str]) -> pd.Series[float]:
-    """Return the mean of each function's problems, of values by problem."""
+def over_functions(values: Any, blocks: Mapping[str, str]) -> Any:
+    """Return the mean over each function's problems, of a Series or the columns of a DataFrame by problem."""
     return values.groupby([blocks.get(str(problem), str(problem)) for problem in values.index], sort=False).mean()
 
 
@@ -132,17 +132,16 @@ class Halves:
             BenchError: where there is no problem on which every optimizer has two trials.
         """
         optimizers, rng = labels(scores, "optimizer"), np.random.default_rng(seed)
-        tables = {
-            str(problem): table
-            for problem, own in scores.groupby(scores["problem"].astype(object), sort=False)
-            if (table := own.pivot(index="trial", columns="optimizer", values="score").reindex(columns=optimizers))
-            .notna().sum().ge(2).all()
-        }  # fmt: skip
+        plain = scores.astype({"problem": object, "optimizer": object})
+        wide = plain.pivot(index=["problem", "trial"], columns="optimizer", values="score").reindex(columns=optimizers)
+        order = dict.fromkeys(plain["problem"])
+        enough = wide.groupby(level="problem").count().min(axis=1) >= 2
+        tables = {problem: wide.loc[problem].sort_index() for problem in order if enough[problem]}
         if not tables:
             raise BenchError("there is no problem on which every optimizer has two trials, so none can be chosen")
         choose, score = np.empty((2, 2 * SPLITS, len(tables), len(optimizers)))
         for place, table in enumerate(tables.values()):
-            values = table.sort_index().to_numpy(dtype=float)
+            values = table.to_numpy(dtype=float)
             for split in range(SPLITS):
                 first, second = _halves(values[rng.permutation(len(values))])
                 choose[2 * split, place], score[2 * split, place] = first, second

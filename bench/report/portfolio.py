@@ -86,6 +86,11 @@ class Choice:
         """The gain of the choice by features over the single best, with its interval."""
         return selection_gain(self.validated)
 
+    @property
+    def pays(self) -> bool:
+        """Whether the choice by features is shown to be better than the single best."""
+        return bool(self.gain[1] > 0)
+
 
 def points(difference: float, low: float, high: float) -> str:
     """Return a difference of shares in points of a percentage with its interval: "3.1 (95% interval 1.0 to 5.2)"."""
@@ -119,18 +124,11 @@ def selection_sentence(choice: Choice) -> str:
             f"Whether to choose by features of the landscape is validated from {LEAST_FUNCTIONS} functions on; here "
             f"{functions} can be described."
         )
-    _, low, high = choice.gain
     own, single = (validated.groupby("function")[name].mean().mean() for name in ("score", "single_score"))
-    outcome = (
-        "pays"
-        if low > 0
-        else "costs more than it brings"
-        if high < 0
-        else "is not shown to be better than the single best"
-    )
+    outcome = "pays" if choice.pays else "is not shown to be better than the single best"
     return (
         f"To choose by features of the landscape {outcome}: with each of {validated['function'].nunique()} functions "
         f"left out in turn, the best optimizer on the {NEIGHBOURS} problems with the most similar features reaches "
-        f"{own:.1%} of the targets, after the sample that shows the features, and the single best of the other "
-        f"functions {single:.1%}, a difference of {points(*choice.gain)} percentage points."
+        f"{own:.1%} of the targets, after the sample that shows the features, and the single best, chosen on all "
+        f"trials, {single:.1%}, a difference of {points(*choice.gain)} percentage points."
     )

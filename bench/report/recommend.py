@@ -96,15 +96,14 @@ def recommend(
             f"problem, and each problem of the folders is within {reach:.2f} of one of another function."
         )
     first = str(best["optimizer"].iloc[0])
-    pays = bool(choice.gain[1] > 0)
     notes.append(selection_sentence(choice))
-    notes.append(_advice(first, single, pays=pays))
+    notes.append(_advice(first, single, pays=choice.pays))
     winners = [listing(list(row.index[row == row.max()]), 3) for _, row in plain.loc[near.index].iterrows()]
     nearest = pd.DataFrame({"problem": near.index, "distance": near.to_numpy(dtype=float), "best": winners})
     study = _study(
-        name, problem, options or {}, asked, findings, [first if pays else single, *best["optimizer"], single]
+        name, problem, options or {}, asked, findings, [first if choice.pays else single, *best["optimizer"], single]
     )
-    return Recommendation(first if pays else single, nearest, best, tuple(notes), study)
+    return Recommendation(first if choice.pays else single, nearest, best, tuple(notes), study)
 
 
 def _budget_notes(choice: Choice, words: str) -> list[str]:

@@ -102,7 +102,7 @@ def _validation(validated: pd.DataFrame) -> Table:
     shown = validated[["problem", "nearest", "distance", "chosen", "score", "single", "single_score"]]
     percent = shown.assign(score=100 * shown["score"], single_score=100 * shown["single_score"])
     names = {
-        "nearest": "most similar problem", "score": "reached, %", "single": "single best of the others",
+        "nearest": "most similar problem", "score": "reached, %", "single": "single best",
         "single_score": "it reached, %",
     }  # fmt: skip
     return Table(
