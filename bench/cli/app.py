@@ -22,6 +22,7 @@ from bench.cli import (
     new,
     pack,
     plan,
+    recommend,
     report,
     rm,
     run,
@@ -58,8 +59,8 @@ for _name, _command in (
     ("export", export.export), ("import", import_.import_results), ("check", check.check), ("solve", solve.solve),
     ("verify", verify.verify), ("merge", merge.merge), ("rm", rm.remove), ("pack", pack.pack),
     ("unpack", unpack.unpack), ("site", site.site), ("gate", gate.gate), ("describe", describe.describe),
-    ("similar", similar.similar), ("atlas", atlas.atlas), ("tune", tune.tune), ("doctor", doctor.doctor),
-    ("new", new.new),
+    ("similar", similar.similar), ("atlas", atlas.atlas), ("recommend", recommend.recommend), ("tune", tune.tune),
+    ("doctor", doctor.doctor), ("new", new.new),
 ):  # fmt: skip
     app.command(_name)(_command)
 app.add_typer(archive.archive, name="archive")
