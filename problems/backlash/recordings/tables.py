@@ -77,7 +77,7 @@ def parse_heading(name: str) -> Heading:
     elif suffix := _SUFFIX.search(text):
         text, unit = text[: suffix.start()], _UNITS[suffix[1]]
     words = re.findall(r"[^\W\d_]+", text)
-    role = next((role for role, known in WORDS["roles"].items() if {*known} & {*words}), "")
+    role = next((role for role, spellings in WORDS["roles"].items() if {*spellings} & {*words}), "")
     if not words and unit is not None:  # a column called "rpm"
         role = next(role for role, units in UNITS.items() if unit in units)
     motor, other = (bool({*WORDS["origins"][origin]} & {*words}) for origin in ("motor", "other"))
