@@ -156,7 +156,8 @@ def estimate(
     elif several:
         formatting.print_table(outcomes, names, joints, settings)
     elif good:
-        print_line("\n".join(formatting.estimate_lines(good[0], settings)))
+        width = stdout.width if (stdout := Console()).is_terminal else None
+        print_line("\n".join(formatting.estimate_lines(good[0], settings, width)))
     if csv is not None:
         import pandas as pd
 

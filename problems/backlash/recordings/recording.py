@@ -20,6 +20,7 @@ from problems.backlash.recordings.tables import UNITS, Table, load, parse_headin
 Column = str | int
 MOST_REPEATED = 0.01
 """The largest share of samples whose time stamp is that of the sample before."""
+RATE_ADVICE = "give the sampling rate (--rate) where only the time stamps are wrong"
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +134,11 @@ def read(
     if speed is not None and position is not None:
         raise BenchError(f"recording {path}: give either a column of speed or one of position, not both")
     table = load(path)
+    if not len(table.lines):
+        raise BenchError(
+            f"recording {path} has no line of numbers; it needs one for each sample, with the time and the motor's "
+            "speed or position"
+        )
     columns = _Columns(path, table)
     if rate is None and len(table.names) < 2:
         raise BenchError(
@@ -262,7 +268,10 @@ def _grid(time: Floats, path: Path) -> tuple[float, float]:
     steps = np.diff(time)
     if (steps <= 0).any():
         sample = int(np.argmax(steps <= 0)) + 2
-        raise BenchError(f"recording {path}: time stands still or runs backwards at sample {sample}; sort or fix it")
+        raise BenchError(
+            f"recording {path}: time stands still or runs backwards at sample {sample}; sort or fix it, or "
+            f"{RATE_ADVICE}"
+        )
     dt = float((time[-1] - time[0]) / (len(time) - 1))
     # One missing sample shifts half of the samples by more than this limit.
     off = np.abs(time - (time[0] + dt * np.arange(len(time)))) > 0.25 * dt
@@ -270,7 +279,8 @@ def _grid(time: Floats, path: Path) -> tuple[float, float]:
         near = int(np.argmax(np.abs(steps - dt))) + 1
         raise BenchError(
             f"recording {path}: time is not uniform near sample {near + 1}, at {time[near]:.6g} s (steps of "
-            f"{steps.min():.6g} to {steps.max():.6g} s); resample it to equal steps, or cut out a part without a gap"
+            f"{steps.min():.6g} to {steps.max():.6g} s); resample it to equal steps, cut out a part without "
+            f"a gap, or {RATE_ADVICE}"
         )
     return float(time[0]), dt
 

@@ -132,7 +132,9 @@ def _text(path: Path) -> Table:
     encoding = "utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
     lines = raw.decode(encoding, errors="replace").splitlines()
     filled = [line for line in lines if line and not line.isspace()]
-    middle = filled[len(filled) // 2] if filled else ""  # neither a heading nor a closing remark
+    if not filled:
+        raise BenchError("it is empty; export it again, with a line for each sample")
+    middle = filled[len(filled) // 2]  # neither a heading nor a closing remark
     separator = next((mark for mark in (";", "\t", ",") if mark in middle), None)
 
     def split(line: str) -> list[str]:

@@ -88,7 +88,8 @@ class Inference:
         backlash_rad: the half-gap delta; NaN outside the calibration.
         interval_rad: its confidence interval, NaN likewise.
         verdict: "no backlash", "early" or "progressed"; "undecided" where the interval contains the limit or noise may
-            hide a backlash above it; "backlash" where there is no calibration of this joint at this speed.
+            hide a backlash above it, or, without a calibration, a disturbance of any size; "backlash" where there is no
+            calibration of this joint at this speed.
         notes: remarks on the recording or the estimate, a sentence each.
     """
 
@@ -229,7 +230,10 @@ def _undetected(problem: SignatureFit, p: float, settings: Settings) -> Inferenc
     largest = float(np.maximum(infer_gap(most, settings.calibration), TOLERANCE_RAD))
     inferred = Inference(p, 0.0, (0.0, most), least, (least, largest), "no backlash", ())
     calibration = settings.calibration
-    if calibration is None or (60 * most <= calibration.range[1] and not largest > settings.limit_rad):
+    if calibration is None:
+        # A disturbance as large as the signal would stay hidden: nothing was tested.
+        return replace(inferred, verdict="undecided") if most > np.ptp(problem.signal) / 2 else inferred
+    if 60 * most <= calibration.range[1] and not largest > settings.limit_rad:
         return inferred
     note = f"the noise may hide a backlash above the limit of {settings.limit_rad:g} rad"
     return replace(inferred, verdict="undecided", notes=(note,))

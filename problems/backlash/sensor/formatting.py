@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ BY = {"month": "month", "number": "number in the file's name", "file": "recordin
 WORD = {"month": "", "number": "number ", "file": "recording "}
 SOURCE = {"gear ratio": "from the gear ratio", "signal": "found in the signal"}
 SHOWN = 5  # files named with a note at most
+NARROWEST = 40  # columns of a terminal to which lines are broken at least
 WIDTH = 160  # columns of a table that is not printed on a terminal
 NARROW = 110  # columns of a terminal below which a table leaves out what it can
 SHORT, LONG = 22, 50  # letters of a file's name in a narrow table and in a wide one
@@ -39,8 +41,8 @@ AFTER = (
 """The keys of an estimate in JSON before and after its variables."""
 
 
-def estimate_lines(outcome: Estimated, settings: Settings) -> list[str]:
-    """Return the lines on one estimate, with its verdict first."""
+def estimate_lines(outcome: Estimated, settings: Settings, width: int | None = None) -> list[str]:
+    """Return the lines on one estimate, with its verdict first; with a ``width``, longer lines are broken."""
     estimate, samples = outcome.estimate, outcome.estimate.recording
     rows = _amount(estimate, settings) if estimate.amplitude_rps else _hidden(estimate, settings)
     chance = f"p = {estimate.p_value:.1g}" if estimate.p_value >= 1e-6 else "p < 1e-6"
@@ -56,8 +58,18 @@ def estimate_lines(outcome: Estimated, settings: Settings) -> list[str]:
     if outcome.runs:
         rows += [(outcome.runs.settings.name, line) for line in runs_lines(outcome.runs, estimate)]
     rows += [("note", note) for note in estimate.notes]
-    width = max(len(name) for name, _ in rows)
-    return [f"{outcome.path}: {_verdict(estimate, settings)}", *(f"  {name:{width}}  {text}" for name, text in rows)]
+    column = max(len(name) for name, _ in rows)
+    lines = [f"{outcome.path}: {_verdict(estimate, settings)}", *(f"  {name:{column}}  {text}" for name, text in rows)]
+    if width is None:
+        return lines
+    indent = " " * (column + 4)
+    return [
+        part
+        for line in lines
+        for part in wrap(
+            line, max(width, NARROWEST), subsequent_indent=indent, break_on_hyphens=False, break_long_words=False
+        )
+    ]
 
 
 def runs_lines(runs: RepeatedRuns, estimate: Estimate) -> list[str]:
@@ -312,13 +324,16 @@ def _hidden(estimate: Estimate, settings: Settings) -> list[tuple[str, str]]:
 
 def _verdict(estimate: Estimate, settings: Settings) -> str:
     limit = f"the limit of {1e3 * settings.limit_rad:g} mrad"
+    hidden = f"the noise may hide a backlash above {limit}"
+    needed = "needs a calibration of this joint at this speed"
+    if not estimate.calibration:
+        hidden = "the recording is too short or too noisy to show a backlash of any size; record more load turns"
     return {
-        "undecided": "UNDECIDED: "
-        + (why_undecided(settings) if estimate.amplitude_rps else f"the noise may hide a backlash above {limit}"),
-        "no backlash": "no backlash detected",
+        "undecided": f"UNDECIDED: {why_undecided(settings) if estimate.amplitude_rps else hidden}",
+        "no backlash": "no backlash detected" + ("" if estimate.calibration else f"; what the noise may hide {needed}"),
         "early": f"early backlash, up to {limit}",
         "progressed": f"PROGRESSED BACKLASH, above {limit}",
-        "backlash": "backlash detected; its size needs a calibration of this joint at this speed",
+        "backlash": f"backlash detected; its size {needed}",
     }[estimate.verdict]
 
 
