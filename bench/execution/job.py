@@ -16,18 +16,20 @@ from __future__ import annotations
 
 import socket
 from collections import OrderedDict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from contextlib import suppress
 from itertools import count
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
 from bench.execution import strict, trial_process
-from bench.execution.answers import Box, boxes
+from bench.execution.answers import Box, RefusedError
+from bench.helpers.text import printable
 from bench.plugins import from_file, loading
 from bench.sandbox import bubblewrap
 from bench.sandbox.forks import ForkServer
-from bench.sandbox.process import FAILURES, Process, RemoteError
+from bench.sandbox.process import FAILURES, Process
 from bench.study import Study
 from bench.trial import Trial
 
@@ -68,14 +70,14 @@ class Job:
         self._root = self._alone = root(study, sandbox, hash_seed=hash_seed)
         if sandbox and strictly:  # the optimizers' processes come from another one, where no problem can be read
             self._alone = root(study, sandbox, hash_seed=hash_seed, apart=True)
-        self._begun = False
         self._boxes: dict[str, Box | str] = {}
-        self._problems: dict[str, ForkServer] = {}  # by family, or by label where one is loaded alone
-        self._evaluators: dict[str, Process] = {}
-        self._loaded: dict[tuple[str, str], tuple[ForkServer, set[str]]] = {}  # with the optimizers loaded there
-        self._warm: OrderedDict[tuple[str, str], tuple[ForkServer, set[str]]] = OrderedDict()  # with the problems
+        self._problems: dict[str, ForkServer] = {}  # one for all problems of a family that can be loaded together
+        self._evaluators: dict[ForkServer, Process] = {}
+        self._loaded: dict[tuple[ForkServer, str], ForkServer] = {}  # by the problems and the package of the optimizers
+        self._warm: OrderedDict[tuple[ForkServer, str], tuple[ForkServer, set[str]]] = (
+            OrderedDict()
+        )  # with the problems
         self._trials: dict[ForkServer, tuple[Process, float]] = {}  # with the seconds left for trials there
-        self._apart: set[str] = set()  # labels whose loading has ended a process that others would share
         self._sandboxed = bool(sandbox)
 
     def kill(self) -> None:
@@ -100,13 +102,7 @@ class Job:
             process = server.process()
             left = WORTH * (monotonic() - began)
         began = monotonic()
-        try:
-            answer = process.call(
-                trial_process.make, trial, seconds=self._timeout, memory=self._memory, printed=PRINTED
-            )
-        except RemoteError:
-            process.close()
-            raise
+        answer = process.call(trial_process.make, trial, seconds=self._timeout, memory=self._memory, printed=PRINTED)
         took = monotonic() - began
         sound = isinstance(answer, dict) and answer.get("altered") is False
         if sound and took < left and not self._sandboxed:
@@ -120,7 +116,7 @@ class Job:
 
         Return what the other process answers, with the processor seconds of the optimizer's, and the seconds it took.
         """
-        _, problems = self._with_problem(trial.problem)
+        problems = self._with_problem(trial.problem)
         box = self._boxes[trial.problem]
         assert isinstance(box, Box)
         bounds = box.lower.tolist(), box.upper.tolist(), box.integer.tolist()
@@ -140,100 +136,60 @@ class Job:
             cpu = answer.get("cpu_s") if isinstance(answer, dict) else None
             return (kept | {"cpu_s": cpu} if isinstance(kept, dict) else kept), took
 
-    def evaluate(self, points: Sequence[tuple[str, list[float]]], seconds: float, *, anew: bool = False) -> list[Any]:
-        """Return the values and the metrics of points, each of a problem, from processes in which no optimizer runs.
+    def evaluate(self, problem: str, point: list[float], seconds: float, *, anew: bool = False) -> Any:
+        """Return the value and the metrics of a point of a problem, from a process in which no optimizer runs.
 
         Args:
-            points: labels of problems and points.
-            seconds: that the trials took which have evaluated them.
-            anew: whether to take new processes, in case a problem has changed the others, and to evaluate each point in
-                batches too.
+            problem: its label.
+            point: the coordinates.
+            seconds: that the trial took which has evaluated the point.
+            anew: whether to take a new process, in case a problem has changed the other one, and to evaluate the point
+                in batches too.
         """
-        found: list[Any] = [None] * len(points)
-        families: dict[str, list[int]] = {}
-        for number, (problem, _) in enumerate(points):
-            families.setdefault(self._with_problem(problem)[0], []).append(number)
-        for family, numbers in families.items():
-            evaluator = self._evaluators.pop(family, None)
-            if evaluator is not None and anew:
+        server = self._with_problem(problem)
+        evaluator = self._evaluators.get(server)
+        if evaluator is None or evaluator.closed or anew:
+            if evaluator is not None:
                 evaluator.close()
-                evaluator = None
-            if evaluator is None or evaluator.closed:
-                evaluator = self._problems[family].process()
-            try:
-                answer = evaluator.call(
-                    trial_process.evaluate, [points[each] for each in numbers], anew,
-                    seconds=LOADING + BATCHES * seconds, memory=self._memory,
-                )  # fmt: skip
-            except RemoteError:
-                evaluator.close()
-                raise
-            self._evaluators[family] = evaluator
-            if isinstance(answer, list) and len(answer) == len(numbers):
-                for number, each in zip(numbers, answer, strict=True):
-                    found[number] = each
-        return found
+            evaluator = self._evaluators[server] = server.process()
+        limit = LOADING + BATCHES * seconds
+        return evaluator.call(trial_process.evaluate, problem, point, anew, seconds=limit, memory=self._memory)
 
-    def _with_problem(self, problem: str) -> tuple[str, ForkServer]:
-        """Return the family of a problem, or its label where it is loaded alone, and what starts processes with it."""
-        family = problem if problem in self._apart else self._families[problem]
-        if family not in self._problems:
-            self._begin()
-            labels = self._members(family)
+    def _with_problem(self, problem: str) -> ForkServer:
+        """Return what starts processes that have loaded a problem, and the others of its family where they can."""
+        if problem not in self._problems:
+            for each in (self._root, self._alone):
+                each.ensure(trial_process.begin, self._study, **self._loading)
             server = self._root.branch()
-            try:
-                found = server.call(trial_process.load_problems, labels, **self._loading)
-            except FAILURES:
-                if problem in self._apart:
-                    raise
-                self._apart.update(labels)
-                return self._with_problem(problem)
-            self._problems[family] = server
-            self._boxes |= boxes(found, labels)
-        return family, self._problems[family]
+            self._load_problem(problem, server)
+            for label, family in self._families.items():
+                if family == self._families[problem] and label not in self._problems:
+                    with suppress(*FAILURES, RefusedError):  # it will be loaded alone
+                        self._load_problem(label, server)
+        return self._problems[problem]
 
-    def _members(self, family: str) -> list[str]:
-        """Return the labels of the problems of a family that are loaded together."""
-        return [
-            label
-            for label, own in self._families.items()
-            if label == family or (own == family and label not in self._apart)
-        ]
+    def _load_problem(self, label: str, server: ForkServer) -> None:
+        found = server.call(trial_process.load_problem, label, **self._loading)
+        self._boxes[label] = printable(found, 4000) if isinstance(found, str) else Box.of(found)
+        self._problems[label] = server
 
-    def _begin(self) -> None:
-        """Set the study of all processes."""
-        if not self._begun:
-            for each in {self._root, self._alone}:
-                each.call(trial_process.begin, self._study, **self._loading)
-            self._begun = True
-
-    def _with_optimizer(self, problem: str, optimizer: str) -> ForkServer:
-        """Return what starts processes that have loaded an optimizer, and the others of its package where it can."""
-        family, problems = ("", self._alone) if self._strict else self._with_problem(problem)
-        package = self._packages[optimizer] if problems.forks and optimizer not in self._apart else optimizer
-        server, loaded = self._loaded.get((family, package), (None, set[str]()))
+    def _with_optimizer(self, problems: ForkServer, optimizer: str) -> ForkServer:
+        """Return what starts processes that have loaded an optimizer, and others of its package, beside problems."""
+        package = self._packages[optimizer] if problems.forks else optimizer
+        server = self._loaded.get((problems, package))
         if server is None:
-            server = problems.branch(apart=True)
-            if self._strict:
-                server.call(strict.hide_problems, **self._loading)
-        if optimizer not in loaded:
-            try:
-                server.call(trial_process.load_optimizer, optimizer, **self._loading)
-            except FAILURES:
-                if package == optimizer:
-                    raise
-                self._apart.add(optimizer)
-                return self._with_optimizer(problem, optimizer)
-            loaded.add(optimizer)
-        self._loaded[family, package] = server, loaded
+            server = self._loaded[problems, package] = problems.branch(apart=True)
+        if self._strict:
+            server.ensure(strict.hide_problems, **self._loading)
+        server.ensure(trial_process.load_optimizer, optimizer, **self._loading)
         return server
 
     def _warmed_up(self, problem: str, optimizer: str) -> ForkServer:
         """Return what starts processes that have made a short trial of the optimizer on this kind of problem."""
-        family = "" if self._strict else self._with_problem(problem)[0]
-        server, warm = self._warm.pop((family, optimizer), (None, set[str]()))
+        problems = self._alone if self._strict else self._with_problem(problem)
+        server, warm = self._warm.pop((problems, optimizer), (None, set[str]()))
         if server is None:
-            server = self._with_optimizer(problem, optimizer).branch()
+            server = self._with_optimizer(problems, optimizer).branch()
         if problem not in warm:
             warm.add(problem)
             box = self._boxes[problem]
@@ -245,8 +201,8 @@ class Job:
                     self._end_trials(server)  # a trial process must be as warm as others
             except FAILURES:  # the trials will fail with the reason
                 self._end_trials(server)
-                server = self._with_optimizer(problem, optimizer).branch()
-        self._warm[family, optimizer] = server, warm
+                server = self._with_optimizer(problems, optimizer).branch()
+        self._warm[problems, optimizer] = server, warm
         while len(self._warm) > KEPT:
             _, (oldest, _) = self._warm.popitem(last=False)
             self._end_trials(oldest)
@@ -256,7 +212,7 @@ class Job:
     def _end_trials(self, server: ForkServer) -> None:
         """End the trial process of an optimizer."""
         process, _ = self._trials.pop(server, (None, 0.0))
-        if process is not None and not process.closed:
+        if process is not None:
             process.close()
 
 

@@ -33,8 +33,8 @@ class Local:
 
         def supervise(job: int, supervisor: Supervisor) -> None:
             try:
-                for answer in supervisor.make(_noted(trials, partial(on_begin, job), turn)):
-                    made.put(answer)
+                for trial in _noted(trials, partial(on_begin, job), turn):
+                    made.put((trial, supervisor.make(trial)))
             except KilledError:
                 pass
             except BaseException as error:

@@ -135,8 +135,10 @@ def _estimated(
         return Failed(path, f"{path}: the estimate failed with {reason}")
 
 
-def _lost(path: Path, how: str) -> Failed:
-    return Failed(path, f"{path}: the process that estimated it has ended ({how}); estimate it alone to see why")
+def _lost(path: Path) -> Failed:
+    return Failed(
+        path, f"{path}: the process that estimated it ended, such as for want of memory; estimate it alone to see why"
+    )
 
 
 def repeat(found: Estimate, settings: Settings, runs: RunSettings) -> RepeatedRuns:
