@@ -46,10 +46,10 @@ def diagnose(
         BenchError: when the optimizer fails on one of the functions, ends its process or prints without end.
     """
     sizes = {"dimension": dimension, "runs": runs, "noise_runs": noise_runs}
-    (found,) = diagnose_all([optimizer], n_jobs=n_jobs, seed=seed, **sizes)
-    if isinstance(found, BenchError):
-        raise found
-    return found
+    (verdicts,) = diagnose_all([optimizer], n_jobs=n_jobs, seed=seed, **sizes)
+    if isinstance(verdicts, BenchError):
+        raise verdicts
+    return verdicts
 
 
 def diagnose_all(
@@ -133,9 +133,9 @@ def boundary_clamping(runs: Runs) -> Verdict:
     }
     shares, sentences = [], []
     for where, problems in groups.items():
-        own = list(chain.from_iterable(problems))
-        shares.append(float(on_bound(np.array([run.x for run in own])).mean()))
-        evaluated = np.mean([run.clamped for run in own])
+        problem_runs = list(chain.from_iterable(problems))
+        shares.append(float(on_bound(np.array([run.x for run in problem_runs])).mean()))
+        evaluated = np.mean([run.clamped for run in problem_runs])
         sentences.append(f"{shares[-1]:.2%} of the best points' and {evaluated:.2%} of all coordinates {where}")
     passed = max(shares) <= CLAMPED
     finding = (

@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import Any, NamedTuple
 
 import matplotlib.figure
-from fontTools import subset
+from fontTools import subset  # that of matplotlib, which needs it
 from joblib import cpu_count
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
