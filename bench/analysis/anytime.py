@@ -47,10 +47,10 @@ def best_so_far(traces: Sequence[Trace], evaluations: NDArray[np.int64], failed:
     values = np.full((len(traces) + failed, len(evaluations)), np.inf)
     for row, trace in zip(values, traces, strict=False):
         row[:] = trace.at(evaluations)
-    return pd.DataFrame(dict(zip(CURVE, (evaluations, *_quartiles(values)), strict=True)))
+    return pd.DataFrame(dict(zip(CURVE, (evaluations, *quartiles(values)), strict=True)))
 
 
-def _quartiles(values: Floats) -> Floats:
+def quartiles(values: Floats) -> Floats:
     """Return median, lower and upper quartile, (3, …, E), of values of n trials, (…, n, E)."""
     shares = [0.5, 0.25, 0.75]
     finite = np.asarray(np.isfinite(values).all(axis=-2, keepdims=True))
@@ -78,7 +78,7 @@ def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int
         curves = np.empty((3, len(optimizers), len(evaluations)))
         for size in set(sizes.tolist()):  # cells of as many trials at once
             alike = np.flatnonzero(sizes == size)
-            curves[:, alike] = _quartiles(np.array([cells[optimizers[place]] for place in alike]))
+            curves[:, alike] = quartiles(np.array([cells[optimizers[place]] for place in alike]))
         names = {"problem": problem, "optimizer": np.repeat(np.array(optimizers, dtype=object), len(evaluations))}
         along = (np.tile(evaluations, len(optimizers)), *curves.reshape(3, -1))
         tables.append(pd.DataFrame(names | dict(zip(CURVE, along, strict=True))))

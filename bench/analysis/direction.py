@@ -86,10 +86,33 @@ def effects(these: Floats, others: Floats) -> Effects:
     lost, won = np.empty((2, g, 2), dtype=np.int64)
     _compiled_placements()(this, other, lost)
     _compiled_placements()(other, this, won)
+    return _estimated(n, m, lost, won)
+
+
+def effects_of_draws(this: Floats, other: Floats, drawn: Floats, rival: Floats) -> Effects:
+    """Return A12 of g pairs of samples that are drawn from (n,) and (m,) values, as :func:`effects` does.
+
+    Args:
+        this: the values of which the first samples consist.
+        other: those of the second ones.
+        drawn: how often each value of ``this`` is drawn in each sample, (g, n), which are all of one size.
+        rival: how often each value of ``other`` is, (g, m), likewise.
+    """
+    lower = 2 * wins(this, other)
+    sides = (drawn, rival @ (2 - lower).T), (rival, drawn @ lower)
+    lost, won = (
+        np.stack([(times * placed).sum(axis=1), (times * placed**2).sum(axis=1)], axis=1).astype(np.int64)
+        for times, placed in sides
+    )
+    return _estimated(int(drawn[0].sum()), int(rival[0].sum()), lost, won)
+
+
+def _estimated(n: int, m: int, lost: NDArray[np.int64], won: NDArray[np.int64]) -> Effects:
+    """Return the estimates for g pairs of n and m values, from the sums of their :func:`_placements`, (g, 2) each."""
     total = won[:, 0].astype(np.float64)
     chance = total / (2 * n * m)
     if min(n, m) < 2:
-        return Effects(chance, np.full(g, np.nan), min(n, m))
+        return Effects(chance, np.full(len(chance), np.nan), min(n, m))
     # The squares of what the values of the first sample beat: all there is less what they lose to.
     one, two = (lost[:, 1] + 4 * m * (n * m - lost[:, 0])).astype(np.float64), won[:, 1].astype(np.float64)
     variance = (one - total**2 / n) / (4 * m**2 * n * (n - 1)) + (two - total**2 / m) / (4 * n**2 * m * (m - 1))

@@ -137,12 +137,12 @@ def meta_models(x: Floats, y: Floats) -> dict[str, float]:
 
 def dispersion(x: Floats, y: Floats) -> dict[str, float]:
     """Return the mean and median distance among the best points over those among all."""
-    whole = pdist(x)
-    ratios: dict[str, float] = {}
+    whole, ratios = pdist(x), dict[str, float]()
+    best = {quantile: pdist(x[y <= np.quantile(y, quantile)]) for quantile in QUANTILES}
     for statistic in (np.mean, np.median):
-        for quantile in QUANTILES:
-            best = pdist(x[y <= np.quantile(y, quantile)])
-            ratio = statistic(best) / statistic(whole) if len(best) else np.nan
+        among_all = statistic(whole)
+        for quantile, among_best in best.items():
+            ratio = statistic(among_best) / among_all if len(among_best) else np.nan
             ratios[f"disp.ratio_{statistic.__name__}_{round(100 * quantile):02d}"] = float(ratio)
     return ratios
 

@@ -103,8 +103,11 @@ def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
     one later than any other (:func:`bench.analysis.rank_sum`). ``p`` is the largest of these, times the number of
     problems (Bonferroni, as COCO corrects its tables); rows have p < 0.05. It is not corrected for the targets.
     """
-    rows = []
-    problems = hits["problem"].nunique()
+    rows, problems = [], hits["problem"].nunique()
+    sizes = hits.groupby(["problem", "optimizer"], sort=False, observed=True)["trial"].nunique()
+    least = {label: _least_p(counts.tolist()) for label, counts in sizes.groupby(level=0, observed=True)}
+    enough = [label for label, p in least.items() if p * problems < ALPHA]  # whatever the times of the others
+    hits = hits[hits["problem"].isin(enough)]
     running_times = dict(list(expected_running_time(hits).groupby(["problem", "tau"], observed=True)))
     for (problem, tau), rows_of_target in hits.groupby(["problem", "tau"], sort=False, observed=True):
         cells = {
@@ -116,8 +119,7 @@ def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
             continue
         best = str(table["optimizer"].iloc[int(np.argmin(table["ert"].to_numpy(dtype=float)))])
         rivals = [times for label, times in cells.items() if label != best]
-        least = max(2 / comb(len(cells[best]) + len(times), len(times)) for times in rivals)
-        if least * problems >= ALPHA:
+        if max(_separation_p(len(cells[best]), len(times)) for times in rivals) * problems >= ALPHA:
             continue  # whatever the times, the trials are too few
         p = 0.0
         for times in rivals:
@@ -128,6 +130,17 @@ def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
         else:
             rows.append((problem, tau, best, p))
     return pd.DataFrame(rows, columns=["problem", "tau", "optimizer", "p"])
+
+
+def _least_p(sizes: list[int]) -> float:
+    """Return the smallest p there is for any one of some samples that is compared with each other one."""
+    others = [(one, sizes[:place] + sizes[place + 1 :]) for place, one in enumerate(sizes)]
+    return min(max((_separation_p(one, size) for size in rivals), default=1.0) for one, rivals in others)
+
+
+def _separation_p(one: int, other: int) -> float:
+    """Return the p of the rank-sum test where two samples of these sizes are separated."""
+    return 2 / comb(one + other, other)
 
 
 def in_seconds(hits: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame:

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import norm
 
 from bench.analysis.cells import cells
-from bench.analysis.direction import ALPHA, effects, p_values
+from bench.analysis.direction import ALPHA, effects_of_draws, p_values
 from bench.analysis.sequential import levels
 from bench.typing import Floats
 
@@ -131,5 +131,12 @@ def _simulated(this: Floats, other: Floats, trials: int, level: float, power: fl
 def power_of(this: Floats, other: Floats, n: int, level: float, seed: int = 0) -> float:
     """Return the share of draws of n values, at least two, from each of two samples in which the pair is separated."""
     rng = np.random.default_rng((seed, n))
-    these, others = (rng.choice(sample, (DRAWS, n)) for sample in (this, other))
-    return float(np.mean(p_values(effects(these, others)) <= level))
+    drawn, rival = (_times_drawn(rng.integers(0, len(sample), (DRAWS, n)), len(sample)) for sample in (this, other))
+    return float(np.mean(p_values(effects_of_draws(this, other, drawn, rival)) <= level))
+
+
+def _times_drawn(places: NDArray[np.int64], size: int) -> Floats:
+    """Return how often each of a number of values is drawn, (g, size), by the places of those drawn, (g, n)."""
+    rows = size * np.arange(len(places))[:, np.newaxis]
+    counts = np.bincount((rows + places).ravel(), minlength=size * len(places))
+    return counts.reshape(len(places), size).astype(np.float64)
