@@ -46,13 +46,18 @@ def estimates(frame: pd.DataFrame, truths: pd.DataFrame, figure: str) -> pd.Data
     """
     truth = truths[truths["figure"] == figure].set_index("problem")
     problem = frame["problem"].astype(object)
-    value = pd.to_numeric(frame[figure]).astype(float).where(frame["status"] == "ok")
+    values = pd.to_numeric(frame[figure]).astype(float).where(frame["status"] == "ok")
     expected, tolerance = (problem.map(truth[column]).astype(float) for column in ("expected", "tolerance"))
-    error = value - expected
+    error = values - expected
     data = frame[["problem", "optimizer", "trial", "status"]].assign(
-        figure=figure, found=value, expected=expected, tolerance=tolerance, error=error, within=error.abs() <= tolerance
+        figure=figure,
+        found=values,
+        expected=expected,
+        tolerance=tolerance,
+        error=error,
+        within=error.abs() <= tolerance,
     )
-    return _of_problems(data, problem[value.notna() | expected.notna()])
+    return _of_problems(data, problem[values.notna() | expected.notna()])
 
 
 def with_truth(data: pd.DataFrame) -> pd.DataFrame:
@@ -72,10 +77,11 @@ def errors_by(data: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     in them, so that a wide scatter about the truth looks accurate: only the size shows how far off a trial is.
     Only trials with a known truth count. Errors are over the trials that found a value, the percentage is over all.
     """
-    judged = with_truth(data)
-    groups = judged.groupby(keys, observed=True)
+    groups = with_truth(data).groupby(keys, observed=True)
     errors = groups["error"].agg(["size", "mean", "median"]).set_axis(["trials", "mean error", "median error"], axis=1)
-    size = judged.assign(error=judged["error"].abs()).groupby(keys, observed=True)["error"].median()
+    size = (
+        with_truth(data).assign(error=lambda rows: rows["error"].abs()).groupby(keys, observed=True)["error"].median()
+    )
     return errors.assign(**{"median |error|": size, "within band %": 100 * groups["within"].mean()})
 
 

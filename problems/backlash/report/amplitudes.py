@@ -172,8 +172,12 @@ def _most_accurate(data: pd.DataFrame, label_of: dict[str, str], study: Study) -
     swarms = [label_of[name] for name in SWARMS]
     claims = {
         "CMA-ES the most suited": _above(shares, label_of[EXTRA], swarms),
-        "GWO the best of the swarms": _above(shares, label_of["gwo"], swarms),
-        "DA the least effective": _below(shares, label_of["da"], swarms),
+        "GWO the best of the swarms": _above(
+            shares, label_of["gwo"], [swarm for swarm in swarms if swarm != label_of["gwo"]]
+        ),
+        "DA the least effective": _below(
+            shares, label_of["da"], [swarm for swarm in swarms if swarm != label_of["da"]]
+        ),
     }
     verdicts = {1: "agree", -1: "disagree", 0: "are too close to decide"}
     parts = [
@@ -189,10 +193,9 @@ Share = tuple[float, float, float]  # of trials within the band, with its interv
 
 def _above(shares: Mapping[str, Share], one: str, others: Sequence[str]) -> int:
     """Return 1 where the share of one is separably the largest, -1 where another's is separably larger, else 0."""
-    rivals = [shares[other] for other in others if other != one]
-    if all(shares[one][1] > high for _, _, high in rivals):
+    if all(shares[one][1] > shares[other][2] for other in others):
         return 1
-    return -1 if any(low > shares[one][2] for _, low, _ in rivals) else 0
+    return -1 if any(shares[other][1] > shares[one][2] for other in others) else 0
 
 
 def _below(shares: Mapping[str, Share], one: str, others: Sequence[str]) -> int:
