@@ -73,7 +73,7 @@ def target_shares(
     return groups.mean().round(ROUNDING).rename("score").reset_index()
 
 
-def portfolio(scores: pd.DataFrame, blocks: Mapping[str, str], seed: int = SEED) -> Portfolio:
+def portfolio_of(scores: pd.DataFrame, blocks: Mapping[str, str], seed: int = SEED) -> Portfolio:
     """Return the gap between virtual and single best, the best sets, and what each optimizer contributes.
 
     Problems on which an optimizer has fewer than two trials are left out.

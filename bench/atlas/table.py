@@ -48,7 +48,7 @@ class Implementation:
     @property
     def library(self) -> str:
         """The family, the file or the installed package that it comes from."""
-        return Path(package(self.name)).name
+        return Path(package(self.name)).name.partition(" ")[0]
 
 
 @dataclass(frozen=True)

@@ -175,7 +175,7 @@ def method_page(found: Atlas, method: Method, size: str) -> str:
     pairs = found.pairs[found.pairs["method"] == method.name]
     parts = [f"# {plain(method.title)}", plain(f"{size}. {method.conditions}".strip())]
     parts += [table(
-        ["implementation", "letter", "optimizer", "code", "options", "evaluations", "finding"],
+        ["implementation", "letter", "code", "evaluations", "finding"],
         [_implementation_row(found, each) for each in own],
     )]  # fmt: skip
     if len(pairs):
@@ -187,13 +187,9 @@ def method_page(found: Atlas, method: Method, size: str) -> str:
                 [_pair_row(row) for row in pairs.to_dict("records")],
             ),
         ]
-    known = [each.implementation for each in own if each.implementation.differs]
-    if known:
-        parts += ["## What is documented", "\n".join(
-            f"- {code(each.label)}: {plain(each.differs)}" + (f" ({plain(each.source)})" if each.source else "")
-            for each in known
-        )]  # fmt: skip
-    if unexplained := _unexplained(pairs, {each.label for each in known}):
+    parts += ["## Options, and what is documented", "\n".join(map(_documented, own))]
+    known = {each.implementation.label for each in own if each.implementation.differs}
+    if unexplained := _unexplained(pairs, known):
         parts.append(f"No documented difference is known here for {joined(unexplained)}.")
     if alive:
         parts += ["## Median final bests", table(
@@ -237,11 +233,18 @@ def _notes(found: Atlas, each: Surveyed) -> Iterable[list[str]]:
 
 def _implementation_row(found: Atlas, each: Surveyed) -> list[str]:
     own = each.implementation
-    options = ", ".join(f"{name} = {value!r}" for name, value in own.options.items())
-    return [
-        code(own.label), found.groups.get(own.key, "–"), code(own.name), plain(each.code), plain(options),
-        "–" if each.failed else cell_text(round(each.evaluations)), plain("; ".join(findings(found, each))),
-    ]  # fmt: skip
+    evaluations = "–" if each.failed else cell_text(round(each.evaluations))
+    finding = plain("; ".join(findings(found, each)))
+    return [code(own.label), found.groups.get(own.key, "–"), plain(each.code), evaluations, finding]
+
+
+def _documented(each: Surveyed) -> str:
+    """Return what an implementation is, its options, and what is known of it, as an item of a list."""
+    own = each.implementation
+    options = ", ".join(f"{name} = {value!r}" for name, value in own.options.items()) or "default options"
+    name = "" if own.label == own.name else f"{code(own.name)}, "
+    source = f" ({plain(own.source)})" if own.source else ""
+    return f"- {code(own.label)}: {name}{plain(options)}. {plain(own.differs)}{source}".rstrip()
 
 
 def _pair_row(row: Mapping[Any, Any]) -> list[str]:

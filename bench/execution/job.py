@@ -18,6 +18,7 @@ import socket
 from collections import OrderedDict
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
 from time import monotonic
@@ -74,10 +75,7 @@ class Job:
         self._problems: dict[str, ForkServer] = {}  # one for all problems of a family that can be loaded together
         self._evaluators: dict[ForkServer, Process] = {}
         self._loaded: dict[tuple[ForkServer, str], ForkServer] = {}  # by the problems and the package of the optimizers
-        self._warm: OrderedDict[tuple[ForkServer, str], tuple[ForkServer, set[str]]] = (
-            OrderedDict()
-        )  # with the problems
-        self._trials: dict[ForkServer, tuple[Process, float]] = {}  # with the seconds left for trials there
+        self._ready: OrderedDict[tuple[ForkServer, str], _Ready] = OrderedDict()  # by the problems and the optimizer
         self._sandboxed = bool(sandbox)
 
     def kill(self) -> None:
@@ -90,28 +88,49 @@ class Job:
         self._with_problem(problem)
         return self._boxes[problem]
 
-    def prepare(self, trial: Trial) -> ForkServer:
-        """Load and warm up what a trial needs, as far as that has not been done; return what starts its process."""
-        return self._warmed_up(trial.problem, trial.optimizer)
+    def prepare(self, trial: Trial) -> _Ready:
+        """Load and warm up what a trial needs, by a short trial on this kind of problem, where that is not done yet."""
+        problem, optimizer = trial.problem, trial.optimizer
+        problems = self._alone if self._strict else self._with_problem(problem)
+        ready = self._ready.pop((problems, optimizer), None)
+        if ready is None:
+            ready = _Ready(self._with_optimizer(problems, optimizer).branch())
+        if problem not in ready.problems:
+            ready.problems.add(problem)
+            box = self._boxes[problem]
+            what: tuple[Any, ...] = (trial_process.warm_up, problem, optimizer)
+            if self._strict and isinstance(box, Box):
+                what = (trial_process.warm_up_strictly, optimizer, box.lower.tolist(), box.upper.tolist())
+            try:
+                if ready.server.call(*what, **self._loading, silence=self._silence, printed=PRINTED):
+                    ready.end_process()  # it must be as warm as others
+            except FAILURES:  # the trials will fail with the reason
+                ready.end_process()
+                ready.server = self._with_optimizer(problems, optimizer).branch()
+        self._ready[problems, optimizer] = ready
+        while len(self._ready) > KEPT:
+            _, oldest = self._ready.popitem(last=False)
+            oldest.end_process()
+            oldest.server.close()
+        return ready
 
-    def make(self, trial: Trial, server: ForkServer) -> tuple[Any, float]:
+    def make(self, trial: Trial, ready: _Ready) -> tuple[Any, float]:
         """Have a trial made; return what its process answers, which is not to be believed, and the seconds it took."""
         began = monotonic()
-        process, left = self._trials.pop(server, (None, 0.0))
-        if process is None or process.closed:
-            process = server.process()
-            left = WORTH * (monotonic() - began)
+        if ready.process is None or ready.process.closed:
+            ready.process = ready.server.process()
+            ready.left = WORTH * (monotonic() - began)
         began = monotonic()
-        answer = process.call(trial_process.make, trial, seconds=self._timeout, memory=self._memory, printed=PRINTED)
+        limits: dict[str, Any] = {"seconds": self._timeout, "memory": self._memory, "printed": PRINTED}
+        answer = ready.process.call(trial_process.make, trial, **limits)
         took = monotonic() - began
+        ready.left -= took
         sound = isinstance(answer, dict) and answer.get("altered") is False
-        if sound and took < left and not self._sandboxed:
-            self._trials[server] = process, left - took
-        else:
-            process.close()
+        if self._sandboxed or not sound or ready.left <= 0:
+            ready.process.close()
         return answer, took
 
-    def make_strictly(self, trial: Trial, optimizers: ForkServer) -> tuple[Any, float]:
+    def make_strictly(self, trial: Trial, ready: _Ready) -> tuple[Any, float]:
         """Have a trial made whose problem, budget and trace are in another process than its optimizer.
 
         Return what the other process answers, with the processor seconds of the optimizer's, and the seconds it took.
@@ -120,7 +139,7 @@ class Job:
         box = self._boxes[trial.problem]
         assert isinstance(box, Box)
         bounds = box.lower.tolist(), box.upper.tolist(), box.integer.tolist()
-        with problems.process() as server, optimizers.process() as process:
+        with problems.process() as server, ready.server.process() as process:
             one, other = socket.socketpair()
             with one, other:
                 server.start(trial_process.serve, trial, self._core, files=[one.fileno()])
@@ -184,36 +203,19 @@ class Job:
         server.ensure(trial_process.load_optimizer, optimizer, **self._loading)
         return server
 
-    def _warmed_up(self, problem: str, optimizer: str) -> ForkServer:
-        """Return what starts processes that have made a short trial of the optimizer on this kind of problem."""
-        problems = self._alone if self._strict else self._with_problem(problem)
-        server, warm = self._warm.pop((problems, optimizer), (None, set[str]()))
-        if server is None:
-            server = self._with_optimizer(problems, optimizer).branch()
-        if problem not in warm:
-            warm.add(problem)
-            box = self._boxes[problem]
-            what: tuple[Any, ...] = (trial_process.warm_up, problem, optimizer)
-            if self._strict and isinstance(box, Box):
-                what = (trial_process.warm_up_strictly, optimizer, box.lower.tolist(), box.upper.tolist())
-            try:
-                if server.call(*what, **self._loading, silence=self._silence, printed=PRINTED):
-                    self._end_trials(server)  # a trial process must be as warm as others
-            except FAILURES:  # the trials will fail with the reason
-                self._end_trials(server)
-                server = self._with_optimizer(problems, optimizer).branch()
-        self._warm[problems, optimizer] = server, warm
-        while len(self._warm) > KEPT:
-            _, (oldest, _) = self._warm.popitem(last=False)
-            self._end_trials(oldest)
-            oldest.close()
-        return server
 
-    def _end_trials(self, server: ForkServer) -> None:
-        """End the trial process of an optimizer."""
-        process, _ = self._trials.pop(server, (None, 0.0))
-        if process is not None:
-            process.close()
+@dataclass
+class _Ready:
+    """An optimizer that is loaded and warmed up."""
+
+    server: ForkServer
+    problems: set[str] = field(default_factory=set)  # that it was warmed up for
+    process: Process | None = None  # makes its trials, as long as they take less than the seconds left
+    left: float = 0.0
+
+    def end_process(self) -> None:
+        if self.process is not None:
+            self.process.close()
 
 
 def root(study: Study, sandbox: str | None, *, hash_seed: int = 0, apart: bool = False) -> ForkServer:

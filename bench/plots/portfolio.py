@@ -13,7 +13,7 @@ from bench.plots import style
 def shapley_rows(members: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw the Shapley value of each optimizer, with two standard errors where it is sampled.
 
-    ``members`` are those of :func:`bench.analysis.portfolio`.
+    ``members`` are those of :func:`bench.analysis.portfolio_of`.
     """
     ax = style.own_axes(ax, height=style.rows_height(len(members)) + 0.5)
     at = range(len(members))
@@ -31,7 +31,7 @@ def shapley_rows(members: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
 def set_sizes(sets: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw the score of the best set of each size over that of the virtual best; dotted: 95 % of it.
 
-    ``sets`` are those of :func:`bench.analysis.portfolio`.
+    ``sets`` are those of :func:`bench.analysis.portfolio_of`.
     """
     ax = style.own_axes(ax)
     ax.axhline(NEAR, color="black", linewidth=0.6, linestyle=":")

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from bench.analysis.portfolio import Portfolio, portfolio, target_shares
+from bench.analysis.portfolio import Portfolio, portfolio_of, target_shares
 from bench.analysis.selection import LEAST_FUNCTIONS, NEIGHBOURS, selection_gain, validated_selection
 from bench.report.findings import Findings
 from bench.report.landscapes import sample
@@ -67,7 +67,7 @@ class Choice:
     @cached_property
     def portfolio(self) -> Portfolio:
         """The gap, sets and contributions; raises BenchError where no problem has two trials of each optimizer."""
-        return portfolio(self.scores, self.blocks)
+        return portfolio_of(self.scores, self.blocks)
 
     @cached_property
     def features(self) -> pd.DataFrame:

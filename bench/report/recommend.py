@@ -89,12 +89,7 @@ def recommend(
     distances = Space.of(described_own).distances(own).loc[problem]
     near = distances.nsmallest(NEIGHBOURS)
     best = best_on(list(near.index), choice.scores, choice.charged, choice.blocks)
-    reach = usual_reach(described_own, choice.blocks)
-    if near.iloc[0] > reach:
-        notes.append(
-            f"This is an extrapolation: {problem} is at a distance of {near.iloc[0]:.2f} from the most similar "
-            f"problem, and each problem of the folders is within {reach:.2f} of one of another function."
-        )
+    notes += _extrapolation(problem, loaded.dimension, float(near.iloc[0]), described_own, choice.blocks)
     first = str(best["optimizer"].iloc[0])
     notes.append(selection_sentence(choice))
     notes.append(_advice(first, single, pays=choice.pays))
@@ -134,6 +129,24 @@ def _obstacle(choice: Choice, spent: int, cost: int) -> str:
     if not described_own:
         return "No problem of the folders can be loaded and sampled here, so none can be compared by its features."
     return ""
+
+
+def _extrapolation(
+    problem: str, dimension: int, distance: float, features: pd.DataFrame, blocks: Mapping[str, str]
+) -> list[str]:
+    """Return how the problem is beyond those of the folders, if it is."""
+    low, high = (int(end) for end in (features["dimension"].min(), features["dimension"].max()))
+    reach = usual_reach(features, blocks)
+    beyond = []
+    if not low <= dimension <= high:
+        sizes = f"{low}" if low == high else f"{low} to {high}"
+        beyond.append(f"has {count(dimension, 'variable')}, and the problems of the folders have {sizes}")
+    if distance > reach:
+        beyond.append(
+            f"is at a distance of {distance:.2f} from the most similar problem, and each problem of the folders is "
+            f"within {reach:.2f} of one of another function"
+        )
+    return [f"This is an extrapolation: {problem} {'; it '.join(beyond)}."] if beyond else []
 
 
 def _features(problem: Problem, points: int) -> dict[str, float]:

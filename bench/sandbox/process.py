@@ -323,7 +323,7 @@ class Process:
         self._number += 1
         message = None
         if not self._lost:
-            with suppress(BrokenChannelError, ValueError):  # ValueError: it was closed before
+            with suppress(BrokenChannelError):
                 self._channel.send(self._number, pickle.dumps((request, *arguments)), files, _ANSWER)
                 message = self._channel.receive(_ANSWER)
         if message is None:

@@ -80,7 +80,9 @@ def test_a_recording_that_ends_its_process_costs_itself_only(monkeypatch, make_e
     outcomes = list(estimate_files(paths, deadly, NONE, jobs=2))
     assert [outcome.path for outcome in outcomes] == paths
     assert [isinstance(outcome, Failed) for outcome in outcomes] == [False, True, False, True, False]
-    assert outcomes[1].error.startswith("bad.csv: the process that estimated it ended, such as for want of memory; estimate it alone")
+    assert outcomes[1].error.startswith(
+        "bad.csv: the process that estimated it ended, such as for want of memory; estimate it alone"
+    )
 
 
 @pytest.fixture(scope="module")
