@@ -55,7 +55,7 @@ def _glyphs_alone() -> Iterator[None]:
     To cut these down to the glyphs in use takes half of the time of a small figure's PDF, and matplotlib has no option
     to leave them out.
     """
-    usual = subset.Options._drop_tables_default
+    usual = getattr(subset.Options, "_drop_tables_default", [])  # another name would cost time alone
     subset.Options._drop_tables_default = [*usual, *SHAPING]
     try:
         yield
