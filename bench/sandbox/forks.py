@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from threading import Lock
 from typing import Any
 
 from bench.sandbox.bubblewrap import Sandbox
-from bench.sandbox.process import LostError, Process
+from bench.sandbox.process import LostError, Process, RemoteError
 from bench.sandbox.server import FORKS
 
 
@@ -81,8 +82,9 @@ class ForkServer:
     def close(self) -> None:
         """End the process that is held, and its forks; another one is started when it is needed."""
         process, self._process = self._process, None
-        if process is not None:
-            process.close()
+        with suppress(LostError, RemoteError):  # the process that it was forked from has ended, and so has it
+            if process is not None:
+                process.close()
 
     def kill(self) -> None:
         """End all processes of this fork server, and of those that it branched from or into; it starts no other."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from queue import SimpleQueue
 from types import TracebackType
 from typing import Any
@@ -11,7 +12,7 @@ from typing import Any
 from joblib import cpu_count
 
 from bench.sandbox.forks import ForkServer
-from bench.sandbox.process import LostError, Process
+from bench.sandbox.process import LostError, Process, RemoteError
 
 LOADING = 300.0  # seconds for a process to load the modules that it needs
 
@@ -83,8 +84,9 @@ class _Worker:
         try:
             self.server.ensure(self._ready, seconds=LOADING)
             if self._process is None or self._process.closed or group != self._group:
-                if self._process is not None:
-                    self._process.close()
+                with suppress(LostError, RemoteError):  # what it was forked from has ended, and it with that
+                    if self._process is not None:
+                        self._process.close()
                 self._process, self._group = self.server.process(), group
             return self._process.call(function, *arguments, **limits)
         except LostError:  # no other error says anything of the process that it was forked from

@@ -263,10 +263,16 @@ class Process:
                 look = monotonic() + _LOOK
 
     def close(self) -> None:
-        """End the process and all that it started, its copies included; where its original is lost, it has ended."""
-        with suppress(LostError, RemoteError):
+        """End the process and all that it started, its copies included.
+
+        Raises:
+            LostError: when the process that it was forked from, and that ends it, has ended or does not answer.
+            RemoteError: when plug-in code answers in the place of that one.
+        """
+        try:
             self._end()
-        self._output.close()
+        finally:
+            self._output.close()
 
     def kill(self) -> None:
         """End a process that was not forked, and its copies; any thread may do so, and its user finds it ended."""
