@@ -35,7 +35,7 @@ def require_class(name: str) -> None:
     """Raise BenchError for the name of a Python file without a class behind it, naming those in it; it is not run."""
     if not name.endswith(".py"):
         return
-    code = _content(Path(name))
+    code = _content(Path(name), "optimizer")
     try:
         parts = ast.parse(code).body
     except (SyntaxError, ValueError) as error:  # ValueError: a NUL byte
@@ -93,10 +93,10 @@ def load(name: str) -> type[Optimizer]:
 def fingerprint(name: str, kind: str = "optimizer") -> str:
     """Return a hash of the file of such a name, whose code is not run; raises BenchError where it cannot be read."""
     path, _ = _parts(name)
-    return hashlib.sha256(_content(path)).hexdigest()[:16]
+    return hashlib.sha256(_content(path, kind)).hexdigest()[:16]
 
 
-def _content(path: Path) -> bytes:
+def _content(path: Path, kind: str) -> bytes:
     try:
         return path.read_bytes()
     except OSError as error:
