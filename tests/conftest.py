@@ -93,6 +93,7 @@ def published() -> Path:
 # A browser: the system's Chromium, driven by playwright, which downloads none of its own here.
 
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
+ARGUMENTS = ["--no-sandbox", "--hide-scrollbars", "--disable-gpu"]  # it would only imitate one
 PATIENCE_MS = 300_000  # a ceiling for a browser that hangs; no test waits that long for one that works
 
 
@@ -143,6 +144,6 @@ def browser():
         pytest.skip(f"no browser: none of {', '.join(PROGRAMS)} is installed")
     api = pytest.importorskip("playwright.sync_api", reason="no playwright, which drives the browser")
     with api.sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=program, args=["--no-sandbox", "--hide-scrollbars"])
+        started = playwright.chromium.launch(executable_path=program, args=ARGUMENTS)
         yield Browser(started)
         started.close()
