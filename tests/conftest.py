@@ -80,6 +80,11 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: LONGEST.index(item.path.name) if item.path.name in LONGEST else len(LONGEST))
 
 
+def pytest_collection_finish():
+    """Let the collector pass over what is imported by now: pytest has it look through everything at the end."""
+    gc.freeze()
+
+
 @pytest.fixture(scope="session")
 def published() -> Path:
     """The folder with the thesis authors' published recordings; a test that needs it is skipped where there is none."""
