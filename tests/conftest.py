@@ -2,7 +2,6 @@ import gc
 import os
 import shutil
 import sys
-import tempfile
 from collections import Counter
 from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path
@@ -44,7 +43,7 @@ def pytest_configure(config):
     from numba.core.caching import NullCache
     from numba.core.dispatcher import Dispatcher
 
-    file = Path(tempfile.gettempdir()) / f"compiling-{config.workerinput['testrunuid']}.lock"
+    file = Path(__file__).parent / "__pycache__" / "compiling.lock"
     lock, compile_for = FileLock(file, timeout=120, thread_local=False), Dispatcher.compile
 
     def compile_alone(self, signature):
@@ -56,9 +55,9 @@ def pytest_configure(config):
 
 @contextmanager
 def waiting(lock):
-    """Hold a lock, or go on without it where another process keeps it for too long."""
+    """Hold a lock, or go on without it where another process keeps it for too long or it cannot be written."""
     with ExitStack() as stack:
-        with suppress(Timeout):
+        with suppress(Timeout, OSError):
             stack.enter_context(lock)
         yield
 
