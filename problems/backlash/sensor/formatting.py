@@ -60,16 +60,13 @@ def estimate_lines(outcome: Estimated, settings: Settings, width: int | None = N
     rows += [("note", note) for note in estimate.notes]
     column = max(len(name) for name, _ in rows)
     lines = [f"{outcome.path}: {_verdict(estimate, settings)}", *(f"  {name:{column}}  {text}" for name, text in rows)]
-    if width is None:
-        return lines
-    indent = " " * (column + 4)
-    return [
-        part
-        for line in lines
-        for part in wrap(
-            line, max(width, NARROWEST), subsequent_indent=indent, break_on_hyphens=False, break_long_words=False
-        )
-    ]
+    return lines if width is None else [part for line in lines for part in broken(line, width, column + 4)]
+
+
+def broken(line: str, width: int, indent: int = 4) -> list[str]:
+    """Return the parts of a line broken between words at a terminal's width, all but the first one indented."""
+    narrow = max(width, NARROWEST)
+    return wrap(line, narrow, subsequent_indent=" " * indent, break_long_words=False, break_on_hyphens=False)
 
 
 def runs_lines(runs: RepeatedRuns, estimate: Estimate) -> list[str]:
@@ -105,7 +102,7 @@ def print_table(
         *calibration,
         *(line for trend in trends for line in trend_lines(trend, settings)),
     ]:
-        print_line(line)
+        print_line("\n".join(broken(line, console.width)) if console.is_terminal else line)
 
 
 def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], width: int = WIDTH) -> Table:

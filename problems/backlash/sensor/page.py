@@ -44,7 +44,7 @@ def write(
     )  # fmt: skip
     lost = tuple(outcome.error for _, outcome in failed)
     remarks = (*notes(outcomes, names), *(f"Calibration: {line}." for line in calibration_of(settings)))
-    text = tuple(" ".join(line.strip() for line in trend_lines(one, settings)) for one in trends)
+    text = tuple("; ".join(line.strip() for line in trend_lines(one, settings)) + "." for one in trends)
     sections = [Section("Verdicts and trends", text, (*_trend(trends, settings), table), lost)]
     fits = tuple(Section(name, (), (_fit(name, outcome, settings),), folded=True) for name, outcome in good)
     if fits:
