@@ -1,7 +1,8 @@
 """The project's sessions: ``nox -s tests``, ``tests-3.12`` and so on, ``lowest``, ``nightly``, ``lint``, ``types``,
 ``workflows``, ``docs``, ``benchmark`` and ``release``.
 
-``tests`` runs on the interpreter that runs nox; ``tests-3.12`` on that version, and is skipped where it is missing.
+``tests`` runs on the interpreter that runs nox; ``tests-3.12`` on that version, which uv downloads where it is missing;
+without uv the session is then skipped.
 """
 
 import os

@@ -2,7 +2,6 @@ import gc
 import os
 import shutil
 import sys
-import tempfile
 from collections import Counter
 from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path
@@ -44,7 +43,7 @@ def pytest_configure(config):
     from numba.core.caching import NullCache
     from numba.core.dispatcher import Dispatcher
 
-    file = Path(tempfile.gettempdir()) / f"compiling-{config.workerinput['testrunuid']}.lock"
+    file = Path(__file__).parent / "__pycache__" / "compiling.lock"
     lock, compile_for = FileLock(file, timeout=120, thread_local=False), Dispatcher.compile
 
     def compile_alone(self, signature):
@@ -56,9 +55,9 @@ def pytest_configure(config):
 
 @contextmanager
 def waiting(lock):
-    """Hold a lock, or go on without it where another process keeps it for too long."""
+    """Hold a lock, or go on without it where another process keeps it for too long or it cannot be written."""
     with ExitStack() as stack:
-        with suppress(Timeout):
+        with suppress(Timeout, OSError):
             stack.enter_context(lock)
         yield
 
@@ -80,6 +79,11 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: LONGEST.index(item.path.name) if item.path.name in LONGEST else len(LONGEST))
 
 
+def pytest_collection_finish():
+    """Let the collector pass over what is imported by now: pytest has it look through everything at the end."""
+    gc.freeze()
+
+
 @pytest.fixture(scope="session")
 def published() -> Path:
     """The folder with the thesis authors' published recordings; a test that needs it is skipped where there is none."""
@@ -93,6 +97,7 @@ def published() -> Path:
 # A browser: the system's Chromium, driven by playwright, which downloads none of its own here.
 
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
+ARGUMENTS = ["--no-sandbox", "--hide-scrollbars", "--disable-gpu"]  # it would only imitate one
 PATIENCE_MS = 300_000  # a ceiling for a browser that hangs; no test waits that long for one that works
 
 
@@ -143,6 +148,6 @@ def browser():
         pytest.skip(f"no browser: none of {', '.join(PROGRAMS)} is installed")
     api = pytest.importorskip("playwright.sync_api", reason="no playwright, which drives the browser")
     with api.sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=program, args=["--no-sandbox", "--hide-scrollbars"])
+        started = playwright.chromium.launch(executable_path=program, args=ARGUMENTS)
         yield Browser(started)
         started.close()
