@@ -2,10 +2,13 @@ import gc
 import os
 import shutil
 import sys
+import tempfile
 from collections import Counter
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path
 
 import pytest
+from filelock import FileLock, Timeout
 from hypothesis import settings
 
 # A busy machine must not fail a property, nor two runs of one commit differ.
@@ -22,10 +25,42 @@ os.environ.setdefault("LOKY_MAX_CPU_COUNT", "1")
 if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
     sys.dont_write_bytecode = False
 
+# The first one compiles kernels that hundreds of later tests take from numba's cache.
 LONGEST = (
-    "test_distributions.py", "test_examples.py", "test_reference_results.py", "test_hostile.py", "test_cma_es_fast.py",
-    "test_crash.py", "test_dask.py", "test_write.py", "test_app.py", "test_report.py", "test_checker.py",
+    "test_kernel.py", "test_write.py", "test_app.py", "test_runner.py", "test_examples.py", "test_distributions.py",
+    "test_cma_es_fast.py", "test_crash.py", "test_dask.py", "test_hostile.py", "test_sandbox.py", "test_estimate.py",
+    "test_browser.py", "test_in_a_browser.py", "test_report.py", "test_checker.py", "test_bias.py", "test_pooled.py",
+    "test_folder.py",
 )  # fmt: skip
+
+
+def pytest_configure(config):
+    """Have one worker of xdist at a time compile for numba's cache: the others then find there what they wait for.
+
+    In a fresh clone they would otherwise compile the same kernels at the same time, each for itself.
+    """
+    if not hasattr(config, "workerinput"):
+        return
+    from numba.core.caching import NullCache
+    from numba.core.dispatcher import Dispatcher
+
+    file = Path(tempfile.gettempdir()) / f"compiling-{config.workerinput['testrunuid']}.lock"
+    lock, compile_for = FileLock(file, timeout=120, thread_local=False), Dispatcher.compile
+
+    def compile_alone(self, signature):
+        with nullcontext() if isinstance(self._cache, NullCache) else waiting(lock):
+            return compile_for(self, signature)
+
+    Dispatcher.compile = compile_alone
+
+
+@contextmanager
+def waiting(lock):
+    """Hold a lock, or go on without it where another process keeps it for too long."""
+    with ExitStack() as stack:
+        with suppress(Timeout):
+            stack.enter_context(lock)
+        yield
 
 
 @pytest.hookimpl(tryfirst=True)  # before -m chooses

@@ -9,8 +9,9 @@ Across problems: :func:`medians`, :func:`ranks_by_block`, :func:`friedman`, :fun
 evaluations: :func:`stage_ranks`, :func:`unused_budget`, :func:`convergence`, :func:`targets`,
 :func:`precision_targets`, :func:`target_table`, :func:`hitting_times`, :func:`tolerance_times`,
 :func:`expected_running_time`, :func:`running_times`, :func:`in_seconds`, :func:`ecdf`, :func:`restart_shares`,
-:func:`data_profiles`, :func:`success_rates`, :func:`aocc`, :func:`target_areas`, :func:`compare_sets`. And
-:func:`timing`, :func:`feasibility`, :func:`integrity`.
+:func:`data_profiles`, :func:`success_rates`, :func:`aocc`, :func:`target_areas`, :func:`compare_sets`. Which
+optimizers to take: :func:`target_shares`, :func:`portfolio_of`, :func:`shapley`, :func:`validated_selection`,
+:func:`selection_gain`, :func:`best_on`. And :func:`timing`, :func:`feasibility`, :func:`integrity`.
 
 Arguments mean the same everywhere: ``frame`` is the tidy frame, ``traces`` are those of its trials, by (problem,
 optimizer, trial); ``optima`` the best known objective values, by problem, of the problems where one is known;
@@ -88,6 +89,7 @@ from bench.analysis.integrity import integrity
 from bench.analysis.kolmogorov_smirnov import TIED
 from bench.analysis.looks import Decisions, at_looks, blind_looks, decide
 from bench.analysis.pairwise import CUTOFFS, adjusted, effect_size, holm, pairwise_tests
+from bench.analysis.portfolio import Portfolio, portfolio_of, shapley, target_shares
 from bench.analysis.reference import RUN_LENGTHS, reference_shares, reference_times, runlength_targets
 from bench.analysis.running_time import (
     in_seconds,
@@ -97,6 +99,7 @@ from bench.analysis.running_time import (
     separably_fastest,
     simulated_restarts,
 )
+from bench.analysis.selection import best_on, selection_gain, validated_selection
 from bench.analysis.stability import rank_stability
 from bench.analysis.stages import SHARES, stage_ranks, unused_budget
 from bench.analysis.standings import disagreements, mean_ranks, standings
@@ -127,11 +130,13 @@ __all__ = [
     "Decisions",
     "Levels",
     "Pooled",
+    "Portfolio",
     "Traces",
     "a12",
     "adjusted",
     "aocc",
     "at_looks",
+    "best_on",
     "best_so_far",
     "blind_looks",
     "budgets",
@@ -172,6 +177,7 @@ __all__ = [
     "normalised_errors",
     "pairwise_tests",
     "pool_instances",
+    "portfolio_of",
     "precision_targets",
     "probability_of_improvement",
     "rank_stability",
@@ -189,7 +195,9 @@ __all__ = [
     "runlength_targets",
     "running_times",
     "scores",
+    "selection_gain",
     "separably_fastest",
+    "shapley",
     "signs",
     "simulated_restarts",
     "stage_ranks",
@@ -200,6 +208,7 @@ __all__ = [
     "summarise",
     "table",
     "target_areas",
+    "target_shares",
     "target_table",
     "targets",
     "timing",
@@ -208,6 +217,7 @@ __all__ = [
     "trials_to_separate",
     "u_scores",
     "unused_budget",
+    "validated_selection",
     "variables",
     "wilcoxon_tests",
 ]

@@ -11,6 +11,7 @@ import typer
 
 from bench.cli import (
     archive,
+    atlas,
     check,
     describe,
     doctor,
@@ -21,6 +22,7 @@ from bench.cli import (
     new,
     pack,
     plan,
+    recommend,
     report,
     rm,
     run,
@@ -57,7 +59,8 @@ for _name, _command in (
     ("export", export.export), ("import", import_.import_results), ("check", check.check), ("solve", solve.solve),
     ("verify", verify.verify), ("merge", merge.merge), ("rm", rm.remove), ("pack", pack.pack),
     ("unpack", unpack.unpack), ("site", site.site), ("gate", gate.gate), ("describe", describe.describe),
-    ("similar", similar.similar), ("tune", tune.tune), ("doctor", doctor.doctor), ("new", new.new),
+    ("similar", similar.similar), ("atlas", atlas.atlas), ("recommend", recommend.recommend), ("tune", tune.tune),
+    ("doctor", doctor.doctor), ("new", new.new),
 ):  # fmt: skip
     app.command(_name)(_command)
 app.add_typer(archive.archive, name="archive")

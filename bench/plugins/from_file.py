@@ -1,4 +1,4 @@
-"""Load optimizers from a Python file that is not installed: a class or function, as ``path/to/file.py:ClassName``."""
+"""Load optimizers and problems from a Python file that is not installed, as ``path/to/file.py:ClassName``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import inspect
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -22,6 +22,7 @@ from bench.families import derive
 from bench.helpers.text import listed
 from bench.objective import Objective
 from bench.optimizer import Optimizer, build, is_frozen, settings
+from bench.problem import Problem
 
 
 def split(name: str) -> tuple[Path, str] | None:
@@ -53,6 +54,33 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
     return build(load(name), name, options)
 
 
+def load_problem(name: str, /, **options: Any) -> Problem:
+    """Return the problem of that file: an instance, or what a class or a function makes of these options.
+
+    Unless the problem has a fingerprint of its own, it is that of the file.
+
+    Raises:
+        BenchError: where the file is missing or fails to run, or holds no such problem, or the options do not suit it.
+    """
+    path, attribute = _parts(name)
+    digest = fingerprint(name, "problem")
+    module = _module(path.resolve(), digest, "problem")
+    if attribute not in vars(module):
+        own = [key for key, value in vars(module).items() if getattr(value, "__module__", None) == module.__name__]
+        raise BenchError(f"{path} holds no problem called {attribute!r}{nearest(attribute, own)}")
+    found = vars(module)[attribute]
+    if callable(found) and not isinstance(found, Problem):
+        try:
+            found = found(**options)
+        except Exception as error:  # the file may raise anything
+            raise BenchError(f"{name!r} cannot be made: {type(error).__name__}: {error}") from error
+    if not isinstance(found, Problem):
+        raise BenchError(f"{attribute!r} of {path} is neither a Problem nor a class or function that makes one")
+    if not found.fingerprint():
+        object.__setattr__(found, "fingerprint", partial(str, digest))  # also of a frozen dataclass
+    return found
+
+
 def load(name: str) -> type[Optimizer]:
     """Return the optimizer class of that file; a plain function becomes one.
 
@@ -63,13 +91,13 @@ def load(name: str) -> type[Optimizer]:
     return _optimizer(name, attribute, path.resolve(), fingerprint(name))
 
 
-def fingerprint(name: str) -> str:
+def fingerprint(name: str, kind: str = "optimizer") -> str:
     """Return a hash of the file of such a name, whose code is not run; raises BenchError where it cannot be read."""
     path, _ = _parts(name)
     try:
         return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
     except OSError as error:
-        raise BenchError(f"the optimizer file {path} cannot be read: {error.strerror}") from error
+        raise BenchError(f"the {kind} file {path} cannot be read: {error.strerror}") from error
 
 
 def _parts(name: str) -> tuple[Path, str]:
@@ -103,12 +131,12 @@ class _UncachedLoader(SourceFileLoader):
 
 
 @cache
-def _module(path: Path, fingerprint: str) -> ModuleType:
+def _module(path: Path, fingerprint: str, kind: str = "optimizer") -> ModuleType:
     """Import the file as a module of its own, which can import the modules beside it."""
     name = f"bench_file_{path.stem}_{fingerprint}"  # an edited file is another module
     spec = spec_from_file_location(name, path, loader=_UncachedLoader(name, str(path)))
     if spec is None or spec.loader is None:
-        raise BenchError(f"the optimizer file {path} cannot be read as Python")
+        raise BenchError(f"the {kind} file {path} cannot be read as Python")
     module = module_from_spec(spec)
     sys.modules[name] = module  # dataclasses look up annotations there
     if str(path.parent) not in sys.path:
@@ -117,7 +145,7 @@ def _module(path: Path, fingerprint: str) -> ModuleType:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # the file may raise anything
         del sys.modules[name]
-        raise BenchError(f"the optimizer file {path} failed to load: {type(error).__name__}: {error}") from error
+        raise BenchError(f"the {kind} file {path} failed to load: {type(error).__name__}: {error}") from error
     return module
 
 

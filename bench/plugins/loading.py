@@ -65,11 +65,15 @@ def load_optimizer(name: str, /, **options: Any) -> Optimizer:
 def load_problem(name: str, /, **options: Any) -> Problem:
     """Return the problem of that name, such as ``load_problem("signature-12", unit="rpm")``.
 
+    A name may also be that of a file's problem, or of its class or function that makes one: ``"my/file.py:Mine"``.
+
     Raises:
         BenchError: for an unknown name or option (naming the nearest) or data that cannot be read.
     """
     if is_imported(name):
         raise BenchError(f"{name!r} is known from imported results only: no installed family has it")
+    if from_file.split(name):
+        return from_file.load_problem(name, **options)
     prefix, colon, _ = name.partition(":")
     families = registry.entries("problems")
     if colon and prefix in families:

@@ -38,8 +38,7 @@ def landscapes(results: Results, members: Mapping[str, str]) -> Landscapes:
     finished = results.frame[results.frame["status"] == "ok"].groupby("problem")[["objective_s", "nfev"]].sum()
     pace = (finished["objective_s"].astype(float) / finished["nfev"].astype(float)).to_dict()
     for label, instance in members.items():
-        dimension = results.dimension(instance)
-        points = min(max(POINTS * dimension, LEAST), MOST)
+        points = sample(results.dimension(instance))
         try:
             if not pace.get(instance, 0.0) * points <= PATIENCE:  # times of imported trials are unknown
                 raise BenchError("its evaluations take too long, or their time is unknown")
@@ -47,3 +46,8 @@ def landscapes(results: Results, members: Mapping[str, str]) -> Landscapes:
         except Exception as error:  # a plug-in may raise anything
             left_out[label] = str(error)
     return Landscapes(pd.DataFrame.from_dict(rows, orient="index").rename_axis("problem"), left_out)
+
+
+def sample(dimension: int) -> int:
+    """Return the points by which a problem of this dimension is described, which are evaluations of a budget."""
+    return min(max(POINTS * dimension, LEAST), MOST)

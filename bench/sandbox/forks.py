@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from threading import Lock
 from typing import Any
 
 from bench.sandbox.bubblewrap import Sandbox
-from bench.sandbox.process import LostError, Process, RemoteError
+from bench.sandbox.process import LostError, Process
 from bench.sandbox.server import FORKS
 
 
@@ -42,14 +41,14 @@ class ForkServer:
 
         Limits and errors are those of :meth:`bench.sandbox.process.Process.call`; after one the call is forgotten.
         """
-        process = self._held()
-        try:
-            answer = process.call(function, *arguments, **limits)
-        except BaseException:
-            self.close()
-            raise
+        answer = self._held().call(function, *arguments, **limits)
         self._calls.append((function, arguments, limits))
         return answer
+
+    def ensure(self, function: Callable[..., Any], *arguments: Any, **limits: Any) -> None:
+        """Make a call as :meth:`call` does, unless the processes that come from here have made it already."""
+        if not any((function, arguments) == call[:2] for call in self._calls):
+            self.call(function, *arguments, **limits)
 
     def branch(self, *, apart: bool = False) -> ForkServer:
         """Return a fork server that begins with the same calls; raises what :meth:`process` raises.
@@ -82,9 +81,8 @@ class ForkServer:
     def close(self) -> None:
         """End the process that is held, and its forks; another one is started when it is needed."""
         process, self._process = self._process, None
-        with suppress(LostError, RemoteError):  # the process that it was forked from has ended, and so has it
-            if process is not None:
-                process.close()
+        if process is not None:
+            process.close()
 
     def kill(self) -> None:
         """End all processes of this fork server, and of those that it branched from or into; it starts no other."""
@@ -95,12 +93,8 @@ class ForkServer:
             self._process = process = self._started.add(
                 lambda: Process(self._hash_seed, forks=self.forks, sandbox=self._sandbox)
             )
-            try:
-                for function, arguments, limits in self._calls:
-                    process.call(function, *arguments, **limits)
-            except BaseException:
-                self.close()
-                raise
+            for function, arguments, limits in self._calls:
+                process.call(function, *arguments, **limits)
         return self._process
 
 

@@ -16,6 +16,7 @@ from bench.report.sections import (
     landscape,
     matched,
     methods,
+    portfolio,
     power,
     suite,
     time,
@@ -28,7 +29,7 @@ OPENING = (verdict, matched, beside, suite, competition, dominance, integrity, c
 """The parts before the plug-ins' sections."""
 
 CLOSING = (
-    tuning, components, across, equivalence, landscape, anytime, best, datasets, time, trials, power, methods,
-    environment,
+    tuning, components, across, equivalence, portfolio, landscape, anytime, best, datasets, time, trials, power,
+    methods, environment,
 )  # fmt: skip
 """The parts after them; the list of downloads ends the page."""

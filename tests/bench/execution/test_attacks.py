@@ -44,7 +44,7 @@ CLAIMS = {  # fail in every trial
     "raise-budget": f"{REFUSED}it made 600 evaluations, of a budget of 60",
 }
 ONCE = {  # attack in one trial
-    "notes": ("timeout", "after 8 s, the limit of a trial"),
+    "notes": ("timeout", "after 20 s, the limit of a trial"),
     "kill-parent": ("failed", ENDED),
     "kill-all": ("failed", ENDED),
     "stop-parent": ("failed", ENDED),
@@ -74,8 +74,8 @@ def place(tmp_path_factory, testing_plugins):
     place = tmp_path_factory.mktemp("attacks")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MARKER", str(place / "marker"))
-        patch.setattr(process, "_ANSWER", 2.0)  # seconds until a stopped process counts as lost
-        run(study(4, [*CHANGES, ROUNDING, *CLAIMS, *ONCE]), place / "out", n_jobs=2, timeout=8)
+        patch.setattr(process, "_ANSWER", 5.0)  # seconds until a stopped process counts as lost
+        run(study(4, [*CHANGES, ROUNDING, *CLAIMS, *ONCE]), place / "out", n_jobs=2, timeout=20)
     run(study(4, []), place / "alone", n_jobs=2)
     return place
 

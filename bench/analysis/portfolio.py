@@ -1,0 +1,305 @@
+"""Which optimizers a set of problems needs: virtual and single best, the smallest set near the former, Shapley values.
+
+The score of a trial is the share of its problem's targets that it reached within the budget, where its runtime
+distribution ends (Hansen et al. 2016, arXiv:1605.03560): targets are in steps of a logarithm, so that problems of any
+scale count alike, and a trial that failed or found only infinite values has 0.
+
+The *virtual best* takes the best optimizer for each problem, the *single best* one optimizer for all (Rice 1976,
+Advances in Computers 15; Kerschke, Hoos, Neumann and Trautmann 2019, Evolutionary Computation 27). Chosen and scored
+on the same trials, the virtual best of equal optimizers beats the single best by chance alone. Here half of the trials
+choose, the others score, and both halves change places, for several divisions into halves. With less data to choose
+by, the gap is too small rather than too large. Every function counts once, however many dimensions of it there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import factorial
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.special import stdtrit
+
+from bench.analysis.cells import labels
+from bench.analysis.direction import ALPHA
+from bench.errors import BenchError
+from bench.typing import Floats
+
+SPLITS = 10  # divisions of the trials into halves, each used both ways
+SEED = 1
+MOST_EXACT = 12  # optimizers all of whose sets are compared: 4,096 of them
+PERMUTATIONS = 200  # of more optimizers, for their Shapley values
+NEAR = 0.95  # of the score of the virtual best
+ROUNDING = 12  # decimals of scores: sums of equal numbers in another order differ by rounding
+
+
+class Portfolio(NamedTuple):
+    """What a portfolio of all optimizers is worth on these problems.
+
+    Attributes:
+        gap: one row: ``single``, the label of the single best; ``problems``, ``functions``; ``single_score`` and
+            ``virtual_score``; ``gap``, their difference, with its interval ``low`` and ``high`` over functions
+            (Student's, missing with one function); ``shown``, whether that lies above 0; and ``same_trials``, the gap
+            where the same trials choose and score, which is too large.
+        sets: size, optimizers (a tuple), ``score`` and ``ratio``, over the score of the virtual best, of the best set
+            of each size; ``near``, whether the ratio is at least 0.95; ``exact``, whether all sets of the size were
+            compared or an optimizer was added to the set before.
+        members: optimizer, ``score`` (it alone), ``chosen`` (the share of problems for which the virtual best takes
+            it; a tie is divided), ``shapley``, its standard error ``se`` (0 where exact), and ``adds``: how much lower
+            the score of the virtual best is without this optimizer.
+    """
+
+    gap: pd.DataFrame
+    sets: pd.DataFrame
+    members: pd.DataFrame
+
+
+def target_shares(
+    hits: pd.DataFrame, budget: Mapping[str, int], charge: Mapping[str, int] | None = None
+) -> pd.DataFrame:
+    """Return the score of each trial, the share of targets reached within the budget: problem, optimizer, trial, score.
+
+    Args:
+        hits: those of :func:`bench.analysis.hitting_times`.
+        budget: the evaluations that count, by problem; other problems are left out.
+        charge: evaluations of it that are spent before the search begins, by problem.
+    """
+    own = hits[hits["problem"].astype(object).isin(list(budget))].astype({"problem": object})
+    before = own["problem"].map(charge or {}).fillna(0.0).astype(float)
+    within = own["evaluations"].astype(float) <= own["problem"].map(budget).astype(float) - before
+    groups = within.groupby([own["problem"], own["optimizer"], own["trial"]], sort=False, observed=True)
+    return groups.mean().round(ROUNDING).rename("score").reset_index()
+
+
+def portfolio_of(scores: pd.DataFrame, blocks: Mapping[str, str], seed: int = SEED) -> Portfolio:
+    """Return the gap between virtual and single best, the best sets, and what each optimizer contributes.
+
+    Problems on which an optimizer has fewer than two trials are left out.
+
+    Args:
+        scores: those of :func:`target_shares`, or others of which larger is better and 0 is nothing.
+        blocks: the function of each problem; functions are what the interval treats as independent.
+        seed: repeats the halves, and the permutations of more than 12 optimizers.
+
+    Raises:
+        BenchError: where no problem is left.
+    """
+    halves = Halves.of(scores, blocks, seed)
+    sets, values = _exact_sets(halves) if len(halves.optimizers) <= MOST_EXACT else (_greedy_sets(halves), None)
+    return Portfolio(best_gap(halves), sets, _members(halves, values, seed))
+
+
+def student(values: Sequence[float] | Floats, alpha: float = ALPHA) -> tuple[float, float, float]:
+    """Return the mean of independent values and Student's interval; its ends are missing for one value."""
+    own = np.asarray(values, dtype=np.float64)
+    mean = float(own.mean())
+    if len(own) < 2:
+        return mean, np.nan, np.nan
+    reach = float(stdtrit(len(own) - 1, 1 - alpha / 2) * own.std(ddof=1) / np.sqrt(len(own)))
+    return mean, mean - reach, mean + reach
+
+
+def over_functions(values: Any, blocks: Mapping[str, str]) -> Any:
+    """Return the mean over each function's problems, of a Series or the columns of a DataFrame by problem."""
+    return values.groupby([blocks.get(str(problem), str(problem)) for problem in values.index], sort=False).mean()
+
+
+@dataclass(frozen=True)
+class Halves:
+    """The mean scores of P problems and K optimizers on two halves of the trials, H times.
+
+    Attributes:
+        choose: (H, P, K), the half that chooses; score: (H, P, K), the other half.
+        whole: (P, K), of all trials.
+        weights: (P,), of the problems: each function has the same weight, and their sum is 1.
+    """
+
+    problems: list[str]
+    optimizers: list[str]
+    blocks: Mapping[str, str]
+    choose: Floats
+    score: Floats
+    whole: Floats
+    weights: Floats
+
+    @classmethod
+    def of(cls, scores: pd.DataFrame, blocks: Mapping[str, str], seed: int = SEED) -> Halves:
+        """Divide the trials of each problem, those of the same number alike for all optimizers.
+
+        Raises:
+            BenchError: where there is no problem on which every optimizer has two trials.
+        """
+        optimizers, rng = labels(scores, "optimizer"), np.random.default_rng(seed)
+        plain = scores.astype({"problem": object, "optimizer": object})
+        wide = plain.pivot(index=["problem", "trial"], columns="optimizer", values="score").reindex(columns=optimizers)
+        order = dict.fromkeys(plain["problem"])
+        enough = wide.groupby(level="problem").count().min(axis=1) >= 2
+        tables = {problem: wide.loc[problem].sort_index() for problem in order if enough[problem]}
+        if not tables:
+            raise BenchError("there is no problem on which every optimizer has two trials, so none can be chosen")
+        choose, score = np.empty((2, 2 * SPLITS, len(tables), len(optimizers)))
+        for place, table in enumerate(tables.values()):
+            values = table.to_numpy(dtype=float)
+            for split in range(SPLITS):
+                first, second = _halves(values[rng.permutation(len(values))])
+                choose[2 * split, place], score[2 * split, place] = first, second
+                choose[2 * split + 1, place], score[2 * split + 1, place] = second, first
+        sizes = pd.Series([blocks.get(problem, problem) for problem in tables]).value_counts()
+        weights = [1 / (len(sizes) * sizes[blocks.get(problem, problem)]) for problem in tables]
+        whole = np.array([table.mean().to_numpy(dtype=float) for table in tables.values()])
+        held = list(tables)
+        return cls(held, optimizers, blocks, choose.round(ROUNDING), score, whole.round(ROUNDING), np.array(weights))
+
+    def chosen(self, members: Sequence[int]) -> Floats:
+        """Return the share of each of these optimizers in what a set of them takes, (H, P, members); ties are equal."""
+        own = self.choose[..., list(members)]
+        best = own == own.max(axis=-1, keepdims=True)
+        shares: Floats = best / best.sum(axis=-1, keepdims=True)
+        return shares
+
+    def scores_of(self, members: Sequence[int]) -> Floats:
+        """Return the score of a set of optimizers on each problem, (P,)."""
+        found: Floats = (self.chosen(members) * self.score[..., list(members)]).sum(axis=-1).mean(axis=0)
+        return found
+
+    def value(self, members: Sequence[int]) -> float:
+        """Return the mean score of a set of optimizers over functions, 0 of none."""
+        return round(float(self.scores_of(members) @ self.weights), ROUNDING) if len(members) else 0.0
+
+
+def _halves(values: Floats) -> tuple[Floats, Floats]:
+    """Return the mean of the first half of each column's values, and that of the others; missing ones are no trial."""
+    held = ~np.isnan(values)
+    first = held & (held.cumsum(axis=0) <= held.sum(axis=0) // 2)
+    filled = np.where(held, values, 0.0)
+    sums = (filled * first).sum(axis=0)
+    second = held & ~first
+    return sums / first.sum(axis=0), (filled * second).sum(axis=0) / second.sum(axis=0)
+
+
+def best_gap(halves: Halves) -> pd.DataFrame:
+    """Return the gap between virtual and single best, as in :class:`Portfolio`; both are chosen by the other half."""
+    everyone = range(len(halves.optimizers))
+    picked = (halves.weights[:, np.newaxis] * halves.choose).sum(axis=1).round(ROUNDING).argmax(axis=1)  # (H,)
+    single = np.take_along_axis(halves.score, picked[:, np.newaxis, np.newaxis], axis=2)[..., 0].mean(axis=0)
+    virtual = halves.scores_of(everyone)
+    apart = pd.Series(virtual - single, index=halves.problems).round(ROUNDING)
+    by_function = over_functions(apart, halves.blocks)
+    gap, low, high = student(by_function.to_list())
+    means = (halves.weights[:, np.newaxis] * halves.whole).sum(axis=0).round(ROUNDING)
+    row = {
+        "single": halves.optimizers[int(means.argmax())],
+        "problems": len(halves.problems),
+        "functions": len(by_function),
+        "single_score": float(single @ halves.weights),
+        "virtual_score": float(virtual @ halves.weights),
+        "gap": gap, "low": low, "high": high, "shown": bool(low > 0),
+        "same_trials": float(halves.whole.max(axis=1) @ halves.weights - means.max()),
+    }  # fmt: skip
+    return pd.DataFrame([row])
+
+
+def _exact_sets(halves: Halves) -> tuple[pd.DataFrame, Floats]:
+    """Return the best set of each size, and the score of every set by the bits of its members.
+
+    The sets with one more optimizer follow from those without it: it is better, equal or worse than their best.
+    """
+    count, size = len(halves.optimizers), len(halves.problems)
+    values = np.zeros(2**count)
+    for choose, score in zip(halves.choose, halves.score, strict=True):
+        best, total, tied = np.full((1, size), -np.inf), np.zeros((1, size)), np.ones((1, size))
+        for own, scored in zip(choose.T, score.T, strict=True):
+            better, equal = own > best, own == best
+            best, total, tied = (
+                np.concatenate(each)
+                for each in (
+                    (best, np.where(better, own, best)),
+                    (total, np.where(better, scored, total + np.where(equal, scored, 0.0))),
+                    (tied, np.where(better, 1.0, tied + equal)),
+                )
+            )
+        values += (total / tied) @ halves.weights / len(halves.choose)
+    values[0] = 0.0
+    values = values.round(ROUNDING)
+    sizes = np.bitwise_count(np.arange(2**count))
+    places = [int(np.flatnonzero(sizes == each)[values[sizes == each].argmax()]) for each in range(1, count + 1)]
+    chosen = [[member for member in range(count) if place >> member & 1] for place in places]
+    return _sets(halves, chosen, exact=True), values
+
+
+def _greedy_sets(halves: Halves) -> pd.DataFrame:
+    """Return sets to each of which the optimizer was added that raises the score most, until one is near."""
+    chosen: list[list[int]] = [[]]
+    limit = NEAR * halves.value(range(len(halves.optimizers)))
+    while len(chosen) == 1 or halves.value(chosen[-1]) < limit:
+        others = [member for member in range(len(halves.optimizers)) if member not in chosen[-1]]
+        chosen.append(max(([*chosen[-1], member] for member in others), key=halves.value))
+    return _sets(halves, chosen[1:], exact=False)
+
+
+def _sets(halves: Halves, chosen: Sequence[Sequence[int]], *, exact: bool) -> pd.DataFrame:
+    virtual = halves.value(range(len(halves.optimizers)))
+    scores = np.array([halves.value(members) for members in chosen])
+    return pd.DataFrame(
+        {
+            "size": [len(members) for members in chosen],
+            "optimizers": [tuple(halves.optimizers[each] for each in members) for members in chosen],
+            "score": scores,
+            "ratio": scores / virtual if virtual > 0 else 1.0,
+            "near": scores >= NEAR * virtual,
+            "exact": exact or np.array([len(members) == 1 for members in chosen]),
+        }
+    )
+
+
+def _members(halves: Halves, values: Floats | None, seed: int) -> pd.DataFrame:
+    everyone = list(range(len(halves.optimizers)))
+    virtual = halves.value(everyone)
+    worth, error = _sampled_shapley(halves, seed) if values is None else (shapley(values), np.zeros(len(everyone)))
+    without = [halves.value([each for each in everyone if each != member]) for member in everyone]
+    return pd.DataFrame(
+        {
+            "optimizer": halves.optimizers,
+            "score": [halves.value([member]) for member in everyone],
+            "chosen": (halves.chosen(everyone).mean(axis=0) * halves.weights[:, np.newaxis]).sum(axis=0),
+            "shapley": worth,
+            "se": error,
+            "adds": np.subtract(virtual, without).round(ROUNDING),
+        }
+    )
+
+
+def shapley(worth: Floats) -> Floats:
+    """Return the Shapley value of each player (Shapley 1953), (K,), from the worth of all 2^K sets by their bits.
+
+    It is what a player adds to those before it, averaged over all orders; that of optimizers in a portfolio is by
+    Fréchette, Kotthoff, Michalak, Rahwan, Hoos and Leyton-Brown (2016, AAAI).
+    """
+    count = int(np.log2(len(worth)))
+    sets = np.arange(len(worth))
+    sizes = np.bitwise_count(sets)
+    weights = np.array([factorial(size) * factorial(count - size - 1) for size in range(count)]) / factorial(count)
+    found = np.zeros(count)
+    for player in range(count):
+        before = sets[(sets >> player & 1) == 0]
+        found[player] = (weights[sizes[before]] * (worth[before | 1 << player] - worth[before])).sum()
+    return found
+
+
+def _sampled_shapley(halves: Halves, seed: int) -> tuple[Floats, Floats]:
+    """Return Shapley values from random orders, and their standard errors."""
+    rng, size = np.random.default_rng(seed), halves.choose.shape[:2]
+    added = np.empty((PERMUTATIONS, len(halves.optimizers)))
+    for row in added:
+        best, total, tied = np.full(size, -np.inf), np.zeros(size), np.ones(size)
+        before = 0.0
+        for player in rng.permutation(len(row)):
+            own, scored = halves.choose[..., player], halves.score[..., player]
+            better, equal = own > best, own == best
+            total = np.where(better, scored, total + np.where(equal, scored, 0.0))
+            tied, best = np.where(better, 1.0, tied + equal), np.where(better, own, best)
+            after = float((total / tied).mean(axis=0) @ halves.weights)
+            row[player], before = after - before, after
+    return added.mean(axis=0), added.std(axis=0, ddof=1) / np.sqrt(PERMUTATIONS)

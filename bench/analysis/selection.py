@@ -1,0 +1,161 @@
+"""Choose an optimizer by the features of a problem's landscape, and validate the choice by leaving functions out.
+
+The choice is that of nearest neighbours: the optimizer with the highest mean score on the problems whose features are
+most alike. A validation leaves out all instances and dimensions of a function at a time, as those of one function are
+nearly the same problem (Bischl, Mersmann, Trautmann and Preuss 2012, GECCO).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.spatial.distance import cdist
+
+from bench.analysis.cells import labels
+from bench.analysis.portfolio import over_functions, student
+from bench.typing import Floats
+
+NEIGHBOURS = 5
+LEAST_FUNCTIONS = 6  # for a validation
+SHOWN = 3  # optimizers of an advice
+
+
+class Space(NamedTuple):
+    """Where the features of problems lie: standardised, each group of features with the same weight.
+
+    Features enter as their asinh, since ratios reach 1e10, a dimension as its logarithm. A feature that is missing or
+    equal on all problems is left out, and one that a problem lacks counts as the mean. A distance is the root of the
+    mean over groups of the mean squared difference, 1.4 between problems that have nothing in common.
+
+    Attributes:
+        table: features by problem, those in use.
+        mean: (M,); scale: (M,).
+    """
+
+    table: pd.DataFrame
+    mean: Floats
+    scale: Floats
+
+    @classmethod
+    def of(cls, table: pd.DataFrame) -> Space:
+        """Return the space of the features by problem, (P, M), in which ``dimension`` is one of them."""
+        values = _moderate(table)
+        varying = [name for name in values if values[name].max() > values[name].min()]
+        used = values[varying]
+        groups = pd.Series([str(name).partition(".")[0] for name in varying], dtype=object)
+        sizes = groups.map(groups.value_counts()).to_numpy(dtype=float)
+        scale = used.std(ddof=0).to_numpy(dtype=float) * np.sqrt(sizes * max(groups.nunique(), 1))
+        return cls(table[varying], used.mean().to_numpy(dtype=float), scale)
+
+    def distances(self, others: pd.DataFrame) -> pd.DataFrame:
+        """Return the distance of each of the others (rows) to each problem of the space (columns)."""
+        own, given = (self._places(each) for each in (self.table, others))
+        return pd.DataFrame(cdist(given, own), index=others.index, columns=self.table.index)
+
+    def _places(self, table: pd.DataFrame) -> Floats:
+        places = (_moderate(table.reindex(columns=self.table.columns)).to_numpy(dtype=float) - self.mean) / self.scale
+        return np.nan_to_num(places)
+
+
+def _moderate(table: pd.DataFrame) -> pd.DataFrame:
+    """Return features of moderate size: asinh, of a dimension its logarithm."""
+    values = pd.DataFrame(np.arcsinh(table.to_numpy(dtype=float)), table.index, table.columns)
+    return values.assign(dimension=np.log(table["dimension"].astype(float))) if "dimension" in table else values
+
+
+def cell_scores(scores: pd.DataFrame) -> pd.DataFrame:
+    """Return the mean score of each cell, problems by optimizers, of problems on which every optimizer has a trial."""
+    order = list(dict.fromkeys(scores["problem"]))
+    wide = scores.astype({"problem": object, "optimizer": object}).pivot_table(
+        index="problem", columns="optimizer", values="score", aggfunc="mean"
+    )
+    return wide.reindex(index=order, columns=labels(scores, "optimizer")).dropna().round(12)
+
+
+def single_best(table: pd.DataFrame, blocks: Mapping[str, str]) -> str:
+    """Return the optimizer with the highest mean score over functions; ``table`` is that of :func:`cell_scores`."""
+    return str(over_functions(table, blocks).mean().round(12).idxmax())
+
+
+def validated_selection(
+    features: pd.DataFrame, scores: pd.DataFrame, charged: pd.DataFrame, blocks: Mapping[str, str]
+) -> pd.DataFrame:
+    """Return what the choice by features would have been for each problem, without any problem of its function.
+
+    Columns: problem, function, nearest (the neighbour), distance, chosen, ``score`` (charged), ``single`` (the single
+    best of all these problems), ``single_score``, ``gain`` (the difference, positive where the choice is better).
+    Empty with fewer than 6 functions.
+
+    The single best is chosen on the trials that score it, so the gain of useless features is below 0. One that is
+    chosen anew without each function would be unbiased, but then gains depend on each other, and their interval lies
+    above 0 in 14 % of studies of 24 functions and equal optimizers (``validation/portfolio.py``).
+
+    Args:
+        features: by problem, ``dimension`` among them; problems without are left out.
+        scores: those of :func:`bench.analysis.target_shares`.
+        charged: the same with the evaluations of the feature sample charged.
+        blocks: the function of each problem.
+    """
+    plain, paid = (cell_scores(each) for each in (scores, charged))
+    known = [problem for problem in plain.index if problem in features.index and problem in paid.index]
+    functions = np.array([blocks.get(problem, problem) for problem in known], dtype=object)
+    plain, paid, own = plain.loc[known], paid.loc[known], features.loc[known]
+    values, tables = paid.to_numpy(dtype=float), []
+    for function in dict.fromkeys(functions) if len(set(functions)) >= LEAST_FUNCTIONS else ():
+        test, train = np.flatnonzero(functions == function), np.flatnonzero(functions != function)
+        apart = Space.of(own.iloc[train]).distances(own.iloc[test]).to_numpy()
+        near = apart.argsort(axis=1, kind="stable")[:, :NEIGHBOURS]
+        chosen = values[train[near]].mean(axis=1).round(12).argmax(axis=1)
+        table = {"problem": plain.index[test], "function": function, "nearest": plain.index[train[near[:, 0]]]}
+        table |= {"distance": np.take_along_axis(apart, near, axis=1)[:, 0], "chosen": paid.columns[chosen]}
+        tables.append(pd.DataFrame(table | {"score": values[test, chosen]}))
+    columns = ["problem", "function", "nearest", "distance", "chosen", "score"]
+    found = pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)
+    single = single_best(plain, blocks) if known else ""
+    beside = plain[single].reindex(found["problem"]).to_numpy(dtype=float) if single else np.empty(0)
+    return found.assign(single=single, single_score=beside, gain=found["score"].astype(float) - beside)
+
+
+def selection_gain(validated: pd.DataFrame) -> tuple[float, float, float]:
+    """Return the mean gain of :func:`validated_selection` over functions, and its interval; missing where empty."""
+    if validated.empty:
+        return np.nan, np.nan, np.nan
+    return student(validated.groupby("function", sort=False)["gain"].mean().to_list())
+
+
+def usual_reach(features: pd.DataFrame, blocks: Mapping[str, str]) -> float:
+    """Return how far a problem is from the nearest problem of another function, at most; missing for one function."""
+    apart = Space.of(features).distances(features)
+    functions = np.array([blocks.get(str(problem), str(problem)) for problem in apart.index], dtype=object)
+    others = apart.where(functions[:, np.newaxis] != functions[np.newaxis])
+    return float(others.min(axis=1).max())
+
+
+def best_on(
+    problems: Sequence[str], scores: pd.DataFrame, charged: pd.DataFrame, blocks: Mapping[str, str]
+) -> pd.DataFrame:
+    """Return the best three optimizers on some problems, beside the single best of all.
+
+    Columns: optimizer, ``best_on`` (the number of these problems on which no other one has a higher score), ``score``,
+    the mean over them, and ``gain``, ``low`` and ``high``: how much that is above the score of the single best, with
+    the interval over the functions of these problems. As the same problems choose, gains are too large rather than
+    too small.
+
+    Args:
+        problems: such as those with the most similar features.
+        scores: as in :func:`validated_selection`.
+        charged: likewise, or ``scores`` where nothing is charged.
+        blocks: likewise.
+    """
+    plain, paid = (cell_scores(each) for each in (scores, charged))
+    near = [problem for problem in problems if problem in plain.index]
+    single, own = plain.loc[near, single_best(plain, blocks)], paid.loc[near]
+    highest = own.eq(own.max(axis=1), axis=0).sum()
+    rows = []
+    for optimizer in own.mean().round(12).sort_values(ascending=False, kind="stable").index[:SHOWN]:
+        gain = student(over_functions(own[optimizer] - single, blocks).to_list())
+        rows.append((optimizer, int(highest[optimizer]), own[optimizer].mean(), *gain))
+    return pd.DataFrame(rows, columns=["optimizer", "best_on", "score", "gain", "low", "high"])

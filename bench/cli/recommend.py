@@ -1,0 +1,78 @@
+"""bench recommend: choose an optimizer for a problem by what others reached on similar problems."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from bench.cli import completion
+from bench.errors import BenchError
+from bench.helpers.console import pairs, print_line
+
+
+def recommend(
+    problem: Annotated[
+        str, typer.Argument(help="A problem's name, or file.py:Class.", autocompletion=completion.problems)
+    ],
+    folders: Annotated[
+        list[Path],
+        typer.Option(
+            "--from", metavar="FOLDER", help="A study's folder to learn from; repeatable.",
+            autocompletion=completion.folders,
+        ),
+    ],
+    budget: Annotated[str, typer.Option(help="Evaluations to spend: a number, or such as '100 * d'.")],
+    problem_option: Annotated[
+        list[str] | None, typer.Option(help="An option of the problem, as in unit=rpm; repeatable.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option(help="Write the study that tests the advice (TOML); default: print it.")
+    ] = None,
+) -> None:  # fmt: skip
+    """Recommend an optimizer for a problem, and print the study that tests the advice.
+
+    A sample of the problem, charged to the budget, shows the features of its landscape. The advice is the best
+    optimizer on the five problems of the folders with the most similar features, where such a choice is shown to be
+    better than one optimizer for all, by leaving functions out; else it is that single best.
+    """
+    from bench.helpers.atomic import replacing
+    from bench.helpers.text import file_name
+    from bench.report.recommend import recommend as recommended
+
+    if output is not None and output.suffix != ".toml":
+        raise BenchError(f"the output {output} must end with .toml")
+    name = "recommended" if output is None else file_name(output.stem)
+    found = recommended(problem, folders, budget, pairs(problem_option), name)
+    console = Console()
+    if len(found.nearest):
+        near = Table("most similar problem", "distance", "best there", box=None, pad_edge=False)
+        for row in found.nearest.itertuples():
+            near.add_row(Text(str(row.problem)), f"{row.distance:.2f}", Text(str(row.best)))
+        console.print(near, "")
+    where = "these" if len(found.nearest) else "all"
+    best = Table(
+        f"best on {where}", "targets reached", "best on", "more than the single best", box=None, pad_edge=False
+    )
+    for row in found.best.itertuples():
+        interval = "" if row.low != row.low else f" ({100 * row.low:+.1f} to {100 * row.high:+.1f})"
+        best.add_row(Text(str(row.optimizer)), f"{row.score:.1%}", str(row.best_on), f"{100 * row.gain:+.1f}{interval}")
+    console.print(best, "")
+    for note in found.notes:
+        print_line(note, console=console)
+    if found.study is None:
+        print_line("No study can test this, as the results were imported.", console=console)
+        return
+    text = found.study.to_toml()
+    if output is None:
+        print_line(f"\n{text}", console=console)
+        return
+    if output.exists() and output.read_text(encoding="utf-8") != text:
+        raise BenchError(f"{output} is there already, with other content; give another --output")
+    with replacing(output) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    print_line(f"study: {output}; test the advice with: bench run {output}", console=console)

@@ -1,0 +1,183 @@
+"""Recommend an optimizer for a problem from the trials of others on similar problems, and the study that tests it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any
+
+import pandas as pd
+
+from bench.analysis.landscape import describe
+from bench.analysis.selection import NEIGHBOURS, Space, best_on, cell_scores, single_best, usual_reach
+from bench.errors import BenchError
+from bench.plugins.loading import is_imported, load_problem
+from bench.problem import Problem
+from bench.report.findings import Findings
+from bench.report.landscapes import sample
+from bench.report.portfolio import Choice, gap_sentence, selection_sentence
+from bench.report.wording import count, listing
+from bench.storage.results import Results
+from bench.study import Study
+from bench.study.budget import checked, described, evaluations
+
+TRIALS = 15  # of the study that tests an advice
+
+
+@dataclass(frozen=True)
+class Recommendation:
+    """An optimizer for a problem, and what it rests on.
+
+    Attributes:
+        optimizer: the label of the one to take: the best on the most similar problems where such a choice is shown to
+            be better than the single best, else the single best.
+        nearest: problem, distance and ``best`` (its best optimizer) of the most similar problems; empty where none
+            could be compared.
+        best: the best three optimizers there, or on all problems where ``nearest`` is empty
+            (:func:`bench.analysis.best_on`).
+        notes: sentences on what the recommendation rests on, the most important last.
+        study: the study that compares these optimizers and the single best on the problem; None where none of them can
+            be run.
+    """
+
+    optimizer: str
+    nearest: pd.DataFrame
+    best: pd.DataFrame
+    notes: tuple[str, ...]
+    study: Study | None
+
+
+def recommend(
+    problem: str,
+    folders: Sequence[str | PathLike[str]],
+    budget: Any,
+    options: Mapping[str, Any] | None = None,
+    name: str = "recommended",
+) -> Recommendation:
+    """Return an optimizer for a problem from the trials in the folders; evaluate a sample of the problem.
+
+    Args:
+        problem: its name, or ``"file.py:Class"``.
+        folders: of studies that can be compared.
+        budget: the evaluations to spend (:func:`bench.study.budget.checked`), those of the sample among them.
+        options: of the problem.
+        name: of the study.
+
+    Raises:
+        BenchError: where a folder, the problem or the budget cannot be used, or the folders have no trials to compare.
+    """
+    asked = checked(budget, "--budget")
+    loaded = load_problem(problem, **options or {})
+    spent, cost = evaluations(asked, loaded.dimension), sample(loaded.dimension)
+    findings = Findings(Results(*folders))
+    choice = Choice(findings, asked)
+    notes = _budget_notes(choice, described(asked))
+    if len(findings.trials.optimizers) < 2:
+        raise BenchError("the folders hold one optimizer, so there is nothing to choose; give others with --from")
+    notes.append(gap_sentence(choice.portfolio.gap))
+    plain = cell_scores(choice.scores)
+    single = single_best(plain, choice.blocks)
+    obstacle = _obstacle(choice, spent, cost)
+    if obstacle:
+        best = best_on(list(plain.index), choice.scores, choice.scores, choice.blocks)
+        notes.append(f"{obstacle} The advice is the single best on all problems of the folders, {single}.")
+        study = _study(name, problem, options or {}, asked, findings, [single, *best["optimizer"]])
+        return Recommendation(single, pd.DataFrame(), best, tuple(notes), study)
+    described_own = choice.features[choice.features.index.isin(plain.index)]
+    own = pd.DataFrame([_features(loaded, cost) | {"dimension": loaded.dimension}], index=[problem])
+    distances = Space.of(described_own).distances(own).loc[problem]
+    near = distances.nsmallest(NEIGHBOURS)
+    best = best_on(list(near.index), choice.scores, choice.charged, choice.blocks)
+    notes += _extrapolation(problem, loaded.dimension, float(near.iloc[0]), described_own, choice.blocks)
+    first = str(best["optimizer"].iloc[0])
+    notes.append(selection_sentence(choice))
+    notes.append(_advice(first, single, pays=choice.pays))
+    winners = [listing(list(row.index[row == row.max()]), 3) for _, row in plain.loc[near.index].iterrows()]
+    nearest = pd.DataFrame({"problem": near.index, "distance": near.to_numpy(dtype=float), "best": winners})
+    study = _study(
+        name, problem, options or {}, asked, findings, [first if choice.pays else single, *best["optimizer"], single]
+    )
+    return Recommendation(first if choice.pays else single, nearest, best, tuple(notes), study)
+
+
+def _budget_notes(choice: Choice, words: str) -> list[str]:
+    """Return sentences on the budgets; raises BenchError where the trials on no problem had as many evaluations."""
+    trials = choice.findings.trials
+    if not choice.budgets:
+        raise BenchError(
+            f"the trials of the folders had at most {choice.findings.study.budget_words}, fewer than {words}; ask for "
+            "fewer, or run the study with more"
+        )
+    notes = []
+    if left_out := len(trials.problems) - len(choice.budgets):
+        notes.append(f"Left out: {count(left_out, 'problem')} whose trials had fewer evaluations than asked for.")
+    own = Choice(choice.findings).budgets
+    if any(most < own[problem] for problem, most in choice.budgets.items()):
+        notes.append(
+            f"The trials had more evaluations and are looked at after {words}; an optimizer that plans by its budget "
+            "may do better with fewer."
+        )
+    return notes
+
+
+def _obstacle(choice: Choice, spent: int, cost: int) -> str:
+    """Return why nothing can be chosen by features, "" where it can."""
+    if spent <= cost:
+        return f"The features of the problem would take {cost:,} evaluations, which is all of the budget of {spent:,}."
+    described_own = set(choice.features.index) & set(cell_scores(choice.charged).index)
+    if not described_own:
+        return "No problem of the folders can be loaded and sampled here, so none can be compared by its features."
+    return ""
+
+
+def _extrapolation(
+    problem: str, dimension: int, distance: float, features: pd.DataFrame, blocks: Mapping[str, str]
+) -> list[str]:
+    """Return how the problem is beyond those of the folders, if it is."""
+    low, high = (int(end) for end in (features["dimension"].min(), features["dimension"].max()))
+    reach = usual_reach(features, blocks)
+    beyond = []
+    if not low <= dimension <= high:
+        sizes = f"{low}" if low == high else f"{low} to {high}"
+        beyond.append(f"has {count(dimension, 'variable')}, and the problems of the folders have {sizes}")
+    if distance > reach:
+        beyond.append(
+            f"is at a distance of {distance:.2f} from the most similar problem, and each problem of the folders is "
+            f"within {reach:.2f} of one of another function"
+        )
+    return [f"This is an extrapolation: {problem} {'; it '.join(beyond)}."] if beyond else []
+
+
+def _features(problem: Problem, points: int) -> dict[str, float]:
+    try:
+        return describe(problem, points)
+    except BenchError:
+        raise
+    except Exception as error:  # a plug-in may raise anything
+        raise BenchError(f"{problem.name} cannot be evaluated: {type(error).__name__}: {error}") from error
+
+
+def _advice(first: str, single: str, *, pays: bool) -> str:
+    if pays:
+        return f"The advice is {first}, the best on the most similar problems."
+    if first == single:
+        return f"The advice is {single}, the single best, which is also the best on the most similar problems."
+    return f"The advice is {single}, the single best; {first}, the best on the most similar problems, is worth a test."
+
+
+def _study(
+    name: str, problem: str, options: Mapping[str, Any], budget: Any, findings: Findings, labels: Sequence[str]
+) -> Study | None:
+    """Return the study of these optimizers on the problem, without those that cannot be run."""
+    entries = {entry.label: entry for entry in findings.results.study.optimizers if not is_imported(entry.name)}
+    chosen = [entries[label].as_dict() for label in dict.fromkeys(labels) if label in entries]
+    if not chosen:
+        return None
+    return Study.from_dict(
+        {
+            "name": name, "title": f"Which optimizer to take for {problem}", "trials": TRIALS, "budget": budget,
+            "problems": [{"name": problem, **options}], "optimizers": chosen,
+        },
+        repr(name),
+    )  # fmt: skip
