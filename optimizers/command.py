@@ -157,7 +157,12 @@ def _short(value: Any) -> str:
 
 
 class Command:
-    """The family ``command:<words of a command>``: any program."""
+    """The family ``command:<words of a command>``: any program, in any language, that proposes points in lines of JSON.
+
+    It has no list of names: 'bench solve classical-sphere-d5-i1 command:./mine' runs the program ./mine, and
+    'command:"Rscript mine.R"' a script. In a study, write name = "command" and command = ["Rscript", "mine.R"].
+    The protocol is in docs/reference/protocol.md; examples/command has programs to copy.
+    """
 
     def __reduce__(self) -> str:
         """Pickle by reference."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import json
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -140,7 +141,13 @@ def show(kind: str, family: str, full: bool, console: Console) -> None:
         )
         return
     if family and registry.is_family(registry.load(kind, family)):
-        rows = [(name, _describe(_optimizer, name)) for name in registry.load(kind, family).names()]
+        plugin = registry.load(kind, family)
+        rows = [(name, _describe(_optimizer, name)) for name in plugin.names()]
+        if not rows:
+            about = inspect.getdoc(plugin) or f"{family} has no list of its members"
+            for paragraph in about.replace("``", "").split("\n\n"):
+                console.print(Text(" ".join(paragraph.split())))
+            return
         rows = _shared_lines_first(rows, f"all of {family}") if full else rows
     else:
         full = full or bool(family)
