@@ -54,10 +54,9 @@ def recommend(
         for row in found.nearest.itertuples():
             near.add_row(Text(str(row.problem)), f"{row.distance:.2f}", Text(str(row.best)))
         console.print(near, "")
-    where = "these" if len(found.nearest) else "all"
-    best = Table(
-        f"best on {where}", "targets reached", "best on", "more than the single best", box=None, pad_edge=False
-    )
+    where, reached = ("these", "targets after the sample") if len(found.nearest) else ("all", "targets")
+    heads = (f"best on {where}", reached, "best on", "points above the single best, without a sample")
+    best = Table(*heads, box=None, pad_edge=False)
     for row in found.best.itertuples():
         interval = "" if row.low != row.low else f" ({100 * row.low:+.1f} to {100 * row.high:+.1f})"
         best.add_row(Text(str(row.optimizer)), f"{row.score:.1%}", str(row.best_on), f"{100 * row.gain:+.1f}{interval}")

@@ -86,7 +86,7 @@ def recommend(
         return Recommendation(single, pd.DataFrame(), best, tuple(notes), study)
     described_own = choice.features[choice.features.index.isin(plain.index)]
     own = pd.DataFrame([_features(loaded, cost) | {"dimension": loaded.dimension}], index=[problem])
-    distances = Space.of(described_own).distances(own).loc[problem]
+    distances = Space.of(described_own).distances(own).iloc[0]
     near = distances.nsmallest(NEIGHBOURS)
     best = best_on(list(near.index), choice.scores, choice.charged, choice.blocks)
     notes += _extrapolation(problem, loaded.dimension, float(near.iloc[0]), described_own, choice.blocks)

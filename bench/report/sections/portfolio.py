@@ -49,19 +49,21 @@ def _smallest(found: Portfolio) -> str:
     """Return the sentence on the smallest set within 5 % of the virtual best."""
     row = found.sets[found.sets["near"]].iloc[0]
     members, everyone = list(row["optimizers"]), len(found.members)
-    how = f"of all {2**everyone - 1:,} sets" if everyone <= MOST_EXACT else (
-        "found by adding the optimizer that gains most, one after the other, so a smaller set may exist"
-    )  # fmt: skip
+    how = (
+        f"all {2**everyone - 1:,} sets were compared"
+        if everyone <= MOST_EXACT
+        else "found by adding the optimizer that gains most, one after the other, so a smaller set may exist"
+    )
     return (
         f"The smallest set within 5% of the virtual best has {count(len(members), 'optimizer')}, {listing(members)}, "
-        f"with {row['score']:.1%} of the targets, {how}."
+        f"with {row['score']:.1%} of the targets; {how}."
     )
 
 
 def _members(found: Portfolio) -> Table:
     own = found.members.sort_values("shapley", ascending=False, kind="stable").set_index("optimizer")
     sampled = bool((own["se"] > 0).any())
-    percent = 100 * own[["score", "chosen", "shapley", "adds"]]
+    percent = (100 * own[["score", "chosen", "shapley", "adds"]]).round(1) + 0.0  # no negative zero
     names = {"score": "alone, %", "chosen": "taken for, %", "shapley": "Shapley value, %", "adds": "adds, %"}
     texts = [f"{worth:.1f} ± {100 * se:.1f}" for worth, se in zip(percent["shapley"], own["se"], strict=True)]
     return Table(
@@ -73,8 +75,8 @@ def _members(found: Portfolio) -> Table:
         note="Alone: the share of the targets that it reaches. Taken for: the share of the problems for which the "
         "virtual best takes it. Shapley value: what it adds to the optimizers before it, averaged over all orders"
         + (" (200 random ones, ± their standard error)" if sampled else "")
-        + "; the sum is the share that the virtual best reaches. Adds: what the virtual best of all others would lose, "
-        "about 0 where another optimizer replaces it.",
+        + "; the sum is the share that the virtual best reaches. Adds: how much more the virtual best reaches "
+        "than that of the others alone, about 0 where another optimizer replaces it.",
         data=own.reset_index(),
     )
 

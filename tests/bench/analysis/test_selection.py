@@ -39,8 +39,7 @@ def test_the_feature_chooses_the_optimizer_of_its_kind(study):
     assert (found["chosen"] == found["problem"].str[0]).all()
     mean, low, high = selection_gain(found)
     assert mean == pytest.approx(0.25)
-    assert low > 0
-    assert high > mean
+    assert mean - low == pytest.approx(high - mean)
 
 
 def test_no_problem_of_the_function_takes_part_in_its_choice(study):

@@ -55,7 +55,7 @@ def write(place, name, functions, good, **changes):
             values = optimum + np.array([9.0, 0.0 if good(function, trial.optimizer) else 2.0])
             row = {
                 "status": "ok", "fun": values[-1], "nfev": 200, "wall_s": 0.1, "cpu_s": 0.1, "objective_s": 0.01,
-                "stop": "budget", "outside_box": 0, "x": {"x1": 0.0}, "metrics": {},
+                "stop": "budget", "outside_box": 0, "x": {"x1": 0.0, "x2": 0.0}, "metrics": {},
                 "trace": Trace(np.array([1, 60]), values),
             }  # fmt: skip
             writer.add(trial, row)

@@ -4,9 +4,10 @@ import pickle
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
-from bench import BenchError, Results, Study, load_optimizer, run, solve
+from bench import BenchError, Results, Study, load_optimizer, load_problem, run, solve
 
 CODE = '''
 from __future__ import annotations
@@ -178,3 +179,49 @@ def test_a_file_without_its_class_is_refused_and_not_run(tmp_path, code, said):
         load_optimizer(path)
     assert said.format(path) in str(caught.value)
     assert "beside" not in sys.modules
+
+
+PROBLEM = """
+from dataclasses import dataclass
+import numpy as np
+from bench import Problem
+
+
+@dataclass(frozen=True)
+class Bowl(Problem):
+    height: float = 1.0
+    name = "bowl"
+    variables = ("x", "y")
+    lower, upper = np.full(2, -3.0), np.full(2, 4.0)
+
+    def evaluate(self, x):
+        return self.height * (x**2).sum(axis=1)
+"""
+
+
+def test_a_problem_of_a_file_takes_options_and_its_data_are_the_file(tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(PROBLEM, encoding="utf-8")
+    problem = load_problem(f"{path}:Bowl", height=3)
+    assert problem.evaluate(np.ones((1, 2))) == [6]
+    assert problem.fingerprint() == load_problem(f"{path}:Bowl").fingerprint() != ""
+    path.write_text(PROBLEM.replace("3.0", "5.0"), encoding="utf-8")
+    assert load_problem(f"{path}:Bowl").fingerprint() != problem.fingerprint()
+
+
+def test_a_study_runs_on_a_problem_of_a_file(tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(PROBLEM, encoding="utf-8")
+    study = Study.from_dict(
+        {
+            "name": "s",
+            "trials": 1,
+            "budget": 20,
+            "problems": [{"name": f"{path}:Bowl"}],
+            "optimizers": [{"name": "scatter"}],
+        }
+    )
+    run(study, output=tmp_path / "out", n_jobs=1)
+    frame = Results(tmp_path / "out").frame
+    assert list(frame["problem"]) == ["Bowl"]
+    assert list(frame["status"]) == ["ok"]
