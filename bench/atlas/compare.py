@@ -152,7 +152,7 @@ def biases(atlas: Atlas, each: Surveyed) -> list[str]:
     found = []
     ratio = atlas.centre_bias[each.implementation.key]
     if ratio > LIMIT:
-        found.append(f"centre (errors are {ratio:.2g} times as high away from it)")
+        found.append(f"centre (errors are {ratio:.3g} times as high away from it)")
     if each.clamped > CLAMPED:
         found.append(f"bounds ({each.clamped:.0%} of the best points' coordinates lie on them)")
     return found

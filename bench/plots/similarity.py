@@ -9,6 +9,7 @@ from scipy.cluster.hierarchy import dendrogram, fcluster, linkage
 from bench.analysis.similarity import Similarity
 from bench.plots import style
 
+SQUARE = 3.6  # inches: a figure higher than that has a map of its own shape
 NEAR = 0.05  # of the map's width: optimizers that share one label
 
 
@@ -36,7 +37,10 @@ def similarity_map(similarity: Similarity) -> matplotlib.figure.Figure:
             ", ".join(str(each + 1) for each in members), at, xytext=(5, 0), textcoords="offset points", va="center"
         )
     left.margins(0.15)
-    left.set_aspect("equal", adjustable="datalim")
+    if height > SQUARE:  # beside a long tree, the map is a square at its top
+        left.set_aspect("equal", adjustable="box", anchor="N")
+    else:
+        left.set_aspect("equal", adjustable="datalim")
     left.set_xlabel("distance less its noise floor")
     dendrogram(
         similarity.tree, labels=labels, orientation="right", ax=right, color_threshold=0, above_threshold_color="black",
