@@ -84,7 +84,8 @@ class Inference:
         p_value: that noise alone gives so good a fit (:func:`problems.backlash.sensor.evidence.p_value`).
         amplitude_rps: the peak of the disturbance, inferred from the fit by the calibration; the fit's |A| outside the
             calibration or where it has no fits, and 0 where no disturbance can be distinguished from noise.
-        amplitude_interval_rps: its confidence interval; from 0 to the smallest detectable amplitude where it is 0.
+        amplitude_interval_rps: its confidence interval, the estimate always inside; from 0 to the smallest detectable
+            amplitude where it is 0.
         backlash_rad: the half-gap delta; NaN outside the calibration.
         interval_rad: its confidence interval, NaN likewise.
         verdict: "no backlash", "early" or "progressed"; "undecided" where the interval contains the limit or noise may
@@ -251,7 +252,10 @@ def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) ->
         if calibration:
             peaks *= 1 + calibration.relative_scatter(60 * strength(x)) * rng.standard_normal(len(peaks))
         outside = (1 - settings.confidence) / 2
+        # Refits of a signal that the signature fits badly are larger than the fit. An interval that is widened to its
+        # estimate covers the truth no less often.
         low, high = (float(end) for end in np.quantile(peaks, [outside, 1 - outside]))
+        low, high = min(low, amplitude), max(high, amplitude)
     gap = infer_gap(amplitude, calibration)
     slow = float(x[OMEGA]) * problem.period / 2 < 2 * math.pi
     if calibration and math.isnan(gap):

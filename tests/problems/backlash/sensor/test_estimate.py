@@ -12,6 +12,7 @@ from problems.backlash.sensor import evidence
 from problems.backlash.sensor.estimate import Settings, estimate, signature_problem
 from problems.backlash.signature.calibration import calibrate, sensor_calibration
 from problems.backlash.signature.datasets import noisy
+from problems.backlash.signature.model import A
 
 PLAIN = Settings(resamples=0)
 
@@ -261,3 +262,17 @@ def test_a_recording_in_which_any_disturbance_could_hide_is_undecided_without_a_
     assert (short.verdict, short.amplitude_rps) == ("undecided", 0.0)
     quiet = estimate(noisy(0), Settings(calibration=None, period=0.4, resamples=0))
     assert (quiet.verdict, quiet.amplitude_rps) == ("no backlash", 0.0)
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_an_interval_contains_its_estimate_however_refits_are_biased(monkeypatch, factor):
+    def biased(problem, x, resamples, rng, *, constrained):
+        fits = np.tile(x, (resamples, 1))
+        fits[:, A] *= factor
+        return fits
+
+    monkeypatch.setattr("problems.backlash.sensor.estimate.resampled", biased)
+    measured = estimate(noisy(12), Settings(calibration=None, period=0.4, resamples=20))
+    low, high = measured.amplitude_interval_rps
+    assert low <= measured.amplitude_rps <= high
+    assert high - low == pytest.approx(abs(factor - 1) * measured.amplitude_rps)
