@@ -1,7 +1,8 @@
 """The project's sessions: ``nox -s tests``, ``tests-3.12`` and so on, ``lowest``, ``nightly``, ``lint``, ``types``,
 ``workflows``, ``docs``, ``benchmark`` and ``release``.
 
-``tests`` runs on the interpreter that runs nox; ``tests-3.12`` on that version, and is skipped where it is missing.
+``tests`` runs on the interpreter that runs nox; ``tests-3.12`` on that version, which uv downloads where it is missing;
+without uv the session is then skipped.
 """
 
 import os
@@ -9,7 +10,7 @@ from pathlib import Path
 
 import nox
 
-nox.options.default_venv_backend = "venv"
+nox.options.default_venv_backend = "uv|venv"  # uv, where it is installed, is ten times as fast as pip
 nox.options.reuse_existing_virtualenvs = True
 nox.options.error_on_missing_interpreters = False  # they are skipped
 nox.options.sessions = ["lint", "types", "tests"]
@@ -91,7 +92,7 @@ def workflows(session: nox.Session) -> None:
     session.run("actionlint", *files)
 
 
-@nox.session(venv_backend="uv|venv")  # uv, where it is installed, is ten times as fast as pip
+@nox.session
 def benchmark(session: nox.Session) -> None:
     """Reproduce the thesis's comparison, check it, and write its report; arguments after -- go to 'bench run'."""
     session.install("-e", ".")
@@ -100,21 +101,21 @@ def benchmark(session: nox.Session) -> None:
     session.run(*command, env={"PYTHONDONTWRITEBYTECODE": ""})
 
 
-@nox.session(venv_backend="uv|venv")
+@nox.session
 def performance(session: nox.Session) -> None:
     """Measure what the performance page shows, and write its JSON; "-- --quick" tries the scripts with small sizes."""
     session.install("-e", ".[suites]", *group("test"), "ioh")
     session.run("python", "performance", *session.posargs)
 
 
-@nox.session(venv_backend="uv|venv")
+@nox.session
 def release(session: nox.Session) -> None:
     """Build sdist and wheel, and try them in fresh environments; --rehearse goes on without a date in the changelog."""
     session.install(*group("release"))
     session.run("python", "tools/release.py", *session.posargs)
 
 
-@nox.session(venv_backend="uv|venv")
+@nox.session
 def docs(session: nox.Session) -> None:
     """Build the site into docs/_build/html, check it and run its code; "-- linkcheck" tries links to other sites."""
     session.install("-e", ".", *group("docs"), *group("test"))

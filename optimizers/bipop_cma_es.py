@@ -115,10 +115,10 @@ class Run(Strategy):
 
     def parameters(self, d: int, agents: int) -> tuple[Floats, Rates]:
         """Return the weights, none negative, and the learning rates."""
-        weights, known = rates(d, agents)
-        cs = (known.mueff + 2) / (d + known.mueff + 5)  # (tutorial, eq. 55)
-        damps = 1 + 2 * max(0.0, math.sqrt((known.mueff - 1) / (d + 1)) - 1) + cs
-        return np.maximum(weights, 0.0), known._replace(cs=cs, damps=damps)
+        weights, constants = rates(d, agents)
+        cs = (constants.mueff + 2) / (d + constants.mueff + 5)  # (tutorial, eq. 55)
+        damps = 1 + 2 * max(0.0, math.sqrt((constants.mueff - 1) / (d + 1)) - 1) + cs
+        return np.maximum(weights, 0.0), constants._replace(cs=cs, damps=damps)
 
     def tell(self, f: Floats) -> None:
         """Learn from the (agents,) values of the last points in the box, and set :attr:`stops`."""

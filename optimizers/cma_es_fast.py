@@ -134,8 +134,8 @@ class Strategy:
 
     def parameters(self, d: int, agents: int) -> tuple[Floats, Rates]:
         """Return the (agents,) weights and the learning rates in ``d`` variables."""
-        weights, known = rates(d, agents)
-        return (weights if self.active else np.maximum(weights, 0.0)), known
+        weights, constants = rates(d, agents)
+        return (weights if self.active else np.maximum(weights, 0.0)), constants
 
     def ask(self) -> Floats:
         """Return (agents, d) points of the box to evaluate."""

@@ -118,12 +118,12 @@ class _Talk:
     def points(self, value: Any, dimension: int) -> Floats:
         """Return the (n, d) points of a request; raises BenchError where they are none."""
         try:
-            found = np.asarray(value, dtype=np.float64)
+            array = np.asarray(value, dtype=np.float64)
         except (TypeError, ValueError):
-            found = np.empty(0)
-        if found.ndim != 2 or found.shape[1] != dimension or not len(found):
+            array = np.empty(0)
+        if array.ndim != 2 or array.shape[1] != dimension or not len(array):
             raise self.error(f"sent the points {_short(value)}", f"a list of points, each of {dimension} numbers")
-        return found
+        return array
 
     def error(self, what: str, wanted: str) -> BenchError:
         """Return an error that says what the program did and what is wanted instead."""
@@ -152,12 +152,17 @@ class _Talk:
 
 def _short(value: Any) -> str:
     text = value if isinstance(value, str) else json.dumps(value)
-    text = "".join(each if each.isprintable() else "?" for each in text.strip()[: SHOWN + 1])
+    text = "".join(letter if letter.isprintable() else "?" for letter in text.strip()[: SHOWN + 1])
     return text if len(text) <= SHOWN else f"{text[:SHOWN]}…"
 
 
 class Command:
-    """The family ``command:<words of a command>``: any program."""
+    """The family ``command:<words of a command>``: any program, in any language, that proposes points in lines of JSON.
+
+    It has no list of names: 'bench solve classical-sphere-d5-i1 command:./mine' runs the program ./mine, and
+    'command:"Rscript mine.R"' a script. In a study, write name = "command" and command = ["Rscript", "mine.R"].
+    The protocol is in docs/reference/protocol.md; examples/command has programs to copy.
+    """
 
     def __reduce__(self) -> str:
         """Pickle by reference."""

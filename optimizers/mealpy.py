@@ -139,15 +139,15 @@ class Mealpy(Family):
     def derive(self, member: str) -> type[Optimizer]:
         """Return the optimizer class of a mealpy class, with the parameters of its constructor."""
         solver = self.require().get_all_optimizers(verbose=False)[member]
-        own = constructor_parameters(solver)
-        parameters = {AGENTS.get(name, name): each for name, each in own.items()}
+        accepted = constructor_parameters(solver)
+        parameters = {AGENTS.get(name, name): each for name, each in accepted.items()}
         if solver().is_parallelizable and member not in TABLE["no_swarm"]:
             parameters["mode"] = (Literal["single", "swarm"], "single")
         unmapped = tuple(sentence for sentence, members in TABLE["remarks"].items() if member in members)
         return derive(
             MealpyOptimizer, f"mealpy:{member}", parameters, self.load, __doc__=describe(solver), unmapped=unmapped,
             code=f"mealpy {version('mealpy')}", bibtex=works(*TABLE["works"].get(member, ()), "vanthieu2023"),
-            solver=solver, own=tuple(own),
+            solver=solver, own=tuple(accepted),
         )  # fmt: skip
 
 
@@ -179,9 +179,9 @@ def constructor_parameters(solver: type) -> dict[str, tuple[Any, Any]]:
     The ends of mealpy's open intervals pass here, as do ranges that depend on the number of agents; mealpy checks both.
     """
     defaults = {
-        name: each.default
-        for name, each in inspect.signature(solver).parameters.items()
-        if name != "epoch" and each.kind is not each.VAR_KEYWORD
+        name: argument.default
+        for name, argument in inspect.signature(solver).parameters.items()
+        if name != "epoch" and argument.kind is not argument.VAR_KEYWORD
     }
     checks = constructor_checks(solver, defaults["pop_size"])
     others = constructor_checks(solver, 2 * defaults["pop_size"])

@@ -46,11 +46,11 @@ class MinionOptimizer(Adapter):
 
         def values(points: list[list[float]]) -> list[float]:
             try:
-                found: list[float] = self.finite_values(objective, np.array(points)).tolist()
+                answers: list[float] = self.finite_values(objective, np.array(points)).tolist()
             except BaseException as error:
                 raised.append(error)
                 raise
-            return found
+            return answers
 
         try:
             result = self._minimizer(values, objective, start, int(rng.integers(2**31))).optimize()
@@ -121,9 +121,9 @@ minion = Minion()
 
 def declared(name: str, default: Any) -> tuple[Any, Any]:
     """Return type and default, with its range, of an option of minionpy."""
-    known = TABLE["parameters"].get(name, {})
+    facts = TABLE["parameters"].get(name, {})
     if name == "population_size":
         return int | None, parameter(None, minimum=LEAST_AGENTS)
-    if "choices" in known:
-        return Literal[tuple(known["choices"])], default
-    return type(default), parameter(default, minimum=known.get("minimum"), maximum=known.get("maximum"))
+    if "choices" in facts:
+        return Literal[tuple(facts["choices"])], default
+    return type(default), parameter(default, minimum=facts.get("minimum"), maximum=facts.get("maximum"))

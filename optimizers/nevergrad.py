@@ -93,18 +93,18 @@ class NevergradOptimizer(Adapter):
 
     def _changed(self) -> dict[str, Any]:
         """Return the settings that differ from the registry's, under nevergrad's names."""
-        given = {key: getattr(self, AGENTS.get(key, key)) for key in self.own}
-        if given.get("popsize", 0) is None:  # agents=None sets nothing
-            del given["popsize"]
-        settings = registered(self.member).config() if given else {}
-        return {key: value for key, value in given.items() if value != settings[key]}
+        chosen = {key: getattr(self, AGENTS.get(key, key)) for key in self.own}
+        if chosen.get("popsize", 0) is None:  # agents=None sets nothing
+            del chosen["popsize"]
+        settings = registered(self.member).config() if chosen else {}
+        return {key: value for key, value in chosen.items() if value != settings[key]}
 
     def _make(self, space: Any, budget: int) -> Any:
         """Return nevergrad's optimizer of the space, with the parameters of this instance."""
-        found = registered(self.member)
+        maker = registered(self.member)
         if changed := self._changed():
-            found = type(found)(**found.config() | changed)
-        return found(space, budget, self.workers)
+            maker = type(maker)(**maker.config() | changed)
+        return maker(space, budget, self.workers)
 
 
 def registered(member: str) -> Any:
@@ -141,13 +141,13 @@ def settings_restored(dimension: int) -> Iterator[None]:
     """Restore the settings that all runs of CMA-ES share, into which nevergrad writes in one dimension."""
     from nevergrad.optimization.optimizerlib import ParametrizedCMA
 
-    shared = [each for each in gc.get_objects() if type(each) is ParametrizedCMA] if dimension == 1 else []
-    before = [each.fcmaes for each in shared]
+    shared = [family for family in gc.get_objects() if type(family) is ParametrizedCMA] if dimension == 1 else []
+    before = [family.fcmaes for family in shared]
     try:
         yield
     finally:
-        for each, value in zip(shared, before, strict=True):
-            each.fcmaes = value
+        for family, value in zip(shared, before, strict=True):
+            family.fcmaes = value
 
 
 class Nevergrad(Family):
@@ -171,42 +171,42 @@ class Nevergrad(Family):
 
     def derive(self, member: str) -> type[Optimizer]:
         """Return the optimizer class of a member; its parameters are the settings that are scalars."""
-        found: Any = self.require().optimizers.registry[member]
-        settings = {} if isinstance(found, type) else found.config()
-        signature = inspect.signature(type(found).__init__).parameters if settings else {}
+        maker: Any = self.require().optimizers.registry[member]
+        settings = {} if isinstance(maker, type) else maker.config()
+        signature = inspect.signature(type(maker).__init__).parameters if settings else {}
         hints = {key: scalar(signature[key].annotation) for key in settings}
-        own: dict[str, tuple[Any, Any]] = {
+        scalars: dict[str, tuple[Any, Any]] = {
             key: (hint, settings[key]) for key, hint in hints.items() if hint and isinstance(settings[key], SCALARS)
         }
-        if "popsize" in own:
-            size = own.pop("popsize")[1]
-            own["popsize"] = (int | None, parameter(size if isinstance(size, int) else None, minimum=4))
-        kept = [key for key in settings if key not in own and key != "popsize"]
+        if "popsize" in scalars:
+            size = scalars.pop("popsize")[1]
+            scalars["popsize"] = (int | None, parameter(size if isinstance(size, int) else None, minimum=4))
+        kept = [key for key in settings if key not in scalars and key != "popsize"]
         return derive(
             NevergradOptimizer,
             f"nevergrad:{member}",
-            {AGENTS.get(key, key): each for key, each in own.items()},
+            {AGENTS.get(key, key): declared for key, declared in scalars.items()},
             self.load,
             member=member,
-            own=tuple(own),
+            own=tuple(scalars),
             code=f"nevergrad {version('nevergrad')}",
-            bibtex=works(*TABLE["works"].get(type(found).__name__, ()), "rapin2018", "bennet2021"),
+            bibtex=works(*TABLE["works"].get(type(maker).__name__, ()), "rapin2018", "bennet2021"),
             unmapped=(
                 *TABLE["unmapped"],
                 *(f"the parameter {key!r} is no scalar and keeps nevergrad's value" for key in kept),
             ),
-            __doc__=about(member, found),
+            __doc__=about(member, maker),
         )
 
 
-def about(member: str, found: Any) -> str:
+def about(member: str, entry: Any) -> str:
     """Describe an optimizer of the registry in one line: its own docstring, or its class and settings."""
-    if isinstance(found, type):
-        own = (found.__doc__ or "").strip().splitlines()
-        return own[0] if own else f"Nevergrad's {member}, derived from its {found.__bases__[0].__name__}."
-    defaults = {key: each.default for key, each in inspect.signature(type(found).__init__).parameters.items()}
-    settings = ", ".join(f"{key}={value!r}" for key, value in found.config().items() if value != defaults[key])
-    return f"Nevergrad's {type(found).__name__}({settings})."
+    if isinstance(entry, type):
+        lines = (entry.__doc__ or "").strip().splitlines()
+        return lines[0] if lines else f"Nevergrad's {member}, derived from its {entry.__bases__[0].__name__}."
+    defaults = {key: argument.default for key, argument in inspect.signature(type(entry).__init__).parameters.items()}
+    settings = ", ".join(f"{key}={value!r}" for key, value in entry.config().items() if value != defaults[key])
+    return f"Nevergrad's {type(entry).__name__}({settings})."
 
 
 nevergrad = Nevergrad()

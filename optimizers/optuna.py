@@ -93,9 +93,9 @@ class OptunaOptimizer(Adapter):
         """Minimise until the budget is spent."""
         import optuna
 
-        found = MEMBERS[self.member]
-        options = {name: getattr(self, AGENTS.get(name, name)) for name in found.parameters}
-        first = options[found.start] if isinstance(found.start, str) else found.start
+        sampled = MEMBERS[self.member]
+        options = {name: getattr(self, AGENTS.get(name, name)) for name in sampled.parameters}
+        first = options[sampled.start] if isinstance(sampled.start, str) else sampled.start
         names = [f"x{index}" for index in range(objective.dimension)]
         box = zip(objective.lower.tolist(), objective.upper.tolist(), strict=True)
         uniform: Any = optuna.distributions.FloatDistribution
@@ -143,18 +143,18 @@ class Optuna(Family):
 
     def derive(self, member: str) -> type[Optimizer]:
         """Return the optimizer class of a sampler."""
-        found = MEMBERS[member]
+        facts = MEMBERS[member]
         packages = ["optuna", *(["cmaes"] if member == "CmaEsSampler" else [])]
         return derive(
             OptunaOptimizer,
             f"optuna:{member}",
-            {AGENTS.get(name, name): each for name, each in found.parameters.items()},
+            {AGENTS.get(name, name): declared for name, declared in facts.parameters.items()},
             self.load,
             member=member,
             code=" and ".join(f"{package} {version(package)}" for package in packages),
-            bibtex=works(*found.works, "akiba2019"),
+            bibtex=works(*facts.works, "akiba2019"),
             unmapped=("the parameters that are objects or functions keep optuna's values",),
-            __doc__=found.about,
+            __doc__=facts.about,
         )
 
 

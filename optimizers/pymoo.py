@@ -101,12 +101,12 @@ class Pymoo(Family):
 
         Config.warnings["not_compiled"] = False  # else pymoo prints that it runs without its compiled modules
         entry = TABLE["members"][member]
-        solver, own = getattr(import_module(f"{FOLDER}.{entry['module']}"), member), tuple(entry["parameters"])
+        solver, names = getattr(import_module(f"{FOLDER}.{entry['module']}"), member), tuple(entry["parameters"])
         return derive(
-            PymooOptimizer, f"pymoo:{member}", {AGENTS.get(name, name): declared(solver, name) for name in own},
+            PymooOptimizer, f"pymoo:{member}", {AGENTS.get(name, name): declared(solver, name) for name in names},
             self.load, __doc__=entry["about"], unmapped=tuple(entry.get("unmapped", ())),
             code=f"pymoo {version('pymoo')}", bibtex=works(*entry.get("works", ()), "blank2020"),
-            solver=solver, own=own,
+            solver=solver, own=names,
         )  # fmt: skip
 
 
@@ -115,10 +115,10 @@ pymoo = Pymoo()
 
 def declared(solver: type, name: str) -> tuple[Any, Any]:
     """Return type and default, with its range, of a parameter of a pymoo class."""
-    signatures = [inspect.signature(vars(each)["__init__"]).parameters for each in solver.__mro__[:-1]]
-    known = TABLE["parameters"].get(name, {})
-    default = next((each[name].default for each in signatures if name in each), known.get("default"))
-    if "choices" in known:
-        return Literal[tuple(known["choices"])], default
+    signatures = [inspect.signature(vars(signature)["__init__"]).parameters for signature in solver.__mro__[:-1]]
+    facts = TABLE["parameters"].get(name, {})
+    default = next((signature[name].default for signature in signatures if name in signature), facts.get("default"))
+    if "choices" in facts:
+        return Literal[tuple(facts["choices"])], default
     kind = (int | None) if default is None else type(default)
-    return kind, parameter(default, minimum=known.get("minimum"), maximum=known.get("maximum"))
+    return kind, parameter(default, minimum=facts.get("minimum"), maximum=facts.get("maximum"))

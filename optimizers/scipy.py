@@ -283,10 +283,10 @@ def function(name: str, rng: np.random.Generator) -> Any:
     """Return the function of ``scipy.optimize``, which draws from ``rng`` if it draws at all."""
     from scipy import optimize
 
-    found = getattr(optimize, name)
-    accepted = inspect.signature(found).parameters
+    solver = getattr(optimize, name)
+    accepted = inspect.signature(solver).parameters
     drawing = next((key for key in ("rng", "seed") if key in accepted), None)  # until scipy 1.14: seed
-    return partial(found, **{drawing: rng}) if drawing else found
+    return partial(solver, **{drawing: rng}) if drawing else solver
 
 
 @contextmanager

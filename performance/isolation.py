@@ -59,9 +59,9 @@ def overhead(study: Study, worth: float, strict: bool, sandbox: str | None) -> t
     job.WORTH = worth
     supervisor, plan = Supervisor(Task(study, strict=strict, sandbox=sandbox)), study.plan()
     try:
-        for _ in supervisor.make(islice(plan, len(study.problems) * len(study.optimizers))):
-            pass  # warm
-        began, made = perf_counter(), [row["wall_s"] for _, row in supervisor.make(islice(plan, study.trials))]
+        for trial in islice(plan, len(study.problems) * len(study.optimizers)):
+            supervisor.make(trial)  # warm
+        began, made = perf_counter(), [supervisor.make(trial)["wall_s"] for trial in islice(plan, study.trials)]
         return 1e3 * (perf_counter() - began - sum(made)) / len(made), memory()
     finally:
         supervisor.close()
@@ -86,7 +86,7 @@ def call_cost(optimizer: str, agents: int, calls: int) -> float:
     )  # fmt: skip
     plain, strict = (Supervisor(Task(study, strict=each)) for each in (False, True))
     try:
-        pairs = [[row["wall_s"] for each in (plain, strict) for _, row in each.make([trial])] for trial in study.plan()]
+        pairs = [[each.make(trial)["wall_s"] for each in (plain, strict)] for trial in study.plan()]
     finally:
         plain.close()
         strict.close()

@@ -3,9 +3,11 @@ import os
 import shutil
 import sys
 from collections import Counter
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path
 
 import pytest
+from filelock import FileLock, Timeout
 from hypothesis import settings
 
 # A busy machine must not fail a property, nor two runs of one commit differ.
@@ -22,10 +24,42 @@ os.environ.setdefault("LOKY_MAX_CPU_COUNT", "1")
 if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
     sys.dont_write_bytecode = False
 
+# The first one compiles kernels that hundreds of later tests take from numba's cache.
 LONGEST = (
-    "test_distributions.py", "test_examples.py", "test_reference_results.py", "test_hostile.py", "test_cma_es_fast.py",
-    "test_crash.py", "test_dask.py", "test_write.py", "test_app.py", "test_report.py", "test_checker.py",
+    "test_kernel.py", "test_write.py", "test_app.py", "test_runner.py", "test_examples.py", "test_distributions.py",
+    "test_cma_es_fast.py", "test_crash.py", "test_dask.py", "test_hostile.py", "test_sandbox.py", "test_estimate.py",
+    "test_browser.py", "test_in_a_browser.py", "test_report.py", "test_checker.py", "test_bias.py", "test_pooled.py",
+    "test_folder.py",
 )  # fmt: skip
+
+
+def pytest_configure(config):
+    """Have one worker of xdist at a time compile for numba's cache: the others then find there what they wait for.
+
+    In a fresh clone they would otherwise compile the same kernels at the same time, each for itself.
+    """
+    if not hasattr(config, "workerinput"):
+        return
+    from numba.core.caching import NullCache
+    from numba.core.dispatcher import Dispatcher
+
+    file = Path(__file__).parent / "__pycache__" / "compiling.lock"
+    lock, compile_for = FileLock(file, timeout=120, thread_local=False), Dispatcher.compile
+
+    def compile_alone(self, signature):
+        with nullcontext() if isinstance(self._cache, NullCache) else waiting(lock):
+            return compile_for(self, signature)
+
+    Dispatcher.compile = compile_alone
+
+
+@contextmanager
+def waiting(lock):
+    """Hold a lock, or go on without it where another process keeps it for too long or it cannot be written."""
+    with ExitStack() as stack:
+        with suppress(Timeout, OSError):
+            stack.enter_context(lock)
+        yield
 
 
 @pytest.hookimpl(tryfirst=True)  # before -m chooses
@@ -45,6 +79,11 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: LONGEST.index(item.path.name) if item.path.name in LONGEST else len(LONGEST))
 
 
+def pytest_collection_finish():
+    """Let the collector pass over what is imported by now: pytest has it look through everything at the end."""
+    gc.freeze()
+
+
 @pytest.fixture(scope="session")
 def published() -> Path:
     """The folder with the thesis authors' published recordings; a test that needs it is skipped where there is none."""
@@ -58,6 +97,7 @@ def published() -> Path:
 # A browser: the system's Chromium, driven by playwright, which downloads none of its own here.
 
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
+ARGUMENTS = ["--no-sandbox", "--hide-scrollbars", "--disable-gpu"]  # it would only imitate one
 PATIENCE_MS = 300_000  # a ceiling for a browser that hangs; no test waits that long for one that works
 
 
@@ -108,6 +148,6 @@ def browser():
         pytest.skip(f"no browser: none of {', '.join(PROGRAMS)} is installed")
     api = pytest.importorskip("playwright.sync_api", reason="no playwright, which drives the browser")
     with api.sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=program, args=["--no-sandbox", "--hide-scrollbars"])
+        started = playwright.chromium.launch(executable_path=program, args=ARGUMENTS)
         yield Browser(started)
         started.close()

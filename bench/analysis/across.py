@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.stats import bootstrap, f, friedmanchisquare, norm, rankdata, t, trim_mean
 
 from bench.analysis.cells import complete_problems, labels, merge_near_ties, reference_values, scores
-from bench.analysis.direction import ALPHA, Effects, a12, effects, mean_of, stacked, standardised, wilson_form
+from bench.analysis.direction import ALPHA, Effects, effects, mean_of, stacked, standardised, wilson_form
 from bench.analysis.pairwise import RESAMPLES, holm, percentile_interval
 from bench.typing import Floats
 
@@ -97,8 +97,8 @@ def wilcoxon_tests(pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: flo
     means = (wide - 0.5).groupby(_owners(wide.index, blocks), sort=False).mean().round(12)  # opposite values are 0
     rows: list[dict[str, Any]] = []
     for first, second in zip(*(means.columns.get_level_values(level) for level in (0, 1)), strict=True):
-        found = signed_ranks(means[first, second].to_numpy(dtype=float), alpha)
-        rows.append({"first": first, "second": second, "problems": len(wide), "blocks": len(means), **found})
+        test = signed_ranks(means[first, second].to_numpy(dtype=float), alpha)
+        rows.append({"first": first, "second": second, "problems": len(wide), "blocks": len(means), **test})
     tests = pd.DataFrame(rows, columns=["first", "second", "problems", "blocks", "statistic", "p", "lower", "note"])
     return _decided(tests, tests["lower"].to_numpy(dtype=float), alpha)
 
@@ -137,11 +137,11 @@ def stratified_tests(pairs: pd.DataFrame, blocks: Blocks | None = None, alpha: f
     mean = chance.mean(axis=0).to_numpy() - 0.5
     size = np.abs(standardised(chance.to_numpy(), ratio.to_numpy()))
     p = np.maximum(2 * norm.sf(size), 2.0 ** (1 - smaller.to_numpy().sum(axis=0)))
-    known = np.isfinite(size)
+    tested = np.isfinite(size)
     tests = pd.DataFrame(list(chance.columns), columns=["first", "second"]).assign(
-        problems=len(chance), blocks=len(set(_owners(chance.index, blocks))), statistic=size, p=np.where(known, p, 1.0)
+        problems=len(chance), blocks=len(set(_owners(chance.index, blocks))), statistic=size, p=np.where(tested, p, 1.0)
     )
-    tests["note"] = np.where(known, "", "untestable")
+    tests["note"] = np.where(tested, "", "untestable")
     return _decided(tests, mean, alpha)
 
 
@@ -182,13 +182,13 @@ def probability_of_improvement(pairs: pd.DataFrame, blocks: Blocks | None = None
     further problems, it is that of the blocks' means, with Student's t.
     """
     wide = {name: _by_problem(pairs, name) for name in ("a12", "ratio", "smaller")}
-    found = Effects(*(wide[name].to_numpy() for name in ("a12", "ratio", "smaller")))
+    estimates = Effects(*(wide[name].to_numpy() for name in ("a12", "ratio", "smaller")))
     owners = _owners(wide["a12"].index, blocks)
     table = pd.DataFrame(list(wide["a12"].columns), columns=["first", "second"])
     means = wide["a12"].groupby(owners, sort=False).mean().to_numpy()
-    mean = mean_of(found)
+    mean = mean_of(estimates)
     low, high = wilson_form(mean.a12, mean.ratio)
-    table = table.assign(problems=len(found.a12), blocks=len(means), probability=mean.a12, low=low, high=high)
+    table = table.assign(problems=len(estimates.a12), blocks=len(means), probability=mean.a12, low=low, high=high)
     return table.assign(**_further(means))
 
 
@@ -198,11 +198,9 @@ def improvement_of(samples: Sequence[tuple[Floats, Floats]]) -> tuple[float, flo
     As :func:`probability_of_improvement` does; missing without any problem, and the interval where a sample has a
     single value.
     """
-    found = [effects(one[np.newaxis], other[np.newaxis]) for one, other in samples if min(len(one), len(other)) > 1]
-    if len(found) < len(samples) or not found:
-        chances = [a12(one, other) for one, other in samples]
-        return float(np.mean(chances)) if chances else np.nan, np.nan, np.nan
-    mean = mean_of(stacked(found))
+    if not samples:
+        return np.nan, np.nan, np.nan
+    mean = mean_of(stacked([effects(one[np.newaxis], other[np.newaxis]) for one, other in samples]))
     low, high = wilson_form(mean.a12, mean.ratio)
     return float(mean.a12[0]), float(low[0]), float(high[0])
 
@@ -217,7 +215,7 @@ def normalised_errors(frame: pd.DataFrame, optima: Mapping[str, float] | None = 
     """
     by_problem = scores(frame).groupby(frame["problem"].astype(object))
     zero = reference_values({str(problem): least for problem, least in by_problem.min().items()}, optima)
-    errors = by_problem.transform(lambda own: _normalised(own.to_numpy(), zero[str(own.name)].value))
+    errors = by_problem.transform(lambda values: _normalised(values.to_numpy(), zero[str(values.name)].value))
     return frame[["problem", "optimizer", "trial"]].assign(error=errors)
 
 
@@ -234,11 +232,11 @@ def interquartile_mean(frame: pd.DataFrame, optima: Mapping[str, float] | None =
     optimizers, rows = labels(frame, "optimizer"), []
     resamples = RESAMPLES if len(optimizers) <= MANY else FEWER
     for optimizer in optimizers:
-        own = errors[errors["optimizer"] == optimizer]
-        strata = [group.to_numpy() for _, group in own.groupby("problem", sort=False, observed=True)["error"]]
-        iqm = float(trim_mean(own["error"], TRIMMED)) if strata else np.nan
+        of_optimizer = errors[errors["optimizer"] == optimizer]
+        strata = [group.to_numpy() for _, group in of_optimizer.groupby("problem", sort=False, observed=True)["error"]]
+        iqm = float(trim_mean(of_optimizer["error"], TRIMMED)) if strata else np.nan
         low, high = _interval(strata, resamples, seed) if strata and min(map(len, strata)) > 1 else (np.nan, np.nan)
-        rows.append((optimizer, len(problems), len(own), iqm, low, high))
+        rows.append((optimizer, len(problems), len(of_optimizer), iqm, low, high))
     return pd.DataFrame(rows, columns=["optimizer", "problems", "n", "iqm", "low", "high"])
 
 
@@ -317,7 +315,7 @@ def _interval(strata: list[Floats], resamples: int, seed: int) -> tuple[float, f
         return trim_mean(np.concatenate(samples, axis=axis), TRIMMED, axis=axis)
 
     with np.errstate(invalid="ignore"):  # the library's own interval and error, both unused, fail on infinite errors
-        found = bootstrap(
+        resampled = bootstrap(
             strata,
             iqm,
             n_resamples=resamples,
@@ -326,4 +324,4 @@ def _interval(strata: list[Floats], resamples: int, seed: int) -> tuple[float, f
             method="percentile",
             random_state=np.random.default_rng(seed),
         )
-    return percentile_interval(found.bootstrap_distribution)
+    return percentile_interval(resampled.bootstrap_distribution)

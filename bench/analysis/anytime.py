@@ -47,10 +47,10 @@ def best_so_far(traces: Sequence[Trace], evaluations: NDArray[np.int64], failed:
     values = np.full((len(traces) + failed, len(evaluations)), np.inf)
     for row, trace in zip(values, traces, strict=False):
         row[:] = trace.at(evaluations)
-    return pd.DataFrame(dict(zip(CURVE, (evaluations, *_quartiles(values)), strict=True)))
+    return pd.DataFrame(dict(zip(CURVE, (evaluations, *quartiles(values)), strict=True)))
 
 
-def _quartiles(values: Floats) -> Floats:
+def quartiles(values: Floats) -> Floats:
     """Return median, lower and upper quartile, (3, …, E), of values of n trials, (…, n, E)."""
     shares = [0.5, 0.25, 0.75]
     finite = np.asarray(np.isfinite(values).all(axis=-2, keepdims=True))
@@ -65,23 +65,23 @@ def convergence(frame: pd.DataFrame, traces: Traces, evaluations: NDArray[np.int
     are the counts to look at, such as an :func:`evaluation_grid`.
     """
     never = np.full(len(evaluations), np.inf)
-    found: dict[str, dict[str, list[Floats]]] = {}
+    bests: dict[str, dict[str, list[Floats]]] = {}
     for problem, optimizer, trace in zip(frame["problem"], frame["optimizer"], _traces_of(frame, traces), strict=True):
         values = never if trace is None else trace.at(evaluations)
-        found.setdefault(problem, {}).setdefault(optimizer, []).append(values)
+        bests.setdefault(problem, {}).setdefault(optimizer, []).append(values)
     tables = []
     order = labels(frame, "optimizer")
-    for problem in (label for label in labels(frame, "problem") if label in found):
-        cells = found[problem]
+    for problem in (label for label in labels(frame, "problem") if label in bests):
+        cells = bests[problem]
         optimizers = [label for label in order if label in cells]
         sizes = np.array([len(cells[label]) for label in optimizers])
         curves = np.empty((3, len(optimizers), len(evaluations)))
         for size in set(sizes.tolist()):  # cells of as many trials at once
             alike = np.flatnonzero(sizes == size)
-            curves[:, alike] = _quartiles(np.array([cells[optimizers[place]] for place in alike]))
-        own = {"problem": problem, "optimizer": np.repeat(np.array(optimizers, dtype=object), len(evaluations))}
+            curves[:, alike] = quartiles(np.array([cells[optimizers[place]] for place in alike]))
+        names = {"problem": problem, "optimizer": np.repeat(np.array(optimizers, dtype=object), len(evaluations))}
         along = (np.tile(evaluations, len(optimizers)), *curves.reshape(3, -1))
-        tables.append(pd.DataFrame(own | dict(zip(CURVE, along, strict=True))))
+        tables.append(pd.DataFrame(names | dict(zip(CURVE, along, strict=True))))
     return _stacked(tables, ["problem", "optimizer", *CURVE])
 
 
@@ -132,15 +132,15 @@ def hitting_times(frame: pd.DataFrame, traces: Traces, targets: pd.DataFrame, bu
     }
     spent = pd.to_numeric(frame["nfev"], errors="coerce").astype(float).where(frame["status"] == "ok")
     spent = spent.fillna(budgets(frame, budget))
-    own = [ladders.get(problem, np.empty((2, 0))) for problem in frame["problem"]]
-    sizes = np.array([ladder.shape[1] for ladder in own], dtype=np.int64)
+    ladder_of = [ladders.get(problem, np.empty((2, 0))) for problem in frame["problem"]]
+    sizes = np.array([ladder.shape[1] for ladder in ladder_of], dtype=np.int64)
     rows = np.repeat(np.arange(len(frame), dtype=np.int32), sizes)
     hits = frame[["problem", "optimizer", "trial"]].iloc[rows].reset_index(drop=True)
     reached, ends = np.full(len(rows), np.inf), np.cumsum(sizes)
-    for end, (_, target), trace in zip(ends, own, _traces_of(frame, traces), strict=True):
+    for end, (_, target), trace in zip(ends, ladder_of, _traces_of(frame, traces), strict=True):
         if trace is not None:
             reached[end - len(target) : end] = _first_reached(trace, target)
-    tau, target = np.concatenate([np.empty((2, 0)), *own], axis=1)
+    tau, target = np.concatenate([np.empty((2, 0)), *ladder_of], axis=1)
     return hits.assign(tau=tau, target=target, evaluations=reached, spent=spent.to_numpy()[rows])
 
 
@@ -186,8 +186,8 @@ def ecdf(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, int] | None 
     if dimensions is not None:
         hits = hits.assign(evaluations=hits["evaluations"] / hits["problem"].astype(object).map(dimensions))
     for optimizer in labels(hits, "optimizer"):
-        own = hits[hits["optimizer"] == optimizer]
-        groups = [group for _, group in own.groupby("problem", sort=False, observed=True)]
+        of_optimizer = hits[hits["optimizer"] == optimizer]
+        groups = [group for _, group in of_optimizer.groupby("problem", sort=False, observed=True)]
         trials = np.array([group["trial"].nunique() for group in groups], dtype=float)
         shares = np.array([_share_within(group["evaluations"], grid) for group in groups]).reshape(-1, len(grid))
         # A plain sum, not a matrix product: its rounding is the same everywhere, so that no curve ever falls.
@@ -220,8 +220,8 @@ def data_profiles(
     times = solved["evaluations"] / np.array(cost, dtype=float)
     tables = []
     for optimizer in labels(hits, "optimizer"):
-        own = times[solved["optimizer"] == optimizer]
-        fraction = _share_within(own, grid) if len(own) else np.nan
+        of_optimizer = times[solved["optimizer"] == optimizer]
+        fraction = _share_within(of_optimizer, grid) if len(of_optimizer) else np.nan
         tables.append(pd.DataFrame({"optimizer": optimizer, unit: grid, "fraction": fraction}))
     return _stacked(tables, ["optimizer", unit, "fraction"])
 
@@ -234,8 +234,8 @@ def _traces_of(frame: pd.DataFrame, traces: Traces) -> Iterator[Trace | None]:
 
 def _first_reached(trace: Trace, ladder: Floats) -> Floats:
     """Return the evaluation at which each target of a falling ladder was first reached, +inf where never."""
-    found = np.searchsorted(-trace.values, -ladder)
-    return np.append(trace.evaluations, np.inf)[found]
+    place = np.searchsorted(-trace.values, -ladder)
+    return np.append(trace.evaluations, np.inf)[place]
 
 
 def _counts(hits: pd.DataFrame) -> pd.DataFrame:
@@ -248,18 +248,18 @@ def _counts(hits: pd.DataFrame) -> pd.DataFrame:
     shape = len(problems), len(optimizers), len(taus)
     counts, target = np.zeros((3, prod(shape))), np.full((len(problems), len(taus)), np.nan)
     for start in range(0, len(hits), AT_ONCE):
-        own = hits.iloc[start : start + AT_ONCE]
+        part = hits.iloc[start : start + AT_ONCE]
         problem, optimizer = (
-            pd.Categorical(own[column], categories=known).codes.astype(np.intp)
-            for column, known in (("problem", problems), ("optimizer", optimizers))
+            pd.Categorical(part[column], categories=categories).codes.astype(np.intp)
+            for column, categories in (("problem", problems), ("optimizer", optimizers))
         )
-        rung = taus.get_indexer(pd.Index(own["tau"].to_numpy(dtype=float)))
+        rung = taus.get_indexer(pd.Index(part["tau"].to_numpy(dtype=float)))
         cell = (problem * len(optimizers) + optimizer) * len(taus) + rung
-        evaluations, spent = (own[column].to_numpy(dtype=float) for column in ("evaluations", "spent"))
+        evaluations, spent = (part[column].to_numpy(dtype=float) for column in ("evaluations", "spent"))
         reached = np.isfinite(evaluations)
         for row, weights in zip(counts, (None, reached, np.where(reached, evaluations, spent)), strict=True):
             row += np.bincount(cell, weights, minlength=len(row))
-        target[problem, rung] = own["target"]
+        target[problem, rung] = part["target"]
     trials, successes, sums = counts.reshape(3, *shape)
     on_ladder = trials.any(axis=1, keepdims=True)  # of the problem, whichever optimizer has trials
     at = np.nonzero(np.broadcast_to(on_ladder, shape))

@@ -114,11 +114,11 @@ def merge_near_ties(values: Floats) -> Floats:
 def cells(frame: pd.DataFrame, merge: bool = False) -> dict[tuple[str, str], Floats]:
     """Return the :func:`scores` of each (problem, optimizer), (n,) in order of trials, empty where there is none."""
     problem, optimizer = frame["problem"].astype(object), frame["optimizer"].astype(object)
-    found: dict[Any, Floats] = {
-        key: np.asarray(own, dtype=np.float64) for key, own in scores(frame, merge).groupby([problem, optimizer])
+    by_cell: dict[Any, Floats] = {
+        key: np.asarray(values, dtype=np.float64) for key, values in scores(frame, merge).groupby([problem, optimizer])
     }
     return {
-        (problem, optimizer): found.get((problem, optimizer), np.empty(0))
+        (problem, optimizer): by_cell.get((problem, optimizer), np.empty(0))
         for problem in labels(frame, "problem")
         for optimizer in labels(frame, "optimizer")
     }
@@ -126,8 +126,8 @@ def cells(frame: pd.DataFrame, merge: bool = False) -> dict[tuple[str, str], Flo
 
 def complete_problems(frame: pd.DataFrame) -> list[str]:
     """Return the problems on which every optimizer has a trial."""
-    found, optimizers = cells(frame), labels(frame, "optimizer")
-    return [problem for problem in labels(frame, "problem") if all(len(found[problem, each]) for each in optimizers)]
+    by_cell, optimizers = cells(frame), labels(frame, "optimizer")
+    return [problem for problem in labels(frame, "problem") if all(len(by_cell[problem, each]) for each in optimizers)]
 
 
 def reference_values(
@@ -142,7 +142,7 @@ def reference_values(
     ``lowest`` is the lowest value that any trial of any optimizer found, by problem; +inf where none is finite, which
     is then the reference value of a problem without an optimum.
     """
-    return {problem: _reference_value(found, (optima or {}).get(problem, np.inf)) for problem, found in lowest.items()}
+    return {problem: _reference_value(least, (optima or {}).get(problem, np.inf)) for problem, least in lowest.items()}
 
 
 def near_best(
@@ -156,7 +156,7 @@ def near_best(
     """
     values, optimizers = scores(frame), labels(frame, "optimizer")
     problem, optimizer = (frame[name].astype(object) for name in ("problem", "optimizer"))
-    lowest = {str(label): float(own) for label, own in values.groupby(problem).min().items()}
+    lowest = {str(label): float(least_value) for label, least_value in values.groupby(problem).min().items()}
     best = problem.map({label: each.value for label, each in reference_values(lowest, optima).items()}).astype(float)
     near = pd.Series(np.isfinite(values) & (values <= best + (share * best.abs()).clip(lower=least)), dtype=float)
     shares = near.groupby([problem, optimizer]).mean().unstack().reindex(columns=optimizers).dropna()
@@ -170,11 +170,11 @@ def regret(table: pd.DataFrame, optima: Mapping[str, float], columns: Sequence[s
     (:func:`reference_values`). Quantiles carry over: the median regret of trials is the
     regret of their median. ``table`` is a frame with a column problem, such as that of :func:`summarise`.
     """
-    own = table[table["problem"].isin(optima)]
-    optimum = own["problem"].astype(object).map(optima).astype(float)
-    above = own[list(columns)].sub(optimum, axis=0)
+    rows = table[table["problem"].isin(optima)]
+    optimum = rows["problem"].astype(object).map(optima).astype(float)
+    above = rows[list(columns)].sub(optimum, axis=0)
     reached = above.le(NEAR * optimum.abs(), axis=0) & above.ge(-BEATEN * optimum.abs(), axis=0)
-    return own.assign(**above.mask(reached, 0.0))
+    return rows.assign(**above.mask(reached, 0.0))
 
 
 def coverage(frame: pd.DataFrame, planned: int | Mapping[tuple[str, str], int]) -> pd.DataFrame:
@@ -217,8 +217,8 @@ def timing(frame: pd.DataFrame) -> pd.DataFrame:
     finished = frame[frame["status"] == "ok"]
     rows = []
     for optimizer in labels(frame, "optimizer"):
-        own = finished[finished["optimizer"] == optimizer]
-        numbers = own[["wall_s", "cpu_s", "objective_s", "nfev"]].astype(float)
+        of_optimizer = finished[finished["optimizer"] == optimizer]
+        numbers = of_optimizer[["wall_s", "cpu_s", "objective_s", "nfev"]].astype(float)
         wall, cpu = numbers["wall_s"], numbers["cpu_s"]
         speed = numbers["nfev"] / wall.where(wall > 0)
         ratio = (wall / cpu.where(cpu > 0)).dropna().median()

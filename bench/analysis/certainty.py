@@ -35,20 +35,20 @@ def ranking_certainty(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     standard deviations of the resamples to the higher of the ends on the other side. Missing where no problem has
     trials of every optimizer, or a cell of one has a single trial, which leaves nothing to draw.
     """
-    found, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
+    by_cell, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
     problems = complete_problems(frame)
-    sizes = [len(found[each, one]) for each in problems for one in optimizers]
+    sizes = [len(by_cell[each, one]) for each in problems for one in optimizers]
     if not problems or min(sizes) < 2:
         return pd.DataFrame({"optimizer": optimizers, "problems": len(problems)}, columns=list(COLUMNS))
     drawn = resamples(len(optimizers))
     rng = np.random.default_rng(seed)
     total = np.zeros((len(optimizers), 1 + drawn))  # the first column is that of the values themselves
     for problem in problems:
-        values = [found[problem, each] for each in optimizers]
+        values = [by_cell[problem, each] for each in optimizers]
         total += ranks_of_draws(values, [_times_drawn(len(each), drawn, rng) for each in values])
     mean = total / len(problems)
     reach = TWO_SIDED * mean[:, 1:].std(axis=1, ddof=1) * (min(sizes) / (min(sizes) - 1)) ** 0.5
-    low, high = np.array([percentile_interval(own[1:]) for own in mean]).T
+    low, high = np.array([percentile_interval(draws[1:]) for draws in mean]).T
     return pd.DataFrame(
         {
             "optimizer": optimizers,

@@ -18,12 +18,12 @@ def common_budgets(frame: pd.DataFrame, allowed: Budgets) -> dict[str, int]:
     if not isinstance(allowed, Mapping) or not any(isinstance(key, tuple) for key in allowed):
         return {}
     by_cell = {key: int(most) for key, most in allowed.items() if isinstance(key, tuple)}
-    found: dict[str, list[int]] = {}
+    budgets_of: dict[str, list[int]] = {}
     for problem, optimizer in frame[["problem", "optimizer"]].drop_duplicates().itertuples(index=False, name=None):
-        found.setdefault(str(problem), []).append(by_cell[problem, optimizer])
-    if all(len({*own}) == 1 for own in found.values()):
+        budgets_of.setdefault(str(problem), []).append(by_cell[problem, optimizer])
+    if all(len({*several}) == 1 for several in budgets_of.values()):
         return {}
-    return {problem: min(own) for problem, own in found.items()}
+    return {problem: min(several) for problem, several in budgets_of.items()}
 
 
 def at_budget(frame: pd.DataFrame, traces: Traces, budgets: Mapping[str, int]) -> pd.DataFrame:

@@ -38,8 +38,8 @@ def comparison_matrix(
     winners: set[tuple[Any, Any]]
     if by == "value":
         values = table(summary, statistic)
-        lowest, known = _lowest(values), values.notna().sum(axis=1)
-        best = lowest.mul(outstanding(lowest.sum(axis=1), known), axis=0)
+        lowest, values_known = _lowest(values), values.notna().sum(axis=1)
+        best = lowest.mul(outstanding(lowest.sum(axis=1), values_known), axis=0)
         winners = {(problem, optimizer) for optimizer in best for problem in best.index[best[optimizer]]}
     else:
         winners = _first(summary, standings(summary, pairs) if standing is None else standing)
@@ -62,12 +62,12 @@ def comparison_matrix(
 
 def _first(summary: pd.DataFrame, standing: pd.DataFrame) -> set[tuple[str, str]]:
     """Return the cells that are ranked first, stand out from the others, and have a trial that did not fail."""
-    found = summary[["problem", "optimizer", "n", "failed"]].merge(standing, on=["problem", "optimizer"])
-    found = found[found["n"] > 0]
-    by_problem = found.groupby("problem", sort=False, observed=True)["rank"]
-    first = found["rank"] == by_problem.transform("min")
-    sharing = first.groupby(found["problem"], sort=False, observed=True).transform("sum")
-    chosen = found[first & outstanding(sharing, by_problem.transform("size")) & (found["failed"] < found["n"])]
+    rows = summary[["problem", "optimizer", "n", "failed"]].merge(standing, on=["problem", "optimizer"])
+    rows = rows[rows["n"] > 0]
+    by_problem = rows.groupby("problem", sort=False, observed=True)["rank"]
+    first = rows["rank"] == by_problem.transform("min")
+    sharing = first.groupby(rows["problem"], sort=False, observed=True).transform("sum")
+    chosen = rows[first & outstanding(sharing, by_problem.transform("size")) & (rows["failed"] < rows["n"])]
     return set(zip(chosen["problem"], chosen["optimizer"], strict=True))
 
 
@@ -85,9 +85,9 @@ def compact_letters(
     own_pairs = dict(list(pairs.groupby("problem", sort=False, observed=True)))
     letters = {
         (problem, optimizer): text
-        for problem, own in standing.dropna(subset="rank").groupby("problem", sort=False, observed=True)
+        for problem, rows in standing.dropna(subset="rank").groupby("problem", sort=False, observed=True)
         for optimizer, text in _letters(
-            list(own.sort_values("rank", kind="stable")["optimizer"]), own_pairs.get(problem, pairs.head(0))
+            list(rows.sort_values("rank", kind="stable")["optimizer"]), own_pairs.get(problem, pairs.head(0))
         ).items()
     }
     cells = summary[["problem", "optimizer"]]
@@ -100,9 +100,9 @@ def _letters(optimizers: list[str], pairs: pd.DataFrame) -> dict[str, str]:
 
     place = {optimizer: i for i, optimizer in enumerate(optimizers)}
     alike = np.ones((len(place), len(place)))
-    known = pairs[pairs["first"].isin(place) & pairs["second"].isin(place)]
-    first, second = (known[name].astype(object).map(place).to_numpy(dtype=int) for name in ("first", "second"))
-    alike[first, second] = alike[second, first] = known["lower"].to_numpy(dtype=object) == ""
+    rows = pairs[pairs["first"].isin(place) & pairs["second"].isin(place)]
+    first, second = (rows[name].astype(object).map(place).to_numpy(dtype=int) for name in ("first", "second"))
+    alike[first, second] = alike[second, first] = rows["lower"].to_numpy(dtype=object) == ""
     try:
         shown = compact_letter_display(alike, alpha=0.5, names=optimizers)
     except ValueError:  # more groups than letters

@@ -49,10 +49,10 @@ def error_statistics(frame: pd.DataFrame, optima: Mapping[str, float]) -> pd.Dat
     that mean and worst of its cell are infinite and the sd is missing; so is that of one trial.
     """
     rows = []
-    for (problem, optimizer), own in cells(frame).items():
-        if len(own):
+    for (problem, optimizer), values in cells(frame).items():
+        if len(values):
             cell = {"problem": problem, "optimizer": optimizer, "known": problem in optima}
-            rows.append(cell | _statistics(_errors(own, problem, optima)))
+            rows.append(cell | _statistics(_errors(values, problem, optima)))
     return pd.DataFrame(rows, columns=["problem", "optimizer", "known", "trials", "failed", *STATISTICS])
 
 
@@ -65,11 +65,11 @@ def signs(frame: pd.DataFrame, optima: Mapping[str, float], reference: str) -> p
     approximation with correction for ties and continuity. Errors that are near-ties are ties. A failed trial ends at
     +inf. Only problems on which both have trials have a row.
     """
-    found, rows = cells(frame), []
+    by_cell, rows = cells(frame), []
     for problem in labels(frame, "problem"):
-        mine = found.get((problem, reference), np.empty(0))
+        mine = by_cell.get((problem, reference), np.empty(0))
         for optimizer in labels(frame, "optimizer"):
-            theirs = found.get((problem, optimizer), np.empty(0))
+            theirs = by_cell.get((problem, optimizer), np.empty(0))
             if optimizer != reference and len(mine) and len(theirs):
                 both = merge_near_ties(_errors(np.concatenate((mine, theirs)), problem, optima))
                 p, lower = rank_sum(both[: len(mine)], both[len(mine) :])
@@ -98,20 +98,20 @@ def checkpoints(
     """
     allowed, rows = budgets(frame, budget), []
     keys = [frame["problem"].astype(object), frame["optimizer"].astype(object)]
-    for key, own in frame.groupby(keys, sort=False):
+    for key, trials in frame.groupby(keys, sort=False):
         problem, optimizer = map(str, cast("tuple[str, str]", key))
         part = np.asarray(shares.get(problem, ()), dtype=np.float64)
         if problem not in optima or not len(part):
             continue
-        spent = np.maximum(np.floor(np.outer(allowed[own.index], part) + 1e-9), 1).astype(np.int64)
+        spent = np.maximum(np.floor(np.outer(allowed[trials.index], part) + 1e-9), 1).astype(np.int64)
         values = np.full(spent.shape, np.inf)
-        for row, at, trial, status in zip(values, spent, own["trial"], own["status"], strict=True):
+        for row, at, trial, status in zip(values, spent, trials["trial"], trials["status"], strict=True):
             trace = traces.get((problem, optimizer, trial)) if status == "ok" else None
             if trace is not None:
                 row[:] = trace.at(at)
-        for share, most, found in zip(part, spent.max(axis=0), values.T, strict=True):
+        for share, most, column in zip(part, spent.max(axis=0), values.T, strict=True):
             cell = {"problem": problem, "optimizer": optimizer, "share": share, "evaluations": most}
-            rows.append(cell | _statistics(_errors(found, problem, optima)))
+            rows.append(cell | _statistics(_errors(column, problem, optima)))
     columns = ["problem", "optimizer", "share", "evaluations", "trials", "failed", *STATISTICS]
     return pd.DataFrame(rows, columns=columns)
 
@@ -140,5 +140,5 @@ def rank_sum(these: Floats, others: Floats) -> tuple[float, bool]:
     method: PermutationMethod | Literal["auto"] = "auto"
     if distinct < len(pooled) and min(len(these), len(others)) <= FEW:
         method = PermutationMethod(n_resamples=RESAMPLES, rng=np.random.default_rng(SEED))
-    found = mannwhitneyu(these, others, alternative="two-sided", method=method)
-    return float(found.pvalue), bool(found.statistic < len(these) * len(others) / 2)
+    test = mannwhitneyu(these, others, alternative="two-sided", method=method)
+    return float(test.pvalue), bool(test.statistic < len(these) * len(others) / 2)

@@ -44,7 +44,7 @@ class Effects(NamedTuple):
 
     Attributes:
         a12: (g,) the estimates.
-        ratio: (g,) the variance of each estimate over A12 (1 - A12).
+        ratio: (g,) the variance of each estimate over A12 (1 - A12); NaN where a sample has a single value.
         smaller: the smaller of n and m, one number or (g,).
     """
 
@@ -80,13 +80,42 @@ def a12(this: Floats, other: Floats) -> float:
 
 
 def effects(these: Floats, others: Floats) -> Effects:
-    """Return A12 of g pairs of samples, (g, n) and (g, m), of at least two values each."""
+    """Return A12 of g pairs of samples, (g, n) and (g, m); the ratio is missing where a sample has a single value."""
     (g, n), m = these.shape, others.shape[1]
-    sums = np.empty((g, 3), dtype=np.int64)
-    _compiled_placements()(np.sort(these, axis=1), np.sort(others, axis=1), sums)
-    total, one, other = sums.T.astype(np.float64)
+    this, other = np.sort(these, axis=1), np.sort(others, axis=1)
+    lost, won = np.empty((2, g, 2), dtype=np.int64)
+    _compiled_placements()(this, other, lost)
+    _compiled_placements()(other, this, won)
+    return _estimated(n, m, lost, won)
+
+
+def effects_of_draws(this: Floats, other: Floats, drawn: Floats, rival: Floats) -> Effects:
+    """Return A12 of g pairs of samples that are drawn from (n,) and (m,) values, as :func:`effects` does.
+
+    Args:
+        this: the values of which the first samples consist.
+        other: those of the second ones.
+        drawn: how often each value of ``this`` is drawn in each sample, (g, n), which are all of one size.
+        rival: how often each value of ``other`` is, (g, m), likewise.
+    """
+    lower = 2 * wins(this, other)
+    sides = (drawn, rival @ (2 - lower).T), (rival, drawn @ lower)
+    lost, won = (
+        np.stack([(times * placed).sum(axis=1), (times * placed**2).sum(axis=1)], axis=1).astype(np.int64)
+        for times, placed in sides
+    )
+    return _estimated(int(drawn[0].sum()), int(rival[0].sum()), lost, won)
+
+
+def _estimated(n: int, m: int, lost: NDArray[np.int64], won: NDArray[np.int64]) -> Effects:
+    """Return the estimates for g pairs of n and m values, from the sums of their :func:`_placements`, (g, 2) each."""
+    total = won[:, 0].astype(np.float64)
     chance = total / (2 * n * m)
-    variance = (one - total**2 / n) / (4 * m**2 * n * (n - 1)) + (other - total**2 / m) / (4 * n**2 * m * (m - 1))
+    if min(n, m) < 2:
+        return Effects(chance, np.full(len(chance), np.nan), min(n, m))
+    # The squares of what the values of the first sample beat: all there is less what they lose to.
+    one, two = (lost[:, 1] + 4 * m * (n * m - lost[:, 0])).astype(np.float64), won[:, 1].astype(np.float64)
+    variance = (one - total**2 / n) / (4 * m**2 * n * (n - 1)) + (two - total**2 / m) / (4 * n**2 * m * (m - 1))
     largest = chance * (1 - chance)
     least = LEAST_RATIO * (1 / n + 1 / m) / 2
     ratio = np.divide(variance, largest, out=np.zeros_like(chance), where=largest > 0)
@@ -94,36 +123,23 @@ def effects(these: Floats, others: Floats) -> Effects:
 
 
 def _placements(these: Floats, others: Floats, sums: NDArray[np.int64]) -> None:
-    """Write the sum and both sums of squares of the placements of g pairs of sorted samples into ``sums``, (g, 3).
+    """Write sum and sum of squares of the placements of the first of g pairs of sorted samples into ``sums``, (g, 2).
 
-    The placement of a value of the first sample is twice the number of values of the other one that it beats, a tie
-    counted half, and that of a value of the other sample likewise for those that it loses to: whole numbers, so the
-    sums are exact.
+    The placement of a value is twice the number of values of the other sample that it loses to, a tie counted half:
+    whole numbers, so the sums are exact.
     """
-    n, m = these.shape[1], others.shape[1]
+    m = others.shape[1]
     for pair in range(len(these)):
-        total = first = second = 0
-        below = upto = 0
-        for i in range(n):
-            value = these[pair, i]
+        total = squares = below = upto = 0
+        for value in these[pair]:
             while below < m and others[pair, below] < value:
                 below += 1
             upto = max(upto, below)
             while upto < m and others[pair, upto] == value:
                 upto += 1
-            beaten = 2 * m - below - upto
-            total += beaten
-            first += beaten * beaten
-        below = upto = 0
-        for j in range(m):
-            value = others[pair, j]
-            while below < n and these[pair, below] < value:
-                below += 1
-            upto = max(upto, below)
-            while upto < n and these[pair, upto] == value:
-                upto += 1
-            second += (below + upto) ** 2
-        sums[pair, 0], sums[pair, 1], sums[pair, 2] = total, first, second
+            total += below + upto
+            squares += (below + upto) ** 2
+        sums[pair, 0], sums[pair, 1] = total, squares
 
 
 @cache
@@ -134,31 +150,31 @@ def _compiled_placements() -> Callable[..., None]:
     return compiled(_placements, types.void(plane, plane, types.int64[:, ::1]))
 
 
-def stacked(found: Sequence[Effects]) -> Effects:
+def stacked(estimates: Sequence[Effects]) -> Effects:
     """Return the estimates of several problems, (g,) each, as one of (problems, g)."""
-    smaller = np.array([np.broadcast_to(each.smaller, each.a12.shape) for each in found], dtype=np.float64)
-    return Effects(np.array([each.a12 for each in found]), np.array([each.ratio for each in found]), smaller)
+    smaller = np.array([np.broadcast_to(each.smaller, each.a12.shape) for each in estimates], dtype=np.float64)
+    return Effects(np.array([each.a12 for each in estimates]), np.array([each.ratio for each in estimates]), smaller)
 
 
-def mean_of(found: Effects) -> Effects:
+def mean_of(estimates: Effects) -> Effects:
     """Return the mean of independent estimates over the first axis, that of problems; missing where there is none.
 
     All pairs of trials on all problems are won with a chance of at most the mean to the power of all of them, since the
     geometric mean is never above the arithmetic one: so their smaller samples add up.
     """
-    number = max(len(found.a12), 1)
-    inside = found.inside.sum(axis=0) / number
+    number = max(len(estimates.a12), 1)
+    inside = estimates.inside.sum(axis=0) / number
     with np.errstate(invalid="ignore", divide="ignore"):
-        chance = found.a12.sum(axis=0) / np.where(len(found.a12), number, np.nan)
-        ratio = found.variance.sum(axis=0) / number**2 / (inside * (1 - inside))
-    smallest = float(np.min(found.smaller)) if len(found.a12) else 0.0
-    return Effects(chance, ratio, len(found.a12) * smallest)
+        chance = estimates.a12.sum(axis=0) / np.where(len(estimates.a12), number, np.nan)
+        ratio = estimates.variance.sum(axis=0) / number**2 / (inside * (1 - inside))
+    smallest = float(np.min(estimates.smaller)) if len(estimates.a12) else 0.0
+    return Effects(chance, ratio, len(estimates.a12) * smallest)
 
 
-def p_values(found: Effects) -> Floats:
+def p_values(estimates: Effects) -> Floats:
     """Return the two-sided p-values of A12 = 0.5, (g,), never below :func:`least_p`."""
-    size = np.abs(standardised(found.a12[np.newaxis], found.ratio[np.newaxis]))
-    return np.asarray(np.maximum(2 * norm.sf(size), least_p(found.smaller)), dtype=np.float64)
+    size = np.abs(standardised(estimates.a12[np.newaxis], estimates.ratio[np.newaxis]))
+    return np.asarray(np.fmax(2 * norm.sf(size), least_p(estimates.smaller)), dtype=np.float64)  # 1 of single values
 
 
 def standardised(chances: Floats, ratios: Floats, axis: int = 0) -> Floats:
@@ -176,10 +192,10 @@ def least_p(smaller: ArrayLike) -> Any:
     return np.minimum(2.0 ** (1 - np.asarray(smaller, dtype=np.float64)), 1.0)
 
 
-def intervals(found: Effects, level: float = 0.95) -> tuple[Floats, Floats]:
+def intervals(estimates: Effects, level: float = 0.95) -> tuple[Floats, Floats]:
     """Return both ends of the intervals of A12, (g,) each: the form of Wilson's (1927) interval of a proportion."""
-    low, high = wilson_form(found.a12, found.ratio, float(norm.ppf((1 + level) / 2)))
-    apart = ((1 - level) / 2) ** (1 / found.smaller)  # the lower end that complete separation allows
+    low, high = wilson_form(estimates.a12, estimates.ratio, float(norm.ppf((1 + level) / 2)))
+    apart = ((1 - level) / 2) ** (1 / estimates.smaller)  # the lower end that complete separation allows
     return np.minimum(low, apart), np.maximum(high, 1 - apart)
 
 

@@ -47,16 +47,16 @@ def u_scores(
     rows = []
     for problem in labels(frame, "problem"):
         at = frame["problem"] == problem
-        own = frame.loc[at, ["optimizer", "trial"]]
-        counts = own["optimizer"].astype(object).value_counts().reindex(optimizers, fill_value=0)
+        trials = frame.loc[at, ["optimizer", "trial"]]
+        counts = trials["optimizer"].astype(object).value_counts().reindex(optimizers, fill_value=0)
         if problem not in optima or counts.nunique() != 1 or not counts.iloc[0]:
             continue
         reached, points = _points(
-            own, np.asarray(values[at], dtype=np.float64), traces, problem, optima[problem], precision
+            trials, np.asarray(values[at], dtype=np.float64), traces, problem, optima[problem], precision
         )
         n = int(counts.iloc[0])
         for optimizer in optimizers:
-            mine = (own["optimizer"] == optimizer).to_numpy()
+            mine = (trials["optimizer"] == optimizer).to_numpy()
             u = float(points[mine].sum()) - n * (n + 1) / 2  # less the pairs among its own trials
             pairs = n * n * (len(optimizers) - 1)
             rows.append((problem, optimizer, n, int(np.isfinite(reached[mine]).sum()), u, pairs))
@@ -74,26 +74,28 @@ def ordered_trials(
     values, rank = scores(frame), pd.Series(np.nan, index=frame.index)
     for problem, optimum in optima.items():
         at = frame["problem"] == problem
-        own = frame.loc[at, ["optimizer", "trial"]]
+        trials = frame.loc[at, ["optimizer", "trial"]]
         rank[at] = (
-            len(own)
+            len(trials)
             + 1
-            - _points(own, np.asarray(values[at], dtype=np.float64), traces, problem, optimum, precision)[1]
+            - _points(trials, np.asarray(values[at], dtype=np.float64), traces, problem, optimum, precision)[1]
         )
     return frame.assign(fun=rank)[frame["problem"].isin(optima)]
 
 
 def _points(
-    own: pd.DataFrame, values: Floats, traces: Traces, problem: str, optimum: float, precision: float
+    trials: pd.DataFrame, values: Floats, traces: Traces, problem: str, optimum: float, precision: float
 ) -> tuple[Floats, Floats]:
     """Return the evaluations of each trial to the target, and its rank from the worst, 1; ties share their mean."""
     errors = np.maximum(values - optimum, 0.0)
-    found = (traces.get((problem, optimizer, trial)) for optimizer, trial in own.itertuples(index=False, name=None))
+    trial_traces = (
+        traces.get((problem, optimizer, trial)) for optimizer, trial in trials.itertuples(index=False, name=None)
+    )
     # A failed trial may have left a trace; its +inf says that it counts for nothing.
     reached = np.array([
         np.inf if trace is None or not np.isfinite(error)
         else np.append(trace.evaluations[trace.values - optimum <= precision].astype(float), np.inf)[0]
-        for trace, error in zip(found, errors, strict=True)
+        for trace, error in zip(trial_traces, errors, strict=True)
     ])  # fmt: skip
     late = ~np.isfinite(reached)
     outcomes = np.column_stack((reached, np.where(late, merge_near_ties(errors), 0.0)))

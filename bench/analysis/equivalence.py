@@ -51,19 +51,21 @@ def differences(frame: pd.DataFrame, rope: Rope, alpha: float = ALPHA, seed: int
     A percentage counts of the smaller size of the two medians, also within a resample. Failed trials are +inf,
     near-ties are ties; two infinite medians do not differ.
     """
-    found, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
+    by_cell, optimizers = cells(frame, merge=True), labels(frame, "optimizer")
     pairs = list(combinations(optimizers, 2))
     rows: list[tuple[Any, ...]] = []
     for problem in labels(frame, "problem"):
-        own = {each: found[problem, each] for each in optimizers if len(found[problem, each])}
-        finite = np.concatenate([values[np.isfinite(values)] for values in own.values()]) if own else np.empty(0)
+        samples = {each: by_cell[problem, each] for each in optimizers if len(by_cell[problem, each])}
+        finite = (
+            np.concatenate([values[np.isfinite(values)] for values in samples.values()]) if samples else np.empty(0)
+        )
         reach = float(np.ptp(finite)) if len(finite) else 0.0
         rng = np.random.default_rng(seed)
-        resampled = {each: _medians(values, rng) for each, values in own.items() if len(values) >= FEWEST}
+        resampled = {each: _medians(values, rng) for each, values in samples.items() if len(values) >= FEWEST}
         for first, second in pairs:
-            if first not in own or second not in own:
+            if first not in samples or second not in samples:
                 continue
-            here = np.array([_median(own[first])]), np.array([_median(own[second])])
+            here = np.array([_median(samples[first])]), np.array([_median(samples[second])])
             width = float(_width(rope, *here)[0])
             inference = np.nan, np.nan, np.nan, False
             if first in resampled and second in resampled:
@@ -86,12 +88,14 @@ def probabilities(table: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
         seed: repeats the draws.
     """
     rows = []
-    for (first, second), own in table.groupby(["first", "second"], sort=False):
-        z = in_ropes(own["difference"].to_numpy(dtype=float), own["rope"].to_numpy(dtype=float))
-        errors = own["error"].to_numpy(dtype=float) / own["rope"].where(own["rope"] > 0).to_numpy(dtype=float)
+    for (first, second), of_pair in table.groupby(["first", "second"], sort=False):
+        z = in_ropes(of_pair["difference"].to_numpy(dtype=float), of_pair["rope"].to_numpy(dtype=float))
+        errors = of_pair["error"].to_numpy(dtype=float) / of_pair["rope"].where(of_pair["rope"] > 0).to_numpy(
+            dtype=float
+        )
         usable = np.isfinite(errors) & (np.abs(z) < FAR)
         further = hierarchical(z[usable], errors[usable], seed) if usable.sum() > 2 else (np.nan,) * 3
-        rows.append((first, second, len(own), *signed_rank(z, seed), *further))
+        rows.append((first, second, len(of_pair), *signed_rank(z, seed), *further))
     names = ["first_better", "equal", "second_better"]
     return pd.DataFrame(rows, columns=["first", "second", "problems", *names, *(f"{name}_h" for name in names)])
 

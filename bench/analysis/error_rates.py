@@ -126,7 +126,7 @@ def _rates(draw: Callable[[int], Floats], shape: tuple[int, int, int], blocks: S
     owner = np.unique(np.array(blocks), return_inverse=True)[1]
     weights = (owner == np.arange(owner.max() + 1)[:, np.newaxis]).astype(float)
     weights /= weights.sum(axis=1, keepdims=True)
-    found = np.zeros((2, studies), dtype=bool)
+    claimed = np.zeros((2, studies), dtype=bool)
     at_once = max(AT_ONCE // work, 1)
     for start in range(0, studies, at_once):
         values = draw(min(at_once, studies - start))
@@ -140,19 +140,19 @@ def _rates(draw: Callable[[int], Floats], shape: tuple[int, int, int], blocks: S
         means = np.round(weights @ (chance - 0.5), 12)
         size = np.abs(standardised(chance, ratio, axis=1))
         now = slice(start, start + len(values))
-        found[0, now] = p.min(axis=(1, 2)) * p[0].size <= level.problems
+        claimed[0, now] = p.min(axis=(1, 2)) * p[0].size <= level.problems
         if level.further:
-            found[1, now] = [_across(own, level.across) for own in means]
+            claimed[1, now] = [_across(study_means, level.across) for study_means in means]
         else:
-            found[1, now] = 2 * norm.sf(size.max(axis=1)) * len(one) <= level.across
-    return Rates(studies, *(float(each.mean()) for each in (*found, found.any(axis=0))))
+            claimed[1, now] = 2 * norm.sf(size.max(axis=1)) * len(one) <= level.across
+    return Rates(studies, *(float(each.mean()) for each in (*claimed, claimed.any(axis=0))))
 
 
 def _across(means: Floats, level: float) -> bool:
     """Return whether any pair differs across blocks; ``means`` are A12 - 0.5, (blocks, pairs)."""
     if level <= 0:
         return False
-    return bool(min(signed_ranks(own, level)["p"] for own in means.T) * means.shape[1] <= level)
+    return bool(min(signed_ranks(pair_means, level)["p"] for pair_means in means.T) * means.shape[1] <= level)
 
 
 @lru_cache
@@ -191,18 +191,18 @@ def detectable_across(trials: int, blocks: int, level: float, further: bool = Tr
         if not further:
             size = standardised(means + 0.5, effect.ratio.reshape(draws, blocks), axis=1)
             return bool(np.mean(2 * norm.sf(size) <= level) >= power)
-        return bool(np.mean([signed_ranks(own, level)["p"] <= level for own in means]) >= power)
+        return bool(np.mean([signed_ranks(draw, level)["p"] <= level for draw in means]) >= power)
 
     return _smallest(found)
 
 
-def _smallest(found: Callable[[float], bool]) -> float:
+def _smallest(is_found: Callable[[float], bool]) -> float:
     low, high = 0.5, 1.0 - 1e-6
-    if not found(high):
+    if not is_found(high):
         return float("nan")
     for _ in range(STEPS):
         middle = (low + high) / 2
-        low, high = (low, middle) if found(middle) else (middle, high)
+        low, high = (low, middle) if is_found(middle) else (middle, high)
     return high
 
 

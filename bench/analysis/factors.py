@@ -57,28 +57,28 @@ class Contributions(NamedTuple):
 def contributions(frame: pd.DataFrame, sweep: Sweep) -> Contributions:
     """Return what the parameters of a sweep contribute on each problem; the sweep must lack no combination."""
     factors = {name: levels for name, levels in sweep.factors.items() if len(levels) > 1}
-    own = cells(frame[frame["optimizer"].isin(list(sweep.labels.values()))], merge=True)
+    by_cell = cells(frame[frame["optimizer"].isin(list(sweep.labels.values()))], merge=True)
     chosen = {
         tuple(level for name, level in zip(sweep.factors, levels, strict=True) if name in factors): label
         for levels, label in sweep.labels.items()
     }
     levels, effects, left_out = [], [], []
     for problem in labels(frame, "problem"):
-        samples = {key: own.get((problem, label), np.empty(0)) for key, label in chosen.items()}
+        samples = {key: by_cell.get((problem, label), np.empty(0)) for key, label in chosen.items()}
         fewest = min(map(len, samples.values()))
         if not fewest:
             if any(map(len, samples.values())):
                 left_out.append(problem)
             continue
-        found = dict(zip(samples, chances(list(samples.values())), strict=True))
-        parts = decomposed(_grid({key: float(each.mean()) for key, each in found.items()}, factors))
+        chances_of = dict(zip(samples, chances(list(samples.values())), strict=True))
+        parts = decomposed(_grid({key: float(each.mean()) for key, each in chances_of.items()}, factors))
         for axis, (name, own_levels) in enumerate(factors.items()):
             main = 0.5 + parts[(axis,)].ravel()
             levels += [(problem, name, level, chance) for level, chance in zip(own_levels, main, strict=True)]
         tested = {
             name: stratified_test(_strata(samples, factors, name)) if fewest >= FEWEST else np.nan for name in factors
         }
-        for component, share in _shares(found, parts, list(factors)).items():
+        for component, share in _shares(chances_of, parts, list(factors)).items():
             effects.append((problem, component, share, tested.get(component, np.nan)))
     return Contributions(
         pd.DataFrame(levels, columns=["problem", "factor", "level", "chance"]),
@@ -93,12 +93,12 @@ def chances(samples: list[Floats]) -> list[Floats]:
     Each sample counts once, whatever its size.
     """
     ordered = [np.sort(each) for each in samples]
-    found = []
+    chances_of = []
     for values in samples:
         below = [np.searchsorted(each, values, "left") + np.searchsorted(each, values, "right") for each in ordered]
         shares = [1 - each / (2 * len(other)) for each, other in zip(below, ordered, strict=True)]
-        found.append(np.mean(shares, axis=0))
-    return found
+        chances_of.append(np.mean(shares, axis=0))
+    return chances_of
 
 
 def decomposed(grid: Floats) -> dict[tuple[int, ...], Floats]:
@@ -112,9 +112,9 @@ def decomposed(grid: Floats) -> dict[tuple[int, ...], Floats]:
         for axes in combinations(range(grid.ndim), size):
             others = tuple(set(range(grid.ndim)) - set(axes))
             part = grid.mean(axis=others, keepdims=True) if others else grid.copy()
-            for less, known in parts.items():
+            for less, smaller in parts.items():
                 if set(less) < set(axes):
-                    part = part - known
+                    part = part - smaller
             parts[axes] = part
     return parts
 
@@ -145,8 +145,8 @@ def stratified_test(strata: list[list[Floats]]) -> float:
 
 def mean_shares(effects: pd.DataFrame) -> pd.Series[float]:
     """Return the mean share of each component over the problems that have shares, in the order of the components."""
-    known = effects.dropna(subset="share")
-    return known.groupby("component", sort=False)["share"].mean()
+    with_shares = effects.dropna(subset="share")
+    return with_shares.groupby("component", sort=False)["share"].mean()
 
 
 def level_tests(levels: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
@@ -159,9 +159,9 @@ def level_tests(levels: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     significant, or all problems tie. Each problem counts once.
     """
     rows: list[dict[str, Any]] = []
-    for factor, own in levels.groupby("factor", sort=False):
-        table = own.pivot(index="problem", columns="level", values="chance")
-        table = table[list(dict.fromkeys(own["level"]))].round(12)  # sums of shares: equal ones differ in last digits
+    for factor, of_factor in levels.groupby("factor", sort=False):
+        table = of_factor.pivot(index="problem", columns="level", values="chance")
+        table = table[list(dict.fromkeys(of_factor["level"]))].round(12)  # sums of shares differ in last digits
         means = table.mean().sort_values(ascending=False, kind="stable")
         if len(means) == 2:
             test = signed_ranks((table.iloc[:, 0] - table.iloc[:, 1]).to_numpy(dtype=float), alpha)
@@ -177,8 +177,8 @@ def level_tests(levels: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
                 "first": int((table[means.index[0]] >= table.max(axis=1)).sum()), "p": float(p), "note": note,
             }
         )  # fmt: skip
-    found = pd.DataFrame(rows, columns=["factor", "problems", "best", "chance", "lowest", "first", "p", "note"])
-    return found.assign(p_holm=holm(found["p"].to_numpy(dtype=float)))
+    tests = pd.DataFrame(rows, columns=["factor", "problems", "best", "chance", "lowest", "first", "p", "note"])
+    return tests.assign(p_holm=holm(tests["p"].to_numpy(dtype=float)))
 
 
 def _grid(means: Mapping[Levels, float], factors: Mapping[str, Levels]) -> Floats:
@@ -190,20 +190,20 @@ def _grid(means: Mapping[Levels, float], factors: Mapping[str, Levels]) -> Float
 def _strata(samples: Mapping[Levels, Floats], factors: Mapping[str, Levels], name: str) -> list[list[Floats]]:
     """Return the samples of each value of a parameter, by the combinations of all others."""
     axis = list(factors).index(name)
-    found: dict[Levels, list[Floats]] = {}
+    strata: dict[Levels, list[Floats]] = {}
     for key in product(*factors.values()):
-        found.setdefault(key[:axis] + key[axis + 1 :], []).append(samples[key])
-    return list(found.values())
+        strata.setdefault(key[:axis] + key[axis + 1 :], []).append(samples[key])
+    return list(strata.values())
 
 
 def _shares(
-    found: Mapping[Levels, Floats], parts: Mapping[tuple[int, ...], Floats], names: list[str]
+    chances_of: Mapping[Levels, Floats], parts: Mapping[tuple[int, ...], Floats], names: list[str]
 ) -> dict[str, float]:
     """Return the share of each component of the variance among single trials, all missing where it is not known."""
-    count = len(found)
-    if min(map(len, found.values())) > 1:
-        within = np.array([each.var(ddof=1) for each in found.values()])
-        noise = float((within / [len(each) for each in found.values()]).mean())  # variance of a combination's mean
+    count = len(chances_of)
+    if min(map(len, chances_of.values())) > 1:
+        within = np.array([each.var(ddof=1) for each in chances_of.values()])
+        noise = float((within / [len(each) for each in chances_of.values()]).mean())  # variance of a combination's mean
         random = float(within.mean())
     else:
         noise = random = np.nan
@@ -214,8 +214,8 @@ def _shares(
             continue
         freedom = np.prod([sizes[axis] - 1 for axis in axes])
         component = " × ".join(names[axis] for axis in axes) if len(axes) < 3 else HIGHER
-        own = float((part**2).mean()) - freedom / count * noise
-        variances[component] = variances.get(component, 0.0) + own
+        variance = float((part**2).mean()) - freedom / count * noise
+        variances[component] = variances.get(component, 0.0) + variance
     variances[TRIALS] = random
     total = sum(variances.values())
     return {name: each / total if total > 1e-12 else np.nan for name, each in variances.items()}

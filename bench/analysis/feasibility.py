@@ -27,12 +27,12 @@ def feasibility(frame: pd.DataFrame, traces: Traces, problems: Collection[str]) 
         trials found none, NaN without a trial).
     """
     rows = []
-    found = scores(frame).lt(np.inf)
+    feasible = scores(frame).lt(np.inf)
     for problem in (label for label in labels(frame, "problem") if label in problems):
         for optimizer in labels(frame, "optimizer"):
-            mine = found[(frame["problem"] == problem) & (frame["optimizer"] == optimizer)]
-            own = frame.loc[mine.index[mine], "trial"]
-            first = [int(traces[problem, optimizer, trial].evaluations[0]) for trial in own]
+            mine = feasible[(frame["problem"] == problem) & (frame["optimizer"] == optimizer)]
+            numbers = frame.loc[mine.index[mine], "trial"]
+            first = [int(traces[problem, optimizer, trial].evaluations[0]) for trial in numbers]
             every = sorted(first) + [np.inf] * (len(mine) - len(first))
             rows.append(
                 {

@@ -95,18 +95,18 @@ def cell_names(rows: pd.DataFrame) -> list[str]:
 def where(rows: pd.DataFrame) -> str:
     """Return the cells of the rows in short: "a on p, b on 18 problems, c on 25 instances of 5 problems"."""
     by_optimizer = rows.astype(dict.fromkeys(CELL, object)).groupby("optimizer", sort=False)
-    return listed([f"{optimizer} on {_problems(own)}" for optimizer, own in by_optimizer])
+    return listed([f"{optimizer} on {_problems(of_optimizer)}" for optimizer, of_optimizer in by_optimizer])
 
 
 def _problems(rows: pd.DataFrame) -> str:
     """Return the problem of the rows, or how many there are, in the units in which the study counts them."""
-    own = rows["problem"].unique()
-    pools = rows["pool"].astype(object).unique() if "pool" in rows else own
-    if len(own) == 1:
-        return str(own[0])
-    if len(pools) == len(own):
-        return f"{len(own):,} problems"
-    return f"{len(own):,} instances of {pools[0] if len(pools) == 1 else f'{len(pools):,} problems'}"
+    problems = rows["problem"].unique()
+    pools = rows["pool"].astype(object).unique() if "pool" in rows else problems
+    if len(problems) == 1:
+        return str(problems[0])
+    if len(pools) == len(problems):
+        return f"{len(problems):,} problems"
+    return f"{len(problems):,} instances of {pools[0] if len(pools) == 1 else f'{len(pools):,} problems'}"
 
 
 def percent(share: float) -> str:
@@ -284,17 +284,17 @@ def _on_bound(trials: pd.DataFrame, boxes: Boxes) -> pd.DataFrame:
 
 
 def _seeds(evidence: Evidence) -> CheckResult:
-    known = evidence.finished[evidence.finished["seed"].notna()]
-    if known.empty:
+    seeded = evidence.finished[evidence.finished["seed"].notna()]
+    if seeded.empty:
         return CheckResult("not checked", "The seeds are unknown here, as of imported results.")
-    own = known.duplicated(["optimizer", "seed"], keep=False)
+    within = seeded.duplicated(["optimizer", "seed"], keep=False)
     return judge(
-        known,
-        own if own.any() else known.duplicated("seed", keep=False),
-        "error" if own.any() else "warning",
-        f"share their seed with a trial of {'the same' if own.any() else 'another'} optimizer",
+        seeded,
+        within if within.any() else seeded.duplicated("seed", keep=False),
+        "error" if within.any() else "warning",
+        f"share their seed with a trial of {'the same' if within.any() else 'another'} optimizer",
         "Such trials are not independent; run one of the optimizers or versions with another study seed.",
-        well=f"All {len(known):,} seeds differ.",
+        well=f"All {len(seeded):,} seeds differ.",
     )
 
 

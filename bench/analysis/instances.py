@@ -42,7 +42,7 @@ class Pooled:
     @property
     def functions(self) -> list[str]:
         """The problems of the frame whose values are precisions."""
-        return [label for label, own in self.members.items() if own != [label]]
+        return [label for label, instances in self.members.items() if instances != [label]]
 
 
 def pool_instances(
@@ -67,13 +67,13 @@ def pool_instances(
         function = label.removesuffix(f"-i{features.get(label, {}).get('instance')}")
         least = optima[label] - max(SOLVED, BEATEN * abs(optima[label])) if label in optima else np.inf
         groups.setdefault(function if lowest.get(label, np.inf) >= least else label, []).append(label)
-    pools = {function: own for function, own in groups.items() if len(own) > 1}
-    function_of = {label: function for function, own in pools.items() for label in own}
+    pools = {function: instances for function, instances in groups.items() if len(instances) > 1}
+    function_of = {label: function for function, instances in pools.items() for label in instances}
     members = {function_of.get(label, label): pools.get(function_of.get(label, label), [label]) for label in problems}
     if not pools:
         return Pooled(frame, traces, members)
     trials = int(frame["trial"].max()) + 1 if len(frame) else 1
-    offset = {label: trials * number for own in pools.values() for number, label in enumerate(own)}
+    offset = {label: trials * number for instances in pools.values() for number, label in enumerate(instances)}
     problem = frame["problem"].astype(object)
     changed = frame.assign(
         problem=problem.map(function_of).fillna(problem),
@@ -121,14 +121,14 @@ class _Precisions(Mapping[tuple[str, str, int], Trace]):
         problem, optimizer, trial = key
         if problem not in self.pools:
             return self.traces[key]
-        number, own = divmod(trial, self.trials)
+        number, trial_of_instance = divmod(trial, self.trials)
         if number >= len(self.pools[problem]):
             raise KeyError(key)
         instance = self.pools[problem][number]
-        return _above(self.traces[instance, optimizer, own], self.optima[instance])
+        return _above(self.traces[instance, optimizer, trial_of_instance], self.optima[instance])
 
     def __iter__(self) -> Iterator[tuple[str, str, int]]:
-        function_of = {label: function for function, own in self.pools.items() for label in own}
+        function_of = {label: function for function, instances in self.pools.items() for label in instances}
         for problem, optimizer, trial in self.traces:
             yield function_of.get(problem, problem), optimizer, trial + self.offset.get(problem, 0)
 

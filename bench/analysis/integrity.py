@@ -102,17 +102,17 @@ def integrity(
     none = CheckResult("not checked", "There is no finished trial.")
     finished = bool((frame["status"] == "ok").any())
     for name, check in CHECKS.items():
-        found = check(evidence) if finished else none
-        findings[name] = _together(found, findings[name]) if name in findings else found
-    rows = [(name, found.verdict, found.text, "; ".join(found.cells)) for name, found in findings.items()]
+        result = check(evidence) if finished else none
+        findings[name] = _together(result, findings[name]) if name in findings else result
+    rows = [(name, result.verdict, result.text, "; ".join(result.cells)) for name, result in findings.items()]
     return pd.DataFrame(rows, columns=["check", "verdict", "finding", "cells"])
 
 
 def _together(here: CheckResult, elsewhere: CheckResult) -> CheckResult:
     """Return one finding of a trait seen in this study's trials and in separate runs: the worse verdict, both texts."""
-    known = [found for found in (here, elsewhere) if found.verdict != "not checked"]
-    if len(known) < 2:
-        return (known or [here])[0]
+    made = [result for result in (here, elsewhere) if result.verdict != "not checked"]
+    if len(made) < 2:
+        return (made or [here])[0]
     verdict = "warning" if "warning" in (here.verdict, elsewhere.verdict) else here.verdict
     return CheckResult(
         verdict, f"{here.text} In separate runs: {elsewhere.text[0].lower()}{elsewhere.text[1:]}", here.cells
@@ -151,9 +151,9 @@ def undeclared(extensions: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
 def _optional_stopping(frame: pd.DataFrame, extensions: Sequence[tuple[int, int]]) -> CheckResult:
     if frame.empty:
         return CheckResult("not checked", "There is no trial.")
-    if found := undeclared(extensions):
+    if stopping := undeclared(extensions):
         steps = listed(
-            [f"{held:,} trials of each cell were complete when {asked:,} were asked for" for held, asked in found]
+            [f"{held:,} trials of each cell were complete when {asked:,} were asked for" for held, asked in stopping]
         )
         return CheckResult("warning", f"Trials were added to complete ones, and no looks were declared: {steps}.")
     return CheckResult("pass", "No run on record added trials to complete ones without declared looks.")
@@ -169,13 +169,13 @@ def _failures(frame: pd.DataFrame) -> CheckResult:
 
 
 def _storage(stores: Sequence[StoreCheck]) -> CheckResult:
-    if not any(found.trials for found in stores):
+    if not any(store.trials for store in stores):
         return CheckResult("not checked", "There is no stored trial.")
-    damaged = [found.sentence for found in stores if not found.sound]
-    cells = dict.fromkeys(f"{optimizer} on {problem}" for found in stores for problem, optimizer, _ in found.damaged)
+    damaged = [store.sentence for store in stores if not store.sound]
+    cells = dict.fromkeys(f"{optimizer} on {problem}" for store in stores for problem, optimizer, _ in store.damaged)
     if damaged:
         return CheckResult("error", " ".join(f"{sentence[0].upper()}{sentence[1:]}." for sentence in damaged), [*cells])
-    return CheckResult("pass", f"All {sum(found.trials for found in stores):,} stored trials are as they were written.")
+    return CheckResult("pass", f"All {sum(store.trials for store in stores):,} stored trials are as they were written.")
 
 
 def _repeatability(verifications: Sequence[Mapping[str, Any]]) -> CheckResult:
@@ -193,13 +193,13 @@ def _repeatability(verifications: Sequence[Mapping[str, Any]]) -> CheckResult:
 def _trait(name: str, diagnoses: Diagnoses) -> CheckResult:
     """Return which optimizers have a trait that ``bench check`` looks for."""
     trait = TRAITS[name]
-    found = [(label, each) for label, checks in diagnoses.items() for each in checks if each["check"] == name]
-    if not found:
+    diagnosed = [(label, each) for label, checks in diagnoses.items() for each in checks if each["check"] == name]
+    if not diagnosed:
         return CheckResult("not checked", "Run 'bench check' with this folder to check the optimizers for it.")
-    numbers = [(label, each.get("figure")) for label, each in found if not each["passed"]]
+    numbers = [(label, each.get("figure")) for label, each in diagnosed if not each["passed"]]
     if not numbers:
-        tested = [label for label, each in found if each.get("figure") is not None]
-        other = [label for label, each in found if each.get("figure") is None]
+        tested = [label for label, each in diagnosed if each.get("figure") is not None]
+        other = [label for label, each in diagnosed if each.get("figure") is None]
         whom = f"any of the {len(tested):,} optimizers" if len(tested) > 1 else "".join(tested)
         said = [f"{trait.well} {whom}."] if tested else []
         said += [f"There was nothing to test for {listed(other)}."] if other else []

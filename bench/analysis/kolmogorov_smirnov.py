@@ -47,9 +47,9 @@ def ks_tests(these: Floats, others: Floats) -> dict[str, Any]:
     steps = np.rint(n * m * distance).astype(np.int64)
     exact, permuted = np.flatnonzero(~tied), np.flatnonzero(tied & (steps > 0))
     for place in exact[np.unique(steps[exact], return_index=True)[1]]:  # without ties p depends on D alone
-        known = n == m and steps[place] > 0
-        own = _p_of(int(steps[place]) // n, n) if known else _exact_p(these[place], others[place])
-        p[exact[steps[exact] == steps[place]]] = own
+        tabled = n == m and steps[place] > 0
+        chance = _p_of(int(steps[place]) // n, n) if tabled else _exact_p(these[place], others[place])
+        p[exact[steps[exact] == steps[place]]] = chance
     if len(permuted):  # and with them on where they lie: many pairs share the places
         keys = np.column_stack((steps, equal))[permuted]
         _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)

@@ -65,14 +65,14 @@ def describe(problem: Problem, points: int | None = None, seed: int = 0) -> dict
         x = np.where(problem.integer, np.rint(x), x)
         unit = (x - problem.lower) / (problem.upper - problem.lower)
     y = np.asarray(problem.noiseless(x), dtype=float)
-    found = np.isfinite(y)
-    if found.sum() < LEAST_POINTS:
+    finite = np.isfinite(y)
+    if finite.sum() < LEAST_POINTS:
         raise BenchError(
-            f"{problem.name} has a finite value at {int(found.sum())} of {number:,} points, too few to describe it"
+            f"{problem.name} has a finite value at {int(finite.sum())} of {number:,} points, too few to describe it"
         )
-    if y[found].min() == y[found].max():
+    if y[finite].min() == y[finite].max():
         raise BenchError(f"{problem.name} has the same value at all {number:,} points, so there is nothing to describe")
-    return features(unit[found], y[found], seed)
+    return features(unit[finite], y[finite], seed)
 
 
 def default_points(dimension: int) -> int:
@@ -90,11 +90,11 @@ def features(x: Floats, y: Floats, seed: int = 0) -> dict[str, float]:
     distances = cdist(x, x)
     start = int(np.random.default_rng(seed).integers(len(x)))
     with np.errstate(divide="ignore", invalid="ignore"):  # what a degenerate sample does not define is missing
-        found = (
+        values_of = (
             distribution(scaled) | meta_models(x, scaled) | dispersion(x, scaled) | nearest_better(distances, scaled)
             | information_content(distances, scaled, start) | {"fitness_distance.correlation": fdc(distances, scaled)}
         )  # fmt: skip
-    return {name: float(value) if np.isfinite(value) else np.nan for name, value in found.items()}
+    return {name: float(value) if np.isfinite(value) else np.nan for name, value in values_of.items()}
 
 
 def distribution(y: Floats) -> dict[str, float]:
@@ -137,14 +137,14 @@ def meta_models(x: Floats, y: Floats) -> dict[str, float]:
 
 def dispersion(x: Floats, y: Floats) -> dict[str, float]:
     """Return the mean and median distance among the best points over those among all."""
-    whole = pdist(x)
-    found: dict[str, float] = {}
+    whole, ratios = pdist(x), dict[str, float]()
+    best = {quantile: pdist(x[y <= np.quantile(y, quantile)]) for quantile in QUANTILES}
     for statistic in (np.mean, np.median):
-        for quantile in QUANTILES:
-            best = pdist(x[y <= np.quantile(y, quantile)])
-            ratio = statistic(best) / statistic(whole) if len(best) else np.nan
-            found[f"disp.ratio_{statistic.__name__}_{round(100 * quantile):02d}"] = float(ratio)
-    return found
+        among_all = statistic(whole)
+        for quantile, among_best in best.items():
+            ratio = statistic(among_best) / among_all if len(among_best) else np.nan
+            ratios[f"disp.ratio_{statistic.__name__}_{round(100 * quantile):02d}"] = float(ratio)
+    return ratios
 
 
 def nearest_better(distances: Floats, y: Floats) -> dict[str, float]:
@@ -210,21 +210,21 @@ def feature_ranks(table: pd.DataFrame, medians: pd.DataFrame, alpha: float = ALP
     ranks, tables = medians.loc[problems].rank(axis=1), []
     for number, feature in enumerate(table):
         x = table[feature].loc[problems].dropna()
-        own = ranks.loc[x.index]
-        varying = np.flatnonzero(own.nunique() > 1)
+        rank_of = ranks.loc[x.index]
+        varying = np.flatnonzero(rank_of.nunique() > 1)
         if len(x) >= LEAST_PROBLEMS and x.nunique() > 1 and len(varying):
             # Spearman's rho of all optimizers at once: Pearson's correlation of ranks
-            ys = rankdata(own.to_numpy()[:, varying], axis=0)
+            ys = rankdata(rank_of.to_numpy()[:, varying], axis=0)
             rho, p = pearsonr(rankdata(x)[:, np.newaxis], ys, axis=0)
-            key = {"place": varying, "number": number, "optimizer": own.columns[varying], "feature": feature}
+            key = {"place": varying, "number": number, "optimizer": rank_of.columns[varying], "feature": feature}
             tables.append(pd.DataFrame(key | {"problems": len(x), "rho": rho, "p": p}))
     columns = ["optimizer", "feature", "problems", "rho", "p"]
     if not tables:
         return pd.DataFrame(columns=[*columns, "p_holm", "significant"]).astype({"significant": bool})
-    found = pd.concat(tables).sort_values(["place", "number"], ignore_index=True)[columns]
-    found["p_holm"] = holm(found["p"].to_numpy(dtype=float))
-    found["significant"] = (found["p_holm"] <= alpha).astype(bool)
-    return found.sort_values("p", kind="stable", ignore_index=True)
+    tests = pd.concat(tables).sort_values(["place", "number"], ignore_index=True)[columns]
+    tests["p_holm"] = holm(tests["p"].to_numpy(dtype=float))
+    tests["significant"] = (tests["p_holm"] <= alpha).astype(bool)
+    return tests.sort_values("p", kind="stable", ignore_index=True)
 
 
 def _fit(columns: Floats, y: Floats) -> tuple[Floats, float]:

@@ -53,7 +53,7 @@ def decide(frame: pd.DataFrame, looks: Sequence[int], alpha: float = ALPHA) -> D
     """
     if not looks:
         return Decisions({}, pd.DataFrame(columns=list(COLUMNS)), {})
-    found = [cells(frame[frame["trial"] < look], merge=True) for look in looks]
+    by_look = [cells(frame[frame["trial"] < look], merge=True) for look in looks]
     optimizers = labels(frame, "optimizer")
     one, other = np.triu_indices(len(optimizers), 1)
     names = np.array(optimizers, dtype=object)
@@ -65,8 +65,8 @@ def decide(frame: pd.DataFrame, looks: Sequence[int], alpha: float = ALPHA) -> D
         p, look_of, ends = np.ones(len(one)), np.zeros(len(one), dtype=np.int64), np.zeros(len(names), dtype=np.int64)
         reached[problem] = 0
         for place, look in enumerate(looks):
-            samples = [found[place].get((problem, name), np.empty(0)) for name in optimizers]
-            there = np.array([len(own) == look for own in samples], dtype=bool)
+            samples = [by_look[place].get((problem, name), np.empty(0)) for name in optimizers]
+            there = np.array([len(sample) == look for sample in samples], dtype=bool)
             active = there & (ends == 0)
             tested = np.flatnonzero(active[one] & active[other])
             now = repeated_p(_p(samples, one[tested], other[tested]), looks, place)
@@ -99,26 +99,28 @@ def at_looks(pairs: pd.DataFrame, decisions: Decisions, alpha: float = ALPHA) ->
     has a rank only, and no interval (``stopped``).
     """
     keys = ["problem", "first", "second"]
-    own = pairs[keys].astype(object).merge(decisions.pairs, on=keys, how="left")
+    decided = pairs[keys].astype(object).merge(decisions.pairs, on=keys, how="left")
     stopped = np.array(
         [
             any((problem, optimizer) in decisions.stopped for optimizer in pair)
-            for problem, *pair in own[keys].itertuples(index=False, name=None)
+            for problem, *pair in decided[keys].itertuples(index=False, name=None)
         ],
         dtype=bool,
     )
     ends = ["a12_low", "a12_high", "joint_low", "joint_high"]
     unknown = {name: pairs[name].mask(stopped) for name in ends}
-    return adjusted(pairs.assign(p=own["p"].to_numpy(), look=own["look"].to_numpy(), stopped=stopped, **unknown), alpha)
+    return adjusted(
+        pairs.assign(p=decided["p"].to_numpy(), look=decided["look"].to_numpy(), stopped=stopped, **unknown), alpha
+    )
 
 
 def _p(samples: Sequence[Floats], one: NDArray[np.intp], other: NDArray[np.intp]) -> Floats:
     """Return the p-values of pairs of samples, all of one size."""
     p = np.ones(len(one))
     for start in range(0, len(one), AT_ONCE):
-        own = slice(start, start + AT_ONCE)
-        these, others = (np.array([samples[place] for place in places[own]]) for places in (one, other))
-        p[own] = p_values(effects(these, others))
+        part = slice(start, start + AT_ONCE)
+        these, others = (np.array([samples[place] for place in places[part]]) for places in (one, other))
+        p[part] = p_values(effects(these, others))
     return p
 
 

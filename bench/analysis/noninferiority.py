@@ -104,8 +104,8 @@ def noninferiority(
     Raises:
         BenchError: for a margin or level that cannot be, and where no problem has two trials of both.
     """
-    found = cells(frame, merge=True)
-    samples = {each: (found[each, old], found[each, new]) for each in labels(frame, "problem")}
+    by_cell = cells(frame, merge=True)
+    samples = {each: (by_cell[each, old], by_cell[each, new]) for each in labels(frame, "problem")}
     return compare_samples(
         {each: both for each, both in samples.items() if min(map(len, both)) > 0}, margin, alpha, every
     )
@@ -126,16 +126,16 @@ def compare_samples(
     if not samples or min(min(map(len, both)) for both in samples.values()) < 2:
         raise BenchError("there is too little to compare: every problem needs at least two trials of both versions")
     bound, level = 0.5 + margin, 1 - alpha / 2
-    own = [effects(this[np.newaxis], other[np.newaxis]) for this, other in samples.values()]
+    estimates = [effects(this[np.newaxis], other[np.newaxis]) for this, other in samples.values()]
     rows = [
-        (label, len(this), len(other), *_inference(found, bound, level))
-        for (label, (this, other)), found in zip(samples.items(), own, strict=True)
+        (label, len(this), len(other), *_inference(estimate, bound, level))
+        for (label, (this, other)), estimate in zip(samples.items(), estimates, strict=True)
     ]
     problems = pd.DataFrame(rows, columns=[name for name in COLUMNS if name not in ("p_holm", "worse", "not_worse")])
     problems["p_holm"] = holm(problems["p"].to_numpy(dtype=float))
     problems["worse"] = problems["p_holm"] <= alpha / 2
     problems["not_worse"] = problems["high"] <= bound
-    mean, low, high, p = _inference(mean_of(stacked(own)), bound, level)
+    mean, low, high, p = _inference(mean_of(stacked(estimates)), bound, level)
     worse = p <= alpha / 2 or bool(problems["worse"].any())
     shown = bool(problems["not_worse"].all()) if every else high <= bound
     return Noninferiority(
@@ -148,19 +148,19 @@ def compare_samples(
         high=high,
         p=p,
         problems=problems,
-        needed=_needed(own, margin, level, every),
+        needed=_needed(estimates, margin, level, every),
     )
 
 
-def _inference(found: Effects, bound: float, level: float) -> tuple[float, float, float, float]:
+def _inference(estimate: Effects, bound: float, level: float) -> tuple[float, float, float, float]:
     """Return A12, both ends of its interval, each at the one-sided ``level``, and the p of a value above the bound."""
-    (low,), (high,) = intervals(found, 2 * level - 1)
-    size = (found.a12[0] - bound) / np.sqrt(found.ratio[0] * bound * (1 - bound))
-    return float(found.a12[0]), float(low), float(high), max(float(norm.sf(size)), float(bound**found.smaller))
+    (low,), (high,) = intervals(estimate, 2 * level - 1)
+    size = (estimate.a12[0] - bound) / np.sqrt(estimate.ratio[0] * bound * (1 - bound))
+    return float(estimate.a12[0]), float(low), float(high), max(float(norm.sf(size)), float(bound**estimate.smaller))
 
 
-def _needed(own: Sequence[Effects], margin: float, level: float, every: bool) -> int:
+def _needed(estimates: Sequence[Effects], margin: float, level: float, every: bool) -> int:
     """Return about how many trials a problem make equal versions pass; a variance falls as one over the trials."""
-    each = np.array([0.25 * found.ratio[0] * found.smaller for found in own])
-    variance, power = (each.max(), POWER ** (1 / len(own))) if every else (each.mean() / len(own), POWER)
+    each = np.array([0.25 * estimate.ratio[0] * estimate.smaller for estimate in estimates])
+    variance, power = (each.max(), POWER ** (1 / len(estimates))) if every else (each.mean() / len(estimates), POWER)
     return ceil(float(variance) * float((norm.ppf(level) + norm.ppf(power)) / margin) ** 2)

@@ -46,15 +46,15 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     fewer than two trials has no interval and p = 1, and is no hypothesis of the adjustment where a cell has none.
     Names are categories: texts would take most of the memory.
     """
-    found, optimizers, problems = cells(frame, merge=True), labels(frame, "optimizer"), labels(frame, "problem")
-    sizes = np.array([[len(found[each, one]) for one in optimizers] for each in problems], dtype=np.int64)
+    by_cell, optimizers, problems = cells(frame, merge=True), labels(frame, "optimizer"), labels(frame, "problem")
+    sizes = np.array([[len(by_cell[each, one]) for one in optimizers] for each in problems], dtype=np.int64)
     one, other = np.triu_indices(len(optimizers), 1)
     tests = int(np.sum(np.minimum(sizes[:, one], sizes[:, other]) > 0)) if len(problems) else 0
     # Of each column one array from the beginning: many small ones would leave gaps in the memory.
     columns: dict[str, Any] = {}
     for place, problem in enumerate(problems):
-        own = compare_all([found[problem, optimizer] for optimizer in optimizers], 1 - alpha / max(tests, 1))
-        for name, values in own.items():
+        compared = compare_all([by_cell[problem, optimizer] for optimizer in optimizers], 1 - alpha / max(tests, 1))
+        for name, values in compared.items():
             every = columns.setdefault(name, np.empty((len(problems), len(one)), dtype=values.dtype))
             every[place] = values
     columns = {name: every.ravel() for name, every in columns.items()}
@@ -63,7 +63,9 @@ def pairwise_tests(frame: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
         "first": (np.tile(one, len(problems)), optimizers),
         "second": (np.tile(other, len(problems)), optimizers),
     }
-    columns |= {name: pd.Categorical.from_codes(codes, pd.Index(known)) for name, (codes, known) in names.items()}
+    columns |= {
+        name: pd.Categorical.from_codes(codes, pd.Index(categories)) for name, (codes, categories) in names.items()
+    }
     pairs = pd.DataFrame(columns, columns=list(COLUMNS), copy=False)
     smaller = pairs[["n_first", "n_second"]].min(axis=1).to_numpy(dtype=float)
     return adjusted(pairs, alpha).assign(
@@ -121,9 +123,9 @@ def compare_all(samples: Sequence[Floats], joint: float = 0.95) -> dict[str, Any
         "n_first": sizes[one], "n_second": sizes[other], "p": np.ones(len(one)), "ks_p": np.ones(len(one)),
         "ks_tied": np.zeros(len(one), dtype=bool), **{name: np.full(len(one), np.nan) for name in numbers},
     }  # fmt: skip
-    for own, these, others in alike(samples):
+    for places, these, others in alike(samples):
         for name, values in _compare(these, others, joint).items():
-            columns[name][own] = values
+            columns[name][places] = values
     return columns
 
 
@@ -137,19 +139,24 @@ def alike(samples: Sequence[Floats]) -> Iterator[tuple[NDArray[np.intp], Floats,
     n, m = sizes[one], sizes[other]
     for sizes_of_pair in sorted(set(zip(n.tolist(), m.tolist(), strict=True))):
         same = np.flatnonzero((n == sizes_of_pair[0]) & (m == sizes_of_pair[1]))
-        for own in np.split(same, range(AT_ONCE, len(same), AT_ONCE)):
-            these, others = (np.array([samples[i] for i in places[own]]) for places in (one, other))
-            yield own, these, others
+        for part in np.split(same, range(AT_ONCE, len(same), AT_ONCE)):
+            these, others = (np.array([samples[i] for i in places[part]]) for places in (one, other))
+            yield part, these, others
 
 
 def _compare(these: Floats, others: Floats, joint: float) -> dict[str, Any]:
     """Compare pairs of samples, (g, n) and (g, m); an array a column."""
-    smaller = min(these.shape[1], others.shape[1])
-    if smaller < 2:
-        return {"a12": direction.wins(these, others).mean(axis=(1, 2)), **ks_tests(these, others)} if smaller else {}
-    found = direction.effects(these, others)
-    ends = {"a12": direction.intervals(found), "joint": direction.intervals(found, joint)}
+    if not min(these.shape[1], others.shape[1]):
+        return {}
+    estimates = direction.effects(these, others)
+    ends = {"a12": direction.intervals(estimates), "joint": direction.intervals(estimates, joint)}
     sides = {
         f"{name}_{side}": end for name, both in ends.items() for side, end in zip(("low", "high"), both, strict=True)
     }
-    return {"a12": found.a12, "ratio": found.ratio, "p": direction.p_values(found), **sides, **ks_tests(these, others)}
+    return {
+        "a12": estimates.a12,
+        "ratio": estimates.ratio,
+        "p": direction.p_values(estimates),
+        **sides,
+        **ks_tests(these, others),
+    }

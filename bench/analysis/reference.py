@@ -30,13 +30,13 @@ def reference_times(reference: pd.DataFrame, functions: Mapping[str, str], level
         functions: the name of the function of each problem.
         levels: columns problem and precision, which is positive.
     """
-    own = {str(name): table.sort_values("precision") for name, table in reference.groupby("problem", sort=False)}
+    table_of = {str(name): table.sort_values("precision") for name, table in reference.groupby("problem", sort=False)}
     ert = np.full(len(levels), np.nan)
     asked = levels["precision"].to_numpy(dtype=float)
     for problem, rows in levels.groupby("problem", sort=False).indices.items():
-        if (function := functions[str(problem)]) in own:
-            known, times = (own[function][name].to_numpy(dtype=float) for name in ("precision", "ert"))
-            at = np.searchsorted(known, asked[rows] * (1 + 1e-9), side="right") - 1  # the easiest that is as hard
+        if (function := functions[str(problem)]) in table_of:
+            precisions, times = (table_of[function][name].to_numpy(dtype=float) for name in ("precision", "ert"))
+            at = np.searchsorted(precisions, asked[rows] * (1 + 1e-9), side="right") - 1  # the easiest that is as hard
             ert[rows] = np.where(at >= 0, times[np.maximum(at, 0)], np.inf)
     return levels.assign(ert=np.where(asked < HARDEST * (1 - 1e-9), np.nan, ert))
 
@@ -53,8 +53,8 @@ def reference_shares(times: pd.DataFrame, grid: Counts, dimensions: Mapping[str,
         dimensions: the d of each problem.
     """
     unit, tables = "evaluations" if dimensions is None else "per_dimension", []
-    for problem, own in times.groupby("problem", sort=False):
-        ert = np.sort(own["ert"].to_numpy(dtype=float)) / (1 if dimensions is None else dimensions[str(problem)])
+    for problem, rows in times.groupby("problem", sort=False):
+        ert = np.sort(rows["ert"].to_numpy(dtype=float)) / (1 if dimensions is None else dimensions[str(problem)])
         share = np.searchsorted(ert, np.asarray(grid, dtype=float), side="right") / len(ert)
         tables.append(pd.DataFrame({"problem": problem, unit: grid, "fraction": share}))
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=["problem", unit, "fraction"])
@@ -75,17 +75,19 @@ def runlength_targets(
         functions: the name of the function of each problem.
         dimensions: the d of each problem.
     """
-    own = {str(name): table.sort_values("precision") for name, table in reference.groupby("problem", sort=False)}
+    table_of = {str(name): table.sort_values("precision") for name, table in reference.groupby("problem", sort=False)}
     rows = []
     for problem, function in functions.items():
-        if function not in own:
+        if function not in table_of:
             continue
-        known, ert = (own[function][name].to_numpy(dtype=float)[::-1] for name in ("precision", "ert"))
-        known = 10.0 ** (np.round(5 * np.log10(known)) / 5)
+        precisions, ert = (table_of[function][name].to_numpy(dtype=float)[::-1] for name in ("precision", "ert"))
+        precisions = 10.0 ** (np.round(5 * np.log10(precisions)) / 5)
         last = np.inf
         for length in RUN_LENGTHS:
-            within = np.flatnonzero((ert <= max(1.0, length * dimensions[problem])) & (known >= HARDEST * (1 - 1e-9)))
-            found = (1 + 1e-9) * float(known[within[-1]]) / STEP if len(within) else float(known[0])
-            last = found if found < last else last / FORCED
+            within = np.flatnonzero(
+                (ert <= max(1.0, length * dimensions[problem])) & (precisions >= HARDEST * (1 - 1e-9))
+            )
+            precision = (1 + 1e-9) * float(precisions[within[-1]]) / STEP if len(within) else float(precisions[0])
+            last = precision if precision < last else last / FORCED
             rows.append((problem, length, max(last, HARDEST)))
     return pd.DataFrame(rows, columns=["problem", "length", "precision"])

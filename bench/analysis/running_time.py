@@ -103,21 +103,23 @@ def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
     one later than any other (:func:`bench.analysis.rank_sum`). ``p`` is the largest of these, times the number of
     problems (Bonferroni, as COCO corrects its tables); rows have p < 0.05. It is not corrected for the targets.
     """
-    rows = []
-    problems = hits["problem"].nunique()
+    rows, problems = [], hits["problem"].nunique()
+    sizes = hits.groupby(["problem", "optimizer"], sort=False, observed=True)["trial"].nunique()
+    least = {label: _least_p(counts.tolist()) for label, counts in sizes.groupby(level=0, observed=True)}
+    enough = [label for label, p in least.items() if p * problems < ALPHA]  # whatever the times of the others
+    hits = hits[hits["problem"].isin(enough)]
     running_times = dict(list(expected_running_time(hits).groupby(["problem", "tau"], observed=True)))
-    for (problem, tau), own in hits.groupby(["problem", "tau"], sort=False, observed=True):
+    for (problem, tau), rows_of_target in hits.groupby(["problem", "tau"], sort=False, observed=True):
         cells = {
             str(label): np.asarray(each["evaluations"], dtype=np.float64)
-            for label, each in own.groupby("optimizer", sort=False, observed=True)
+            for label, each in rows_of_target.groupby("optimizer", sort=False, observed=True)
         }
         table = running_times[problem, tau].dropna(subset="ert")
         if len(cells) < 2 or not np.isfinite(table["ert"].astype(float)).any():
             continue
         best = str(table["optimizer"].iloc[int(np.argmin(table["ert"].to_numpy(dtype=float)))])
         rivals = [times for label, times in cells.items() if label != best]
-        least = max(2 / comb(len(cells[best]) + len(times), len(times)) for times in rivals)
-        if least * problems >= ALPHA:
+        if max(_separation_p(len(cells[best]), len(times)) for times in rivals) * problems >= ALPHA:
             continue  # whatever the times, the trials are too few
         p = 0.0
         for times in rivals:
@@ -128,6 +130,17 @@ def separably_fastest(hits: pd.DataFrame) -> pd.DataFrame:
         else:
             rows.append((problem, tau, best, p))
     return pd.DataFrame(rows, columns=["problem", "tau", "optimizer", "p"])
+
+
+def _least_p(sizes: list[int]) -> float:
+    """Return the smallest p there is for any one of some samples that is compared with each other one."""
+    others = [(one, sizes[:place] + sizes[place + 1 :]) for place, one in enumerate(sizes)]
+    return min(max((_separation_p(one, size) for size in rivals), default=1.0) for one, rivals in others)
+
+
+def _separation_p(one: int, other: int) -> float:
+    """Return the p of the rank-sum test where two samples of these sizes are separated."""
+    return 2 / comb(one + other, other)
 
 
 def in_seconds(hits: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame:
@@ -141,8 +154,8 @@ def in_seconds(hits: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame:
     keys = [frame["problem"].astype(object), frame["optimizer"].astype(object)]
     pace = pace.fillna(pace.groupby(keys).transform("median"))
     index = pd.MultiIndex.from_arrays([*keys, frame["trial"]])
-    own = pd.MultiIndex.from_arrays([hits[name].astype(object) for name in ("problem", "optimizer", "trial")])
-    each = pace.to_numpy()[index.get_indexer(own)] if len(hits) else np.empty(0)
+    trial_of_hit = pd.MultiIndex.from_arrays([hits[name].astype(object) for name in ("problem", "optimizer", "trial")])
+    each = pace.to_numpy()[index.get_indexer(trial_of_hit)] if len(hits) else np.empty(0)
     times = np.where(np.isfinite(hits["evaluations"]), hits["evaluations"] * each, np.inf)
     return hits.assign(evaluations=times, **{name: hits[name] * each for name in ("spent", "budget") if name in hits})
 
@@ -155,7 +168,7 @@ def restart_shares(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, in
     A target that no trial reached is never reached.
     """
     unit = "evaluations" if dimensions is None else "per_dimension"
-    found = []
+    shares_of = []
     for batch in _batches(hits, DRAWN):
         drawn = simulated_restarts(batch, DRAWN)
         if dimensions is not None:
@@ -164,10 +177,10 @@ def restart_shares(hits: pd.DataFrame, grid: Counts, dimensions: Mapping[str, in
         place = np.searchsorted(grid, flat, side="left") + (len(grid) + 1) * np.arange(len(flat))[:, np.newaxis]
         counts = np.bincount(place.ravel(), minlength=len(flat) * (len(grid) + 1)).reshape(len(flat), -1)
         shares = counts[:, :-1].cumsum(axis=1) / flat.shape[1]
-        found += list(zip(batch.cells, shares, strict=True))
+        shares_of += list(zip(batch.cells, shares, strict=True))
     tables = [
         pd.DataFrame({"problem": problem, "optimizer": optimizer, unit: grid, "fraction": share})
-        for (problem, optimizer), share in found
+        for (problem, optimizer), share in shares_of
     ]
     return _in_order(tables, hits, ["problem", "optimizer", unit, "fraction"])
 
@@ -242,7 +255,7 @@ def _mean(paid: Floats, chosen: Flags, most: Floats) -> tuple[Floats, Floats, Fl
 
 def _percentiles(drawn: Floats, shares: tuple[float, ...]) -> list[Floats]:
     """Return the percentiles of the last axis, missing where it is infinite; between order statistics as cocopp's."""
-    found = []
+    percentiles = []
     ordered = np.sort(drawn, axis=-1)
     size = drawn.shape[-1]
     for share in shares:
@@ -251,8 +264,8 @@ def _percentiles(drawn: Floats, shares: tuple[float, ...]) -> list[Floats]:
         high = min(low + 1, size - 1)
         with np.errstate(invalid="ignore"):
             value = (low + 1 - place) * ordered[..., low] + (place - low) * ordered[..., high]
-        found.append(np.where(np.isfinite(value), value, np.nan))
-    return found
+        percentiles.append(np.where(np.isfinite(value), value, np.nan))
+    return percentiles
 
 
 def _batches(hits: pd.DataFrame, each: int) -> Iterator[Batch]:

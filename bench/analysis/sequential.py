@@ -51,15 +51,15 @@ def boundaries(shares: Sequence[float], alpha: float) -> list[float]:
         shares: the share of all trials at each look, increasing, 1 at the last.
         alpha: the level over all looks.
     """
-    found: list[float] = []
+    limits: list[float] = []
     nodes, density, before, used = np.zeros(1), np.ones(1), 0.0, 0.0  # of the sums that crossed no boundary so far
     for share in shares:
         step = np.sqrt(share - before)
         wanted = spent(alpha, share) - used
-        given = nodes / step, density, np.sqrt(share) / step, wanted
-        beyond = _excess(FURTHEST, *given) >= 0
-        limit = float("inf") if beyond else float(brentq(_excess, 0.0, FURTHEST, args=given, xtol=1e-10))
-        found.append(limit)
+        arguments = nodes / step, density, np.sqrt(share) / step, wanted
+        beyond = _excess(FURTHEST, *arguments) >= 0
+        limit = float("inf") if beyond else float(brentq(_excess, 0.0, FURTHEST, args=arguments, xtol=1e-10))
+        limits.append(limit)
         used += wanted if np.isfinite(limit) else 0.0
         # The density beyond 9 standard deviations does not matter, and nodes there would be missed inside.
         reach = min(limit, 9.0) * np.sqrt(share)
@@ -67,7 +67,7 @@ def boundaries(shares: Sequence[float], alpha: float) -> list[float]:
         places, weights = places * reach, weights * reach
         moved = np.exp(-0.5 * ((places[:, np.newaxis] - nodes) / step) ** 2) / (step * np.sqrt(2 * np.pi))
         nodes, density, before = places, weights * (moved @ density), share
-    return found
+    return limits
 
 
 def _excess(limit: float, places: Floats, density: Floats, unit: float, wanted: float) -> float:
@@ -110,15 +110,15 @@ def repeated_p(p: ArrayLike, looks: Sequence[int], place: int) -> Floats:
     """
     raw = np.asarray(p, dtype=np.float64)
     nominal, overall = _curve(tuple(looks), place)
-    found = np.ones(raw.shape)
+    repeated = np.ones(raw.shape)
     if len(nominal) < 2:  # so early that next to nothing is spent
-        return found
-    known = raw > nominal[0]
+        return repeated
+    above_least = raw > nominal[0]
     inverse = PchipInterpolator(np.log(nominal), np.log(overall))
-    inside = known & (raw <= nominal[-1])
-    found[inside] = np.exp(inverse(np.log(raw[inside])))
-    found[~known] = overall[0]
-    return np.asarray(np.maximum(found, raw))
+    inside = above_least & (raw <= nominal[-1])
+    repeated[inside] = np.exp(inverse(np.log(raw[inside])))
+    repeated[~above_least] = overall[0]
+    return np.asarray(np.maximum(repeated, raw))
 
 
 @lru_cache

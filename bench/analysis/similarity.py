@@ -91,11 +91,11 @@ def behaviour(points: Floats, values: Floats, optimum: float, budget: int) -> Fl
     centre, rows = np.full(points.shape[1], 0.5), []
     for start, end in pairwise(ends):
         if start < end:
-            own = points[start:end]
-            middle = own.mean(axis=0)
-            away = np.linalg.norm(own - points[leader[end - 1]], axis=1).mean()
-            lengths = own.std(axis=0).mean(), np.linalg.norm(middle - centre), away
-            edges = ((own <= ON_BOUND) | (own >= 1 - ON_BOUND)).mean()
+            of_run = points[start:end]
+            middle = of_run.mean(axis=0)
+            away = np.linalg.norm(of_run - points[leader[end - 1]], axis=1).mean()
+            lengths = of_run.std(axis=0).mean(), np.linalg.norm(middle - centre), away
+            edges = ((of_run <= ON_BOUND) | (of_run >= 1 - ON_BOUND)).mean()
             logs = np.log10(np.maximum([lowest[end - 1], np.median(above[start:end]), *lengths], LEAST))
             row = np.append(np.minimum(logs, -2 * np.log10(LEAST)), edges)
             centre = middle

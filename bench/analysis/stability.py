@@ -30,9 +30,9 @@ def rank_stability(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     optimizers, 9 with more than 100). A cell with fewer trials enters with all it has. The first trials of pooled
     instances are the first of each instance in turn. Empty with fewer than four trials in the largest cell.
     """
-    found, optimizers = cells(_in_turn(frame), merge=True), labels(frame, "optimizer")
+    by_cell, optimizers = cells(_in_turn(frame), merge=True), labels(frame, "optimizer")
     problems = complete_problems(frame)
-    most = max((len(found[each, one]) for each in problems for one in optimizers), default=0)
+    most = max((len(by_cell[each, one]) for each in problems for one in optimizers), default=0)
     if most <= FIRST or len(optimizers) < 2:
         return pd.DataFrame(columns=list(COLUMNS))
     steps, subsets = next((number for limit, number in STEPS.items() if len(optimizers) <= limit), FEWEST)
@@ -40,7 +40,7 @@ def rank_stability(frame: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     rng = np.random.default_rng(seed)
     total = np.zeros((len(optimizers), len(sizes) * (1 + subsets)))
     for problem in problems:
-        values = [found[problem, each] for each in optimizers]
+        values = [by_cell[problem, each] for each in optimizers]
         total += ranks_of_draws(values, [_subsets(len(each), sizes, subsets, rng) for each in values])
     means = (total / len(problems)).reshape(len(optimizers), len(sizes), 1 + subsets)
     rows = {

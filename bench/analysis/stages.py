@@ -44,8 +44,8 @@ def stage_ranks(
             merged = merge_near_ties(values[np.concatenate(cells), place])
             chances = won(merged, owner, once)[0] / np.multiply.outer(sizes, sizes)
             rank = ranks(*against_rivals(chances, axis=0))
-            own = {"problem": problem, "optimizer": optimizers, "share": share, "evaluations": spent[place]}
-            tables.append(pd.DataFrame(own | {"rank": rank}))
+            rows = {"problem": problem, "optimizer": optimizers, "share": share, "evaluations": spent[place]}
+            tables.append(pd.DataFrame(rows | {"rank": rank}))
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
 
 
@@ -58,8 +58,8 @@ def unused_budget(frame: pd.DataFrame, budget: Budgets) -> pd.DataFrame:
     left = left.where(frame["status"] == "ok").clip(lower=0.0)
     rows = []
     for optimizer in labels(frame, "optimizer"):
-        own = left[frame["optimizer"] == optimizer].dropna()
-        rows.append((optimizer, len(own), own.mean(), (own > 0.01).mean()))
+        left_of = left[frame["optimizer"] == optimizer].dropna()
+        rows.append((optimizer, len(left_of), left_of.mean(), (left_of > 0.01).mean()))
     return pd.DataFrame(rows, columns=["optimizer", "trials", "unused", "early"])
 
 

@@ -38,8 +38,8 @@ def standings(summary: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
     """
     tables = []
     own_pairs = dict(list(pairs.groupby("problem", sort=False, observed=True)))
-    for problem, own in summary.groupby("problem", sort=False, observed=True):
-        present = own.loc[own["n"] > 0, "optimizer"].astype(object)
+    for problem, of_problem in summary.groupby("problem", sort=False, observed=True):
+        present = of_problem.loc[of_problem["n"] > 0, "optimizer"].astype(object)
         chances, separable = _matrices(own_pairs.get(problem, pairs.head(0)), list(present))
         rivals = len(present) - 1
         beaten, chance = against_rivals(chances, axis=1)
@@ -49,8 +49,8 @@ def standings(summary: pd.DataFrame, pairs: pd.DataFrame) -> pd.DataFrame:
             "lower": separable.sum(axis=1), "higher": separable.sum(axis=0),
             "separable": separable.sum(axis=1) == max(rivals, 1),
         }  # fmt: skip
-        found = own[["problem", "optimizer"]].merge(pd.DataFrame(columns), on="optimizer", how="left")
-        tables.append(found)
+        rows = of_problem[["problem", "optimizer"]].merge(pd.DataFrame(columns), on="optimizer", how="left")
+        tables.append(rows)
     if not tables:
         return pd.DataFrame(columns=list(COLUMNS))
     table = pd.concat(tables, ignore_index=True)
@@ -128,35 +128,35 @@ def disagreements(summary: pd.DataFrame, standing: pd.DataFrame) -> pd.DataFrame
     """
     table = summary.merge(standing[["problem", "optimizer", "rank"]], on=["problem", "optimizer"])
     rows = []
-    for problem, own in table[table["n"] > 0].groupby("problem", sort=False, observed=True):
-        best = {"standing": _lowest(own, "rank"), "median": _lowest(own, "median")}
-        best["mean"] = _lowest(own, "mean") if own["mean"].notna().all() else []
+    for problem, of_problem in table[table["n"] > 0].groupby("problem", sort=False, observed=True):
+        best = {"standing": _lowest(of_problem, "rank"), "median": _lowest(of_problem, "median")}
+        best["mean"] = _lowest(of_problem, "mean") if of_problem["mean"].notna().all() else []
         named = [set(each) for each in best.values() if each]
         if len(named) > 1 and not set.intersection(*named):
             rows.append({"problem": problem, **best})
     return pd.DataFrame(rows, columns=["problem", "standing", "median", "mean"])
 
 
-def _lowest(own: pd.DataFrame, column: str) -> list[str]:
-    values = own[column].to_numpy(dtype=float)
+def _lowest(of_problem: pd.DataFrame, column: str) -> list[str]:
+    values = of_problem[column].to_numpy(dtype=float)
     least = values.min()
     if not np.isfinite(least):
         return []
-    return list(own.loc[np.isclose(values, least, rtol=1e-10, atol=0), "optimizer"])
+    return list(of_problem.loc[np.isclose(values, least, rtol=1e-10, atol=0), "optimizer"])
 
 
 def _matrices(pairs: pd.DataFrame, optimizers: Sequence[str]) -> tuple[Floats, NDArray[np.bool_]]:
     """Return (k, k) A12 of the first against the second, and whether the first is separably lower."""
     place = {optimizer: i for i, optimizer in enumerate(optimizers)}
-    known = pairs[pairs["first"].isin(place) & pairs["second"].isin(place)]
-    first, second = (known[name].astype(object).map(place).to_numpy(dtype=int) for name in ("first", "second"))
+    rows = pairs[pairs["first"].isin(place) & pairs["second"].isin(place)]
+    first, second = (rows[name].astype(object).map(place).to_numpy(dtype=int) for name in ("first", "second"))
     chances = np.full((len(place), len(place)), 0.5)
-    a12 = known["a12"].to_numpy(dtype=float)
+    a12 = rows["a12"].to_numpy(dtype=float)
     chances[first, second], chances[second, first] = a12, 1 - a12
     separable = np.zeros(chances.shape, dtype=bool)
-    lower = known["lower"].to_numpy(dtype=object)
+    lower = rows["lower"].to_numpy(dtype=object)
     for one, other, name in ((first, second, "first"), (second, first, "second")):
-        wins = lower == known[name].to_numpy(dtype=object)
+        wins = lower == rows[name].to_numpy(dtype=object)
         separable[one[wins], other[wins]] = True
     return chances, separable
 

@@ -62,13 +62,13 @@ def target_table(
         if len(trace.values):
             lowest[problem] = min(lowest.get(problem, np.inf), float(trace.values[-1]))
     values = scores(frame)
-    own = {
+    finals = {
         str(problem): np.asarray(each, dtype=np.float64)
         for problem, each in values.groupby(frame["problem"].astype(object))
     }
     tables = []
     for problem, (reference, known) in reference_values(lowest, optima).items():
-        tau, target = _rungs(chosen, reference, own.get(problem, np.empty(0)))
+        tau, target = _rungs(chosen, reference, finals.get(problem, np.empty(0)))
         table = pd.DataFrame({"problem": problem, "tau": tau, "target": target, "reference": reference, "known": known})
         tables.append(table[np.isfinite(target)])
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=COLUMNS)
@@ -81,27 +81,29 @@ def tolerance_times(frame: pd.DataFrame, traces: Traces, expected: Expected, bud
     that multiple of their tolerances; the time is the evaluation that found this point. Metrics of points on the way
     are not recorded. Trials of a problem without an expected metric have no row.
     """
-    own = frame[frame["problem"].isin([problem for problem, metrics in expected.items() if metrics])]
-    spent = pd.to_numeric(own["nfev"], errors="coerce").astype(float).where(own["status"] == "ok")
-    used = spent.fillna(budgets(own, budget)).to_numpy()
-    off = np.full(len(own), np.inf)
+    trials = frame[frame["problem"].isin([problem for problem, metrics in expected.items() if metrics])]
+    spent = pd.to_numeric(trials["nfev"], errors="coerce").astype(float).where(trials["status"] == "ok")
+    used = spent.fillna(budgets(trials, budget)).to_numpy()
+    off = np.full(len(trials), np.inf)
     for problem, metrics in expected.items():
-        here = (own["problem"] == problem).to_numpy()
+        here = (trials["problem"] == problem).to_numpy()
         apart = np.zeros((here.sum(), 1))
         for metric, (true, tolerance) in metrics.items():
-            found = own.loc[here, metric] if metric in own else pd.Series(np.nan, index=own.index[here])
-            difference = (pd.to_numeric(found, errors="coerce").astype(float) - true).abs().to_numpy()
+            metric_values = (
+                trials.loc[here, metric] if metric in trials else pd.Series(np.nan, index=trials.index[here])
+            )
+            difference = (pd.to_numeric(metric_values, errors="coerce").astype(float) - true).abs().to_numpy()
             share = difference / tolerance if tolerance > 0 else np.where(difference == 0, 0.0, np.inf)
             apart = np.column_stack([apart, np.where(np.isfinite(share), share, np.inf)])
         off[here] = apart.max(axis=1)
-    off[(own["status"] != "ok").to_numpy()] = np.inf
+    off[(trials["status"] != "ok").to_numpy()] = np.inf
     ends = [
         float(trace.evaluations[-1]) if (trace := traces.get(key)) is not None and len(trace.evaluations) else np.inf
-        for key in zip(own["problem"], own["optimizer"], own["trial"], strict=True)
+        for key in zip(trials["problem"], trials["optimizer"], trials["trial"], strict=True)
     ]
-    rows, tau = np.repeat(np.arange(len(own)), len(MULTIPLES)), np.tile(MULTIPLES, len(own))
+    rows, tau = np.repeat(np.arange(len(trials)), len(MULTIPLES)), np.tile(MULTIPLES, len(trials))
     reached = np.where(off[rows] <= tau * (1 + 1e-12), np.array(ends)[rows], np.inf)
-    hits = own[["problem", "optimizer", "trial"]].iloc[rows].reset_index(drop=True)
+    hits = trials[["problem", "optimizer", "trial"]].iloc[rows].reset_index(drop=True)
     return hits.assign(tau=tau, target=tau, evaluations=reached, spent=used[rows])
 
 
@@ -116,10 +118,10 @@ def aocc(
     ``aocc_from_zero`` is what iohinspector computes, an integral from 0 to B of a curve that begins with the first
     value: it differs by the last share less the first, over B.
     """
-    own = frame[frame["problem"].isin(optima)]
-    allowed = budgets(own, budget).to_numpy()
-    area, start, end = np.zeros((3, len(own)))
-    keys = zip(own["problem"], own["optimizer"], own["trial"], own["status"], strict=True)
+    trials = frame[frame["problem"].isin(optima)]
+    allowed = budgets(trials, budget).to_numpy()
+    area, start, end = np.zeros((3, len(trials)))
+    keys = zip(trials["problem"], trials["optimizer"], trials["trial"], trials["status"], strict=True)
     for row, (problem, optimizer, trial, status) in enumerate(keys):
         trace = traces.get((problem, optimizer, trial)) if status == "ok" else None
         if trace is not None and len(trace.values):
@@ -127,7 +129,7 @@ def aocc(
             held = np.diff(trace.evaluations, append=allowed[row] + 1)
             area[row] = (share * held).sum() / allowed[row]
             start[row], end[row] = share[0] if trace.evaluations[0] == 1 else 0.0, share[-1]
-    table = own[["problem", "optimizer"]].assign(aocc=area, aocc_from_zero=area - (end - start) / allowed)
+    table = trials[["problem", "optimizer"]].assign(aocc=area, aocc_from_zero=area - (end - start) / allowed)
     if table.empty:
         return pd.DataFrame(columns=["problem", "optimizer", "trials", "aocc", "aocc_from_zero"])
     names = ["problem", "optimizer"]
@@ -188,10 +190,12 @@ def compare_sets(areas: Mapping[str, pd.DataFrame], optimizers: list[str]) -> pd
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)
 
 
-def _rungs(chosen: Targets, reference: float, found: Floats) -> tuple[Floats, Floats]:
+def _rungs(chosen: Targets, reference: float, finals: Floats) -> tuple[Floats, Floats]:
     """Return tau and target of a problem's rungs; a target that is not finite is none."""
     if chosen == "quantiles":
-        values = np.quantile(found, QUANTILES, method="inverted_cdf") if len(found) else np.full(len(QUANTILES), np.inf)
+        values = (
+            np.quantile(finals, QUANTILES, method="inverted_cdf") if len(finals) else np.full(len(QUANTILES), np.inf)
+        )
         return QUANTILES, values
     if chosen == "tolerance":
         return MULTIPLES, MULTIPLES

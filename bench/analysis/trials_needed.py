@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import norm
 
 from bench.analysis.cells import cells
-from bench.analysis.direction import ALPHA, effects, p_values
+from bench.analysis.direction import ALPHA, effects_of_draws, p_values
 from bench.analysis.sequential import levels
 from bench.typing import Floats
 
@@ -74,10 +74,10 @@ def trials_needed(
     formula = noether(chance, level, power)
     needed = np.maximum(formula, smaller + 1.0)
     if simulated:
-        found = cells(frame, merge=True)
+        by_cell = cells(frame, merge=True)
         for row, pair in enumerate(table.itertuples(index=False)):
             if np.isfinite(low[row]) and noether(chance[row], alpha, power) <= LARGEST:
-                both = found[str(pair.problem), str(pair.first)], found[str(pair.problem), str(pair.second)]
+                both = by_cell[str(pair.problem), str(pair.first)], by_cell[str(pair.problem), str(pair.second)]
                 needed[row] = _simulated(*both, int(smaller[row]), level, power, seed)
             else:
                 needed[row] = np.inf
@@ -88,8 +88,8 @@ def trials_needed(
     scale = np.divide(needed, formula, out=np.ones(len(needed)), where=np.isfinite(needed) & np.isfinite(formula))
     least, most = (scale * noether(0.5 + end, level, power) for end in (strongest, weakest))
     ends = {"low": np.minimum(least, needed), "high": np.where(most > LARGEST, np.inf, np.maximum(most, needed))}
-    known, alone = np.isfinite(low), low == high  # an interval of one point shows no range
-    missing = {"needed": ~known, "low": ~known | alone, "high": ~known | alone}
+    has_range, alone = np.isfinite(low), low == high  # an interval of one point shows no range
+    missing = {"needed": ~has_range, "low": ~has_range | alone, "high": ~has_range | alone}
     columns = {
         name: np.where(missing[name], np.nan, np.ceil(values)) for name, values in ({"needed": needed} | ends).items()
     }
@@ -106,8 +106,8 @@ def _holds_one(pairs: pd.DataFrame, best: pd.DataFrame) -> NDArray[np.bool_]:
     return np.asarray(first | second)
 
 
-def _codes(labels: pd.Series[str], known: list[str]) -> NDArray[np.intp]:
-    return np.asarray(labels.astype("category").cat.set_categories(known).cat.codes, dtype=np.intp)
+def _codes(labels: pd.Series[str], categories: list[str]) -> NDArray[np.intp]:
+    return np.asarray(labels.astype("category").cat.set_categories(categories).cat.codes, dtype=np.intp)
 
 
 def noether(a12: ArrayLike, level: float, power: float) -> Floats:
@@ -131,5 +131,12 @@ def _simulated(this: Floats, other: Floats, trials: int, level: float, power: fl
 def power_of(this: Floats, other: Floats, n: int, level: float, seed: int = 0) -> float:
     """Return the share of draws of n values, at least two, from each of two samples in which the pair is separated."""
     rng = np.random.default_rng((seed, n))
-    these, others = (rng.choice(own, (DRAWS, n)) for own in (this, other))
-    return float(np.mean(p_values(effects(these, others)) <= level))
+    drawn, rival = (_times_drawn(rng.integers(0, len(sample), (DRAWS, n)), len(sample)) for sample in (this, other))
+    return float(np.mean(p_values(effects_of_draws(this, other, drawn, rival)) <= level))
+
+
+def _times_drawn(places: NDArray[np.int64], size: int) -> Floats:
+    """Return how often each of a number of values is drawn, (g, size), by the places of those drawn, (g, n)."""
+    rows = size * np.arange(len(places))[:, np.newaxis]
+    counts = np.bincount((rows + places).ravel(), minlength=size * len(places))
+    return counts.reshape(len(places), size).astype(np.float64)

@@ -44,10 +44,10 @@ def make_again(path: Path, trials: int, choice: str) -> tuple[Again, ...]:
     """
     folder = Folder(path)
     study = folder.study()
-    known = {entry.label for entry in study.optimizers}
+    labels = {entry.label for entry in study.optimizers}
     with folder.store.reader() as reader:
         every = [(row["problem"], row["optimizer"], row["trial"]) for row in reader.sound("status = 'ok'")]
-    finished = sorted(key for key in every if key[1] in known)
+    finished = sorted(key for key in every if key[1] in labels)
     chosen = random.Random(choice).sample(finished, min(trials, len(finished)))
     return tuple(_again(folder, study, Trial(*key, trial_seed(study.seed, *key))) for key in chosen)
 

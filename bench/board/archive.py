@@ -169,15 +169,15 @@ def read(source: Path, temporary: Path) -> Archive:
             dimensions[row["problem"]] = len(json.loads(row["variables"]))
     with source.open("rb") as file:
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()
-    found = Archive(
+    archive = Archive(
         printable(source.name, LONGEST), sha256, study, tuple(folder.environments()), sum(map(len, cells.values())),
         {cell: np.array(values) for cell, values in cells.items()}, dimensions, folder.fingerprints().data,
     )  # fmt: skip
     try:
-        _ = found.settings
+        _ = archive.settings
     except BenchError as error:
         raise BenchError(f"{source}: {error}") from error
-    return found
+    return archive
 
 
 def refuse_twins(archives: Iterable[Archive]) -> None:

@@ -17,7 +17,7 @@ SHORT = 12  # digits shown of a hash
 
 
 def write_index(
-    path: Path, archives: Sequence[Archive], found: Sequence[Standing], addresses: Mapping[str, str]
+    path: Path, archives: Sequence[Archive], standings: Sequence[Standing], addresses: Mapping[str, str]
 ) -> None:
     """Write the first page: the rule, the archives, and a table for each setting."""
     rows = [
@@ -27,18 +27,18 @@ def write_index(
     ]
     caption = f"{count(len(archives), 'archive')}, each unpacked and compared with its checksums and digests."
     table = _table("archives", caption, pd.DataFrame(rows), archives, addresses)
-    settings = [_setting(each, archives, addresses) for each in found]
-    lead = f"{count(len(archives), 'archive')}; a section below for each of {count(len(found), 'setting')}."
+    settings = [_setting(each, archives, addresses) for each in standings]
+    lead = f"{count(len(archives), 'archive')}; a section below for each of {count(len(standings), 'setting')}."
     write_page(path, "A board of packed studies", lead, [Section("The rule", (RULE,), (table,)), *settings])
 
 
 def write_study(path: Path, archive: Archive) -> None:
     """Write the page of a study: where its trials come from, and its ranks among its own optimizers."""
-    own = archive.study
-    facts = {"board": "index.html", "archive": archive.name, "study": f"{own.name}, identity {own.identity()}"}
+    study = archive.study
+    facts = {"board": "index.html", "archive": archive.name, "study": f"{study.name}, identity {study.identity()}"}
     facts |= {"trials": f"{archive.trials:,}"} | archive.provenance
     links = pd.DataFrame({"value": ["../index.html", *[""] * (len(facts) - 1)]}, index=pd.Index(facts))
-    unknown = listed([each.label for each in own.problems if each.label not in archive.dimensions])
+    unknown = listed([each.label for each in study.problems if each.label not in archive.dimensions])
     warnings = (f"No table has {unknown}: no trial ended there, so the dimension is unknown.",) if unknown else ()
     sections = [Section("Provenance", items=(_pairs("Where the trials come from.", facts, links),), warnings=warnings)]
     sections += [_setting(each, [archive], {}) for each in standings([archive])]
@@ -50,12 +50,12 @@ def write_study(path: Path, archive: Archive) -> None:
         sections.append(
             Section(f"Environment {number}", items=(_pairs(f"Environment {number}, as the run noted it.", said),))
         )
-    sections.append(Section("The study as it was frozen", code=own.to_toml()))
+    sections.append(Section("The study as it was frozen", code=study.to_toml()))
     lead = (
-        f"{count(len(own.optimizers), 'optimizer')} on {count(len(own.problems), 'problem')}, {own.budget_words} a "
-        "trial. The ranks on this page are those among the optimizers of this study alone, by the rule of the board."
+        f"{count(len(study.optimizers), 'optimizer')} on {count(len(study.problems), 'problem')}, {study.budget_words} "
+        "a trial. The ranks on this page are those among the optimizers of this study alone, by the rule of the board."
     )
-    write_page(path, own.title or own.name, lead, sections)
+    write_page(path, study.title or study.name, lead, sections)
 
 
 def _pairs(caption: str, facts: Mapping[str, str], links: pd.DataFrame | None = None) -> Table:
@@ -64,10 +64,10 @@ def _pairs(caption: str, facts: Mapping[str, str], links: pd.DataFrame | None = 
     return Table(caption, caption, frame, links=links, most_rows=len(frame))
 
 
-def _setting(found: Standing, archives: Sequence[Archive], addresses: Mapping[str, str]) -> Section:
-    setting, rows = found.setting, found.rows
+def _setting(standing: Standing, archives: Sequence[Archive], addresses: Mapping[str, str]) -> Section:
+    setting, rows = standing.setting, standing.rows
     ranked = int(rows["place"].notna().sum())
-    notes = [*found.notes]
+    notes = [*standing.notes]
     if setting.constraints != DEFAULT:
         notes.append(f"Constraints are handled by {setting.constraints}.")
     if setting.looks:

@@ -42,11 +42,11 @@ class Standing:
 
 def standings(archives: Sequence[Archive]) -> list[Standing]:
     """Return the standing of each setting, in the order of suites, dimensions and budgets."""
-    found: dict[Setting, list[Archive]] = {}
+    archives_of: dict[Setting, list[Archive]] = {}
     for each in archives:
         for setting in each.settings:
-            found.setdefault(setting, []).append(each)
-    return [_standing(setting, found[setting]) for setting in sorted(found)]
+            archives_of.setdefault(setting, []).append(each)
+    return [_standing(setting, archives_of[setting]) for setting in sorted(archives_of)]
 
 
 def _standing(setting: Setting, archives: Sequence[Archive]) -> Standing:
@@ -64,8 +64,8 @@ def _standing(setting: Setting, archives: Sequence[Archive]) -> Standing:
                 continue
             ranked += [values] if sizes[0] else []
             trials = " to ".join(str(each) for each in (sizes[0], sizes[-1])[-len(sizes) :])
-            own = {"ranked": sizes[0] > 0, "optimizer": entry.label, "archive": archive.name, "trials": trials}
-            rows.append({**own, **archive.provenance})
+            row = {"ranked": sizes[0] > 0, "optimizer": entry.label, "archive": archive.name, "trials": trials}
+            rows.append({**row, **archive.provenance})
     frame = pd.DataFrame(rows)
     frame.insert(0, "mean rank", np.nan)
     frame.insert(1, "chance to end lower", np.nan)
@@ -81,12 +81,12 @@ def mean_ranks(values: Sequence[Sequence[Floats]]) -> tuple[Floats, Floats]:
     """
     if not values:
         return np.empty(0), np.empty(0)
-    found = []
-    for own in zip(*values, strict=True):
-        sizes = np.array([len(each) for each in own])
-        pooled = merge_near_ties(np.concatenate(own))
-        lower = won(pooled, np.repeat(np.arange(len(own)), sizes), np.ones((1, len(pooled))))[0].T
+    means = []
+    for column in zip(*values, strict=True):
+        sizes = np.array([len(each) for each in column])
+        pooled = merge_near_ties(np.concatenate(column))
+        lower = won(pooled, np.repeat(np.arange(len(column)), sizes), np.ones((1, len(pooled))))[0].T
         beaten, chance = against_rivals(lower / np.outer(sizes, sizes), axis=1)
-        found.append((ranks(beaten, chance), chance if len(own) > 1 else np.full(1, np.nan)))
-    mean, chance = np.mean(found, axis=0)
+        means.append((ranks(beaten, chance), chance if len(column) > 1 else np.full(1, np.nan)))
+    mean, chance = np.mean(means, axis=0)
     return np.round(mean, 9), chance

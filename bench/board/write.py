@@ -57,20 +57,20 @@ def write_board(
     _refuse_others(output)
     if verify:
         require_sandbox()
-    found: list[Archive] = []
+    read_archives: list[Archive] = []
     refused = []
     for place, source in enumerate(sorted(sources, key=lambda each: (each.name, str(each)))):
         on_progress(source.name, place, len(sources))
         try:
-            found.append(_read(source, found, verify))
+            read_archives.append(_read(source, read_archives, verify))
         except BenchError as error:
             if not keep_going:
                 raise
             refused.append(str(error))
-    if not found:
+    if not read_archives:
         raise BenchError(refused[0] if refused else "a board needs an archive that 'bench pack' wrote")
-    _write(found, output)
-    return Board(output / PAGE, tuple(found), tuple(refused))
+    _write(read_archives, output)
+    return Board(output / PAGE, tuple(read_archives), tuple(refused))
 
 
 def _refuse_others(output: Path) -> None:
@@ -90,31 +90,31 @@ def _refuse_others(output: Path) -> None:
 def _read(source: Path, others: Sequence[Archive], verify: int) -> Archive:
     with tempfile.TemporaryDirectory(prefix="bench-board-") as temporary:
         path = Path(temporary) / "study"
-        found = read(source, path)
-        refuse_twins([*others, found])
-        return replace(found, again=make_again(path, verify, found.sha256)) if verify else found
+        archive = read(source, path)
+        refuse_twins([*others, archive])
+        return replace(archive, again=make_again(path, verify, archive.sha256)) if verify else archive
 
 
 def _write(archives: Sequence[Archive], output: Path) -> None:
-    found = standings(archives)
+    settings = standings(archives)
     # A name that differs from another one in capitals alone is refused, so that no two pages share a file.
     addresses = {each.name: f"{STUDIES}/{file_name(each.name.lower())}.html" for each in archives}
     with replacing(output.resolve()) as temporary:
         (temporary / STUDIES).mkdir(parents=True)
-        pages.write_index(temporary / PAGE, archives, found, addresses)
+        pages.write_index(temporary / PAGE, archives, settings, addresses)
         for each in archives:
             pages.write_study(temporary / addresses[each.name], each)
-        tables = [_flat(number, each) for number, each in enumerate(found, start=1)]
+        tables = [_flat(number, each) for number, each in enumerate(settings, start=1)]
         pd.concat(tables).to_csv(temporary / TABLE, index=False, lineterminator="\n")
 
 
-def _flat(number: int, found: Standing) -> pd.DataFrame:
+def _flat(number: int, standing: Standing) -> pd.DataFrame:
     """Return the rows of a standing behind the number of its table and its setting."""
-    setting = found.setting
+    setting = standing.setting
     shared = {
         "table": number, "suite": setting.suite, "dimension": setting.dimension, "budget": setting.budget,
         "problems": len(setting.problems), "constraints": setting.constraints,
         "looks": " ".join(map(str, setting.looks)),
     }  # fmt: skip
-    plain = found.rows.rename(columns=lambda name: name.lower().replace(" ", "_").replace("-", ""))
+    plain = standing.rows.rename(columns=lambda name: name.lower().replace(" ", "_").replace("-", ""))
     return pd.DataFrame([shared] * len(plain)).join(plain)

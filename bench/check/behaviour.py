@@ -60,9 +60,9 @@ def behaviours(
                 runs[name, label] = [_run(name, optimizer, make(), budgets[label], each) for each in seeds]
     zeros = {}
     for label, make in problems.items():
-        known = make().optimum
-        values = [own for name in optimizers for _, own in runs[name, label]]
-        zeros[label] = known if known is not None else min(float(own.min()) for own in values)
+        optimum = make().optimum
+        values = [run_values for name in optimizers for _, run_values in runs[name, label]]
+        zeros[label] = optimum if optimum is not None else min(float(run_values.min()) for run_values in values)
     return {
         name: [
             np.array([behaviour(points, values, zeros[label], budgets[label]) for points, values in runs[name, label]])

@@ -46,10 +46,10 @@ def diagnose(
         BenchError: when the optimizer fails on one of the functions, ends its process or prints without end.
     """
     sizes = {"dimension": dimension, "runs": runs, "noise_runs": noise_runs}
-    (found,) = diagnose_all([optimizer], n_jobs=n_jobs, seed=seed, **sizes)
-    if isinstance(found, BenchError):
-        raise found
-    return found
+    (verdicts,) = diagnose_all([optimizer], n_jobs=n_jobs, seed=seed, **sizes)
+    if isinstance(verdicts, BenchError):
+        raise verdicts
+    return verdicts
 
 
 def diagnose_all(
@@ -107,19 +107,19 @@ def structural_bias(runs: Runs) -> Verdict:
     finals = {box: np.array([run.x for run in those]) for box, those in runs.noise.items()}
     spreads = {box: np.abs(x - 0.5).mean(axis=1) for box, x in finals.items()}
     p = np.concatenate([[_p_of_spread(spreads[box]), *_p_of_uniform(x)] for box, x in finals.items()])
-    figure = float(holm(p).min())
-    passed = figure > ALPHA
+    smallest = float(holm(p).min())
+    passed = smallest > ALPHA
     distances = " and ".join(f"{spread.mean():.2g} in {box}^d" for box, spread in spreads.items())
     finding = (
         f"on pure noise the best points of {sum(map(len, finals.values()))} runs in {len(finals)} boxes "
-        f"{'look' if passed else 'are not'} uniform (smallest p = {figure:.2g} of {len(p)} tests, Holm; level "
+        f"{'look' if passed else 'are not'} uniform (smallest p = {smallest:.2g} of {len(p)} tests, Holm; level "
         f"{ALPHA:g}); their mean distance from the centre, 0.25 of the width for uniform points, is {distances}"
     )
     remedy = (
         "look for moves that are drawn to the centre, the origin or the bounds, such as means of leaders, products "
         f"with coordinates and clips; {PUBLISHED}"
     )
-    return _verdict("structural bias", passed, finding, remedy, figure)
+    return _verdict("structural bias", passed, finding, remedy, smallest)
 
 
 def boundary_clamping(runs: Runs) -> Verdict:
@@ -133,9 +133,9 @@ def boundary_clamping(runs: Runs) -> Verdict:
     }
     shares, sentences = [], []
     for where, problems in groups.items():
-        own = list(chain.from_iterable(problems))
-        shares.append(float(on_bound(np.array([run.x for run in own])).mean()))
-        evaluated = np.mean([run.clamped for run in own])
+        problem_runs = list(chain.from_iterable(problems))
+        shares.append(float(on_bound(np.array([run.x for run in problem_runs])).mean()))
+        evaluated = np.mean([run.clamped for run in problem_runs])
         sentences.append(f"{shares[-1]:.2%} of the best points' and {evaluated:.2%} of all coordinates {where}")
     passed = max(shares) <= CLAMPED
     finding = (
@@ -174,18 +174,18 @@ def starts_and_seeds(runs: Runs) -> Verdict:
     points = np.array([start[i % len(start)] for i, start in enumerate(starts)])  # those of a run may be dependent
     uniform, adjacent = _p_of_uniform(points), _p_of_neighbours(points)
     adjusted = holm(np.concatenate([uniform, adjacent]))
-    figure, trouble = float(adjusted.min()), int(adjusted.argmin())
-    passed = figure > ALPHA_STARTS
+    smallest, trouble = float(adjusted.min()), int(adjusted.argmin())
+    passed = smallest > ALPHA_STARTS
     conclusion = (
         "look uniform in the box and independent"
         if passed
         else ("are not uniform in the box" if trouble < len(uniform) else "depend on the starts of adjacent seeds")
     )
     finding = (
-        f"the starts of {len(starts)} seeds {conclusion} (smallest p = {figure:.2g} of {len(adjusted)} tests, Holm; "
+        f"the starts of {len(starts)} seeds {conclusion} (smallest p = {smallest:.2g} of {len(adjusted)} tests, Holm; "
         f"level {ALPHA_STARTS:g})"
     )
-    return _verdict(check, passed, finding, f"start from objective.initial; {PUBLISHED}", figure)
+    return _verdict(check, passed, finding, f"start from objective.initial; {PUBLISHED}", smallest)
 
 
 CHECKS: tuple[Callable[[Runs], Verdict], ...] = (centre_bias, structural_bias, boundary_clamping, starts_and_seeds)

@@ -63,8 +63,8 @@ def diagnose_folder(folder: Folder, n_jobs: int = -1, *, anew: bool = False) -> 
             yield Diagnosis(entry.label, kept, kept=True)
         else:
             changed[entry.label] = optimizer, code
-    found = bias.diagnose_all([optimizer for optimizer, _ in changed.values()], n_jobs=n_jobs)
-    for (label, (_, code)), each in zip(changed.items(), found, strict=True):
+    verdicts = bias.diagnose_all([optimizer for optimizer, _ in changed.values()], n_jobs=n_jobs)
+    for (label, (_, code)), each in zip(changed.items(), verdicts, strict=True):
         if isinstance(each, BenchError):
             noted.pop(label, None)
             diagnosis = Diagnosis(label, [], str(each))

@@ -152,22 +152,22 @@ def summarise(optimizer: Optimizer, task: CheckRun) -> RunSummary:
     if task.kind == "noise":
         label = f"noise {task.name}"
         problem = noise(BOXES[task.name], task.dimension, trial_seed(task.seed, label, "values", task.run))
-        own = trial_seed(task.seed, label, "structural bias", 0) + task.run
+        seed = trial_seed(task.seed, label, "structural bias", 0) + task.run
     else:
         label = f"{task.name} {task.kind}"
         problem = classic(task.name, task.dimension, moved=task.kind == "moved")
-        own = trial_seed(task.seed, label, "centre bias", task.run)
+        seed = trial_seed(task.seed, label, "centre bias", task.run)
     generation = optimizer.minimum_budget
     try:
-        found = solve.make_run(problem, optimizer, budget=max(task.budget, GENERATIONS * generation), seed=own)
+        result = solve.make_run(problem, optimizer, budget=max(task.budget, GENERATIONS * generation), seed=seed)
     except BenchError:
         raise
     except (Exception, SystemExit) as error:  # a plug-in may raise anything
         raise BenchError(f"the optimizer failed on {problem.name}: {describe_error(error)}") from error
     points = problem.points
     return RunSummary(
-        best=found.fun,
-        x=problem.share(found.x),
+        best=result.fun,
+        x=problem.share(result.x),
         first=problem.share(points[:generation]),
         clamped=float(on_bound(problem.share(points)).mean()),
         course=hashlib.sha256(points.tobytes()).hexdigest(),

@@ -11,6 +11,7 @@ import typer
 
 from bench.cli import (
     archive,
+    atlas,
     check,
     describe,
     doctor,
@@ -58,7 +59,7 @@ for _name, _command in (
     ("export", export.export), ("import", import_.import_results), ("check", check.check), ("solve", solve.solve),
     ("verify", verify.verify), ("merge", merge.merge), ("rm", rm.remove), ("pack", pack.pack),
     ("unpack", unpack.unpack), ("site", site.site), ("gate", gate.gate), ("describe", describe.describe),
-    ("similar", similar.similar), ("recommend", recommend.recommend), ("tune", tune.tune),
+    ("similar", similar.similar), ("atlas", atlas.atlas), ("recommend", recommend.recommend), ("tune", tune.tune),
     ("doctor", doctor.doctor), ("new", new.new),
 ):  # fmt: skip
     app.command(_name)(_command)

@@ -44,24 +44,24 @@ def studies(incomplete: str) -> list[str]:
 
 def folders(incomplete: str) -> list[str]:
     """Return the folders of studies, in ``results/runs`` and in the current folder."""
-    found: list[str] = []
+    paths: list[str] = []
     for place in (RUNS, Path()):
         with suppress(OSError):
-            found += [path.parent.as_posix() for path in place.glob("*/study.toml")]
-    return starting(found, incomplete)
+            paths += [path.parent.as_posix() for path in place.glob("*/study.toml")]
+    return starting(paths, incomplete)
 
 
 def by_parts(names: Iterable[str], typed: str) -> list[str]:
     """Return the names, or, where they are more than ``MOST``, their beginnings up to the next hyphen in which they
     differ.
     """
-    found = list(dict.fromkeys(names))
-    while len(found) > MOST:
-        beginnings = list(dict.fromkeys(_up_to_hyphen(name, len(typed)) for name in found))
+    every = list(dict.fromkeys(names))
+    while len(every) > MOST:
+        beginnings = list(dict.fromkeys(_up_to_hyphen(name, len(typed)) for name in every))
         if len(beginnings) > 1:
             return beginnings
         typed = beginnings[0]
-    return found
+    return every
 
 
 def _up_to_hyphen(name: str, start: int) -> str:

@@ -49,7 +49,7 @@ def describe(
 
     require_seed("the seed", seed)
     console, rows = Console(), {}
-    for name in dict.fromkeys(each for given in problems for each in selection.matching(given)):
+    for name in dict.fromkeys(each for pattern in problems for each in selection.matching(pattern)):
         problem = loading.load_problem(name, **pairs(problem_option))
         try:
             rows[name] = {"dimension": float(problem.dimension)} | described(problem, points, seed)
@@ -62,12 +62,12 @@ def describe(
         with replacing(csv) as temporary:
             frame.to_csv(temporary, lineterminator="\n", encoding="utf-8")
     for first in range(0, len(frame), BESIDE):
-        own = frame.iloc[first : first + BESIDE]
+        part = frame.iloc[first : first + BESIDE]
         table = Table("feature", box=None, pad_edge=False)
-        for name in own.index:
+        for name in part.index:
             table.add_column(Text(str(name)), justify="right")
-        for feature in own:
-            values = ["–" if pd.isna(value) else f"{value:.4g}" for value in own[feature]]
+        for feature in part:
+            values = ["–" if pd.isna(value) else f"{value:.4g}" for value in part[feature]]
             table.add_row(str(feature), *values)
         console.print(table, "")
     if csv is not None:

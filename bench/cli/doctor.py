@@ -97,13 +97,13 @@ def _show(findings: list[Diagnosis], console: Console) -> None:
 
 def _program() -> Iterator[Diagnosis]:
     try:
-        own = registry.own()
+        package = registry.own()
     except BenchError as error:
         yield Diagnosis("program", registry.DISTRIBUTION, "not installed", "broken", str(error))
         return
-    yield Diagnosis("program", registry.DISTRIBUTION, f"{own.version} in {Path(__file__).resolve().parents[2]}")
+    yield Diagnosis("program", registry.DISTRIBUTION, f"{package.version} in {Path(__file__).resolve().parents[2]}")
     running = ".".join(map(str, sys.version_info[:3]))
-    needed = str(own.metadata["Requires-Python"])
+    needed = str(package.metadata["Requires-Python"])
     yield _bounded("program", "Python", f"{running} ({sys.executable})", running, needed, f"install Python {needed}")
 
 
@@ -114,9 +114,9 @@ def _names() -> Iterator[Diagnosis]:
             if sentence := registry.conflict(module):
                 yield Diagnosis("names", module, "another package's", "broken", sentence)
             elif others := " and ".join(registry.claimants(module)):
-                found = f"this package's; {others} has a module of that name, too, whose file is not installed any more"
+                clash = f"this package's; {others} has a module of that name, too, whose file is not installed any more"
                 remedy = f"install {others} in an environment of its own, as one of the two breaks the other"
-                yield Diagnosis("names", module, found, "note", remedy)
+                yield Diagnosis("names", module, clash, "note", remedy)
             else:
                 yield Diagnosis("names", module, "this package's")
 
@@ -131,26 +131,28 @@ def _requirements() -> Iterator[Diagnosis]:
             if each.marker is None or each.marker.evaluate({"extra": ""}):
                 yield _required(each, registry.DISTRIBUTION)
         for extra in sorted(registry.own().metadata.get_all("Provides-Extra") or ()):
-            own = [each for each in needed if each.marker and not each.marker.evaluate({"extra": ""})]
-            yield from _extra(extra, [each for each in own if each.marker and each.marker.evaluate({"extra": extra})])
+            always = [each for each in needed if each.marker and not each.marker.evaluate({"extra": ""})]
+            yield from _extra(
+                extra, [each for each in always if each.marker and each.marker.evaluate({"extra": extra})]
+            )
 
 
 def _required(requirement: Any, asked: str) -> Diagnosis:
     install = f"pip install '{asked}'"
     try:
-        found = version(requirement.name)
+        installed = version(requirement.name)
     except PackageNotFoundError:
         return Diagnosis("packages", requirement.name, "not installed", "broken", install)
-    return _bounded("packages", requirement.name, found, found, str(requirement.specifier), install)
+    return _bounded("packages", requirement.name, installed, installed, str(requirement.specifier), install)
 
 
 def _extra(extra: str, requirements: list[Any]) -> Iterator[Diagnosis]:
     """Yield one finding on an extra: a package that is missing is no fault, one of a wrong version is."""
     asked = f"{registry.DISTRIBUTION}[{extra}]"
-    found = [_required(each, asked) for each in requirements]
-    missing = [each.name for each in found if each.found == "not installed"]
-    wrong = [each for each in found if each.state == "broken" and each.name not in missing]
-    text = ", ".join(f"{each.name} {each.found}" for each in found)
+    diagnoses = [_required(each, asked) for each in requirements]
+    missing = [each.name for each in diagnoses if each.found == "not installed"]
+    wrong = [each for each in diagnoses if each.state == "broken" and each.name not in missing]
+    text = ", ".join(f"{each.name} {each.found}" for each in diagnoses)
     if wrong:
         yield Diagnosis("extras", extra, text, "broken", wrong[0].remedy)
     elif missing:
@@ -257,10 +259,10 @@ def _store(folder: Path) -> Iterator[Diagnosis]:
 
     try:
         opened = Folder(folder)
-        study, found = opened.study(), opened.check_store()
+        study, check = opened.study(), opened.check_store()
     except BenchError as error:
         yield Diagnosis("store", str(folder), "cannot be read", "broken", str(error))
         return
-    remedy = "" if found.sound else "run 'bench run' with the same study and --output, which makes those trials again"
-    text = f"study {study.name}: {found.sentence}"
-    yield Diagnosis("store", str(folder), text, "ok" if found.sound else "broken", remedy)
+    remedy = "" if check.sound else "run 'bench run' with the same study and --output, which makes those trials again"
+    text = f"study {study.name}: {check.sentence}"
+    yield Diagnosis("store", str(folder), text, "ok" if check.sound else "broken", remedy)

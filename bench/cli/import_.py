@@ -32,13 +32,13 @@ def import_results(
     from bench.helpers.text import count
     from bench.importing import import_results as import_source
 
-    found = import_source(source, output, licence=licence, partial=partial)
-    for note in found.notes:
+    imported = import_source(source, output, licence=licence, partial=partial)
+    for note in imported.notes:
         print_line(f"note: {note}", "yellow")
-    for sentence in found.left_out:
+    for sentence in imported.left_out:
         print_line(f"left out: {sentence}", "red")
     print_line(
-        f"imported {count(found.trials, 'trial')} of {count(found.optimizers, 'optimizer')} on "
-        f"{count(found.problems, 'problem')} "
-        f"({found.format}): {output}"
+        f"imported {count(imported.trials, 'trial')} of {count(imported.optimizers, 'optimizer')} on "
+        f"{count(imported.problems, 'problem')} "
+        f"({imported.format}): {output}"
     )

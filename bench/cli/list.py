@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import json
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -76,11 +77,11 @@ def list_plugins(
     family all members, and of one optimizer its papers, code and parameters.
     """
     kind, family = _chosen(kind, family)
-    found = _matching(search, kind, family) if search else None
+    matching = _matching(search, kind, family) if search else None
     if as_json:
-        print(json.dumps(records(kind, family) if found is None else found, indent=1, default=str))
-    elif found is not None:
-        _print(f"with {search!r}", [_row(each) for each in found], Console())
+        print(json.dumps(records(kind, family) if matching is None else matching, indent=1, default=str))
+    elif matching is not None:
+        _print(f"with {search!r}", [_row(each) for each in matching], Console())
     else:
         show(kind, family, full, Console())
 
@@ -91,10 +92,10 @@ def _matching(text: str, kind: str, family: str) -> list[dict[str, Any]]:
     every: list[dict[str, Any]] = []
     for each in KINDS if kind == "all" else (kind,):
         every += chain.from_iterable(map(_problem_records, suites)) if each == "problems" else records(each, family)
-    found = [each for each in every if text.lower() in " ".join(_words(each)).lower()]
-    if not found:
+    matching = [each for each in every if text.lower() in " ".join(_words(each)).lower()]
+    if not matching:
         raise BenchError(f"no plug-in has {text!r} in its name or description")
-    return found
+    return matching
 
 
 def _words(record: dict[str, Any]) -> tuple[str, str]:
@@ -120,9 +121,9 @@ def _chosen(kind: str, family: str) -> tuple[str, str]:
     return kind, family
 
 
-def _require_known(what: str, name: str, known: Iterable[str]) -> None:
-    if name not in known:
-        raise BenchError(f"unknown {what} {name!r}{nearest(name, known)}")
+def _require_known(what: str, name: str, names: Iterable[str]) -> None:
+    if name not in names:
+        raise BenchError(f"unknown {what} {name!r}{nearest(name, names)}")
 
 
 def show(kind: str, family: str, full: bool, console: Console) -> None:
@@ -140,7 +141,13 @@ def show(kind: str, family: str, full: bool, console: Console) -> None:
         )
         return
     if family and registry.is_family(registry.load(kind, family)):
-        rows = [(name, _describe(_optimizer, name)) for name in registry.load(kind, family).names()]
+        plugin = registry.load(kind, family)
+        rows = [(name, _describe(_optimizer, name)) for name in plugin.names()]
+        if not rows:
+            about = inspect.getdoc(plugin) or f"{family} has no list of its members"
+            for paragraph in about.replace("``", "").split("\n\n"):
+                console.print(Text(" ".join(paragraph.split())))
+            return
         rows = _shared_lines_first(rows, f"all of {family}") if full else rows
     else:
         full = full or bool(family)
@@ -210,20 +217,20 @@ def records(kind: str, family: str = "") -> list[dict[str, Any]]:
         return _problem_records(family)
     if kind in KINDS and kind != "optimizers":
         return [_plain_record(kind, name) for name in sorted(registry.entries(kind))]
-    known: list[dict[str, Any]] = []
+    entries: list[dict[str, Any]] = []
     for name in [family] if family else registry.entries("optimizers"):
         try:
             plugin = registry.load("optimizers", name)
             names = plugin.names() if registry.is_family(plugin) else [name]
         except Exception as error:  # a plug-in may raise anything
-            known += [{"name": each, "error": str(error)} for each in _known_members(name)]
+            entries += [{"name": each, "error": str(error)} for each in _known_members(name)]
             continue
         for member in names:
             try:
-                known.append(dataclasses.asdict(catalogue.record(member)))
+                entries.append(dataclasses.asdict(catalogue.record(member)))
             except Exception as error:
-                known.append({"name": member, "error": str(error)})
-    return known
+                entries.append({"name": member, "error": str(error)})
+    return entries
 
 
 def _known_members(family: str) -> list[str]:
@@ -256,8 +263,8 @@ def _shared_lines_first(rows: list[Row], name: str) -> list[Row]:
     """Move the lines that all rows share into a first row, called ``name``."""
     texts = [about.splitlines() for _, (about, _) in rows]
     shared = [line for line in texts[0] if all(line in text for text in texts)] if len(texts) > 1 else []
-    own = ["\n".join(line for line in text if line not in shared) for text in texts]
-    members = [(member, (about, style)) for (member, (_, style)), about in zip(rows, own, strict=True)]
+    others = ["\n".join(line for line in text if line not in shared) for text in texts]
+    members = [(member, (about, style)) for (member, (_, style)), about in zip(rows, others, strict=True)]
     return [(name, ("\n".join(shared), "")), *members] if shared else members
 
 
@@ -307,11 +314,11 @@ def _optimizer(name: str) -> str:
     """Describe an optimizer by its lineage and parameters, one line each."""
     from bench.plugins import catalogue
 
-    known = catalogue.record(name)
-    lines = [known.about, *(f"paper: {paper}" for paper in known.paper)]
+    record = catalogue.record(name)
+    lines = [record.about, *(f"paper: {paper}" for paper in record.paper)]
     for title, text in (
-        ("code", known.code), ("parameters", ", ".join(map(str, known.parameters))), ("family", known.family),
-        ("extra", known.extra), ("package", known.package),
+        ("code", record.code), ("parameters", ", ".join(map(str, record.parameters))), ("family", record.family),
+        ("extra", record.extra), ("package", record.package),
     ):  # fmt: skip
         lines += [f"{title}: {text}"] if text else []
-    return "\n".join([*lines, *(f"not mapped: {sentence}" for sentence in known.unmapped)])
+    return "\n".join([*lines, *(f"not mapped: {sentence}" for sentence in record.unmapped)])

@@ -124,16 +124,16 @@ def _refuse_taken(name: str, template: Template, files: dict[str, str]) -> None:
 def _sources(template: Template) -> dict[str, Path]:
     """Return the files of an example by the paths of those to write."""
     home = _examples()
-    found: dict[str, Path] = {}
+    files: dict[str, Path] = {}
     for target, source in template.files.items():
         place = home / source
         inside = [file for file in sorted(place.rglob("*")) if file.is_file() and _is_source(file.relative_to(place))]
-        found |= {(Path(target) / file.relative_to(place)).as_posix(): file for file in inside}
+        files |= {(Path(target) / file.relative_to(place)).as_posix(): file for file in inside}
         if place.is_file():
-            found[target] = place
-    if not found:
+            files[target] = place
+    if not files:
         raise BenchError(f"the templates of 'bench new' are missing in {home}; install {registry.DISTRIBUTION} again")
-    return found
+    return files
 
 
 def _renamed(text: str, template: Template, name: str) -> str:

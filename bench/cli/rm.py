@@ -51,9 +51,9 @@ def remove(
     print_line(f"{count} trials removed; 'bench run' into this folder makes them again")
 
 
-def _labels(wanted: list[str] | None, known: list[str], kind: str) -> list[str]:
+def _labels(wanted: list[str] | None, labels: list[str], kind: str) -> list[str]:
     """Return the labels asked for, or all of them where none is given."""
     for label in wanted or []:
-        if label not in known:
-            raise BenchError(f"the study has no {kind} {label!r}{nearest(label, known)}")
-    return wanted or known
+        if label not in labels:
+            raise BenchError(f"the study has no {kind} {label!r}{nearest(label, labels)}")
+    return wanted or labels

@@ -60,13 +60,13 @@ def similar(
     require_seed("the seed", seed)
     if plot.suffix not in (".svg", ".pdf", ".png"):
         raise BenchError(f"the plot {plot} must end with .svg, .pdf or .png")
-    names = list(dict.fromkeys(each for given in optimizers for each in loading.matching(given)))
+    names = list(dict.fromkeys(each for pattern in optimizers for each in loading.matching(pattern)))
     if len(names) < 2:
         raise BenchError("similarity needs at least two optimizers; name another one")
     loaded = {name: loading.load_optimizer(name, **pairs(option)) for name in names}
-    chosen = [name for given in problem or () for name in selection.matching(given)]
-    own = {name: loading.load_problem(name) for name in chosen}
-    problems = {name: lambda each=each: recorder(each) for name, each in own.items()} or common_problems()
+    chosen = [name for pattern in problem or () for name in selection.matching(pattern)]
+    problems_by_name = {name: loading.load_problem(name) for name in chosen}
+    problems = {name: lambda each=each: recorder(each) for name, each in problems_by_name.items()} or common_problems()
     spent = checked(budget, "--budget")
     budgets = {label: evaluations(spent, make().dimension) for label, make in problems.items()}
     least = min(budgets.values())
@@ -75,41 +75,41 @@ def similar(
         each.check_budget(least, name)
     console = Console()
     with steps(console, "similar") as on_progress:
-        found = similarity(behaviours(loaded, problems, trials, budgets, seed, on_progress), seed=seed)
+        result = similarity(behaviours(loaded, problems, trials, budgets, seed, on_progress), seed=seed)
     table = Table(box=None, pad_edge=False)
     for head in ("optimizer", "cluster", "against itself", "nearest other", "distance", "p (Holm)"):
         table.add_column(head, overflow="fold")
     for name in names:
-        mine = found.pairs[(found.pairs["first"] == name) | (found.pairs["second"] == name)]
+        mine = result.pairs[(result.pairs["first"] == name) | (result.pairs["second"] == name)]
         near = mine.sort_values("distance", kind="stable").to_dict("records")[0]
         other = near["second"] if near["first"] == name else near["first"]
-        own_distance = float(found.distances.to_numpy()[names.index(name), names.index(name)])
+        own_distance = float(result.distances.to_numpy()[names.index(name), names.index(name)])
         cells = (
             f"{own_distance:.3f}",
             other,
             f"{near['distance']:.3f}",
             p_text(near["p_holm"]).removeprefix("p ").removeprefix("= "),
         )
-        table.add_row(Text(name), str(found.clusters[name]), *map(Text, cells))
+        table.add_row(Text(name), str(result.clusters[name]), *map(Text, cells))
     console.print(table)
-    groups = [list(own.index) for _, own in found.clusters.groupby(found.clusters) if len(own) > 1]
-    if trials < found.needed:
-        few = f"{trials // 2} against {trials // 2} trials can distinguish none of {count(len(found.pairs), 'pair')}"
+    groups = [list(alike.index) for _, alike in result.clusters.groupby(result.clusters) if len(alike) > 1]
+    if trials < result.needed:
+        few = f"{trials // 2} against {trials // 2} trials can distinguish none of {count(len(result.pairs), 'pair')}"
         print_line(
-            f"{few}: p is at least {found.least:.2g} before Holm's adjustment; take --trials {found.needed} or more",
+            f"{few}: p is at least {result.least:.2g} before Holm's adjustment; take --trials {result.needed} or more",
             console=console,
         )
         groups = []
     for group in groups:
         print_line(f"alike, as far as {trials // 2} trials can show: {', '.join(group)}", console=console)
-    if found.clusters.is_unique:
+    if result.clusters.is_unique:
         print_line("Every optimizer differs from every other one.", console=console)
     conditions = f"{len(problems)} problem{'s' if len(problems) > 1 else ''}, {trials} trials, {described(spent)}"
     print_line(f"{conditions}; distance: mean Kolmogorov-Smirnov distance of what trials do, 0 to 1", console=console)
-    print_line(f"the map leaves out {found.stress:.0%} of the squared distances", console=console)
+    print_line(f"the map leaves out {result.stress:.0%} of the squared distances", console=console)
     with style.context(), replacing(plot) as temporary:
-        similarity_map(found).savefig(temporary, metadata={"Date": None} if plot.suffix == ".svg" else None)
+        similarity_map(result).savefig(temporary, metadata={"Date": None} if plot.suffix == ".svg" else None)
     if csv is not None:
         with replacing(csv) as temporary:
-            found.pairs.to_csv(temporary, index=False, lineterminator="\n", encoding="utf-8")
+            result.pairs.to_csv(temporary, index=False, lineterminator="\n", encoding="utf-8")
     print_line(f"map: {plot}", console=console)

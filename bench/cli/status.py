@@ -44,10 +44,10 @@ def status(
                 sleep(2)
                 live.update(summary(folder), refresh=True)
         return
-    found = folder.check_store() if check else folder.store.count()
+    store = folder.check_store() if check else folder.store.count()
     console.print(summary(folder))
-    if not check and not found.sound:
-        print_line(f"store: {found.sentence}", "red", console)
+    if not check and not store.sound:
+        print_line(f"store: {store.sentence}", "red", console)
     _answer(folder, console)
     if noted := folder.noted(STORE):
         style = None if noted.get("sound") else "red"
@@ -65,7 +65,7 @@ def status(
     for number, record in folder.store.environments().items():
         for line in _environment(record, made.get(number, 0)) if record else [f"environment {number}: damaged record"]:
             print_line(line, console=console)
-    if check and not found.sound:
+    if check and not store.sound:
         sys.exit(1)
 
 
@@ -117,12 +117,12 @@ def _progress(folder: Folder, running: dict[str, Any], left: int) -> str:
     """Describe the run that is under way: its process, its speed and the time left."""
     text = f"running: process {running['pid']} on {running['host']} since {running['started']}"
     made = folder.store.made()
-    own = [
+    cells = [
         number
         for number, record in folder.store.environments().items()
         if str(record.get("started")) >= running["started"]
     ]
-    count = sum(made.get(number, 0) for number in own)
+    count = sum(made.get(number, 0) for number in cells)
     if not count:
         return text
     elapsed = (datetime.now(UTC) - datetime.fromisoformat(running["started"])).total_seconds()

@@ -76,7 +76,7 @@ def tune(
     if output.suffix != ".toml":
         raise BenchError(f"the output {output} must end with .toml")
     optuna = require("optuna", "optuna", "tuning needs")
-    names = list(dict.fromkeys(each for given in optimizers for each in loading.matching(given)))
+    names = list(dict.fromkeys(each for pattern in optimizers for each in loading.matching(pattern)))
     training, testing = studies.split(train, test or (), leave_out, seed)
     problems = studies.load(training)
     spent = checked(budget, "--budget")
@@ -87,22 +87,22 @@ def tune(
     studies.untuned(output.stem, testing, names, setting)
     console = Console()
     words = OBJECTIVES[objective]
-    for name, own in axes.items():
-        print_line(f"{name}: {'; '.join(map(str, own))}", console=console)
+    for name, own_axes in axes.items():
+        print_line(f"{name}: {'; '.join(map(str, own_axes))}", console=console)
     size = f"{count(configurations, 'configuration')} of each optimizer, {count(trials, 'trial')} on each of "
     print_line(f"{size}{count(len(training), 'training problem')}", console=console)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a tuning like Ctrl-C, and its processes
     try:
         with steps(console, "tune") as on_progress:
-            found = tune_all(axes, problems, setting, output.with_suffix(".journal"), jobs, on_progress)
+            bests = tune_all(axes, problems, setting, output.with_suffix(".journal"), jobs, on_progress)
     except KeyboardInterrupt:
         print_error("interrupted; every finished configuration is kept: run the same command again to continue")
         sys.exit(130)
     about = {"left_out": leave_out or "", "method": method(optuna)}
-    written = studies.tuned(output.stem, testing, found, setting, **about)
+    written = studies.tuned(output.stem, testing, bests, setting, **about)
     with replacing(output) as temporary:
         temporary.write_text(written.to_toml(), encoding="utf-8")
-    for each in found:
+    for each in bests:
         record = each.record
         stopped = record.whole.count(False)
         chosen = ", ".join(f"{key}={_shown(value)}" for key, value in each.options.items()) or "the defaults"
@@ -127,7 +127,7 @@ def _refuse_others(output: Path, setting: Setting) -> None:
     if not output.exists():
         return
     noted = Study.load(output).tuning
-    own = (setting.objective, setting.runs, setting.budget, setting.seed, list(setting.train))
-    if noted is None or (noted.objective, noted.runs, noted.budget, noted.seed, noted.train) != own:
+    asked = (setting.objective, setting.runs, setting.budget, setting.seed, list(setting.train))
+    if noted is None or (noted.objective, noted.runs, noted.budget, noted.seed, noted.train) != asked:
         what = "is no study that 'bench tune' wrote" if noted is None else "is the study of another tuning"
         raise BenchError(f"{output} is there already, and {what}; give another --output")

@@ -21,5 +21,5 @@ def unpack(
     """
     from bench.packing import unpack as unpack_file
 
-    found = unpack_file(file, output, limit_gb=limit)
-    print_line(f"{found.files:,} files in {found.path}: {found.sentence}")
+    folder = unpack_file(file, output, limit_gb=limit)
+    print_line(f"{folder.files:,} files in {folder.path}: {folder.sentence}")

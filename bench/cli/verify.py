@@ -43,11 +43,11 @@ def verify_folder(
     from bench.execution.verify import verify as make_again
 
     with steps(console, "verify") as on_progress:
-        found = make_again(path, trials=trials, n_jobs=jobs, strict=strict, sandbox=sandbox, on_progress=on_progress)
-    for line in found.lines():
+        outcomes = make_again(path, trials=trials, n_jobs=jobs, strict=strict, sandbox=sandbox, on_progress=on_progress)
+    for line in outcomes.lines():
         print_line(line, "red", console)
-    print_line(found.sentence, console=console)
-    print_line(found.store.sentence, None if found.store.sound else "red", console)
-    if found.different:
+    print_line(outcomes.sentence, console=console)
+    print_line(outcomes.store.sentence, None if outcomes.store.sound else "red", console)
+    if outcomes.different:
         print_error("some trials are not repeated bit by bit")
-    return not found.different and found.store.sound
+    return not outcomes.different and outcomes.store.sound

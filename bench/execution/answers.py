@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import binascii
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf, isfinite, isnan
 from typing import Any
@@ -42,7 +42,7 @@ class Box:
 
     @classmethod
     def of(cls, given: Any) -> Box:
-        """Return the box that :func:`bench.execution.trial_process.load_problems` describes.
+        """Return the box that :func:`bench.execution.trial_process.load_problem` describes.
 
         Raises:
             RefusedError: for what describes none.
@@ -60,18 +60,6 @@ class Box:
     def holds(self, x: Floats) -> bool:
         """Return whether the (d,) point lies in the box."""
         return bool(((x >= self.lower) & (x <= self.upper)).all())
-
-
-def boxes(found: Any, labels: Iterable[str]) -> dict[str, Box | str]:
-    """Return for each label what :func:`bench.execution.trial_process.load_problems` found: a box, or an error."""
-    held: dict[str, Box | str] = {}
-    for label in labels:
-        given = found.get(label) if isinstance(found, dict) else None
-        try:
-            held[label] = printable(given, 4000) if isinstance(given, str) else Box.of(given)
-        except RefusedError as refused:
-            held[label] = f"its answer is refused: {refused}"
-    return held
 
 
 def error(answer: Any) -> str:

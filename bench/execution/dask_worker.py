@@ -55,7 +55,7 @@ def work(run: str, task: Task, trials: Sequence[Trial]) -> tuple[list[tuple[Tria
         supervisor = next((each for each, its in _idle.items() if its == run), None) or Supervisor(task)
         _idle.pop(supervisor, None)
         _wanted[supervisor] = is_wanted
-    made = [*supervisor.make(trials)]
+    made = [(trial, supervisor.make(trial)) for trial in trials]
     ended = monotonic()
     with _lock:
         if supervisor in _wanted and is_wanted():

@@ -16,18 +16,21 @@ from __future__ import annotations
 
 import socket
 from collections import OrderedDict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
 from bench.execution import strict, trial_process
-from bench.execution.answers import Box, boxes
+from bench.execution.answers import Box, RefusedError
+from bench.helpers.text import printable
 from bench.plugins import from_file, loading
 from bench.sandbox import bubblewrap
 from bench.sandbox.forks import ForkServer
-from bench.sandbox.process import FAILURES, Process, RemoteError
+from bench.sandbox.process import FAILURES, Process
 from bench.study import Study
 from bench.trial import Trial
 
@@ -68,14 +71,11 @@ class Job:
         self._root = self._alone = root(study, sandbox, hash_seed=hash_seed)
         if sandbox and strictly:  # the optimizers' processes come from another one, where no problem can be read
             self._alone = root(study, sandbox, hash_seed=hash_seed, apart=True)
-        self._begun = False
         self._boxes: dict[str, Box | str] = {}
-        self._problems: dict[str, ForkServer] = {}  # by family, or by label where one is loaded alone
-        self._evaluators: dict[str, Process] = {}
-        self._loaded: dict[tuple[str, str], tuple[ForkServer, set[str]]] = {}  # with the optimizers loaded there
-        self._warm: OrderedDict[tuple[str, str], tuple[ForkServer, set[str]]] = OrderedDict()  # with the problems
-        self._trials: dict[ForkServer, tuple[Process, float]] = {}  # with the seconds left for trials there
-        self._apart: set[str] = set()  # labels whose loading has ended a process that others would share
+        self._problems: dict[str, ForkServer] = {}  # one for all problems of a family that can be loaded together
+        self._evaluators: dict[ForkServer, Process] = {}
+        self._loaded: dict[tuple[ForkServer, str], ForkServer] = {}  # by the problems and the package of the optimizers
+        self._ready: OrderedDict[tuple[ForkServer, str], _Ready] = OrderedDict()  # by the problems and the optimizer
         self._sandboxed = bool(sandbox)
 
     def kill(self) -> None:
@@ -88,43 +88,58 @@ class Job:
         self._with_problem(problem)
         return self._boxes[problem]
 
-    def prepare(self, trial: Trial) -> ForkServer:
-        """Load and warm up what a trial needs, as far as that has not been done; return what starts its process."""
-        return self._warmed_up(trial.problem, trial.optimizer)
+    def prepare(self, trial: Trial) -> _Ready:
+        """Load and warm up what a trial needs, by a short trial on this kind of problem, where that is not done yet."""
+        problem, optimizer = trial.problem, trial.optimizer
+        problems = self._alone if self._strict else self._with_problem(problem)
+        ready = self._ready.pop((problems, optimizer), None)
+        if ready is None:
+            ready = _Ready(self._with_optimizer(problems, optimizer).branch())
+        if problem not in ready.problems:
+            ready.problems.add(problem)
+            box = self._boxes[problem]
+            what: tuple[Any, ...] = (trial_process.warm_up, problem, optimizer)
+            if self._strict and isinstance(box, Box):
+                what = (trial_process.warm_up_strictly, optimizer, box.lower.tolist(), box.upper.tolist())
+            try:
+                if ready.server.call(*what, **self._loading, silence=self._silence, printed=PRINTED):
+                    ready.end_process()  # it must be as warm as others
+            except FAILURES:  # the trials will fail with the reason
+                ready.end_process()
+                ready.server = self._with_optimizer(problems, optimizer).branch()
+        self._ready[problems, optimizer] = ready
+        while len(self._ready) > KEPT:
+            _, oldest = self._ready.popitem(last=False)
+            oldest.end_process()
+            oldest.server.close()
+        return ready
 
-    def make(self, trial: Trial, server: ForkServer) -> tuple[Any, float]:
+    def make(self, trial: Trial, ready: _Ready) -> tuple[Any, float]:
         """Have a trial made; return what its process answers, which is not to be believed, and the seconds it took."""
         began = monotonic()
-        process, left = self._trials.pop(server, (None, 0.0))
-        if process is None or process.closed:
-            process = server.process()
-            left = WORTH * (monotonic() - began)
+        if ready.process is None or ready.process.closed:
+            ready.process = ready.server.process()
+            ready.left = WORTH * (monotonic() - began)
         began = monotonic()
-        try:
-            answer = process.call(
-                trial_process.make, trial, seconds=self._timeout, memory=self._memory, printed=PRINTED
-            )
-        except RemoteError:
-            process.close()
-            raise
+        limits: dict[str, Any] = {"seconds": self._timeout, "memory": self._memory, "printed": PRINTED}
+        answer = ready.process.call(trial_process.make, trial, **limits)
         took = monotonic() - began
+        ready.left -= took
         sound = isinstance(answer, dict) and answer.get("altered") is False
-        if sound and took < left and not self._sandboxed:
-            self._trials[server] = process, left - took
-        else:
-            process.close()
+        if self._sandboxed or not sound or ready.left <= 0:
+            ready.process.close()
         return answer, took
 
-    def make_strictly(self, trial: Trial, optimizers: ForkServer) -> tuple[Any, float]:
+    def make_strictly(self, trial: Trial, ready: _Ready) -> tuple[Any, float]:
         """Have a trial made whose problem, budget and trace are in another process than its optimizer.
 
         Return what the other process answers, with the processor seconds of the optimizer's, and the seconds it took.
         """
-        _, problems = self._with_problem(trial.problem)
+        problems = self._with_problem(trial.problem)
         box = self._boxes[trial.problem]
         assert isinstance(box, Box)
         bounds = box.lower.tolist(), box.upper.tolist(), box.integer.tolist()
-        with problems.process() as server, optimizers.process() as process:
+        with problems.process() as server, ready.server.process() as process:
             one, other = socket.socketpair()
             with one, other:
                 server.start(trial_process.serve, trial, self._core, files=[one.fileno()])
@@ -140,124 +155,67 @@ class Job:
             cpu = answer.get("cpu_s") if isinstance(answer, dict) else None
             return (kept | {"cpu_s": cpu} if isinstance(kept, dict) else kept), took
 
-    def evaluate(self, points: Sequence[tuple[str, list[float]]], seconds: float, *, anew: bool = False) -> list[Any]:
-        """Return the values and the metrics of points, each of a problem, from processes in which no optimizer runs.
+    def evaluate(self, problem: str, point: list[float], seconds: float, *, anew: bool = False) -> Any:
+        """Return the value and the metrics of a point of a problem, from a process in which no optimizer runs.
 
         Args:
-            points: labels of problems and points.
-            seconds: that the trials took which have evaluated them.
-            anew: whether to take new processes, in case a problem has changed the others, and to evaluate each point in
-                batches too.
+            problem: its label.
+            point: the coordinates.
+            seconds: that the trial took which has evaluated the point.
+            anew: whether to take a new process, in case a problem has changed the other one, and to evaluate the point
+                in batches too.
         """
-        found: list[Any] = [None] * len(points)
-        families: dict[str, list[int]] = {}
-        for number, (problem, _) in enumerate(points):
-            families.setdefault(self._with_problem(problem)[0], []).append(number)
-        for family, numbers in families.items():
-            evaluator = self._evaluators.pop(family, None)
-            if evaluator is not None and anew:
+        server = self._with_problem(problem)
+        evaluator = self._evaluators.get(server)
+        if evaluator is None or evaluator.closed or anew:
+            if evaluator is not None:
                 evaluator.close()
-                evaluator = None
-            if evaluator is None or evaluator.closed:
-                evaluator = self._problems[family].process()
-            try:
-                answer = evaluator.call(
-                    trial_process.evaluate, [points[each] for each in numbers], anew,
-                    seconds=LOADING + BATCHES * seconds, memory=self._memory,
-                )  # fmt: skip
-            except RemoteError:
-                evaluator.close()
-                raise
-            self._evaluators[family] = evaluator
-            if isinstance(answer, list) and len(answer) == len(numbers):
-                for number, each in zip(numbers, answer, strict=True):
-                    found[number] = each
-        return found
+            evaluator = self._evaluators[server] = server.process()
+        limit = LOADING + BATCHES * seconds
+        return evaluator.call(trial_process.evaluate, problem, point, anew, seconds=limit, memory=self._memory)
 
-    def _with_problem(self, problem: str) -> tuple[str, ForkServer]:
-        """Return the family of a problem, or its label where it is loaded alone, and what starts processes with it."""
-        family = problem if problem in self._apart else self._families[problem]
-        if family not in self._problems:
-            self._begin()
-            labels = self._members(family)
+    def _with_problem(self, problem: str) -> ForkServer:
+        """Return what starts processes that have loaded a problem, and the others of its family where they can."""
+        if problem not in self._problems:
+            for each in (self._root, self._alone):
+                each.ensure(trial_process.begin, self._study, **self._loading)
             server = self._root.branch()
-            try:
-                found = server.call(trial_process.load_problems, labels, **self._loading)
-            except FAILURES:
-                if problem in self._apart:
-                    raise
-                self._apart.update(labels)
-                return self._with_problem(problem)
-            self._problems[family] = server
-            self._boxes |= boxes(found, labels)
-        return family, self._problems[family]
+            self._load_problem(problem, server)
+            for label, family in self._families.items():
+                if family == self._families[problem] and label not in self._problems:
+                    with suppress(*FAILURES, RefusedError):  # it will be loaded alone
+                        self._load_problem(label, server)
+        return self._problems[problem]
 
-    def _members(self, family: str) -> list[str]:
-        """Return the labels of the problems of a family that are loaded together."""
-        return [
-            label
-            for label, own in self._families.items()
-            if label == family or (own == family and label not in self._apart)
-        ]
+    def _load_problem(self, label: str, server: ForkServer) -> None:
+        found = server.call(trial_process.load_problem, label, **self._loading)
+        self._boxes[label] = printable(found, 4000) if isinstance(found, str) else Box.of(found)
+        self._problems[label] = server
 
-    def _begin(self) -> None:
-        """Set the study of all processes."""
-        if not self._begun:
-            for each in {self._root, self._alone}:
-                each.call(trial_process.begin, self._study, **self._loading)
-            self._begun = True
-
-    def _with_optimizer(self, problem: str, optimizer: str) -> ForkServer:
-        """Return what starts processes that have loaded an optimizer, and the others of its package where it can."""
-        family, problems = ("", self._alone) if self._strict else self._with_problem(problem)
-        package = self._packages[optimizer] if problems.forks and optimizer not in self._apart else optimizer
-        server, loaded = self._loaded.get((family, package), (None, set[str]()))
+    def _with_optimizer(self, problems: ForkServer, optimizer: str) -> ForkServer:
+        """Return what starts processes that have loaded an optimizer, and others of its package, beside problems."""
+        package = self._packages[optimizer] if problems.forks else optimizer
+        server = self._loaded.get((problems, package))
         if server is None:
-            server = problems.branch(apart=True)
-            if self._strict:
-                server.call(strict.hide_problems, **self._loading)
-        if optimizer not in loaded:
-            try:
-                server.call(trial_process.load_optimizer, optimizer, **self._loading)
-            except FAILURES:
-                if package == optimizer:
-                    raise
-                self._apart.add(optimizer)
-                return self._with_optimizer(problem, optimizer)
-            loaded.add(optimizer)
-        self._loaded[family, package] = server, loaded
+            server = self._loaded[problems, package] = problems.branch(apart=True)
+        if self._strict:
+            server.ensure(strict.hide_problems, **self._loading)
+        server.ensure(trial_process.load_optimizer, optimizer, **self._loading)
         return server
 
-    def _warmed_up(self, problem: str, optimizer: str) -> ForkServer:
-        """Return what starts processes that have made a short trial of the optimizer on this kind of problem."""
-        family = "" if self._strict else self._with_problem(problem)[0]
-        server, warm = self._warm.pop((family, optimizer), (None, set[str]()))
-        if server is None:
-            server = self._with_optimizer(problem, optimizer).branch()
-        if problem not in warm:
-            warm.add(problem)
-            box = self._boxes[problem]
-            what: tuple[Any, ...] = (trial_process.warm_up, problem, optimizer)
-            if self._strict and isinstance(box, Box):
-                what = (trial_process.warm_up_strictly, optimizer, box.lower.tolist(), box.upper.tolist())
-            try:
-                if server.call(*what, **self._loading, silence=self._silence, printed=PRINTED):
-                    self._end_trials(server)  # a trial process must be as warm as others
-            except FAILURES:  # the trials will fail with the reason
-                self._end_trials(server)
-                server = self._with_optimizer(problem, optimizer).branch()
-        self._warm[family, optimizer] = server, warm
-        while len(self._warm) > KEPT:
-            _, (oldest, _) = self._warm.popitem(last=False)
-            self._end_trials(oldest)
-            oldest.close()
-        return server
 
-    def _end_trials(self, server: ForkServer) -> None:
-        """End the trial process of an optimizer."""
-        process, _ = self._trials.pop(server, (None, 0.0))
-        if process is not None and not process.closed:
-            process.close()
+@dataclass
+class _Ready:
+    """An optimizer that is loaded and warmed up."""
+
+    server: ForkServer
+    problems: set[str] = field(default_factory=set)  # that it was warmed up for
+    process: Process | None = None  # makes its trials, as long as they take less than the seconds left
+    left: float = 0.0
+
+    def end_process(self) -> None:
+        if self.process is not None:
+            self.process.close()
 
 
 def root(study: Study, sandbox: str | None, *, hash_seed: int = 0, apart: bool = False) -> ForkServer:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Iterator
-from functools import partial
 from queue import SimpleQueue
 from threading import Lock
 
+from joblib import Parallel, delayed
+
 from bench.execution.pool import Answer, OnBegin, ignore
 from bench.execution.supervisor import KilledError, Supervisor, Task
-from bench.sandbox.pool import side_by_side
+from bench.sandbox.signals import signals_delayed
 from bench.trial import Row, Trial
 
 
@@ -31,34 +33,43 @@ class Local:
         made: SimpleQueue[tuple[Trial, Row] | BaseException | None] = SimpleQueue()
         turn = Lock()
 
+        def begun(job: int) -> Trial | None:
+            with turn:
+                if (trial := next(trials, None)) is not None:
+                    on_begin(job, trial)
+                return trial
+
         def supervise(job: int, supervisor: Supervisor) -> None:
             try:
-                for answer in supervisor.make(_noted(trials, partial(on_begin, job), turn)):
-                    made.put(answer)
+                while (trial := begun(job)) is not None:
+                    made.put((trial, supervisor.make(trial)))
             except KilledError:
                 pass
             except BaseException as error:
                 made.put(error)
             made.put(None)
 
-        def end() -> None:
-            for each in supervisors:
-                each.kill()
-
-        with side_by_side([partial(supervise, *each) for each in enumerate(supervisors)], end):
+        threads = _side_by_side(delayed(supervise)(*each) for each in enumerate(supervisors))
+        try:
             for _ in supervisors:
                 while (answer := made.get()) is not None:
                     if isinstance(answer, BaseException):
                         raise answer
                     yield *answer, machine
+        finally:
+            for each in supervisors:
+                each.kill()
+            list(threads)
 
 
-def _noted(trials: Iterator[Trial], on_begin: Callable[[Trial], None], turn: Lock) -> Iterator[Trial]:
-    """Yield trials that other jobs take from as well, in turn; note each when it begins."""
-    while True:
-        with turn:
-            trial = next(trials, None)
-            if trial is None:
-                return
-            on_begin(trial)
-        yield trial
+def _side_by_side(loops: Iterable[Callable[[], None]]) -> Iterator[None]:
+    """Begin to run functions in threads of joblib; all have returned when the iterator returned ends."""
+    calls = [*loops]
+    # Of threads that a second interrupt cuts off; joblib may print it whenever it drops them.
+    warnings.filterwarnings(
+        "ignore", "[0-9]+ tasks (have been successfully executed|which were still being processed)", UserWarning
+    )
+    with signals_delayed():  # an interrupt while joblib starts threads would leave it in an undefined state
+        # With one job joblib would take no thread.
+        parallel = Parallel(n_jobs=max(2, len(calls)), backend="threading", return_as="generator_unordered")
+        return iter(parallel(calls))

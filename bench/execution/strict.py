@@ -1,161 +1,115 @@
 """Strict trials: the problem, the budget and the trace are in another process; only points and values cross.
 
-The server (:func:`serve`) holds the :class:`bench.objective.Objective`. The optimizer's process has no problem in its
-memory, and :func:`hide_problems` refuses to import one. Whatever the optimizer does there, each evaluation is counted
-and recorded. A message begins with what is asked or answered, one byte; numbers follow, or a text.
+There, :func:`serve` holds the :class:`bench.objective.Objective` that counts. The optimizer's process has an objective
+of a :class:`RemoteProblem`, but no problem in its memory, and :func:`hide_problems` refuses to import one. Whatever the
+optimizer does there, each evaluation is counted and recorded. A message begins with what is asked or answered, one
+byte; numbers follow, or a text.
 """
 
 from __future__ import annotations
 
+import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from importlib.util import find_spec
 from multiprocessing.connection import Connection
 from pathlib import Path
 from threading import Lock
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bench.objective import BudgetExhausted, Objective, floats
+from bench.objective import BudgetExhausted, Objective
 from bench.plugins import registry
+from bench.problem import Problem
 from bench.sandbox.messages import describe_error
-from bench.typing import Flags, Floats
+from bench.typing import Floats
 
-_EVALUATE, _REPAIR, _INITIAL, _STOP, _BEGIN, _END = (bytes([number]) for number in range(6))
+_EVALUATE, _REPAIR, _BEGIN, _END = (bytes([number]) for number in range(4))
 _DONE, _EXHAUSTED, _RAISED = (bytes([number]) for number in range(3))
 _LONGEST = 1 << 26  # bytes of the points of a request
 
 
-class RemoteObjective:
-    """What a strict trial gives its optimizer in place of an ``Objective``, with the same contract.
+class RemoteProblem(Problem):
+    """The problem of a strict trial as its optimizer's process has it: each evaluation is one of :func:`serve`.
 
     Args:
-        end: the file number of the socket whose other end :func:`serve` serves.
+        end: the file number of the socket whose other end is served.
         lower: (d,) lower bounds.
         upper: (d,) upper bounds.
-        integer: (d,) bool, the variables that are whole numbers.
-        budget: evaluations allowed.
-        on_refusal: called with the number of refusals so far whenever points are refused because the budget is spent.
+        integer: (d,) the variables that are whole numbers.
     """
 
-    def __init__(
-        self,
-        end: int,
-        lower: Floats,
-        upper: Floats,
-        integer: Flags,
-        budget: int,
-        on_refusal: Callable[[int], None],
-    ) -> None:
-        self.lower, self.upper, self.integer = lower.copy(), upper.copy(), integer.copy()
-        self.lower.flags.writeable = self.upper.flags.writeable = self.integer.flags.writeable = False
-        self.budget, self.evaluations = budget, 0
-        self.stop_reason: str | None = None
+    def __init__(self, end: int, lower: ArrayLike, upper: ArrayLike, integer: ArrayLike) -> None:
+        self.lower, self.upper = np.array(lower, np.float64), np.array(upper, np.float64)
+        self.name, self.integer = "the problem of a strict trial", np.array(integer, bool)
         self._end, self._lock = Connection(end), Lock()
-        self._refusals, self._on_refusal = 0, on_refusal
 
-    @property
-    def dimension(self) -> int:
-        """The number of search variables d."""
-        return len(self.lower)
-
-    @property
-    def remaining(self) -> int:
-        """The number of evaluations left."""
-        return self.budget - self.evaluations
-
-    def __call__(self, x: ArrayLike) -> Any:
-        """Return the (n,) values of (n, d) points, or the float of one (d,) point; see ``Objective``."""
-        points = floats(x, "points")
-        rows = points[np.newaxis] if points.ndim == 1 else points
-        if rows.ndim != 2 or rows.shape[1] != self.dimension:
-            raise ValueError(
-                f"expected points of shape (n, {self.dimension}) or ({self.dimension},), got {points.shape}"
-            )
-        with self._lock:
-            exhausted, values = self._ask(_EVALUATE, len(rows), rows.tobytes())
-            self.evaluations = self.budget if exhausted else self.evaluations + len(rows)
-        if exhausted:
-            self._refusals += 1
-            self._on_refusal(self._refusals)
-            raise BudgetExhausted
-        return float(values[0]) if points.ndim == 1 else values
+    def evaluate(self, x: Floats) -> Floats:
+        """Return what the objective that is served returns for the (n, d) points."""
+        return self._ask(_EVALUATE, x.tobytes())
 
     def repair(self, x: Floats) -> Floats:
-        """Return the (n, d) feasible points nearest to ``x`` by the problem's rule; costs no evaluation."""
-        points = floats(x, "points")
-        rows = np.atleast_2d(points)
-        with self._lock:
-            return self._ask(_REPAIR, len(rows), rows.tobytes())[1].reshape(points.shape)
-
-    def initial(self, n: int) -> Floats:
-        """Return (n, d) points, uniform in the box and then repaired, independent in every trial."""
-        with self._lock:
-            return self._ask(_INITIAL, n, int(n).to_bytes(8))[1].reshape(n, self.dimension)
-
-    def stop(self, reason: str) -> None:
-        """Declare that the optimizer ends before its budget by a criterion of its own, such as ``"tolfun"``."""
-        self.stop_reason = str(reason)
-        with self._lock:
-            self._ask(_STOP, 0, self.stop_reason.encode(errors="replace")[: 1 << 16])
+        """Return the (n, d) feasible points nearest to ``x`` by the problem's rule."""
+        return self._ask(_REPAIR, x.tobytes()).reshape(x.shape)
 
     def begin(self) -> None:
         """Start the clock."""
-        self._ask(_BEGIN, 0, b"")
+        self._ask(_BEGIN, b"")
 
-    def end(self) -> None:
-        """Stop the clock; no evaluation follows."""
-        self._ask(_END, 0, b"")
+    def end(self, reason: str | None) -> None:
+        """Stop the clock, after which no evaluation follows; pass on the reason to stop that was declared."""
+        self._ask(_END, json.dumps(reason).encode())
 
-    def _ask(self, request: bytes, n: int, content: bytes) -> tuple[bool, Floats]:
-        """Ask for something about ``n`` points; return whether the budget is spent, and the numbers of the answer."""
-        if 8 * n * self.dimension > _LONGEST:
-            raise ValueError(f"a strict trial takes {_LONGEST // (8 * self.dimension):,} points at a time, not {n:,}")
-        self._end.send_bytes(request + content)
-        answer = self._end.recv_bytes()
+    def _ask(self, request: bytes, content: bytes) -> Floats:
+        """Return the numbers of the answer; raises BudgetExhausted where the budget is spent there."""
+        if len(content) > _LONGEST:
+            point = 8 * self.dimension
+            raise ValueError(
+                f"a strict trial takes {_LONGEST // point:,} points at a time, not {len(content) // point:,}"
+            )
+        with self._lock:
+            self._end.send_bytes(request + content)
+            answer = self._end.recv_bytes()
+        if answer[:1] == _EXHAUSTED:
+            raise BudgetExhausted
         if answer[:1] == _RAISED:
             raise RuntimeError(answer[1:].decode(errors="replace"))
-        values = np.frombuffer(answer, offset=1).copy()  # for the optimizer to write to
-        return answer[:1] == _EXHAUSTED, values
+        return np.frombuffer(answer, offset=1).copy()  # for the optimizer to write to
 
 
 def serve(objective: Objective, file: int) -> float:
-    """Answer a :class:`RemoteObjective` until it ends or its process does; return the seconds from begin to end.
+    """Answer a :class:`RemoteProblem` until it ends or its process does; return the seconds from begin to end.
 
     Args:
-        objective: what it stands for.
+        objective: of the problem that it stands for; it counts and records all evaluations.
         file: the file number of the socket.
 
     Raises:
         Exception: what the problem raises, after the optimizer has been given it.
     """
     began = ended = 0.0
-    d, raised = objective.dimension, None
+    raised = None
     with Connection(file) as end, suppress(EOFError, OSError):
         while not ended:
             message = end.recv_bytes(1 + _LONGEST)
             request, content = message[:1], message[1:]
-            n = int.from_bytes(content) if request == _INITIAL else 0
-            if 8 * n * d > _LONGEST or (request == _BEGIN) == bool(began):  # the clock begins once, and first
+            if (request == _BEGIN) == bool(began):  # the clock begins once, and first
                 break
             answer, kind = b"", _DONE
             try:
-                if request == _EVALUATE:
-                    answer = objective(np.frombuffer(content).reshape(-1, d)).tobytes()
-                elif request == _REPAIR:
-                    answer = objective.repair(np.frombuffer(content).reshape(-1, d).copy()).tobytes()
-                elif request == _INITIAL:
-                    answer = objective.initial(n).tobytes()
-                elif request == _STOP:
-                    objective.stop(content.decode(errors="replace"))
-                elif request == _BEGIN:
+                if request == _BEGIN:
                     began = perf_counter()
                 elif request == _END:
                     ended = perf_counter()
+                    if (reason := json.loads(content)) is not None:
+                        objective.stop(reason)
+                else:
+                    points = np.frombuffer(content).reshape(-1, objective.dimension)
+                    found = objective(points) if request == _EVALUATE else objective.repair(points.copy())
+                    answer = found.tobytes()
             except BudgetExhausted:
                 kind = _EXHAUSTED
             except Exception as error:

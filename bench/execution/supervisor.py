@@ -5,12 +5,10 @@ from __future__ import annotations
 import json
 import signal
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import partial
-from time import monotonic
-from typing import Any, TypeVar
+from typing import Any
 
 from bench.errors import BenchError
 from bench.execution import answers, trial_process
@@ -34,7 +32,6 @@ from bench.study import Fingerprints, Study
 from bench.trial import Result, Row, Trial, as_row
 
 CHECKS = 4  # attempts at it, where its process is killed from outside
-TOGETHER = 0.1  # seconds of trials whose best points are evaluated again together: a call costs more than a point
 ATTEMPTS = 2  # at a trial whose process, or the one it was forked from, is killed from outside
 _SIGNALS = [getattr(signal, name) for name in ("SIGKILL", "SIGTERM") if hasattr(signal, name)]
 KILLED = {code for number in _SIGNALS for code in (-number, 128 + number)}
@@ -60,28 +57,6 @@ class Checked:
 
     fingerprints: Fingerprints
     machine: str
-
-
-@dataclass(frozen=True)
-class _Claim:
-    """What a trial's process claims as its result: possible, but not confirmed."""
-
-    trial: Trial
-    result: Result  # without metrics
-    box: Box
-    seconds: float  # that it took
-
-    @property
-    def point(self) -> tuple[str, list[float]]:
-        """The problem and the best point."""
-        return self.trial.problem, self.result.x.tolist()
-
-    def row(self, metrics: dict[str, float]) -> Row:
-        """Return the row of the result; raises ValueError for metrics or variables that are no columns."""
-        return as_row(replace(self.result, metrics=metrics), self.box.variables)
-
-
-_Found = TypeVar("_Found")
 
 
 class KilledError(RuntimeError):
@@ -171,27 +146,41 @@ class Supervisor:
             if self._job is not None:
                 self._job.kill()
 
-    def make(self, trials: Iterable[Trial]) -> Iterator[tuple[Trial, Row]]:
-        """Yield each trial with its row, whether it finishes, fails or times out.
+    def make(self, trial: Trial) -> Row:
+        """Have a trial made; return its row, whether it finishes, fails or times out.
 
-        A trial whose process is killed from outside is begun once more, as that may not be the trial's fault. The best
-        points of short trials are evaluated again together.
+        A trial is begun once more where a process that it needs is killed from outside, as that may not be its fault.
 
         Raises:
             KilledError: after :meth:`kill`.
         """
-        claims: list[_Claim] = []
-        evaluated = monotonic()
-        for trial in trials:
-            found = self._insist(partial(self._claim, trial))
-            if isinstance(found, _Claim):
-                claims.append(found)
-            else:
-                yield trial, found
-            if monotonic() - evaluated > TOGETHER:
-                yield from self._confirm(claims)
-                claims, evaluated = [], monotonic()
-        yield from self._confirm(claims)
+        for _ in range(ATTEMPTS):
+            self._doing, lost = "", ""
+            row: Row = {}
+            try:
+                row = self._made(trial, self._started())
+            except LostError:
+                lost = "its process or one that it was forked from was ended or stopped"
+            except DiedError as error:
+                row = failed(_why_it_ended(error))
+                lost = f"its process ended with {error}" if error.code in KILLED else ""
+            except TimeExceededError as error:
+                where = f"{self._doing}, after {error}" if self._doing else f"after {error}, the limit of a trial"
+                row = {"status": "timeout", "error": f"stopped {where} (--timeout)"}
+            except MemoryExceededError as error:
+                row = failed(f"{error} (--memory)")
+            except PrintedTooMuchError:
+                row = failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
+            except RefusedError as error:
+                row = failed(f"its answer is refused: {error}")
+            except (RemoteError, ValueError) as error:  # ValueError: metrics or variables that are no columns
+                row = failed(f"{error} {self._doing}".strip())
+            if not (lost or self._killed):
+                return row
+            self.close()  # what killed one process may have killed or stopped others
+            if self._killed:
+                raise KilledError
+        return failed(f"{lost} twice; the machine may be short of memory")
 
     def _started(self) -> Job:
         with self._lock:
@@ -204,38 +193,8 @@ class Supervisor:
                 )
             return self._job
 
-    def _insist(self, work: Callable[[Job], _Found]) -> _Found | Row:
-        """Return what ``work`` finds with the processes, or the row of its failure; repeat it where one is killed."""
-        for _ in range(ATTEMPTS):
-            self._doing, lost = "", ""
-            found: _Found | Row = {}
-            try:
-                found = work(self._started())
-            except LostError:
-                lost = "its process or one that it was forked from was ended or stopped"
-            except DiedError as error:
-                found = failed(_why_it_ended(error))
-                lost = f"its process ended with {error}" if error.code in KILLED else ""
-            except TimeExceededError as error:
-                where = f"{self._doing}, after {error}" if self._doing else f"after {error}, the limit of a trial"
-                found = {"status": "timeout", "error": f"stopped {where} (--timeout)"}
-            except MemoryExceededError as error:
-                found = failed(f"{error} (--memory)")
-            except PrintedTooMuchError:
-                found = failed(f"printed more than {PRINTED / 1e6:g} MB; have it print less, as by verbose=False")
-            except RefusedError as error:
-                found = failed(f"its answer is refused: {error}")
-            except (RemoteError, ValueError) as error:  # ValueError: metrics or variables that are no columns
-                found = failed(f"{error} {self._doing}".strip())
-            if not (lost or self._killed):
-                return found
-            self.close()  # what killed one process may have killed or stopped others
-            if self._killed:
-                raise KilledError
-        return failed(f"{lost} twice; the machine may be short of memory")
-
-    def _claim(self, trial: Trial, job: Job) -> Row | _Claim:
-        """Have a trial made; return what its optimizer's process claims, or the row where another one kept account."""
+    def _made(self, trial: Trial, job: Job) -> Row:
+        """Have a trial made; return its row once its answer is checked and its best point is evaluated again."""
         self._doing = "while its plug-ins were loaded"
         box = job.box(trial.problem)
         if isinstance(box, str):
@@ -246,33 +205,20 @@ class Supervisor:
         answer, seconds = make(trial, server)
         if reason := answers.error(answer):
             return failed(reason)
-        budget = self._task.study.evaluations(len(box.lower))
-        claim = _Claim(trial, answers.result(answer, box, budget, trial.seed, seconds), box, seconds)
-        return claim.row(answers.metrics(answer)) if self._task.strict else claim
+        found = answers.result(answer, box, self._task.study.evaluations(len(box.lower)), trial.seed, seconds)
+        if self._task.strict:  # another process has kept account
+            metrics = answers.metrics(answer)
+        else:
+            self._doing = "while its best point was evaluated again"
+            metrics = self._confirmed(found, trial.problem, box, seconds, job)
+        return as_row(replace(found, metrics=metrics), box.variables)
 
-    def _confirm(self, claims: Sequence[_Claim]) -> Iterator[tuple[Trial, Row]]:
-        """Yield the trials of claims with their rows, once their best points have been evaluated again.
-
-        Where anything goes wrong with one of many, each is evaluated alone, so that it alone fails.
-        """
-        found: list[Any] = [None] * len(claims)
-        if claims:
-            with suppress(*FAILURES, LostError):
-                found = self._started().evaluate(
-                    [claim.point for claim in claims], sum(each.seconds for each in claims)
-                )
-        for claim, again in zip(claims, found, strict=True):
-            try:
-                row = claim.row(answers.confirm(claim.result, claim.box, again))
-            except (RefusedError, ValueError):
-                row = self._insist(partial(self._reconsider, claim))
-            yield claim.trial, row
-
-    def _reconsider(self, claim: _Claim, job: Job) -> Row:
-        """Return the row of a claim whose best point is evaluated again by a new evaluator."""
-        self._doing = "while its best point was evaluated again"
-        (again,) = job.evaluate([claim.point], claim.seconds, anew=True)
-        return claim.row(answers.confirm(claim.result, claim.box, again))
+    def _confirmed(self, found: Result, problem: str, box: Box, seconds: float, job: Job) -> dict[str, float]:
+        """Return the metrics of a claimed result whose best point has that value, by a new evaluator if need be."""
+        point = found.x.tolist()
+        with suppress(*FAILURES, RefusedError):
+            return answers.confirm(found, box, job.evaluate(problem, point, seconds))
+        return answers.confirm(found, box, job.evaluate(problem, point, seconds, anew=True))
 
 
 def _why_it_ended(error: DiedError) -> str:

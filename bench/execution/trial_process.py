@@ -23,7 +23,7 @@ from bench import scoring
 from bench.errors import BenchError
 from bench.execution import strict
 from bench.helpers.text import option, printable
-from bench.objective import integer_flags, passes
+from bench.objective import Objective, integer_flags, passes
 from bench.optimizer import CONDITIONS, defaults, settings
 from bench.problem import FunctionProblem, Problem
 from bench.sandbox.messages import describe_error
@@ -33,7 +33,6 @@ from bench.seeds import streams
 from bench.storage import provenance
 from bench.study import Study
 from bench.trial import Result, Trial, measured, numbers, result, run, search
-from bench.typing import Floats
 
 _BATCHES = 2, 7, 32  # points; libraries of linear algebra treat small numbers of rows in different ways
 
@@ -97,31 +96,27 @@ def descriptions_of(study: Study, labels: list[str]) -> dict[str, Any]:
     return found
 
 
-def load_problems(labels: list[str]) -> dict[str, Any]:
-    """Load problems; return for each label its variables, bounds and integer flags, or a text: the error of loading it.
+def load_problem(label: str) -> dict[str, Any] | str:
+    """Load a problem; return its variables, bounds and integer flags, or the error of loading it.
 
     One point of each kind of problem is evaluated, so that no copy waits for a compiler or holds compiled code alone.
     """
-    found: dict[str, Any] = {}
-    kinds: set[type] = set()
-    for label in labels:
-        try:
-            problem = _problem(label)
-            found[label] = {
-                "variables": [str(name) for name in problem.variables],
-                "lower": [float(value) for value in problem.lower],
-                "upper": [float(value) for value in problem.upper],
-                "integer": integer_flags(problem).tolist(),
-            }
-        except BaseException as error:  # only its own trials fail
-            found[label] = _failure(error)
-            continue
-        with contextlib.suppress(BaseException):  # the trials will report it
-            passes(_study().evaluations(problem.dimension), problem.dimension)
-            if (kind := type(problem.unscored)) not in kinds:
-                kinds.add(kind)
-                problem.describe(problem.repair(problem.lower[np.newaxis])[0])
-                problem.evaluate(problem.lower[np.newaxis])
+    try:
+        problem = _problem(label)
+        found = {
+            "variables": [str(name) for name in problem.variables],
+            "lower": [float(value) for value in problem.lower],
+            "upper": [float(value) for value in problem.upper],
+            "integer": integer_flags(problem).tolist(),
+        }
+    except BaseException as error:  # only its own trials fail
+        return _failure(error)
+    with contextlib.suppress(BaseException):  # the trials will report it
+        passes(_study().evaluations(problem.dimension), problem.dimension)
+        if (kind := (type(problem.unscored), "")) not in _warm:
+            _warm.add(kind)
+            problem.describe(problem.repair(problem.lower[np.newaxis])[0])
+            problem.evaluate(problem.lower[np.newaxis])
     _settle()
     return found
 
@@ -138,7 +133,7 @@ def warm_up(problem: str, optimizer: str) -> bool:
 
     Return whether a trial was made.
     """
-    return _warm_up(lambda: _problem(problem), optimizer, counts=True)
+    return _warm_up(lambda: _problem(problem), optimizer)
 
 
 def make(trial: Trial) -> dict[str, Any]:
@@ -158,29 +153,29 @@ def make(trial: Trial) -> dict[str, Any]:
 
 def warm_up_strictly(optimizer: str, lower: list[float], upper: list[float]) -> bool:
     """Do as :func:`warm_up`, on a sphere in this box, in a process that holds no problem."""
-    return _warm_up(lambda: FunctionProblem(lambda x: (x * x).sum(axis=1), lower, upper), optimizer, counts=False)
+    return _warm_up(lambda: FunctionProblem(lambda x: (x * x).sum(axis=1), lower, upper), optimizer)
 
 
 def make_strictly(
     trial: Trial, core: int, lower: list[float], upper: list[float], integer: list[bool], end: int
 ) -> dict[str, Any]:
-    """Run the optimizer of a trial on the objective at the other end of the socket (:func:`serve`).
+    """Run the optimizer of a trial on the problem at the other end of the socket (:func:`serve`).
 
     Return its processor seconds, or the reason why the trial failed.
     """
     effects = SideEffects()
     with _answering(effects) as answer:
         _stay_on(core)
-        optimizer = _study().optimizer(trial.optimizer)
-        budget = _study().evaluations(len(lower))
-        box = np.array(lower), np.array(upper), np.array(integer, bool)
-        objective = strict.RemoteObjective(end, *box, budget, end_if_stuck)
+        study, (start_stream, search_stream) = _study(), streams(trial.seed)
+        optimizer = study.optimizer(trial.optimizer)
+        problem = strict.RemoteProblem(end, lower, upper, integer)
+        objective = Objective(problem, study.evaluations(problem.dimension), start_stream, end_if_stuck)
         with effects:
-            objective.begin()
+            problem.begin()
             cpu = process_time()
-            run(optimizer, objective, streams(trial.seed)[1])
+            run(optimizer, objective, search_stream)
             answer["cpu_s"] = process_time() - cpu
-            objective.end()
+            problem.end(objective.stop_reason)
     return answer
 
 
@@ -196,12 +191,9 @@ def serve(trial: Trial, core: int, end: int) -> dict[str, Any]:
     return as_answer(found) | {"metrics": numbers(found.metrics)}
 
 
-def evaluate(points: list[tuple[str, list[float]]], batches: bool) -> list[dict[str, Any]]:
-    """Return the value and the metrics of points, each of a problem, and by how much each differs in ``batches``."""
-    return [_evaluated(_problem(label), np.array(x, dtype=np.float64), batches) for label, x in points]
-
-
-def _evaluated(problem: Problem, point: Floats, batches: bool) -> dict[str, Any]:
+def evaluate(label: str, x: list[float], batches: bool) -> dict[str, Any]:
+    """Return the value and the metrics of a point of a problem, and by how much the value differs in ``batches``."""
+    problem, point = _problem(label), np.array(x, dtype=np.float64)
     value = float(np.asarray(problem.evaluate(point[np.newaxis].copy()))[0])
     metrics = numbers(problem.describe(point))
     spread = 0.0
@@ -221,11 +213,8 @@ def as_answer(result: Result) -> dict[str, Any]:
     }
 
 
-def _warm_up(load: Callable[[], Problem], optimizer: str, *, counts: bool) -> bool:
-    """Make and discard a short trial of an optimizer, once for each kind of problem; return whether it was made.
-
-    ``counts`` states whether the evaluations of trials are counted in this process.
-    """
+def _warm_up(load: Callable[[], Problem], optimizer: str) -> bool:
+    """Make and discard a short trial of an optimizer, once for each kind of problem; return whether it was made."""
     with contextlib.suppress(BaseException):  # the trial itself will report the error
         study = _study()
         loaded, chosen = load(), study.optimizer(optimizer)
@@ -236,8 +225,7 @@ def _warm_up(load: Callable[[], Problem], optimizer: str, *, counts: bool) -> bo
         budget = study.evaluations(loaded.dimension)
         with _noting():
             search(loaded, chosen, min(budget, 3 * chosen.minimum_budget), 0, end_if_stuck)
-            if counts:
-                passes(budget, loaded.dimension)  # the optimizer may have imported numba
+            passes(budget, loaded.dimension)  # the optimizer may have imported numba
     _settle()
     return True
 
@@ -309,7 +297,7 @@ def _problem(label: str) -> Problem:
 
 
 _begun: Study | None = None
-_warm: set[tuple[type, str]] = set()
+_warm: set[tuple[type, str]] = set()  # kinds of problems with the optimizer, "" without one
 
 
 @contextlib.contextmanager

@@ -19,6 +19,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import groupby
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,7 +28,7 @@ from numpy.typing import NDArray
 
 from bench import analysis
 from bench.errors import BenchError
-from bench.export.trials import OTHERS, ExportedCell, ExportedTrial, exported_cells, folders_of, readme, readme_lines
+from bench.export.trials import OTHERS, ExportedCell, ExportedTrial, by_function, folders_of, readme, readme_lines
 from bench.storage.results import ProblemFacts, Results
 from bench.typing import Floats
 
@@ -87,21 +89,6 @@ class Run(NamedTuple):
     trial: ExportedTrial
 
 
-@dataclass(frozen=True)
-class DataSet:
-    """The runs of an optimizer on a function in one dimension, in order of instances."""
-
-    place: Place  # of the first instance
-    problem: str  # the label of the first instance
-    dimension: int
-    runs: list[Run]
-
-    @property
-    def path(self) -> str:
-        """The path of its data files within the optimizer's folder, without their ending."""
-        return f"data_f{self.place.function}/bbobexp_f{self.place.function}_DIM{self.dimension}"
-
-
 def files(results: Results) -> Iterator[tuple[str, str]]:
     """Return the path and the text of every file, one after the other.
 
@@ -109,18 +96,10 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
         BenchError: when no trial finished, or more problems are of no suite than ``bbob-constrained`` has functions.
     """
     places, optima, names = places_in_coco(results), assumed_optima(results), optimizer_folders(results)
-    several = len({place.folder for place in places.values()}) > 1
-    functions: dict[tuple[str, str, int], dict[int, list[ExportedCell]]] = {}
-    for cell in exported_cells(results):
-        place = places[cell.problem]
-        key = place.folder if several else ".", names[cell.optimizer], place.function
-        functions.setdefault(key, {}).setdefault(cell.dimension, []).append(cell)
     return (
-        (f"{suite}/{algorithm}/{path}".removeprefix("./"), text)
-        for (suite, algorithm, _), dimensions in functions.items()
-        for path, text in _function_files(
-            algorithm, [_data_set(dimensions[each], places, optima) for each in sorted(dimensions)]
-        )
+        (f"{where}{names[optimizer]}/{path}", text)
+        for where, optimizer, cells in by_function(results, places)
+        for path, text in _function_files(names[optimizer], cells, places, optima)
     )
 
 
@@ -217,36 +196,35 @@ def assumed_optima(results: Results) -> dict[str, AssumedOptimum]:
     }
 
 
-def _data_set(cells: list[ExportedCell], places: dict[str, Place], optima: dict[str, AssumedOptimum]) -> DataSet:
-    """Return the runs of an optimizer on all instances of a function in one dimension."""
-    cells = sorted(cells, key=lambda cell: places[cell.problem].instance)
-    first = cells[0]
-    runs = [
-        Run(places[cell.problem].instance, optima[cell.problem].value, trial) for cell in cells for trial in cell.trials
-    ]
-    return DataSet(places[first.problem], first.problem, first.dimension, runs)
-
-
-def _function_files(algorithm: str, sets: list[DataSet]) -> Iterator[tuple[str, str]]:
+def _function_files(
+    algorithm: str, cells: list[ExportedCell], places: dict[str, Place], optima: dict[str, AssumedOptimum]
+) -> Iterator[tuple[str, str]]:
     """Yield the files of an optimizer on a function: one index, and two logs for each dimension."""
-    yield f"bbobexp_f{sets[0].place.function}.info", "".join(_index(algorithm, each) for each in sets)
-    for each in sets:
-        g = each.place.g_evaluations
-        yield f"{each.path}.dat", _log(((run, run.trial.evaluations) for run in each.runs), g)
-        yield f"{each.path}.tdat", _log(((run, _grid(run.trial.nfev)) for run in each.runs), g)
+    place = places[cells[0].problem]
+    index, logs = [], {}
+    for dimension, group in groupby(cells, attrgetter("dimension")):
+        own = list(group)
+        path = f"data_f{place.function}/bbobexp_f{place.function}_DIM{dimension}"
+        logs[path] = [
+            Run(places[cell.problem].instance, optima[cell.problem].value, trial)
+            for cell in own
+            for trial in cell.trials
+        ]
+        head = (
+            f"suite = '{place.suite}', funcId = {place.function}, DIM = {dimension}, Precision = {PRECISION:.3e}, "
+            f"algId = '{algorithm}', coco_version = '2.8.2', logger = '{place.suite}', data_format = 'bbob-new2'"
+        )
+        comment = own[0].problem if place.own else f"{STAND_IN}{own[0].problem}"
+        index += [head, f"% {comment}", ", ".join([f"{path}.dat", *map(_indexed, logs[path])])]
+    yield f"bbobexp_f{place.function}.info", "\n".join([*index, ""])
+    for path, runs in logs.items():
+        yield f"{path}.dat", _log(((run, run.trial.evaluations) for run in runs), place.g_evaluations)
+        yield f"{path}.tdat", _log(((run, _grid(run.trial.nfev)) for run in runs), place.g_evaluations)
 
 
-def _index(algorithm: str, data: DataSet) -> str:
-    """Return the three lines of a function in one dimension."""
-    suite = data.place.suite
-    head = (
-        f"suite = '{suite}', funcId = {data.place.function}, DIM = {data.dimension}, Precision = {PRECISION:.3e}, "
-        f"algId = '{algorithm}', coco_version = '2.8.2', logger = '{suite}', data_format = 'bbob-new2'"
-    )
-    finals = (_difference(run.trial.trace.at(run.trial.nfev), run.optimum) for run in data.runs)
-    runs = [f"{run.instance}:{run.trial.nfev}|{final:.1e}" for run, final in zip(data.runs, finals, strict=True)]
-    comment = data.problem if data.place.own else f"{STAND_IN}{data.problem}"
-    return "\n".join([head, f"% {comment}", ", ".join([f"{data.path}.dat", *runs]), ""])
+def _indexed(run: Run) -> str:
+    """Return a run as the index names it."""
+    return f"{run.instance}:{run.trial.nfev}|{_difference(run.trial.trace.at(run.trial.nfev), run.optimum):.1e}"
 
 
 def _log(runs: Iterable[tuple[Run, NDArray[np.int64]]], g_evaluations: int) -> str:

@@ -24,7 +24,7 @@ from bench.export.trials import (
     OTHERS,
     ExportedCell,
     ExportedTrial,
-    exported_cells,
+    by_function,
     folders_of,
     readme,
     readme_lines,
@@ -81,15 +81,10 @@ def files(results: Results) -> Iterator[tuple[str, str]]:
     if len(results.study.problems) > LARGEST:
         raise BenchError(f"the ioh format holds at most {LARGEST:,} problems; export fewer of them at a time")
     places, folders = places_in_ioh(results), folders_of(results)
-    several = len({place.folder for place in places.values()}) > 1
-    functions: dict[tuple[str, str, int], list[ExportedCell]] = {}
-    for cell in exported_cells(results):
-        place = places[cell.problem]
-        functions.setdefault((place.folder if several else ".", cell.optimizer, place.function), []).append(cell)
     attributes = _experiment_attributes(results.environments)
     return (
-        (f"{suite}/{folders[optimizer]}/{path}".removeprefix("./"), text)
-        for (suite, optimizer, _), cells in functions.items()
+        (f"{where}{folders[optimizer]}/{path}", text)
+        for where, optimizer, cells in by_function(results, places)
         for path, text in _function_files(cells, places, attributes)
     )
 
@@ -128,7 +123,7 @@ def _function_files(
     place = places[cells[0].problem]
     name = f"f{place.function}_{file_name(place.name.lower())}"
     scenarios: dict[int, Runs] = {}
-    for cell in sorted(cells, key=lambda cell: (cell.dimension, places[cell.problem].instance)):
+    for cell in cells:
         scenarios.setdefault(cell.dimension, []).extend((places[cell.problem], trial) for trial in cell.trials)
     logs = {dimension: f"data_{name}/IOHprofiler_f{place.function}_DIM{dimension}.dat" for dimension in scenarios}
     head = {

@@ -83,6 +83,30 @@ def exported_cells(results: Results) -> list[ExportedCell]:
     return cells
 
 
+def by_function(results: Results, places: Mapping[str, Any]) -> list[tuple[str, str, list[ExportedCell]]]:
+    """Return for each optimizer and function the beginning of its files' paths, the optimizer and its cells.
+
+    The beginning is the folder of the suite with a slash, "" where all problems are of one. Cells are in the order of
+    dimensions and instances.
+
+    Args:
+        results: what is exported.
+        places: the place of each problem in the format, by label: its ``folder``, ``function`` and ``instance``.
+
+    Raises:
+        BenchError: when no trial finished.
+    """
+    several = len({place.folder for place in places.values()}) > 1
+    functions: dict[tuple[str, str, int], list[ExportedCell]] = {}
+    for cell in exported_cells(results):
+        place = places[cell.problem]
+        functions.setdefault((f"{place.folder}/" * several, cell.optimizer, place.function), []).append(cell)
+    return [
+        (folder, optimizer, sorted(cells, key=lambda cell: (cell.dimension, places[cell.problem].instance)))
+        for (folder, optimizer, _), cells in functions.items()
+    ]
+
+
 def folders_of(results: Results, rename: Callable[[str], str] = str) -> dict[str, str]:
     """Return the folder of each optimizer, by label: its file name, changed by ``rename`` and made unique."""
     labels = [entry.label for entry in results.study.optimizers]

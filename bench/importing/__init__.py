@@ -6,10 +6,10 @@ An imported folder is read, reported on, compared and exported like any other. I
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 from bench.errors import BenchError
@@ -19,21 +19,19 @@ from bench.importing.runs import Reading, Run
 from bench.importing.source import Source, opened
 from bench.importing.write import numbered, study_of, write
 from bench.storage import provenance
-from bench.study.study import LONGEST_LABEL
+from bench.study.entries import LONGEST_LABEL
 
 __all__ = ["FORMATS", "Imported", "import_results"]
 
 
 class _Format(NamedTuple):
-    recognised: Callable[[Source], bool]
-    runs: Callable[[Source, Reading], Iterator[Run]]
+    is_index: Callable[[Source, PurePosixPath], bool]
+    runs: Callable[[Source, Sequence[PurePosixPath], Reading], Iterator[Run]]
 
 
 FORMATS = {
-    "coco": _Format(coco.recognised, coco.runs),
-    "ioh": _Format(ioh.recognised, ioh.runs),
-    "ioh-info": _Format(ioh_info.recognised, ioh_info.runs),
-    "csv": _Format(tables.recognised, tables.runs),
+    name: _Format(module.is_index, module.runs)
+    for name, module in {"coco": coco, "ioh": ioh, "ioh-info": ioh_info, "csv": tables}.items()
 }
 """The formats by name; a source is of one of them."""
 
@@ -78,7 +76,8 @@ def import_results(
     """
     started = provenance.now()
     with opened(Path(source)) as found:
-        kinds = [kind for kind, each in FORMATS.items() if each.recognised(found)]
+        indices = {kind: [file for file in found.files if each.is_index(found, file)] for kind, each in FORMATS.items()}
+        kinds = [kind for kind, files in indices.items() if files]
         if len(kinds) != 1:
             raise BenchError(
                 f"{source} holds results of {' and of '.join(kinds)}; import one of them at a time"
@@ -87,7 +86,7 @@ def import_results(
                 f"IOHprofiler (.json, .info), nor a table ({', '.join(tables.COLUMNS)})"
             )
         reading = Reading(partial)
-        runs = numbered(FORMATS[kinds[0]].runs(found, reading))
+        runs = numbered(FORMATS[kinds[0]].runs(found, indices[kinds[0]], reading))
         if not runs:
             raise BenchError("; ".join([f"{source} holds no run that can be read", *reading.left_out[:1]]))
         called = printable(name or found.name, LONGEST_LABEL)

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import cache
 from importlib.util import find_spec
+from itertools import chain
 from pathlib import Path
 
 import pandas as pd
@@ -58,8 +59,9 @@ def _suite(suite: str) -> pd.DataFrame:
         raise BenchError(f"the installed cocopp has no {path.name}; install another with: {_INSTALL}")
     rows = []
     with opened(path) as source:
-        for data in coco.indexed(source):
-            problem = function_of(naming.problem_name(data.suite, data.function, data.dimension, 1))
+        indices = (file for file in source.files if coco.is_index(source, file))
+        for data in chain.from_iterable(coco.indexed(source, file) for file in indices):
+            problem = function_of(naming.problem_name(data.suite, int(data.function), data.dimension, 1))
             for log, _ in data.logs:
                 for block in coco.logged(source, log):
                     rows.append(pd.DataFrame({"problem": problem, "precision": block.values, "ert": block.evaluations}))

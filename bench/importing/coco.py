@@ -1,8 +1,7 @@
 r"""Read the format of COCO: an index of runs (``.info``), and logs of each data set (``.dat``, ``.tdat``).
 
-The index has three lines for a function and dimension: keys and values, a comment, and the logs with the runs in each,
-``instance:evaluations|final``. The archives of 2009 write paths with backslashes, exponents of three digits and no
-suite, and the final value less the precision of 1e-8; later ones name the suite. In every version the first column of a
+The archives of 2009 write exponents of three digits and no suite into the index (:mod:`bench.importing.index`), and the
+final value less the precision of 1e-8; later ones name the suite. In every version the first column of a
 log is the number of evaluations of the objective, and the third the best noise-free value less f_opt, which is in the
 header of each run.
 
@@ -16,8 +15,7 @@ optimizers in a black-box setting", Optimization Methods and Software 36(1), 202
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import PurePosixPath
 from typing import NamedTuple
@@ -28,8 +26,9 @@ from numpy.typing import NDArray
 from bench.errors import BenchError
 from bench.export.coco import STAND_IN
 from bench.helpers.text import joined
-from bench.importing import ioh_info, naming
-from bench.importing.runs import Reading, Run, improvements, label, optimizer_labels, require_increasing, shown
+from bench.importing import naming
+from bench.importing.index import DataSet, Logged, algorithm_labels, by_log, data_sets
+from bench.importing.runs import Reading, Run, improvements, label, require_increasing, shown
 from bench.importing.source import Source
 from bench.typing import Floats
 
@@ -43,7 +42,6 @@ TARGETS = np.power(10, np.arange(-40, 11) / 5)
 """COCO's precisions, 1e-8 to 1e2, five a decade."""
 
 NOISY = 101  # the first function of bbob-noisy, in indices that name no suite
-_PAIR = re.compile(r"(\w+)\s*=\s*(?:'(.*?)'(?=\s*(?:,|$))|([^,]*))")
 _ENTRY = re.compile(r"(\d+)(?::(\d+)(?:\|(.+))?)?")
 _SEVERAL_OBJECTIVES = re.compile(r"\bsuite\s*=\s*'[^']*biobj|\bindicator\s*=")
 _FOPT = re.compile(r"Fopt\s*\(([^)]*)\)")
@@ -58,59 +56,24 @@ class Block(NamedTuple):
     values: Floats  # best-so-far value less f_opt
 
 
-class Logged(NamedTuple):
-    """A run as the index names it."""
-
-    instance: int
-    evaluations: int | None  # None where the run was not finished
-    final: float | None
+def is_index(source: Source, file: PurePosixPath) -> bool:  # noqa: ARG001 - as of every format
+    """Return whether a file is an index of COCO, by its name."""
+    return file.suffix == ".info" and not file.name.startswith("IOHprofiler")
 
 
-@dataclass
-class DataSet:
-    """The three lines of an index."""
-
-    index: PurePosixPath
-    line: int
-    suite: str
-    function: int
-    dimension: int
-    algorithm: str
-    comment: str = ""
-    logs: list[tuple[PurePosixPath, list[Logged]]] = field(default_factory=list)
-
-
-def recognised(source: Source) -> bool:
-    """Return whether the source holds an index of COCO."""
-    return any(map(_is_index, source.files))
-
-
-def _is_index(file: PurePosixPath) -> bool:
-    return file.suffix == ".info" and not ioh_info.is_index(file)
-
-
-def runs(source: Source, reading: Reading) -> Iterator[Run]:
+def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> Iterator[Run]:
     """Yield the runs of every index, log by log.
 
     Raises:
         BenchError: for an index or a log that is no COCO data, is cut short, or has another f_opt than this project,
             and for results of several suites or with several objectives.
     """
-    sets = list(reading.each(filter(_is_index, source.files), partial(_index, source)))
+    sets = list(reading.each(indices, partial(indexed, source)))
     if len(suites := sorted({data.suite for data in sets})) > 1:
         raise BenchError(
             f"{source.name} holds results of {len(suites)} suites, {joined(suites)}; import the folder of one at a time"
         )
-    names = optimizer_labels(
-        (data.index.parent, data.algorithm, (data.suite, data.function, data.dimension, entry.instance))
-        for data in sets
-        for _, entries in data.logs
-        for entry in entries
-    )
-    named: dict[PurePosixPath, list[tuple[DataSet, Logged]]] = {}
-    for data in sets:
-        for log, entries in data.logs:
-            named.setdefault(log, []).extend((data, entry) for entry in entries)
+    names, named = algorithm_labels(sets), by_log(sets)
     unfinished, longer = 0, 0
 
     def runs_of(log: PurePosixPath) -> Iterator[Run]:
@@ -128,75 +91,15 @@ def runs(source: Source, reading: Reading) -> Iterator[Run]:
         reading.notes.append(f"Runs that go on in the .dat file beyond their end in index and .tdat file: {longer}.")
 
 
-def indexed(source: Source) -> list[DataSet]:
-    """Return the data sets that every index names."""
-    return [each for file in source.files if _is_index(file) for each in _index(source, file)]
-
-
-def _index(source: Source, file: PurePosixPath) -> Iterator[DataSet]:
-    """Yield the data sets of an index."""
-    data: DataSet | None = None
-    for number, line in enumerate(source.text(file).splitlines(), start=1):
-        text, where = line.strip(), f"{file}, line {number},"
-        if not text:
-            continue
-        if text.startswith("%"):
-            if data is not None:
-                data.comment = data.comment or text.lstrip("% ")
-        elif data is None and _SEVERAL_OBJECTIVES.search(text):
-            raise BenchError(f"{file} is an index of bi-objective results, which are not supported")
-        elif "funcId" in text and "=" in text.partition(",")[0]:
-            if data is not None and not data.logs:
-                raise BenchError(f"{file}, line {data.line}, names no log; the index is cut short")
-            data = _head(text, file, number)
-        elif data is None:
-            raise BenchError(f"{where} is no index of COCO: it must begin with the function and dimension")
-        else:
-            _entries(text, where, file, data)
-            yield data
-    if data is None:
-        raise BenchError(f"{file} is empty, and no index of COCO")
-    if not data.logs:
-        raise BenchError(f"{file}, line {data.line}, names no log; the index is cut short")
-
-
-def _head(text: str, file: PurePosixPath, line: int) -> DataSet:
-    pairs = {key: (quoted or plain).strip() for key, quoted, plain in _PAIR.findall(text)}
-    try:
-        function, dimension = int(pairs["funcId"]), int(pairs["DIM"])
-    except (KeyError, ValueError) as error:
-        raise BenchError(f"{file}, line {line}, has no number of the function or dimension") from error
-    suite = pairs.get("suite") or ("bbob" if function < NOISY else "bbob-noisy")
-    where = f"{file}, line {line},"
-    algorithm = pairs.get("algId") or file.parent.name or "unknown"
-    return DataSet(file, line, label(suite, where), function, dimension, label(algorithm, where))
-
-
-def _entries(text: str, where: str, file: PurePosixPath, data: DataSet) -> None:
-    """Add the logs of a line, each with its runs."""
-    before = len(data.logs)
-    for item in (each.strip() for each in text.split(",")):
-        if not item or "=" in item:
-            continue  # a comma at the end, or a remark
-        if re.search(r"\.[tm]?dat$", item):
-            path = PurePosixPath(item.replace("\\", "/")).with_suffix(".dat")
-            if path.is_absolute() or ".." in path.parts:
-                raise BenchError(f"{where} names {shown(item)}, which is outside the folder")
-            data.logs.append((file.parent / path, []))
-        elif (found := _ENTRY.fullmatch(item)) and len(data.logs) > before:
-            instance, evaluations, final = found.groups()
-            try:
-                data.logs[-1][1].append(
-                    Logged(
-                        int(instance),
-                        None if evaluations is None else int(evaluations),
-                        None if final is None else float(final),
-                    )
-                )
-            except ValueError as error:
-                raise BenchError(f"{where} has the run {shown(item)}, which cannot be read") from error
-        else:
-            raise BenchError(f"{where} has {shown(item)} where a run such as '1:301|8.5e-02' is expected")
+def indexed(source: Source, file: PurePosixPath) -> Iterator[DataSet]:
+    """Yield the data sets of an index; their functions are numbers, and each has a suite."""
+    if _SEVERAL_OBJECTIVES.search(source.text(file).lstrip().partition("\n")[0]):
+        raise BenchError(f"{file} is an index of bi-objective results, which are not supported")
+    for data in data_sets(source, file, "COCO", _ENTRY):
+        if not data.function.isdecimal():
+            raise BenchError(f"{data.where} has no number of the function or dimension")
+        data.suite = label(data.suite or ("bbob" if int(data.function) < NOISY else "bbob-noisy"), data.where)
+        yield data
 
 
 def _blocks(
@@ -338,7 +241,7 @@ def _run(data: DataSet, algorithm: str, log: PurePosixPath, entry: Logged, one: 
     own = not data.comment.startswith(STAND_IN)
     where = f"{log}, line {one.line},"
     if own:
-        problem = naming.problem_name(data.suite, data.function, data.dimension, entry.instance)
+        problem = naming.problem_name(data.suite, int(data.function), data.dimension, entry.instance)
     else:
         problem = label(data.comment.removeprefix(STAND_IN), where)
     optimum = _optimum(problem, one.header, where, own=own)

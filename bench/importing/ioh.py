@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import compress
 from pathlib import PurePosixPath
@@ -30,6 +30,7 @@ from bench.importing.runs import (
     Run,
     evaluation,
     improvements,
+    inside,
     label,
     optimizer_labels,
     require_increasing,
@@ -65,22 +66,18 @@ class _Data(NamedTuple):
     runs: list[dict[str, Any]]
 
 
-def recognised(source: Source) -> bool:
-    """Return whether the source holds a JSON file of IOHprofiler."""
-    return any(map(_is_index, source.files))
-
-
-def _is_index(file: PurePosixPath) -> bool:
+def is_index(source: Source, file: PurePosixPath) -> bool:  # noqa: ARG001 - as of every format
+    """Return whether a file is one of IOHprofiler about runs, by its name."""
     return file.name.startswith("IOHprofiler") and file.suffix == ".json"
 
 
-def runs(source: Source, reading: Reading) -> Iterator[Run]:
+def runs(source: Source, indices: Sequence[PurePosixPath], reading: Reading) -> Iterator[Run]:
     """Yield the runs of every JSON file, log by log.
 
     Raises:
         BenchError: for a file that is no data of IOHprofiler or is cut short, and for results of maximisation.
     """
-    scenarios = list(reading.each(filter(_is_index, source.files), partial(_scenarios, source)))
+    scenarios = list(reading.each(indices, partial(_scenarios, source)))
     unnamed = [
         is_guessed(each.head.get("suite"), each.head["function_id"], each.head.get("function_name"))
         for each in scenarios
@@ -118,12 +115,10 @@ def _scenarios(source: Source, file: PurePosixPath) -> Iterator[_Data]:
             raise BenchError(f"{file} holds results of maximisation; only minimisation can be compared here")
         algorithm = label(head["algorithm"]["name"], str(file))
         for each in head["scenarios"]:
-            path = PurePosixPath(str(each["path"]).replace("\\", "/"))
-            if path.is_absolute() or ".." in path.parts:
-                raise BenchError(f"{file} names {shown(path)}, which is outside the folder")
+            log = inside(file.parent, each["path"], str(file))
             numbers = int(head["function_id"]), int(each["dimension"])
             runs = [{"instance": int(run["instance"]), "evals": int(run["evals"]), **run} for run in each["runs"]]
-            yield _Data(file, head | {"function_id": numbers[0]}, algorithm, numbers[1], file.parent / path, runs)
+            yield _Data(file, head | {"function_id": numbers[0]}, algorithm, numbers[1], log, runs)
     except BenchError:
         raise
     except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:

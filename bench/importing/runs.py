@@ -14,7 +14,7 @@ from bench.errors import BenchError
 from bench.helpers.text import printable
 from bench.numbers import LARGEST_BUDGET, LARGEST_SEED, MOST_TRIALS
 from bench.objective import Trace
-from bench.study.study import LONGEST_LABEL
+from bench.study.entries import LONGEST_LABEL
 from bench.typing import Floats
 
 LARGEST_DIMENSION = 1_000_000
@@ -146,6 +146,14 @@ def optimizer_labels(named: Iterable[tuple[PurePosixPath, str, Hashable]]) -> di
         for name, folders in held.items()
         for folder in folders
     }
+
+
+def inside(folder: PurePosixPath, name: object, where: str) -> PurePosixPath:
+    """Return the path of a file that an index in ``folder`` names; raises BenchError for one outside the folder."""
+    path = PurePosixPath(str(name).replace("\\", "/"))
+    if path.is_absolute() or ".." in path.parts:
+        raise BenchError(f"{where} names {shown(path)}, which is outside the folder")
+    return folder / path
 
 
 def evaluation(text: str) -> int:

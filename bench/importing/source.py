@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import lzma
 import re
+import shutil
 import tarfile
 import tempfile
 import zipfile
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -23,6 +26,7 @@ MOST_FILES = 200_000
 
 _CHUNK = 1 << 20
 _PADDING = 64  # chunks after the last member of an archive
+_DAMAGED = (tarfile.TarError, zipfile.BadZipFile, zlib.error, lzma.LZMAError)
 
 
 @dataclass(frozen=True)
@@ -66,9 +70,9 @@ def opened(path: Path) -> Iterator[Source]:
             yield _folder(path.resolve().name or str(path), path, "")
         elif not path.is_file():
             raise BenchError(f"{path} is neither a folder nor a file; give the results to import")
-        elif unpack := _archive_reader(path):
+        elif members := _archive_reader(path):
             with tempfile.TemporaryDirectory(prefix="bench-import-") as temporary:
-                unpack(path, Path(temporary))
+                _unpack(path, members(path), Path(temporary))
                 yield _folder(path.name, Path(temporary), sha256_of(path))
         else:
             yield Source(path.name, path.parent, (PurePosixPath(path.name),), sha256_of(path))
@@ -114,54 +118,54 @@ def sha256_of(path: Path) -> str:
         raise BenchError(f"{path} cannot be read: {error.strerror}") from error
 
 
-def _archive_reader(path: Path) -> Callable[[Path, Path], None] | None:
-    """Return what unpacks an archive, None for another file; an archive that was cut short is known by its name."""
+Member = tuple[str, int, IO[bytes] | None]
+"""Name, size and content of a member of an archive that is no folder; None stands for a link or a device."""
+
+
+def _archive_reader(path: Path) -> Callable[[Path], Iterator[Member]] | None:
+    """Return what reads an archive, None for another file; an archive that was cut short is known by its name."""
     with suppress(EOFError):
         if tarfile.is_tarfile(path):
-            return _unpack_tar
+            return _tar_members
     if zipfile.is_zipfile(path) or path.suffix == ".zip":
-        return _unpack_zip
-    return _unpack_tar if re.search(r"\.(tgz|tar(\.\w+)?)$", path.name) else None
+        return _zip_members
+    return _tar_members if re.search(r"\.(tgz|tar(\.\w+)?)$", path.name) else None
 
 
-def _unpack_tar(path: Path, folder: Path) -> None:
-    files = size = 0
-    try:
-        with tarfile.open(path) as archive:
-            for member in archive:
-                target = _target(path, folder, member.name)
-                if member.isdir():
-                    continue
-                content = archive.extractfile(member) if member.isfile() else None
-                if content is None:
-                    raise BenchError(f"{path.name} holds {member.name!r}, which is no file; links are not imported")
-                files, size = files + 1, size + member.size
-                _limit(path.name, files, size)
-                _write(content, target, member.size)
-            for _ in range(_PADDING):  # a compressed file that was cut shows it only at its end
-                if archive.fileobj is None or not archive.fileobj.read(_CHUNK):
-                    break
-    except (tarfile.TarError, EOFError, OSError, ValueError) as error:
-        if isinstance(error, BenchError):
-            raise
-        raise BenchError(f"the archive {path} is damaged or cut short: {error}") from error
+def _tar_members(path: Path) -> Iterator[Member]:
+    with tarfile.open(path) as archive:
+        for member in archive:
+            if not member.isdir():
+                yield member.name, member.size, archive.extractfile(member) if member.isfile() else None
+        for _ in range(_PADDING):  # a compressed file that was cut shows it only at its end
+            if archive.fileobj is None or not archive.fileobj.read(_CHUNK):
+                break
 
 
-def _unpack_zip(path: Path, folder: Path) -> None:
-    files = size = 0
-    try:
-        with zipfile.ZipFile(path) as archive:
-            for member in archive.infolist():
-                target = _target(path, folder, member.filename)
-                if member.is_dir():
-                    continue
-                files, size = files + 1, size + member.file_size
-                _limit(path.name, files, size)
+def _zip_members(path: Path) -> Iterator[Member]:
+    with zipfile.ZipFile(path) as archive:
+        for member in archive.infolist():
+            if not member.is_dir():
                 with archive.open(member) as content:
-                    _write(content, target, member.file_size)
-    except (zipfile.BadZipFile, EOFError, OSError, NotImplementedError, RuntimeError, ValueError) as error:
-        if isinstance(error, BenchError):
-            raise
+                    yield member.filename, member.file_size, content
+
+
+def _unpack(path: Path, members: Iterator[Member], folder: Path) -> None:
+    """Write the members of an archive into a folder; both libraries read no more bytes of one than it declares."""
+    files = size = 0
+    try:
+        for name, declared, content in members:
+            target = _target(path, folder, name)
+            if content is None:
+                raise BenchError(f"{path.name} holds {name!r}, which is no file; links are not imported")
+            files, size = files + 1, size + declared
+            _limit(path.name, files, size)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            with target.open("wb") as file:
+                shutil.copyfileobj(content, file, _CHUNK)
+    except BenchError:
+        raise
+    except (*_DAMAGED, EOFError, OSError, RuntimeError, ValueError) as error:
         raise BenchError(f"the archive {path} is damaged or cut short: {error}") from error
 
 
@@ -171,15 +175,3 @@ def _target(path: Path, folder: Path, name: str) -> Path:
     if not parts or ".." in parts or parts[0].startswith("/") or ":" in parts[0]:
         raise BenchError(f"{path.name} holds {name!r}, a path that leaves the archive; it is not imported")
     return folder.joinpath(*parts)
-
-
-def _write(content: IO[bytes], target: Path, size: int) -> None:
-    """Copy a member of an archive, and no more bytes than it declares."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    left = size
-    with target.open("wb") as file:
-        while left > 0 and (chunk := content.read(min(_CHUNK, left))):
-            file.write(chunk)
-            left -= len(chunk)
-    if left:
-        raise EOFError(f"{target.name} ends too early")

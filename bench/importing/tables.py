@@ -7,7 +7,7 @@ package exports them, is imported with all that the table of trials holds.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from io import BytesIO
 from pathlib import PurePosixPath
@@ -32,12 +32,8 @@ _TIMES = ("wall_s", "cpu_s", "objective_s")
 _TEXTS = ("stop", "error")
 
 
-def recognised(source: Source) -> bool:
-    """Return whether the source holds a table with the columns."""
-    return any(_is_table(source, file) for file in source.files)
-
-
-def _is_table(source: Source, file: PurePosixPath) -> bool:
+def is_index(source: Source, file: PurePosixPath) -> bool:
+    """Return whether a file is a table with the columns."""
     if file.suffix != ".csv":
         return False
     with (source.root / file).open("rb") as opened:
@@ -45,13 +41,12 @@ def _is_table(source: Source, file: PurePosixPath) -> bool:
     return set(COLUMNS) <= {cell.strip().strip('"') for cell in head.split(",")}
 
 
-def runs(source: Source, reading: Reading) -> Iterator[Run]:
+def runs(source: Source, tables: Sequence[PurePosixPath], reading: Reading) -> Iterator[Run]:
     """Return the runs of every table.
 
     Raises:
         BenchError: with the line that cannot be read, or whose evaluations do not increase.
     """
-    tables = [file for file in source.files if _is_table(source, file)]
     return reading.each(tables, partial(_runs_of, source))
 
 
@@ -91,7 +86,7 @@ def _read(source: Source, file: PurePosixPath) -> pd.DataFrame:
 def _table(source: Source, file: PurePosixPath) -> pd.DataFrame:
     table = _read(source, file)
     for name in ("trial", "evaluations"):
-        table[name] = _whole(table, name, file)
+        table[name] = _counts(table, name, file, all_given=True)
     table["value"] = _numbers(table, "value", file)
     for wrong, what in ((table["value"].isna(), "no value"), (table["value"] == -np.inf, "the value -inf")):
         if wrong.any():
@@ -102,22 +97,15 @@ def _table(source: Source, file: PurePosixPath) -> pd.DataFrame:
     return table
 
 
-def _whole(table: pd.DataFrame, name: str, file: PurePosixPath) -> pd.Series[int]:
-    wrong = ~table[name].str.fullmatch(r"\s*[0-9]{1,15}\s*")
+def _counts(table: pd.DataFrame, name: str, file: PurePosixPath, *, all_given: bool = False) -> list[int | None]:
+    """Return a column of whole numbers, which rows may lack unless all are to be given; only seeds have 19 digits."""
+    texts = table[name].str.strip()
+    digits = 15 if all_given else 19
+    wrong = ~texts.str.fullmatch(f"[0-9]{{1,{digits}}}") & (all_given | (texts != ""))
     if wrong.any():
         row = table[wrong].iloc[0]
         raise BenchError(f"{file}, line {row['line']}, has {row[name]!r} as {name}, which is no whole number from 0")
-    return table[name].astype(np.int64)
-
-
-def _counts(table: pd.DataFrame, name: str, file: PurePosixPath) -> list[int | None]:
-    """Return a column of whole numbers that rows may lack."""
-    given = table[name].str.strip() != ""
-    wrong = given & ~table[name].str.fullmatch(r"\s*[0-9]{1,19}\s*")
-    if wrong.any():
-        row = table[wrong].iloc[0]
-        raise BenchError(f"{file}, line {row['line']}, has {row[name]!r} as {name}, which is no whole number from 0")
-    return [int(text) if text.strip() else None for text in table[name]]
+    return [int(text) if text else None for text in texts]
 
 
 def _numbers(table: pd.DataFrame, name: str, file: PurePosixPath) -> pd.Series[float]:
@@ -134,7 +122,7 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
     table = _read(source, trials)
     if lacking := [name for name in ("problem", "optimizer", "trial", "status", "fun", "nfev") if name not in table]:
         raise BenchError(f"{trials} has no column {lacking[0]!r}")
-    table["trial"] = _whole(table, "trial", trials)
+    table["trial"] = _counts(table, "trial", trials, all_given=True)
     counts = {name: _counts(table, name, trials) for name in _COUNTS if name in table}
     own = {*FRAME_COLUMNS, PRECISION, "line"}
     measured: dict[str, list[float]] = {

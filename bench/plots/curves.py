@@ -26,10 +26,10 @@ def convergence(
     median or quartile that is infinite, because trials failed, is not drawn.
     """
     ax, pens = style.own_axes(ax), style.pens_of(curves, pens)
-    own = style.rows_of(curves, problem)
-    _quartiles(ax, own, pens)
+    rows = style.rows_of(curves, problem)
+    _quartiles(ax, rows, pens)
     style.log_scale(ax, "x")
-    style.fitting_scale(ax, "y", own["median"], ratio=3)
+    style.fitting_scale(ax, "y", rows["median"], ratio=3)
     return _finish(ax, EVALUATIONS, "best value so far", pens if legend else None, problem)
 
 
@@ -43,8 +43,8 @@ def regret(
     at the optimum its band begins at the lowest value drawn.
     """
     ax, pens = style.own_axes(ax), style.pens_of(curves, pens)
-    own = style.rows_of(curves, problem)
-    positive = own[own["median"] > 0]
+    rows = style.rows_of(curves, problem)
+    positive = rows[rows["median"] > 0]
     least = float(positive[["median", "q1"]].where(positive[["median", "q1"]] > 0).min().min())
     _quartiles(ax, positive.assign(q1=positive["q1"].clip(lower=least)), pens)
     style.log_scale(ax, "x")
@@ -69,9 +69,11 @@ def ecdf(
     _fractions(curves, "share of targets reached", pens, legend, ax)
     along = next(name for name in AXES if name in curves)
     for optimizer, end in (ends or {}).items():
-        own = curves[(curves["optimizer"] == optimizer) & (curves[along].astype(float) <= end * (1 + 1e-9))]
-        if len(own) and optimizer in pens:
-            ax.plot(end, own["fraction"].iloc[-1], "x", color=pens[optimizer].color, markersize=5, markeredgewidth=1.2)
+        spent = curves[(curves["optimizer"] == optimizer) & (curves[along].astype(float) <= end * (1 + 1e-9))]
+        if len(spent) and optimizer in pens:
+            ax.plot(
+                end, spent["fraction"].iloc[-1], "x", color=pens[optimizer].color, markersize=5, markeredgewidth=1.2
+            )
     return ax
 
 
@@ -96,10 +98,10 @@ def ert(
     show tau = 0: the axes of a problem whose trials start at its reference, which then has no other target, stay empty.
     """
     ax, pens = style.own_axes(ax), style.pens_of(table, pens)
-    own = style.rows_of(table, problem)
-    own = own[own["tau"] > 0].sort_values("tau", ascending=False, kind="stable")
+    rows = style.rows_of(table, problem)
+    rows = rows[rows["tau"] > 0].sort_values("tau", ascending=False, kind="stable")
     for place, (optimizer, pen) in enumerate(style.behind_first(pens)):
-        tau, times = own.loc[own["optimizer"] == optimizer, ["tau", "ert"]].to_numpy(dtype=float).T
+        tau, times = rows.loc[rows["optimizer"] == optimizer, ["tau", "ert"]].to_numpy(dtype=float).T
         reached = style.drawable(times)
         _curve(ax, tau[reached], times[reached], pen, place)
         if reached.any() and not reached.all():
@@ -107,8 +109,8 @@ def ert(
             ax.plot(tau[last], times[last], pen.marker, color=pen.color, markersize=5.0, markerfacecolor="white")
     style.log_scale(ax, "x")
     style.log_scale(ax, "y")
-    if len(own):
-        ax.set_xlim(own["tau"].max() * 1.2, own["tau"].min() / 1.2)
+    if len(rows):
+        ax.set_xlim(rows["tau"].max() * 1.2, rows["tau"].min() / 1.2)
     return _finish(ax, "target tau", f"ERT in {EVALUATIONS}", pens if legend else None, problem)
 
 
@@ -124,9 +126,9 @@ def ert_scatter(
     ax = style.own_axes(ax)
     finite = table[[across, up]].replace(np.inf, np.nan)
     low, high = float(finite.min().min()) / 2, float(finite.max().max()) * 2
-    own = table[finite.notna().any(axis=1)]
+    drawn = table[finite.notna().any(axis=1)]
     for kind, pen in pens.items():
-        x, y = own.loc[own["kind"] == kind, [across, up]].replace(np.inf, 2 * high).to_numpy(dtype=float).T
+        x, y = drawn.loc[drawn["kind"] == kind, [across, up]].replace(np.inf, 2 * high).to_numpy(dtype=float).T
         ax.plot(x, y, linestyle="", marker=pen.marker, color=pen.color, markersize=3.5, alpha=0.8)
     if np.isfinite(low):
         ax.plot([low, 2 * high], [low, 2 * high], color="black", linewidth=0.7)
@@ -149,9 +151,9 @@ def scaling(
     ``table`` has problem (the function), dimension, optimizer and ert, in evaluations / d; infinite ones are not drawn.
     """
     ax, pens = style.own_axes(ax), style.pens_of(table, pens)
-    own = style.rows_of(table, problem)
+    rows = style.rows_of(table, problem)
     for place, (optimizer, pen) in enumerate(style.behind_first(pens)):
-        one = own[(own["optimizer"] == optimizer) & style.drawable(own["ert"])].sort_values("dimension")
+        one = rows[(rows["optimizer"] == optimizer) & style.drawable(rows["ert"])].sort_values("dimension")
         _curve(ax, one["dimension"].to_numpy(dtype=float), one["ert"].to_numpy(dtype=float), pen, place)
     dimensions = sorted(table["dimension"].unique())
     ax.set_xscale("log")
@@ -162,9 +164,9 @@ def scaling(
     return _finish(ax, "dimension d", "ERT / d", pens if legend else None, problem)
 
 
-def _quartiles(ax: Axes, own: pd.DataFrame, pens: style.Pens) -> None:
+def _quartiles(ax: Axes, curves: pd.DataFrame, pens: style.Pens) -> None:
     """Draw the medians and quartile bands of a problem, where an axis can show them."""
-    drawn = own[style.drawable(own["median"])]
+    drawn = curves[style.drawable(curves["median"])]
     for place, (optimizer, pen) in enumerate(style.behind_first(pens)):
         one = drawn[drawn["optimizer"] == optimizer]
         at, median, q1, q3 = one[["evaluations", "median", "q1", "q3"]].to_numpy(dtype=float).T

@@ -39,16 +39,16 @@ def box_plot(
     optimizers = labels(frame, "optimizer")
     ax = style.own_axes(ax, height=style.rows_height(len(optimizers)) + 0.6)
     pens = style.pens_of(frame, pens)
-    own = style.rows_of(frame, problem)
-    values = _values(own, column)
+    rows = style.rows_of(frame, problem)
+    values = _values(rows, column)
     if least is not None:
         values = np.maximum(values, least)
-    by_row = [values[(own["optimizer"] == optimizer).to_numpy()] for optimizer in optimizers]
+    by_row = [values[(rows["optimizer"] == optimizer).to_numpy()] for optimizer in optimizers]
     drawn = [row[style.drawable(row)] for row in by_row]
     _boxes(ax, drawn)
     _points(ax, drawn, [pens[optimizer] for optimizer in optimizers])
-    for row, found in enumerate(by_row):
-        note = _note(found, "failed" if column == "fun" else "missing")
+    for row, row_values in enumerate(by_row):
+        note = _note(row_values, "failed" if column == "fun" else "missing")
         ax.annotate(note, (1.01, row), xycoords=ax.get_yaxis_transform(), va="center", fontsize="small")
     ax.use_sticky_edges = False  # the end of a bar is no limit of the axis
     shown = np.concatenate([*drawn, np.empty(0)])
@@ -101,11 +101,11 @@ def timing(table: pd.DataFrame, *, legend: bool = True, ax: Axes | None = None) 
     return ax
 
 
-def _values(own: pd.DataFrame, column: str) -> NDArray[np.float64]:
+def _values(rows: pd.DataFrame, column: str) -> NDArray[np.float64]:
     if column == "fun":
-        return np.asarray(scores(own), dtype=np.float64)
-    found = pd.to_numeric(own[column], errors="coerce").where(own["status"] == "ok", np.nan)
-    return np.asarray(found, dtype=np.float64)
+        return np.asarray(scores(rows), dtype=np.float64)
+    numbers = pd.to_numeric(rows[column], errors="coerce").where(rows["status"] == "ok", np.nan)
+    return np.asarray(numbers, dtype=np.float64)
 
 
 def _note(values: NDArray[np.float64], lost: str) -> str:

@@ -94,19 +94,19 @@ def pens(labels: Iterable[str], best: Collection[str] | None = None, *, grey: bo
     """
     if isinstance(labels, Mapping):
         return labels
-    known = list(labels)
-    first = known if best is None else [label for label in known if label in best]
-    own: dict[str, Pen] = {}
+    every = list(labels)
+    first = every if best is None else [label for label in every if label in best]
+    pen_of: dict[str, Pen] = {}
     turn = 0
-    for left in (first, [] if grey else [label for label in known if label not in first]):
+    for left in (first, [] if grey else [label for label in every if label not in first]):
         while left:
             colours = _colours(left)
             for label, colour in colours.items():
                 place = colour + turn
-                own[label] = Pen(PALETTE[colour], MARKERS[place % len(MARKERS)], LINES[place % len(LINES)])
+                pen_of[label] = Pen(PALETTE[colour], MARKERS[place % len(MARKERS)], LINES[place % len(LINES)])
             left = [label for label in left if label not in colours]
             turn += 1
-    return {label: own.get(label, Pen(GREY, "", "-", background=True)) for label in known}
+    return {label: pen_of.get(label, Pen(GREY, "", "-", background=True)) for label in every}
 
 
 def _colours(labels: Sequence[str]) -> dict[str, int]:
@@ -116,11 +116,11 @@ def _colours(labels: Sequence[str]) -> dict[str, int]:
         for label in labels
         for colour in range(len(PALETTE))
     )
-    found: dict[str, int] = {}
+    colour_of: dict[str, int] = {}
     for _, label, colour in wishes:
-        if label not in found and colour not in found.values():
-            found[label] = colour
-    return found
+        if label not in colour_of and colour not in colour_of.values():
+            colour_of[label] = colour
+    return colour_of
 
 
 def behind_first(pens: Pens) -> list[tuple[str, Pen]]:
@@ -128,9 +128,9 @@ def behind_first(pens: Pens) -> list[tuple[str, Pen]]:
     return sorted(pens.items(), key=lambda item: not item[1].background)
 
 
-def pens_of(frame: pd.DataFrame, given: Pens | None = None) -> Pens:
+def pens_of(frame: pd.DataFrame, chosen: Pens | None = None) -> Pens:
     """Return the pens given, or one for each optimizer of a frame, in the study's order where the frame knows it."""
-    return pens(labels(frame, "optimizer")) if given is None else given
+    return pens(labels(frame, "optimizer")) if chosen is None else chosen
 
 
 def plain(label: str, at_most: int = 28) -> str:
@@ -224,16 +224,16 @@ def name_rows(ax: Axes, names: Sequence[str]) -> range:
 
 def handles(pens: Pens) -> list[Line2D]:
     """Return the legend entries of the first :data:`MANY_NAMES` optimizers, and how many more there are."""
-    own = {label: pen for label, pen in pens.items() if not pen.background}
-    shown = list(zip(names(own).values(), own.values(), strict=True))[:MANY_NAMES]
+    coloured = {label: pen for label, pen in pens.items() if not pen.background}
+    shown = list(zip(names(coloured).values(), coloured.values(), strict=True))[:MANY_NAMES]
     entries = [
         Line2D([], [], color=pen.color, linestyle=pen.line, linewidth=1.2, marker=pen.marker, markersize=3.5,
                label=name)
         for name, pen in shown
     ]  # fmt: skip
-    if grey := len(pens) - len(own):
+    if grey := len(pens) - len(coloured):
         entries.append(Line2D([], [], color=GREY, linewidth=1.2, label=f"{grey} others"))
-    if left_out := len(own) - len(shown):
+    if left_out := len(coloured) - len(shown):
         entries.append(Line2D([], [], linestyle="none", label=f"and {left_out} more"))
     return entries
 
@@ -312,7 +312,7 @@ def rows_of(frame: pd.DataFrame, problem: str) -> pd.DataFrame:
     Raises:
         BenchError: the frame does not know the problem; a misspelt label would otherwise draw nothing.
     """
-    known = labels(frame, "problem")
-    if problem not in known:
-        raise BenchError(f"there is no problem {problem!r} to draw{nearest(problem, known)}")
+    problems = labels(frame, "problem")
+    if problem not in problems:
+        raise BenchError(f"there is no problem {problem!r} to draw{nearest(problem, problems)}")
     return frame[frame["problem"] == problem]

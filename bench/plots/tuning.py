@@ -36,9 +36,9 @@ def sensitivity(table: pd.DataFrame, choices: Sequence[Any] = (), log: bool = Fa
     else:
         at = pd.to_numeric(table["value"], errors="coerce")
     for kind, (color, marker, size) in LOOKS.items():
-        own = table["kind"] == kind
+        rows = table["kind"] == kind
         ax.scatter(
-            at[own], table["score"][own], color=color, marker=marker, s=size, linewidths=0, zorder=2 + bool(kind)
+            at[rows], table["score"][rows], color=color, marker=marker, s=size, linewidths=0, zorder=2 + bool(kind)
         )
     if not choices and np.isfinite(at).any():
         (style.log_scale if log else style.linear_scale)(ax, "x")

@@ -35,10 +35,9 @@ def require_class(name: str) -> None:
     """Raise BenchError for the name of a Python file without a class behind it, naming those in it; it is not run."""
     if not name.endswith(".py"):
         return
+    code = _content(Path(name), "optimizer")
     try:
-        parts = ast.parse(Path(name).read_bytes()).body
-    except OSError as error:
-        raise BenchError(f"the optimizer file {name} cannot be read: {error.strerror}") from error
+        parts = ast.parse(code).body
     except (SyntaxError, ValueError) as error:  # ValueError: a NUL byte
         raise BenchError(f"the optimizer file {name} cannot be read as Python: {error}") from error
     kinds = (ast.ClassDef, ast.FunctionDef)
@@ -94,8 +93,12 @@ def load(name: str) -> type[Optimizer]:
 def fingerprint(name: str, kind: str = "optimizer") -> str:
     """Return a hash of the file of such a name, whose code is not run; raises BenchError where it cannot be read."""
     path, _ = _parts(name)
+    return hashlib.sha256(_content(path, kind)).hexdigest()[:16]
+
+
+def _content(path: Path, kind: str) -> bytes:
     try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+        return path.read_bytes()
     except OSError as error:
         raise BenchError(f"the {kind} file {path} cannot be read: {error.strerror}") from error
 

@@ -1,6 +1,7 @@
 """Find and load plug-ins by entry point; built-ins and third-party packages are treated alike.
 
-Groups: ``bench.optimizers``, ``bench.problems``, ``bench.commands``, ``bench.studies``, ``bench.report_sections``.
+Groups: ``bench.optimizers``, ``bench.problems``, ``bench.commands``, ``bench.studies``, ``bench.atlases``,
+``bench.report_sections``.
 """
 
 from __future__ import annotations

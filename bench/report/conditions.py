@@ -26,13 +26,13 @@ def repairing(study: Study) -> dict[str, bool]:
     """
 
     def handling(entry: Entry) -> object:
-        given = entry.options.get("handling")
+        asked = entry.options.get("handling")
         if not is_built_in(entry.name):
-            return given
+            return asked
         try:
-            return getattr(study.optimizer(entry.label), "handling", given)
+            return getattr(study.optimizer(entry.label), "handling", asked)
         except Exception:  # its library may be missing, and may raise anything
-            return given
+            return asked
 
     return {each.label: handling(each) != "box" for each in study.optimizers}
 
@@ -46,16 +46,16 @@ def conditions(study: Study, descriptions: Mapping[str, Description]) -> pd.Data
     """
     rows = []
     for entry in study.optimizers:
-        own = descriptions.get(entry.label, Description())
-        given = {name: option(value) for name, value in entry.options.items()}
-        values = given if own.values is None else own.values
+        description = descriptions.get(entry.label, Description())
+        asked = {name: option(value) for name, value in entry.options.items()}
+        values = asked if description.values is None else description.values
         row: dict[str, object] = {
-            name: values.get(name, UNKNOWN if own.values is None else None) for name in CONDITIONS
+            name: values.get(name, UNKNOWN if description.values is None else None) for name in CONDITIONS
         }
-        usual = own.defaults or {}
+        usual = description.defaults or {}
         row["changed"] = (
             None
-            if own.values is None
+            if description.values is None
             else {name: (value, usual.get(name)) for name, value in values.items() if value != usual.get(name)}
         )
         rows.append(row)
@@ -103,8 +103,8 @@ def _differences(table: pd.DataFrame) -> tuple[str, str]:
             "come from this."
         )
         return text, ""
-    known = "known " if (table[[*CONDITIONS]] == UNKNOWN).any(axis=None) else ""
-    return "", f"The optimizers have the same {known}{listing(alike)}." if alike else ""
+    partly = "known " if (table[[*CONDITIONS]] == UNKNOWN).any(axis=None) else ""
+    return "", f"The optimizers have the same {partly}{listing(alike)}." if alike else ""
 
 
 def _said(value: object) -> str:
@@ -125,10 +125,10 @@ def grouped(groups: Mapping[str, list[str]]) -> str:
 
 def _changes(table: pd.DataFrame, source: str) -> tuple[str, str]:
     """Return the sentence on options that are changed or not known, and that on options that are the defaults."""
-    known = table["changed"].dropna()
-    unknown = table.index.difference(known.index, sort=False)
+    described = table["changed"].dropna()
+    unknown = table.index.difference(described.index, sort=False)
     by_option: dict[str, list[str]] = {}
-    for label, changed in known.items():
+    for label, changed in described.items():
         for name, (value, _) in changed.items():
             by_option.setdefault(f"{name} = {value}", []).append(str(label))
     parts = [
@@ -137,11 +137,11 @@ def _changes(table: pd.DataFrame, source: str) -> tuple[str, str]:
     ]
     text = usual = ""
     if len(parts) > MOST_OPTIONS:
-        owners = sum(bool(changed) for changed in known)
+        owners = sum(bool(changed) for changed in described)
         text = f"{len(parts)} options of {owners} of {len(table)} optimizers differ from the optimizers’ defaults"
     elif parts:
         text = f"These options differ from the optimizers’ defaults: {'; '.join(parts)}"
-    elif len(known):
+    elif len(described):
         usual = (
             f"All {'known ' if len(unknown) else ''}options are the optimizers’ defaults, as the last run noted them "
             "or as they are installed here; a default that changed since a trial was made does not show."

@@ -6,13 +6,14 @@ import base64
 import io
 import pickle
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from concurrent.futures import Future
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import Any, NamedTuple
 
 import matplotlib.figure
+from fontTools import subset  # that of matplotlib, which needs it
 from joblib import cpu_count
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -21,6 +22,9 @@ from bench.plots import style
 from bench.sandbox.pool import Pool
 
 MOST = 3  # processes beside this one, which takes about as long to prepare figures as one of them to draw them
+
+
+SHAPING = ("GSUB", "GPOS", "GDEF", "kern")  # tables of a font for ligatures and kerning
 
 
 class Drawing(NamedTuple):
@@ -33,7 +37,7 @@ class Drawing(NamedTuple):
 def draw(figure: matplotlib.figure.Figure) -> Drawing:
     """Draw a figure in the style of reports; raises what matplotlib raises."""
     svg, pdf = io.BytesIO(), io.BytesIO()
-    with style.context(), warnings.catch_warnings():
+    with style.context(), _glyphs_alone(), warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # the font may lack letters of a label
         canvas = FigureCanvasSVG(figure)
         if (engine := figure.get_layout_engine()) is not None:  # compute the layout once for both formats
@@ -42,6 +46,21 @@ def draw(figure: matplotlib.figure.Figure) -> Drawing:
         canvas.print_svg(svg, metadata={"Date": None})  # type: ignore[no-untyped-call]
         FigureCanvasPdf(figure).print_pdf(pdf, metadata={"CreationDate": None})  # type: ignore[no-untyped-call]
     return Drawing(svg.getvalue(), pdf.getvalue())
+
+
+@contextmanager
+def _glyphs_alone() -> Iterator[None]:
+    """Embed fonts in PDFs without the tables that shape a line of text, which no reader of a PDF looks at.
+
+    To cut these down to the glyphs in use takes half of the time of a small figure's PDF, and matplotlib has no option
+    to leave them out.
+    """
+    usual = getattr(subset.Options, "_drop_tables_default", [])  # another name would cost time alone
+    subset.Options._drop_tables_default = [*usual, *SHAPING]
+    try:
+        yield
+    finally:
+        subset.Options._drop_tables_default = usual
 
 
 class Drawer:

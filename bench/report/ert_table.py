@@ -23,11 +23,11 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
     """
     anytime = findings.anytime
     words, times = anytime.words, anytime.running_times
-    own = times[times["problem"].isin(problems)]
-    found: dict[tuple[str, str, float], Row] = {
-        (row["problem"], row["optimizer"], row[words.unit]): row for row in own.to_dict("records")
+    rows_of_suite = times[times["problem"].isin(problems)]
+    row_of: dict[tuple[str, str, float], Row] = {
+        (row["problem"], row["optimizer"], row[words.unit]): row for row in rows_of_suite.to_dict("records")
     }
-    levels = [level for level in words.tabled if (own[words.unit] == level).any()]
+    levels = [level for level in words.tabled if (rows_of_suite[words.unit] == level).any()]
     best = {(row["problem"], row["tau"]): float(row["ert"]) for row in anytime.best_times.to_dict("records")}
     hits = anytime.hits[anytime.hits["problem"].isin(problems)]
     at = np.isclose(hits["tau"].to_numpy(dtype=float)[:, np.newaxis], levels, rtol=1e-9, atol=0)
@@ -42,9 +42,9 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
             rows[name, BEST] = [*map(_short, divisors), ""]
             bold.append([False] * (len(levels) + 1))
             marks.append([""] * (len(levels) + 1))
-        lowest = own[own["problem"] == problem].groupby(words.unit)["ert"].min()
+        lowest = rows_of_suite[rows_of_suite["problem"] == problem].groupby(words.unit)["ert"].min()
         for optimizer in findings.trials.optimizers:
-            cells = [found.get((problem, optimizer, level)) for level in levels]
+            cells = [row_of.get((problem, optimizer, level)) for level in levels]
             last = cells[-1] if cells else None
             rows[name, optimizer] = [
                 *(_cell(cell, each, ratio=anytime.shows_best) for cell, each in zip(cells, divisors, strict=True)),
@@ -73,7 +73,7 @@ def ert_table(findings: Findings, problems: Mapping[str, str], dimension: int) -
         "the lowest. *: faster than each other one by the rank-sum test, p < 0.05 after Bonferroni’s correction for "
         f"the {len(problems)} functions, not for the targets."
         + (" The best of 2009 is in evaluations; where it is unknown, so are the others (ev.)." if best else ""),
-        data=words.in_unit(own, words.unit),
+        data=words.in_unit(rows_of_suite, words.unit),
     )
 
 

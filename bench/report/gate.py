@@ -93,21 +93,21 @@ def gate(
     frame = frame[~frame["problem"].isin(list(missing))]
     if target is not None:
         frame = _by_speed(findings.trials, frame, target)
-    found = noninferiority(frame, *chosen, margin=margin, alpha=alpha, every=every)
+    test = noninferiority(frame, *chosen, margin=margin, alpha=alpha, every=every)
     same = _identical(
         findings.results.frame, chosen, [each for label in missing for each in findings.trials.pooled.members[label]]
     )
-    return _worded(found, findings, frame, chosen, missing, same, target)
+    return _worded(test, findings, frame, chosen, missing, same, target)
 
 
 def _place(study: Study, optimizer: str | None, path: AnyPath) -> int:
     """Return the place of the optimizer in the study."""
-    known = [entry.label for entry in study.optimizers]
-    if optimizer is None and len(known) > 1:
-        raise BenchError(f"{path} holds {len(known)} optimizers ({listing(known)}); choose one with --optimizer")
-    if optimizer is not None and optimizer not in known:
-        raise BenchError(f"{path} holds no optimizer {optimizer!r}{nearest(optimizer, known)}")
-    return known.index(optimizer) if optimizer is not None else 0
+    held = [entry.label for entry in study.optimizers]
+    if optimizer is None and len(held) > 1:
+        raise BenchError(f"{path} holds {len(held)} optimizers ({listing(held)}); choose one with --optimizer")
+    if optimizer is not None and optimizer not in held:
+        raise BenchError(f"{path} holds no optimizer {optimizer!r}{nearest(optimizer, held)}")
+    return held.index(optimizer) if optimizer is not None else 0
 
 
 def _missing(frame: pd.DataFrame, chosen: tuple[str, str]) -> dict[str, int]:
@@ -142,15 +142,15 @@ def _by_speed(trials: Trials, frame: pd.DataFrame, target: float) -> pd.DataFram
 
 def _identical(frame: pd.DataFrame, chosen: tuple[str, str], missing: list[str]) -> tuple[int, int]:
     """Return how many trials of both versions are identical in value and evaluations, and the trials in all."""
-    own = frame[~frame["problem"].isin(missing)]
+    rows = frame[~frame["problem"].isin(missing)]
     names = ["problem", "trial", "seed", "status", "fun", "nfev"]
-    first, second = (own.loc[own["optimizer"] == each, names] for each in chosen)
+    first, second = (rows.loc[rows["optimizer"] == each, names] for each in chosen)
     same = len(first.merge(second, on=names))  # failed trials have no value, and equal each other
     return same, max(len(first), len(second))
 
 
 def _worded(
-    found: Noninferiority,
+    test: Noninferiority,
     findings: Findings,
     frame: pd.DataFrame,
     chosen: tuple[str, str],
@@ -159,37 +159,37 @@ def _worded(
     target: float | None,
 ) -> Gate:
     """Return the gate with its sentences and table."""
-    problems, (alike, trials) = found.problems, same
+    problems, (alike, trials) = test.problems, same
     identical = alike == trials
     if identical:
-        found = replace(found, outcome="pass")
+        test = replace(test, outcome="pass")
     low, high = problems[["n_old", "n_new"]].to_numpy().min(), problems[["n_old", "n_new"]].to_numpy().max()
     measure = "final values" if target is None else f"evaluations to the precision {target:g}, else final values"
     sizes = f"{count(int(low), 'trial') if low == high else f'{low:,} to {high:,} trials'} of each on each"
     conditions = f"{count(len(problems), 'problem')}, {sizes}, {findings.study.budget_words}, by {measure}"
     meaning = "Old better: the chance that a trial of the old version ends better, ties counted half (A12)"
-    allowed = f"the margin allows {found.bound:.1%}. A false alarm has a chance of at most {found.alpha:g}"
+    allowed = f"the margin allows {test.bound:.1%}. A false alarm has a chance of at most {test.alpha:g}"
     notes = [f"{chosen[1]} against {chosen[0]}: {conditions}.", f"{meaning}; {allowed}, over all problems."]
-    if found.every:
+    if test.every:
         notes.append(
-            f"A pass needs every problem, each tested at {found.alpha / 2:g} without adjustment: the chance of a pass "
+            f"A pass needs every problem, each tested at {test.alpha / 2:g} without adjustment: the chance of a pass "
             "where the new version is worse on any is no more than that (intersection-union test)."
         )
-    if found.outcome == "undecided":
-        most = f"{found.needed:,}" if found.needed < 100_000 else "more than 100,000"
+    if test.outcome == "undecided":
+        most = f"{test.needed:,}" if test.needed < 100_000 else "more than 100,000"
         notes.append(f"If the versions are equal, about {most} trials a problem would pass with a chance of 80%.")
     if 0 < alike < trials:
         notes.append(f"{alike:,} of {count(trials, 'trial')} are identical, as their seeds are.")
     if missing:
         notes.append(f"Left out, as one version has no trial: {listing(list(missing))}.")
     for each in chosen:
-        own = frame[frame["optimizer"] == each]
-        if lost := int((own["status"] != "ok").sum()):
-            notes.append(f"{lost:,} of {count(len(own), 'trial')} of {each} failed, and count as the worst.")
+        trials_of = frame[frame["optimizer"] == each]
+        if lost := int((trials_of["status"] != "ok").sum()):
+            notes.append(f"{lost:,} of {count(len(trials_of), 'trial')} of {each} failed, and count as the worst.")
     notes += findings.results.damage
     ordered = problems.sort_values(["worse", "low", "a12"], ascending=False, kind="stable")
-    shown = _shown(found.worse_overall, found.high <= found.bound or identical)
-    rows = [("all problems", "", *_measured(found.a12, found.low, found.high), "", shown)]
+    shown = _shown(test.worse_overall, test.high <= test.bound or identical)
+    rows = [("all problems", "", *_measured(test.a12, test.low, test.high), "", shown)]
     rows += [
         (
             each["problem"], " / ".join(dict.fromkeys(f"{each[size]:,}" for size in ("n_old", "n_new"))),
@@ -200,45 +200,43 @@ def _worded(
     ]  # fmt: skip
     if len(ordered) > SHOWN:
         notes.append(f"The table shows {SHOWN} of {len(ordered):,} problems, those with the largest lower ends first.")
-    return Gate(found, _sentence(found, identical), tuple(notes), tuple(rows))
+    return Gate(test, _sentence(test, identical), tuple(notes), tuple(rows))
 
 
-def _sentence(found: Noninferiority, identical: bool) -> str:
+def _sentence(test: Noninferiority, identical: bool) -> str:
     """Return the verdict in one sentence."""
     if identical:
         return "The new version is not worse: every trial is identical with that of the old version."
-    worse = [str(label) for label in found.problems.loc[found.problems["worse"], "problem"]]
-    several, allowed = len(found.problems) > 1, f"and {found.bound:.1%} are allowed"
-    seen = (
-        f"the old version ends better in {found.a12:.1%} of the pairs of trials ({found.low:.1%} to {found.high:.1%})"
-    )
-    if found.outcome == "pass" and found.every and several:
-        most = found.problems["high"].max()
+    worse = [str(label) for label in test.problems.loc[test.problems["worse"], "problem"]]
+    several, allowed = len(test.problems) > 1, f"and {test.bound:.1%} are allowed"
+    seen = f"the old version ends better in {test.a12:.1%} of the pairs of trials ({test.low:.1%} to {test.high:.1%})"
+    if test.outcome == "pass" and test.every and several:
+        most = test.problems["high"].max()
         return (
             "The new version is not worse by more than the margin on any problem: the old version ends better in at "
             f"most {most:.1%} of the pairs of trials on each, {allowed}."
         )
-    if found.outcome == "pass":
+    if test.outcome == "pass":
         average = " on average" if several else ""
-        return f"The new version is not worse{average} by more than the margin: {seen}, {allowed}.{_not_shown(found)}"
-    if found.outcome == "undecided":
-        missing = _not_shown(found) if found.every else ""
+        return f"The new version is not worse{average} by more than the margin: {seen}, {allowed}.{_not_shown(test)}"
+    if test.outcome == "undecided":
+        missing = _not_shown(test) if test.every else ""
         return f"Undecided: {seen}, {allowed}, which shows {'too little' if missing else 'neither'}.{missing}"
     where = f" on {listing(worse, at_most=NAMED)}" if worse else ""
-    if found.worse_overall:
+    if test.worse_overall:
         also = f", and so it is{where} alone" if worse else ""
         return f"The new version is worse by more than the margin over all problems: {seen}{also}."
     return f"The new version is worse by more than the margin{where}, though not shown so over all problems: {seen}."
 
 
-def _not_shown(found: Noninferiority) -> str:
+def _not_shown(test: Noninferiority) -> str:
     """Return a sentence on the problems on which the new version may still be worse, the worst first; "" for none."""
-    missing = found.problems[~found.problems["not_worse"]].sort_values(["high", "a12"], ascending=False, kind="stable")
+    missing = test.problems[~test.problems["not_worse"]].sort_values(["high", "a12"], ascending=False, kind="stable")
     named = [f"{each['problem']} (up to {each['high']:.1%})" for each in missing.to_dict("records")]
     if not named:
         return ""
     if len(named) > NAMED:
-        where = f"{len(named):,} of {len(found.problems):,} problems, the worst of them {named[0]}"
+        where = f"{len(named):,} of {len(test.problems):,} problems, the worst of them {named[0]}"
     else:
         where = listing(named)
     return f" It is not shown to be not worse on {where}."

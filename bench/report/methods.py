@@ -108,11 +108,11 @@ def facts(findings: Findings) -> dict[str, Any]:
     }
 
 
-def write(study: Study, descriptions: Mapping[str, Description], given: Mapping[str, Any]) -> Methods:
+def write(study: Study, descriptions: Mapping[str, Description], stated: Mapping[str, Any]) -> Methods:
     """Return the methods section of a study with the facts of :func:`facts`."""
-    works, own, warnings = _bibliography(study, descriptions)
-    context = _context(study, descriptions, given)
-    prose = paragraphs(templates().get_template("methods.j2").render(context, own=own))
+    works, works_of, warnings = _bibliography(study, descriptions)
+    context = _context(study, descriptions, stated)
+    prose = paragraphs(templates().get_template("methods.j2").render(context, own=works_of))
     title = json.dumps(MARKDOWN.plain(f"Methods: {study.title or study.name}"), ensure_ascii=False)
     front = f"---\ntitle: {title}\nbibliography: {BIBLIOGRAPHY}\n---"
     comment = f"% {BIBLIOGRAPHY} has the works cited"
@@ -125,35 +125,35 @@ def write(study: Study, descriptions: Mapping[str, Description], given: Mapping[
     )
 
 
-def _context(study: Study, descriptions: Mapping[str, Description], given: Mapping[str, Any]) -> dict[str, Any]:
+def _context(study: Study, descriptions: Mapping[str, Description], stated: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the template refers to by name."""
     alike: dict[str, list[str]] = {}
     for entry in study.optimizers:
         alike.setdefault(options(entry.options), []).append(entry.label)
     budgets: dict[str, list[str]] = {}
-    for label, words in given["budgets"].items():
+    for label, words in stated["budgets"].items():
         budgets.setdefault(words, []).append(label)
-    known, replications = given["known"], given["replications"]
-    pooled = [own for own in replications if own.instances > 1]
+    problem_facts, replications = stated["known"], stated["replications"]
+    pooled = [cells for cells in replications if cells.instances > 1]
     return {
-        **given,
+        **stated,
         "study": study,
-        "pooled": sum(own.problems for own in pooled),
-        "instances": listing([f"{own.instances}" for own in pooled]) if pooled else "",
-        "fewest": min((own.fewest for own in replications), default=0),
-        "most": max((own.most for own in replications), default=0),
+        "pooled": sum(cells.problems for cells in pooled),
+        "instances": listing([f"{cells.instances}" for cells in pooled]) if pooled else "",
+        "fewest": min((cells.fewest for cells in replications), default=0),
+        "most": max((cells.most for cells in replications), default=0),
         "made": _made(study, replications),
-        "constrained": sum(bool(each.constraints) for each in known.values()),
-        "noisy": sum(each.noisy for each in known.values()),
-        "mixed": sum(bool(each.integers) for each in known.values()),
-        "dimensions": problem_words.dimensions(known),
-        "boxes": problem_words.boxes(known),
-        "optima": problem_words.optima(known),
-        "unknown_optima": sum(each.optimum is None for each in known.values()),
-        "measures": problem_words.measures(known),
-        "steps": problem_words.sweeps(known),
+        "constrained": sum(bool(each.constraints) for each in problem_facts.values()),
+        "noisy": sum(each.noisy for each in problem_facts.values()),
+        "mixed": sum(bool(each.integers) for each in problem_facts.values()),
+        "dimensions": problem_words.dimensions(problem_facts),
+        "boxes": problem_words.boxes(problem_facts),
+        "optima": problem_words.optima(problem_facts),
+        "unknown_optima": sum(each.optimum is None for each in problem_facts.values()),
+        "measures": problem_words.measures(problem_facts),
+        "steps": problem_words.sweeps(problem_facts),
         "handling": _handling(study, descriptions),
-        "tested": {name: _tested(given["checks"], name) for name in ("centre bias", "structural bias")},
+        "tested": {name: _tested(stated["checks"], name) for name in ("centre bias", "structural bias")},
         "budgets": [f"{words} for {listing(labels)}" for words, labels in budgets.items()],
         "count": count,
         "described": described,
@@ -170,42 +170,42 @@ def _context(study: Study, descriptions: Mapping[str, Description], given: Mappi
         "equivalence_resamples": EQUIVALENCE_RESAMPLES,
         "coefficient": COEFFICIENT,
         "given": [f"{listing(labels, at_most=len(labels))} with {text}" for text, labels in alike.items() if text],
-        "early": [f"{count(number, 'trial')} of {label}" for label, number in given["early"].items() if number],
-        "versions": _versions(given["environments"]),
-        "commits": _commits(given["environments"]),
-        "processors": _distinct(environment.get("processor") for environment in given["environments"]),
+        "early": [f"{count(number, 'trial')} of {label}" for label, number in stated["early"].items() if number],
+        "versions": _versions(stated["environments"]),
+        "commits": _commits(stated["environments"]),
+        "processors": _distinct(environment.get("processor") for environment in stated["environments"]),
     }
 
 
-def _made(study: Study, found: Sequence[Replication]) -> str:
+def _made(study: Study, replications: Sequence[Replication]) -> str:
     """Return how many independent trials were made of an optimizer on a problem."""
     noun = "independent trial"
-    if len(found) > 1:
-        return each_problem(found, noun)
+    if len(replications) > 1:
+        return each_problem(replications, noun)
     at_most = study.trials if study.looks else 0
-    return "".join(own.words(noun, at_most) for own in found)
+    return "".join(cells.words(noun, at_most) for cells in replications)
 
 
 def _handling(study: Study, descriptions: Mapping[str, Description]) -> dict[str, str]:
     """Return who has which of the values ``box`` and ``repair`` of the option ``handling``, in words; "" for none."""
-    found = conditions(study, descriptions)["handling"]
-    owners = {value: [str(label) for label in found.index[found == value]] for value in ("box", "repair")}
+    handling = conditions(study, descriptions)["handling"]
+    owners = {value: [str(label) for label in handling.index[handling == value]] for value in ("box", "repair")}
     return {value: listing(labels) if labels else "" for value, labels in owners.items()}
 
 
 def _tested(checks: Mapping[str, Sequence[Mapping[str, Any]]], check: str) -> list[str]:
     """Return the optimizers that ``bench check`` tested for a bias."""
-    return [label for label, found in checks.items() if any(each["check"] == check for each in found)]
+    return [label for label, results in checks.items() if any(each["check"] == check for each in results)]
 
 
 def _versions(environments: Sequence[Mapping[str, Any]]) -> dict[str, list[str]]:
     """Return the versions that made the trials, by package."""
-    found: dict[str, list[str]] = {}
+    versions: dict[str, list[str]] = {}
     for environment in environments:
         for name, version in {"Python": environment.get("python"), **(environment.get("packages") or {})}.items():
             if version and name not in NEUTRAL:
-                found[name] = _distinct([*found.get(name, []), str(version)])
-    return found
+                versions[name] = _distinct([*versions.get(name, []), str(version)])
+    return versions
 
 
 def _commits(environments: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -215,9 +215,9 @@ def _commits(environments: Sequence[Mapping[str, Any]]) -> list[str]:
         for name, git in {"source code": environment.get("git"), **(environment.get("checkouts") or {})}.items():
             states.setdefault(name, []).extend([git] if git else [])
     clauses = []
-    for name, found in states.items():
-        if commits := _distinct(str(state.get("commit") or "")[:10] for state in found):
-            changed = ", with local changes" if any(state.get("dirty") for state in found) else ""
+    for name, of_checkout in states.items():
+        if commits := _distinct(str(state.get("commit") or "")[:10] for state in of_checkout):
+            changed = ", with local changes" if any(state.get("dirty") for state in of_checkout) else ""
             clauses.append(f"{name} at commit {listing(commits)}{changed}")
     return clauses
 
@@ -235,7 +235,7 @@ def _bibliography(
     study: Study, descriptions: Mapping[str, Description]
 ) -> tuple[dict[str, Work], dict[str, list[str]], tuple[str, ...]]:
     """Return all works by key, the keys of each optimizer's works by label, and warnings."""
-    works, own, warnings = list(library().values()), {}, []
+    works, works_of, warnings = list(library().values()), {}, []
     for entry in study.optimizers:
         try:
             references = parse(descriptions.get(entry.label, Description()).bibtex)
@@ -243,8 +243,8 @@ def _bibliography(
             references = []
             warnings.append(f"{entry.label} is not cited: {error}.")
         works, named = merge_works(works, references)
-        own[entry.label] = [work.key for work in named]
-    return {work.key: work for work in works}, own, tuple(warnings)
+        works_of[entry.label] = [work.key for work in named]
+    return {work.key: work for work in works}, works_of, tuple(warnings)
 
 
 def merge_works(works: list[Work], others: list[Work]) -> tuple[list[Work], list[Work]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import zlib
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -16,6 +17,7 @@ from markupsafe import Markup
 
 from bench.report.interactive.part import Interactive, digest
 from bench.report.parts import LIKE_FRAME, Figure, Part, Section, Table, TableCell
+from bench.report.paths import shortened
 from bench.report.wording import clause
 
 UPRIGHT, WIDE = 12, 50  # columns of a shaded table, and letters of their titles, above which these stand upright
@@ -25,9 +27,11 @@ ZOOM = 1.45  # scales a figure's 8 points to the size of the page's text
 
 SVG = "{http://www.w3.org/2000/svg}"
 HREF = "{http://www.w3.org/1999/xlink}href"
-COORDINATES = {"d", "points", "x", "y", "x1", "x2", "y1", "y2", "cx", "cy", "width", "height"}
+COORDINATES = {"points", "x", "y", "x1", "x2", "y1", "y2", "cx", "cy", "width", "height"}
 TEXTS = {"text", "tspan"}
-PAGE_COLOURS = {"#000000": "currentColor", "#ffffff": "var(--page)", "#dddddd": "var(--grid)"}
+GRID = "#dddddd"
+CLIP = "clip-path"
+PAGE_COLOURS = {"#000000": "currentColor", "#ffffff": "var(--page)", GRID: "var(--grid)"}
 """The colours of a figure's ink, paper and grid, and those of the page, light or dark, that replace them there."""
 UNTURNED = re.compile(r"rotate\(-?0( [-\d. ]+)?\)")
 
@@ -141,12 +145,12 @@ def by_folder(files: list[tuple[str, str]]) -> dict[str, list[tuple[str, list[st
 
 
 def inline(svg: str, name: str, caption: str) -> Markup:
-    """Return the SVG of a matplotlib figure for the page: compact, with ids unique by ``name`` and a caption as label.
+    """Return the SVG of a matplotlib figure for the page: compact, with ids of its ``name`` and a caption as label.
 
     Invisible parts are removed: metadata, ids that nothing refers to, groups without attributes, a style repeated by a
-    whole group, by the texts or by the marks of one shape, turns by 0 degrees, decimals beyond 0.01 points.
-    Matplotlib's style sheet, which would affect the whole page, is part of the page's own. Black, white and the grey of
-    the grid become the colours of the page, light or dark; the files keep theirs.
+    whole group, by the texts or by the marks of one shape, turns by 0 degrees, decimals beyond 0.01 points. The lines
+    of a grid are one path. Matplotlib's style sheet, which would affect the whole page, is part of the page's own.
+    Black, white and the grey of the grid become the colours of the page, light or dark; the files keep theirs.
     """
     root = ElementTree.fromstring(svg)
     font = _common_font(root)
@@ -154,8 +158,9 @@ def inline(svg: str, name: str, caption: str) -> Markup:
     width = float(root.attrib["viewBox"].split()[2])
     targets = re.findall(r'(?:="|url\()#([^")]+)', svg)
     present = {element.get("id") for element in root.iter()}
+    short = f"f{zlib.crc32(name.encode()):x}"  # an id is written at each use of a shape, often thousands of times
     ids = {  # the anchor of an item has no dot
-        old: f"{name}.{number}" for number, old in enumerate(dict.fromkeys(targets)) if old in present
+        old: f"{short}.{number}" for number, old in enumerate(dict.fromkeys(targets)) if old in present
     }
     for element in root.iter():
         element.tag = element.tag.removeprefix(SVG)
@@ -203,11 +208,12 @@ def _attribute(tag: str, key: str, value: str, ids: dict[str, str]) -> str:
     """Return an attribute's value with its ids renamed and without needless characters."""
     if key == "id":
         return ids[value]
+    if key == "d":
+        return shortened(value)
     if key in COORDINATES and tag not in TEXTS:  # letters snap to whole pixels, so a small shift of them shows
-        short = re.sub(
+        return re.sub(
             r"-?\d*\.?\d+(?:e-?\d+)?", lambda number: f"{float(number[0]):.2f}".rstrip("0").rstrip("."), value
         )
-        return re.sub(r"\s*([A-Za-z])\s*", r"\1", " ".join(short.split())) if key == "d" else short
     if key == "style":
         value = re.sub(r"([:;]) +", r"\1", value)
         value = re.sub(r"#(000000|ffffff|dddddd)\b", lambda found: PAGE_COLOURS[found[0]], value)
@@ -226,6 +232,22 @@ def _slim(parent: ElementTree.Element) -> list[ElementTree.Element]:
             kept += child
         elif child.tag not in {"metadata", "style"} and (child.tag != "defs" or len(child)):
             kept.append(child)
+    return _with_grids_joined(kept)
+
+
+def _with_grids_joined(children: list[ElementTree.Element]) -> list[ElementTree.Element]:
+    """Join the lines of each panel's grid, which hide nothing and are hidden by all else, in the first of them."""
+    first: dict[str, ElementTree.Element] = {}
+    kept = []
+    for child in children:
+        grid = child.tag == "path" and f"stroke:{PAGE_COLOURS[GRID]}" in child.get("style", "") and child.get(CLIP)
+        if grid and grid in first:
+            first[grid].set("d", first[grid].attrib["d"] + child.attrib["d"].replace("m", "M", 1))
+            continue
+        if grid:
+            child.set("d", child.attrib["d"].replace("m", "M", 1))
+            first[grid] = child
+        kept.append(child)
     return kept
 
 

@@ -60,8 +60,8 @@ def distribution_figure(
     which on a problem is solved, where the objective values are precisions. ``best`` are
     the optimizers to draw, in their order; all by default.
     """
-    known = {name: value for name, value in expected.items() if name in frame}
-    own, all_of_them = frame[frame["problem"] == problem], len(labels(frame, "optimizer"))
+    metrics = {name: value for name, value in expected.items() if name in frame}
+    rows, all_of_them = frame[frame["problem"] == problem], len(labels(frame, "optimizer"))
     if best is not None and len(best) < all_of_them:
         frame = frame[frame["optimizer"].isin(best)]
         frame = frame.assign(optimizer=pd.Categorical(frame["optimizer"].astype(object), categories=list(best)))
@@ -71,32 +71,32 @@ def distribution_figure(
     beside = 0.7 if noted else 0.1  # for the number of failed trials
     left = _left(style.names(optimizers).values())
     figure, axes = style.grid(
-        1 + len(known), columns=COLUMNS, width=style.TEXT if known else _width(left),
+        1 + len(metrics), columns=COLUMNS, width=style.TEXT if metrics else _width(left),
         height=style.rows_height(len(optimizers)), left=left,
         right=beside, across=beside + 0.1, down=0.7, bottom=0.36, top=0.22,
     )  # fmt: skip
     pens = style.pens(optimizers)
     optimum = optimum if least is None else None  # it is 0, off a log axis
     box_plot(frame, problem, optimum=optimum, least=least, pens=pens, ax=axes[0])
-    for place, (name, (value, tolerance)) in enumerate(known.items(), 1):
+    for place, (name, (value, tolerance)) in enumerate(metrics.items(), 1):
         box_plot(frame, problem, column=name, expected=value, tolerance=tolerance, pens=pens, ax=axes[place])
         axes[place].set_title("", loc="left")
         if place % COLUMNS:
             axes[place].set_yticks([])
     lines = ["the optimum"] if optimum is not None else []
-    lines += ["the true values (hatched: their tolerances)"] if known else []
+    lines += ["the true values (hatched: their tolerances)"] if metrics else []
     some = (
         f"{problem}, the {len(optimizers)} best of {all_of_them} optimizers"
         if len(optimizers) < all_of_them
         else problem
     )
-    truth = f"Line{'s' if known else ''}: {listing(lines)}. " if lines else ""
+    truth = f"Line{'s' if metrics else ''}: {listing(lines)}. " if lines else ""
     solved = "" if least is None else f"Trials that solved an instance, to {least:g}, are drawn at that value. "
     caption = (
         f"{some}: every trial (points), with quartile boxes and whiskers to the furthest point within 1.5 box "
         f"lengths; the line in a box is the median. {truth}{solved}Failed trials are counted, not drawn."
     )
-    data = own[["problem", "optimizer", "trial", "seed", "status", "fun", *known]]
+    data = rows[["problem", "optimizer", "trial", "seed", "status", "fun", *metrics]]
     if least is not None:
         data = data.rename(columns={"fun": "precision"})
     return Figure(f"distribution-{problem}", caption, figure, data, data.drop(columns=["problem", "seed"]))
@@ -123,10 +123,10 @@ def regret_figure(
     is the precision of pooled instances.
     """
     pooled = curves["problem"].isin(precisions)
-    own = [] if pooled.any() and pooled.all() else [("problem", f"a relative {NEAR:g}")]
-    own += [("instance", f"{SOLVED:g}")] if pooled.any() else []
-    whose, near = (" or ".join(words) for words in zip(*own, strict=True))
-    where = " where instances are pooled" if len(own) > 1 else ""
+    counted = [] if pooled.any() and pooled.all() else [("problem", f"a relative {NEAR:g}")]
+    counted += [("instance", f"{SOLVED:g}")] if pooled.any() else []
+    whose, near = (" or ".join(words) for words in zip(*counted, strict=True))
+    where = " where instances are pooled" if len(counted) > 1 else ""
     caption = (
         f"Median regret, the best-so-far objective value less the optimum of the {whose}, over "
         f"evaluations{_banded(optimizers)} (log axes). A curve ends where its median reaches the optimum, to {near}"
@@ -161,8 +161,6 @@ def ert_figure(
         if words.unit != "tau" and ax.get_xlabel():
             ax.set_xlabel(words.unit)
     drawn = table[table["tau"] > 0]
-    times = drawn["ert"].to_numpy(dtype=float)
-    shown = times[style.drawable(times)]
     for place, ax in enumerate(axes):
         if len(drawn):
             ax.set_xlim(1.2 * drawn["tau"].max(), drawn["tau"].min() / 1.2)
@@ -170,9 +168,7 @@ def ert_figure(
         if words.kind == "runlength":
             ax.set_xticks(words.tabled, [words.shown(each) for each in words.tabled], minor=False)
         ax.tick_params(labelleft=place % COLUMNS == 0)
-        if len(shown):
-            ax.set_ylim(shown.min() / 2, 4 * shown.max())
-            style.log_scale(ax, "y")
+    _span_times(axes, drawn["ert"])
     caption = (
         "Expected running time (ERT) over targets, harder ones to the right. A curve ends at the hardest target that "
         "any trial reached, in an open marker where no trial reached the harder ones."
@@ -293,12 +289,7 @@ def scaling_figure(table: pd.DataFrame, optimizers: Iterable[str], *, target: st
     ``table`` has problem (the function), dimension, optimizer and ert, in evaluations / d.
     """
     figure, axes = _multiples(table, style.pens(optimizers), scaling, across=0.3)
-    times = table["ert"].to_numpy(dtype=float)
-    shown = times[style.drawable(times)]
-    for ax in axes:
-        if len(shown):
-            ax.set_ylim(shown.min() / 2, 4 * shown.max())
-            style.log_scale(ax, "y")
+    _span_times(axes, table["ert"])
     caption = (
         f"Expected running time / d to {target}, over the dimension d. A horizontal line grows in "
         "proportion to d; a point is missing where no trial reached the target."
@@ -314,32 +305,34 @@ def course_figure(stages: pd.DataFrame, pens: style.Pens) -> Figure:
     """
     along = "evaluations" if (stages.groupby("share")["evaluations"].nunique() == 1).all() else "share"
     means = stages.groupby([along, "optimizer"], sort=False, observed=True)["rank"].mean().reset_index()
-    named = [label for label, pen in pens.items() if not pen.background]
-    right = style.text_width(style.names(named, RANK_NAME).values()) + 0.3
-    figure, (ax,) = style.grid(1, width=_width(right), height=1.9, left=0.45, right=right, bottom=0.4, top=0.08)
-    rank_course(means, pens=pens, ax=ax)
     problems = stages["problem"].nunique()
     caption = (
         f"Who leads when: the mean rank over {problems} problems after "
         f"{'some evaluations' if along == 'evaluations' else 'shares of the budget'}, 1 for the best."
     ).replace("over 1 problems", "on the only problem")
-    shown = means.pivot(index=along, columns="optimizer", values="rank")[list(pens)].rename_axis(columns=None)
-    return Figure("ranks-over-budget", caption, figure, stages, shown)
+    return _ranks_along("ranks-over-budget", caption, means, along, pens, stages)
 
 
 def stability_figure(stability: pd.DataFrame, pens: style.Pens) -> Figure:
     """Return the mean rank of each optimizer over the number of trials that count, with the range over subsets."""
-    named = [label for label, pen in pens.items() if not pen.background]
-    right = style.text_width(style.names(named, RANK_NAME).values()) + 0.3
-    figure, (ax,) = style.grid(1, width=_width(right), height=1.9, left=0.45, right=right, bottom=0.4, top=0.08)
-    rank_course(stability, pens=pens, ax=ax)
     caption = (
         "Stability of the ranks: the mean rank over problems with only the first trials of each cell, 1 for the best; "
         "bands are the range over random subsets of as many trials. All bands end in a point, where subsets hold all "
         "trials; a curve that still moves there needs more of them."
     )
-    shown = stability.pivot(index="trials", columns="optimizer", values="rank")[list(pens)].rename_axis(columns=None)
-    return Figure("stability", caption, figure, stability, shown)
+    return _ranks_along("stability", caption, stability, "trials", pens, stability)
+
+
+def _ranks_along(
+    name: str, caption: str, ranks: pd.DataFrame, along: str, pens: style.Pens, data: pd.DataFrame
+) -> Figure:
+    """Return the figure of the mean ranks along a column of ``ranks``; ``data`` are what its file holds."""
+    named = [label for label, pen in pens.items() if not pen.background]
+    right = style.text_width(style.names(named, RANK_NAME).values()) + 0.3
+    figure, (ax,) = style.grid(1, width=_width(right), height=1.9, left=0.45, right=right, bottom=0.4, top=0.08)
+    rank_course(ranks, pens=pens, ax=ax)
+    shown = ranks.pivot(index=along, columns="optimizer", values="rank")[list(pens)].rename_axis(columns=None)
+    return Figure(name, caption, figure, data, shown)
 
 
 def rank_figure(mean_ranks: pd.Series[float], cliques: Collection[Sequence[str]]) -> Figure:
@@ -412,6 +405,15 @@ def _multiples(
     return figure, axes
 
 
+def _span_times(axes: Iterable[Axes], times: pd.Series[float]) -> None:
+    """Give all axes the range of the finite running times, on a logarithmic scale."""
+    finite = times.to_numpy(dtype=float)
+    finite = finite[style.drawable(finite)]
+    for ax in axes if len(finite) else ():
+        ax.set_ylim(finite.min() / 2, 4 * finite.max())
+        style.log_scale(ax, "y")
+
+
 def _left(names: Iterable[str]) -> float:
     """Return the left margin in inches that the names of rows need."""
     return style.text_width(names, style.SMALL) + 0.12
@@ -446,5 +448,5 @@ def _at_round_numbers(frame: pd.DataFrame, rows: list[str], value: str, multiple
     kept = frame[frame[along].isin(at)].astype(dict.fromkeys((*groups, "optimizer"), object))
     table = kept.pivot(index=rows, columns="optimizer", values=value)
     order = pd.MultiIndex.from_frame(kept[rows].drop_duplicates()) if groups else pd.Index(at, name=along)
-    known = labels(frame, "optimizer")
-    return table.reindex(index=order, columns=known).rename_axis(columns=None)
+    optimizers = labels(frame, "optimizer")
+    return table.reindex(index=order, columns=optimizers).rename_axis(columns=None)

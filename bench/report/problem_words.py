@@ -17,9 +17,9 @@ NAMED = 5  # problems that a sentence names
 UNNAMED = "the problem itself"  # where an optimum is from whose problem does not say it
 
 
-def dimensions(known: Known) -> list[int]:
+def dimensions(facts: Known) -> list[int]:
     """Return the dimensions of the problems, as far as they are known, from small to large."""
-    return sorted({len(each.box) for each in known.values()} - {0})
+    return sorted({len(each.box) for each in facts.values()} - {0})
 
 
 def box_text(box: Mapping[str, tuple[float, float]]) -> str:
@@ -28,46 +28,46 @@ def box_text(box: Mapping[str, tuple[float, float]]) -> str:
     return "".join(f"[{low:g}, {high:g}]^d" for low, high in ends) if len(ends) == 1 else ""
 
 
-def boxes(known: Known) -> dict[str, str]:
+def boxes(facts: Known) -> dict[str, str]:
     """Return the problems of each box, in words: ``{"[-5, 5]^d": "the bbob problems"}``; "" of those without one."""
-    own = {label: each for label, each in known.items() if each.box}
-    return _grouped(own, lambda each: box_text(each.box), known)
+    boxed = {label: each for label, each in facts.items() if each.box}
+    return _grouped(boxed, lambda each: box_text(each.box), facts)
 
 
-def optima(known: Known) -> dict[str, str]:
+def optima(facts: Known) -> dict[str, str]:
     """Return the problems whose optimum is known, in words, by where it is from."""
-    own = {label: each for label, each in known.items() if each.optimum is not None}
-    return _grouped(own, lambda each: each.optimum_source or UNNAMED, known)
+    solved = {label: each for label, each in facts.items() if each.optimum is not None}
+    return _grouped(solved, lambda each: each.optimum_source or UNNAMED, facts)
 
 
-def measures(known: Known) -> dict[str, str]:
+def measures(facts: Known) -> dict[str, str]:
     """Return the problems that say what their objective value measures, in words, by what it is."""
-    return _grouped({label: each for label, each in known.items() if each.measure}, lambda each: each.measure, known)
+    return _grouped({label: each for label, each in facts.items() if each.measure}, lambda each: each.measure, facts)
 
 
-def sweeps(known: Known) -> dict[str, list[str]]:
+def sweeps(facts: Known) -> dict[str, list[str]]:
     """Return the problems, three or more, that are steps of one sweep, by its name."""
-    found: dict[str, list[str]] = {}
-    for label, each in known.items():
+    steps: dict[str, list[str]] = {}
+    for label, each in facts.items():
         if name := str(each.features.get("sweep", "")):
-            found.setdefault(name, []).append(label)
-    return {name: own for name, own in found.items() if len(own) > 2}
+            steps.setdefault(name, []).append(label)
+    return {name: labels for name, labels in steps.items() if len(labels) > 2}
 
 
-def problems_named(labels: Sequence[str], known: Known) -> str:
+def problems_named(labels: Sequence[str], facts: Known) -> str:
     """Return some of the problems in words: all of them, whole families by name, or one by one."""
-    if len(labels) == len(known):
-        return "the problem" if len(known) == 1 else "all problems"
+    if len(labels) == len(facts):
+        return "the problem" if len(facts) == 1 else "all problems"
     families: dict[str, list[str]] = {}
-    for label in known:
-        families.setdefault(_family(label, known), []).append(label)
-    whole = [name for name, own in families.items() if {*own} <= {*labels} and len(own) > 1]
+    for label in facts:
+        families.setdefault(_family(label, facts), []).append(label)
+    whole = [name for name, members in families.items() if {*members} <= {*labels} and len(members) > 1]
     if {*labels} == {label for name in whole for label in families[name]}:
         return f"the {listing(whole, at_most=NAMED)} problems"
     return listing(labels, at_most=NAMED)
 
 
-def problems_table(known: Known, members: Mapping[str, Sequence[str]]) -> Table:
+def problems_table(facts: Known, members: Mapping[str, Sequence[str]]) -> Table:
     """Return the table of the problems: dimension, instances, box, and optimum with its source; every bound as data.
 
     Args:
@@ -83,33 +83,33 @@ def problems_table(known: Known, members: Mapping[str, Sequence[str]]) -> Table:
             "optimum": each.optimum,
             "optimum from": (each.optimum_source or UNNAMED) if each.optimum is not None else MISSING,
         }
-        for label, each in known.items()
+        for label, each in facts.items()
     }
     shown = pd.DataFrame.from_dict(rows, orient="index").rename_axis("problem").astype({"d": "Int64"})
     if (shown["instances"] == 1).all():
         shown = shown.drop(columns="instances")
     bounds = [
         (label, name, low, high, each.optimum)
-        for label, each in known.items()
+        for label, each in facts.items()
         for name, (low, high) in (each.box or {"": (nan, nan)}).items()
     ]
     return Table(
         "problems",
-        f"The {count(len(known), 'problem')}: dimension d, bounds and optimum.",
+        f"The {count(len(facts), 'problem')}: dimension d, bounds and optimum.",
         shown,
         note="The CSV file has the bounds of every variable. The optimum of pooled instances is that of precisions.",
         data=pd.DataFrame(bounds, columns=["problem", "variable", "lower", "upper", "optimum"]),
     )
 
 
-def _family(label: str, known: Known) -> str:
-    return str(known[label].features.get("suite") or label.rpartition("-")[0] or label)
+def _family(label: str, facts: Known) -> str:
+    return str(facts[label].features.get("suite") or label.rpartition("-")[0] or label)
 
 
-def _grouped(own: Known, key: Callable[[ProblemFacts], str], known: Known) -> dict[str, str]:
+def _grouped(named: Known, key: Callable[[ProblemFacts], str], facts: Known) -> dict[str, str]:
     """Return which problems share a key, in words, the most frequent key first."""
     groups: dict[str, list[str]] = {}
-    for label, each in own.items():
+    for label, each in named.items():
         groups.setdefault(key(each), []).append(label)
     ordered = sorted(groups.items(), key=lambda each: -len(each[1]))
-    return {name: problems_named(labels, known) for name, labels in ordered}
+    return {name: problems_named(labels, facts) for name, labels in ordered}

@@ -70,15 +70,17 @@ def _functions(trials: Trials, problems: Iterable[str], optimizers: int) -> dict
     """Return the problem of each function and dimension of a suite whose map has a row a function; {} for any other."""
     if not trials.many:
         return {}
-    known = {label: trials.known[label].features for label in problems}
-    suites = {str(each.get("suite", "")) for each in known.values()}
+    features = {label: trials.known[label].features for label in problems}
+    suites = {str(each.get("suite", "")) for each in features.values()}
     places = {
         (f"{each.get('suite', '')} {each.get('function', '')}" if len(suites) > 1 else str(each.get("function", "")),
          trials.dimensions.get(label, 0)): label
-        for label, each in known.items()
+        for label, each in features.items()
     }  # fmt: skip
     dimensions = {dimension for _, dimension in places}
-    whole = len(places) == len(known) and all("function" in each for each in known.values()) and 0 not in dimensions
+    whole = (
+        len(places) == len(features) and all("function" in each for each in features.values()) and 0 not in dimensions
+    )
     fits = len(dimensions) > 1 and optimizers * len(dimensions) <= MOST_BLOCKS
     return places if whole and fits else {}
 
@@ -164,10 +166,10 @@ def _beside_first(final: Final) -> pd.DataFrame:
     pairs = pairs[pairs[["n_first", "n_second"]].min(axis=1) > 0]
     row = best.index.get_indexer(pd.Index(pairs["problem"]))
     first, second = (best.columns.get_indexer(pd.Index(pairs[name])) for name in ("first", "second"))
-    known = best.to_numpy()
-    near = known.copy()
+    first_ones = best.to_numpy()
+    near = first_ones.copy()
     for one, other in ((first, second), (second, first)):
-        beside = known[row, one]
+        beside = first_ones[row, one]
         near[row[beside], other[beside]] = True
     return pd.DataFrame(near, index=best.index, columns=best.columns)
 

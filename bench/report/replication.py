@@ -55,20 +55,20 @@ def replications(
         planned: trials of each optimizer on an instance, 0 where no plan is known.
     """
     stored = coverage[coverage["stored"] > 0]
-    instances = stored["problem"].astype(object).map({label: len(own) for label, own in members.items()})
+    instances = stored["problem"].astype(object).map({label: len(rows) for label, rows in members.items()})
     plans = set(planned.values())
     plan = plans.pop() if len(plans) == 1 else 0
-    found = [
-        Replication(own["problem"].nunique(), int(number), int(own["stored"].min()), int(own["stored"].max()), plan)
-        for number, own in stored.groupby(instances.astype(int))
+    cells = [
+        Replication(rows["problem"].nunique(), int(number), int(rows["stored"].min()), int(rows["stored"].max()), plan)
+        for number, rows in stored.groupby(instances.astype(int))
     ]
-    return sorted(found, key=lambda each: -each.problems)
+    return sorted(cells, key=lambda each: -each.problems)
 
 
-def each_problem(found: Sequence[Replication], noun: str = "trial", at_most: int = 0) -> str:
+def each_problem(cells: Sequence[Replication], noun: str = "trial", at_most: int = 0) -> str:
     """Return how many trials an optimizer has on a problem: ``"5 trials each"``, or by problem where that differs."""
-    if not found:
+    if not cells:
         return "no trial yet"
-    if len(found) == 1:
-        return f"{found[0].words(noun, at_most)} each"
-    return listing([f"{own.words(noun)} on each of {count(own.problems, 'problem')}" for own in found])
+    if len(cells) == 1:
+        return f"{cells[0].words(noun, at_most)} each"
+    return listing([f"{cell.words(noun)} on each of {count(cell.problems, 'problem')}" for cell in cells])

@@ -69,7 +69,7 @@ class TargetWords:
         return f"{self.unit} = {level:g}"
 
 
-def default_targets(known: Mapping[str, ProblemFacts], functions: list[str]) -> Targets:
+def default_targets(facts: Mapping[str, ProblemFacts], functions: list[str]) -> Targets:
     """Return the targets of a study that names none.
 
     Absolute precisions, where every problem is a function with a known optimum of a suite of the field, or of another
@@ -78,7 +78,7 @@ def default_targets(known: Mapping[str, ProblemFacts], functions: list[str]) -> 
     """
     usual = [
         each.optimum is not None and (label in functions or str(each.features.get("suite", "")).startswith(FIELD))
-        for label, each in known.items()
+        for label, each in facts.items()
     ]
     return "precisions" if usual and all(usual) else "relative"
 
@@ -102,8 +102,8 @@ def target_words(chosen: Targets) -> TargetWords:
     if chosen == "tolerance":
         levels = (2.0, 1.0, 0.5)
         return TargetWords(chosen, chosen, "tolerances", "tolerance", levels, 1.0, (4.0, *levels, 0.25))
-    own = precisions(chosen) or percentages(chosen)
-    levels, tabled = _spread(own, 3), _spread(own, TABLED)
+    levels_asked = precisions(chosen) or percentages(chosen)
+    levels, tabled = _spread(levels_asked, 3), _spread(levels_asked, TABLED)
     middle = levels[len(levels) // 2]
     if percentages(chosen):
         return TargetWords(chosen, "percentages", "share of the optimum", "percentages", levels, middle, tabled)
@@ -119,13 +119,13 @@ def meaning(words: TargetWords, known: list[bool]) -> str:
         if not any(known)
         else "the known optimum, or the lowest value found where the optimum is unknown or beaten"
     )
-    own = words.chosen if isinstance(words.chosen, list) else []
+    asked = words.chosen if isinstance(words.chosen, list) else []
     if words.kind == "precisions":
         which = (
-            f"{len(own)} precisions from {own[0]:g} to {own[-1]:g}"
-            if len(own) > 1
-            else f"the precision {own[0]:g}"
-            if own
+            f"{len(asked)} precisions from {asked[0]:g} to {asked[-1]:g}"
+            if len(asked) > 1
+            else f"the precision {asked[0]:g}"
+            if asked
             else "51 precisions from 1e2 to 1e-8, five a decade, as in COCO (Hansen et al. 2021)"
         )
         return f"The targets are {which}: the best value less {above}."
@@ -139,7 +139,7 @@ def meaning(words: TargetWords, known: list[bool]) -> str:
             "function needs slightly more evaluations than the budget, or fewer where 1e-8 is reached within it."
         )
     if words.kind == "percentages":
-        return f"The targets are values within {', '.join(map(str, own))} of {above}; a value of 0 has none."
+        return f"The targets are values within {', '.join(map(str, asked))} of {above}; a value of 0 has none."
     if words.kind == "quantiles":
         return (
             "The targets of a problem are quantiles of the best values of all its trials, from 0.95 to 0.05: that of "
@@ -152,8 +152,8 @@ def meaning(words: TargetWords, known: list[bool]) -> str:
     )
 
 
-def _spread(own: list[float], most: int) -> tuple[float, ...]:
+def _spread(targets: list[float], most: int) -> tuple[float, ...]:
     """Return at most that many of the targets, the first and the last among them."""
-    if len(own) <= most:
-        return tuple(own)
-    return tuple(own[i] for i in np.linspace(0, len(own) - 1, most).round().astype(int))
+    if len(targets) <= most:
+        return tuple(targets)
+    return tuple(targets[i] for i in np.linspace(0, len(targets) - 1, most).round().astype(int))

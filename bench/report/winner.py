@@ -86,7 +86,7 @@ class Standing:
         matched: what controls under equal conditions would cost, or where they are; "" where nothing differs.
         differing: the leader of each dimension in which another one leads, in words; "" where there is none.
         size: by how much the leader is lower than the second in rank, in the objective's unit or in evaluations.
-        found: the share of each optimizer's trials that came near the best known value; empty where unknown.
+        near_shares: the share of each optimizer's trials that came near the best known value; empty where unknown.
         near: what that means, in words.
         course: who has the lowest mean rank at smaller budgets, :class:`Stage` by stage, the full budget last.
         unit: of the stages, "evaluations" or "of the budget".
@@ -106,7 +106,7 @@ class Standing:
     matched: str = ""
     differing: str = ""
     size: str = ""
-    found: pd.Series[float] = field(default_factory=lambda: pd.Series(dtype=float))
+    near_shares: pd.Series[float] = field(default_factory=lambda: pd.Series(dtype=float))
     near: str = ""
     course: Sequence[Stage] = ()
     unit: str = "evaluations"
@@ -120,9 +120,9 @@ class Standing:
 
     def row(self, optimizer: str) -> dict[str, Any]:
         """Return the row of an optimizer in the ranking."""
-        own = self.ranking[self.ranking["optimizer"] == optimizer].iloc[0]
-        counts = {name: int(own[name]) for name in ("first", "separable", "worse")}
-        return {str(name): value for name, value in own.items()} | counts
+        ranked = self.ranking[self.ranking["optimizer"] == optimizer].iloc[0]
+        counts = {name: int(ranked[name]) for name in ("first", "separable", "worse")}
+        return {str(name): value for name, value in ranked.items()} | counts
 
     @property
     def ordered(self) -> list[str]:
@@ -159,170 +159,172 @@ class Standing:
         return "" if self.open or len(self.level) > 1 else self.ordered[0]
 
 
-def verdict(known: Standing) -> Conclusion:
+def verdict(standing: Standing) -> Conclusion:
     """Return what may be claimed: of one problem and of many, of ties, of failures, of too few trials for a test."""
-    if len(known.level) == len(known.ranking):
-        headline = f"No optimizer leads at {known.budget}: all have the same mean rank {_over(known)}."
-        return Conclusion(headline, _lines(Where=_split(known)), False)
-    leader = known.ordered[0]
-    alone = len(known.level) == 1  # where several share the lead, numbers of one of them would single it out
-    testable = bool(known.levels.problems or known.levels.across)
+    if len(standing.level) == len(standing.ranking):
+        headline = f"No optimizer leads at {standing.budget}: all have the same mean rank {_over(standing)}."
+        return Conclusion(headline, _lines(Where=_split(standing)), False)
+    leader = standing.ordered[0]
+    alone = len(standing.level) == 1  # where several share the lead, numbers of one of them would single it out
+    testable = bool(standing.levels.problems or standing.levels.across)
     lines = _lines(
-        Where=_where(known, leader),
-        By_how_much=_effect(known, leader) if alone else "",
-        How_sure=_sure(known, leader),
-        At_what_budget=_course(known, leader) if alone and testable else "",
+        Where=_where(standing, leader),
+        By_how_much=_effect(standing, leader) if alone else "",
+        How_sure=_sure(standing, leader),
+        At_what_budget=_course(standing, leader) if alone and testable else "",
     )
-    return Conclusion(_headline(known, leader), lines, bool(known.leads) and not known.conditions)
+    return Conclusion(_headline(standing, leader), lines, bool(standing.leads) and not standing.conditions)
 
 
 def _lines(**texts: str) -> tuple[tuple[str, str], ...]:
     return tuple((label.replace("_", " "), text) for label, text in texts.items() if text)
 
 
-def _split(known: Standing) -> str:
+def _split(standing: Standing) -> str:
     """Return who is separably lower than every rival on some problems, though others are so on as many; else ""."""
-    parts = [f"{each} on {number}" for each in known.ordered if (number := known.row(each)["separable"])]
+    parts = [f"{each} on {number}" for each in standing.ordered if (number := standing.row(each)["separable"])]
     return f"Problems differ: separably lower than every rival is {listing(parts)}." if parts else ""
 
 
-def _over(known: Standing) -> str:
-    return f"on {known.problem}" if known.problem else f"over {known.problems} problems"
+def _over(standing: Standing) -> str:
+    return f"on {standing.problem}" if standing.problem else f"over {standing.problems} problems"
 
 
-def _headline(known: Standing, leader: str) -> str:
+def _headline(standing: Standing, leader: str) -> str:
     """Return who leads, or that nobody is shown to; conditions that differ come before the verb."""
-    under = f"Under different conditions ({known.conditions}), " if known.conditions else ""
-    if known.leads:
-        where = f"on {known.problem} " if known.problem else ""
+    under = f"Under different conditions ({standing.conditions}), " if standing.conditions else ""
+    if standing.leads:
+        where = f"on {standing.problem} " if standing.problem else ""
         if not under:
-            return f"{leader} is best {where}at {known.budget}: {_shown(known, leader)}."
-        return f"{under}{leader} ends lowest {where}at {known.budget}: {_shown(known, leader)}."
-    if len(known.level) > 1:
-        lead = f"{listing(known.level, NAMED)} share the lowest mean rank {_over(known)}"
-    elif known.problem:
-        lead = f"{leader} ranks first on {known.problem}"
+            return f"{leader} is best {where}at {standing.budget}: {_shown(standing, leader)}."
+        return f"{under}{leader} ends lowest {where}at {standing.budget}: {_shown(standing, leader)}."
+    if len(standing.level) > 1:
+        lead = f"{listing(standing.level, NAMED)} share the lowest mean rank {_over(standing)}"
+    elif standing.problem:
+        lead = f"{leader} ranks first on {standing.problem}"
     else:
-        lead = f"{leader} has the lowest mean rank {_over(known)}"
-    if not (known.levels.problems or known.levels.across):
-        few = f"{known.trials} a cell" + ("" if known.problem else f" on {count(known.blocks, 'independent problem')}")
+        lead = f"{leader} has the lowest mean rank {_over(standing)}"
+    if not (standing.levels.problems or standing.levels.across):
+        few = f"{standing.trials} a cell" + (
+            "" if standing.problem else f" on {count(standing.blocks, 'independent problem')}"
+        )
         return (
-            f"No winner can be named at {known.budget}: with {few} no test can be significant. {under}{lead}, which "
+            f"No winner can be named at {standing.budget}: with {few} no test can be significant. {under}{lead}, which "
             "may be chance."
         )
-    start = f"No single winner at {known.budget}: {under[:1].lower()}{under[1:]}{lead}"
-    if len(known.level) > 1:
+    start = f"No single winner at {standing.budget}: {under[:1].lower()}{under[1:]}{lead}"
+    if len(standing.level) > 1:
         return f"{start}."
-    return f"{start}, but is not shown to be lower than {listing(known.open, NAMED)}."
+    return f"{start}, but is not shown to be lower than {listing(standing.open, NAMED)}."
 
 
-def _shown(known: Standing, leader: str) -> str:
+def _shown(standing: Standing, leader: str) -> str:
     """Return what shows that the leader is lower than every rival."""
-    rivals = known.ordered[1:]
+    rivals = standing.ordered[1:]
     every = rivals[0] if len(rivals) == 1 else f"all {len(rivals)} others"
-    if known.problem:
+    if standing.problem:
         return f"its results are separably lower than those of {every}"
     texts = []
-    if all(known.lower_on_most(leader, each) for each in rivals):
-        number, problems = known.row(leader)["separable"], count(known.problems, "problem")
+    if all(standing.lower_on_most(leader, each) for each in rivals):
+        number, problems = standing.row(leader)["separable"], count(standing.problems, "problem")
         texts.append(
             f"separably lower than {every} on {number} of {problems}"
-            if 2 * number > known.problems
+            if 2 * number > standing.problems
             else f"separably lower than each other optimizer on more than half of {problems}"
         )
-    if all(known.across[leader, each].lower for each in rivals):
-        most = max(known.across[leader, each].p for each in rivals)
+    if all(standing.across[leader, each].lower for each in rivals):
+        most = max(standing.across[leader, each].p for each in rivals)
         p, which = (p_text(most), "") if len(rivals) == 1 else (p_text(most).replace("=", "≤"), " against each")
-        over = "across problems" if known.levels.further else f"in the mean over these {known.problems} problems"
+        over = "across problems" if standing.levels.further else f"in the mean over these {standing.problems} problems"
         texts.append(f"lower than {every} {over} ({p}{which})")
     return ", and ".join(texts)
 
 
-def _where(known: Standing, leader: str) -> str:
+def _where(standing: Standing, leader: str) -> str:
     """Return on how many problems the leader is first, and where another one is lower."""
-    if known.problem:
+    if standing.problem:
         return "This holds for this problem only."
-    row, parts = known.row(leader), []
-    if len(known.level) == 1:
-        parts.append(f"ranked first on {row['first']} of {known.problems}")
-    if known.levels.problems:
-        rivals = known.ordered[1:]
-        if not known.leads:
-            own = [f"{each} {known.beaten.get((leader, each), 0)}" for each in rivals[:NAMED]]
-            parts.append(f"separably lower than {listing(own)}")
-        elif not all(known.lower_on_most(leader, each) for each in rivals):
+    row, parts = standing.row(leader), []
+    if len(standing.level) == 1:
+        parts.append(f"ranked first on {row['first']} of {standing.problems}")
+    if standing.levels.problems:
+        rivals = standing.ordered[1:]
+        if not standing.leads:
+            counts = [f"{each} {standing.beaten.get((leader, each), 0)}" for each in rivals[:NAMED]]
+            parts.append(f"separably lower than {listing(counts)}")
+        elif not all(standing.lower_on_most(leader, each) for each in rivals):
             parts.append(f"separably lower than every rival on {row['separable']}")
         parts.append(
             f"a rival is separably lower on {row['worse']}" if row["worse"] else "no rival is separably lower on any"
         )
     text = f"{leader}: {'; '.join(parts)}." if parts else ""
-    return " ".join(filter(None, (text, known.differing)))
+    return " ".join(filter(None, (text, standing.differing)))
 
 
-def _effect(known: Standing, leader: str) -> str:
+def _effect(standing: Standing, leader: str) -> str:
     """Return by how much the leader is lower than the second in rank."""
-    second = known.ordered[1]
-    pair = known.across[leader, second]
+    second = standing.ordered[1]
+    pair = standing.across[leader, second]
     if math.isnan(pair.chance) or math.isnan(pair.low):
         return ""
-    ranks = known.ranking.set_index("optimizer")["mean_rank"]
-    beside = [each for each in known.ordered[2:] if ranks[each] <= ranks[second] + TIED]
+    ranks = standing.ranking.set_index("optimizer")["mean_rank"]
+    beside = [each for each in standing.ordered[2:] if ranks[each] <= ranks[second] + TIED]
     place = f", which shares the second rank with {listing(beside, NAMED)}," if beside else ", the second in rank,"
-    place = "" if len(known.ranking) == 2 else place
+    place = "" if len(standing.ranking) == 2 else place
     shown = f"{pair.chance:.2f} [{pair.low:.2f}, {pair.high:.2f}]"
     if not math.isnan(pair.further[0]):
         shown += f" on these problems, [{pair.further[0]:.2f}, {pair.further[1]:.2f}] on further ones like them"
     text = f"A run of {leader} beats a run of {second}{place} with probability {shown}."
-    return " ".join(filter(None, (text, known.size, _found(known, leader))))
+    return " ".join(filter(None, (text, standing.size, _near(standing, leader))))
 
 
-def _sure(known: Standing, leader: str) -> str:
+def _sure(standing: Standing, leader: str) -> str:
     """Return what the claim does not cover, and the interval of the leader's mean rank."""
     parts = []
-    row = known.row(leader)
-    if not known.problem and len(known.level) == 1:
+    row = standing.row(leader)
+    if not standing.problem and len(standing.level) == 1:
         interval = "" if pd.isna(row["rank_low"]) else f" [{row['rank_low']:.2f}, {row['rank_high']:.2f}]"
-        parts.append(f"Mean rank {row['mean_rank']:.2f}{interval} of {len(known.ranking)}.")
-    if known.sweep:
-        parts.append(known.sweep)
-    elif not known.problem and not (known.levels.further and known.levels.across):
-        few = f"{count(known.blocks, 'independent problem')} {'is' if known.blocks == 1 else 'are'} too few"
-        parts.append(f"This holds for these {known.problems} problems only: {few} for a test of others.")
-    if not known.problem and not known.levels.problems and known.levels.across:
-        parts.append(f"With {known.trials} a cell nothing is tested on single problems.")
-    if known.conditions:
-        parts.append(f"The lead may come from the conditions. {known.matched}".strip())
+        parts.append(f"Mean rank {row['mean_rank']:.2f}{interval} of {len(standing.ranking)}.")
+    if standing.sweep:
+        parts.append(standing.sweep)
+    elif not standing.problem and not (standing.levels.further and standing.levels.across):
+        few = f"{count(standing.blocks, 'independent problem')} {'is' if standing.blocks == 1 else 'are'} too few"
+        parts.append(f"This holds for these {standing.problems} problems only: {few} for a test of others.")
+    if not standing.problem and not standing.levels.problems and standing.levels.across:
+        parts.append(f"With {standing.trials} a cell nothing is tested on single problems.")
+    if standing.conditions:
+        parts.append(f"The lead may come from the conditions. {standing.matched}".strip())
     return " ".join(parts)
 
 
-def _found(known: Standing, leader: str) -> str:
+def _near(standing: Standing, leader: str) -> str:
     """Return the share of runs that came near the best known value, with that of the best rival."""
-    if known.found.empty or not known.found.max() > 0:
+    if standing.near_shares.empty or not standing.near_shares.max() > 0:
         return ""
-    others = known.found.drop(leader)
-    best, most, own = str(others.idxmax()), float(others.max()), float(known.found[leader])
-    if not own:
-        return f"None of its runs comes {known.near}, but {percent(most)} of {best}’s do."
+    others = standing.near_shares.drop(leader)
+    best, most, share = str(others.idxmax()), float(others.max()), float(standing.near_shares[leader])
+    if not share:
+        return f"None of its runs comes {standing.near}, but {percent(most)} of {best}’s do."
     rest = f"{best} {percent(most)}" if most > 0 else "no other run does"
-    return f"{percent(own)} of its runs come {known.near} ({rest})."
+    return f"{percent(share)} of its runs come {standing.near} ({rest})."
 
 
-def _course(known: Standing, leader: str) -> str:
+def _course(standing: Standing, leader: str) -> str:
     """Return who has a lower mean rank than the leader at which smaller budgets, and who is faster by the clock."""
-    return " ".join(filter(None, (_stages(known, leader), known.clock)))
+    return " ".join(filter(None, (_stages(standing, leader), standing.clock)))
 
 
-def _stages(known: Standing, leader: str) -> str:
-    if not known.course or leader not in known.course[-1].lowest:
+def _stages(standing: Standing, leader: str) -> str:
+    if not standing.course or leader not in standing.course[-1].lowest:
         return ""
     spells = []
-    for lowest, own in groupby(known.course, lambda stage: (leader,) if leader in stage.lowest else stage.lowest):
-        spent = [stage.spent for stage in own]
+    for lowest, spell in groupby(standing.course, lambda stage: (leader,) if leader in stage.lowest else stage.lowest):
+        spent = [stage.spent for stage in spell]
         if leader not in lowest:
             when = f"at {spent[0]}" if len(spent) == 1 else f"from {spent[0]} to {spent[-1]}"
             spells.append(f"{listing(lowest, NAMED)} {when}")
     if not spells:
-        first = known.course[0].spent
-        unit = "evaluation" if (first, known.unit) == ("1", "evaluations") else known.unit
+        first = standing.course[0].spent
+        unit = "evaluation" if (first, standing.unit) == ("1", "evaluations") else standing.unit
         return f"From {first} {unit} on, no other has a lower mean rank."
-    return f"At smaller budgets the lowest mean rank is that of {listing(spells)} {known.unit}."
+    return f"At smaller budgets the lowest mean rank is that of {listing(spells)} {standing.unit}."

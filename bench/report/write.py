@@ -123,10 +123,10 @@ def _collector_at_rest() -> Iterator[None]:
 
 
 def _folder(results: Results, output: Path | None) -> Path:
-    own = results.paths
+    paths = results.paths
     if output is None:
-        return own[0] if len(own) == 1 else COMPARISONS / "-".join(map(file_name, results.names))
-    if len(own) == 1 and output.resolve() == own[0].resolve():
+        return paths[0] if len(paths) == 1 else COMPARISONS / "-".join(map(file_name, results.names))
+    if len(paths) == 1 and output.resolve() == paths[0].resolve():
         return output
     if (output / "study.toml").exists():
         raise BenchError(f"{output} is the folder of a study, whose own report would be lost; give another --output")
@@ -177,8 +177,8 @@ class _Report:
             f"{study.budget_words} a trial."
         )
         further = interactive(self.findings)
-        found = answer(self.findings, opening[0]) if opening[0] is not None else {}
-        self.save(NOTE, json.dumps(found, ensure_ascii=False, indent=1), "The answer in a few lines, as JSON.")
+        noted = answer(self.findings, opening[0]) if opening[0] is not None else {}
+        self.save(NOTE, json.dumps(noted, ensure_ascii=False, indent=1), "The answer in a few lines, as JSON.")
         html = render(study.title or study.name, lead, self.views, self.problems, further)
         page = self.save(PAGE, html, "This page.")
         self.clean()

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import os
-import select
 import socket
 import struct
 from array import array
 from collections.abc import Sequence
-from contextlib import suppress
 from time import monotonic
 
 LONGEST = 1 << 26
@@ -33,7 +31,6 @@ class Channel:
     """
 
     def __init__(self, end: socket.socket, *, takes_files: bool = False) -> None:
-        end.setblocking(False)
         self._end, self._takes_files = end, takes_files
         self._arrived = bytearray()
         self.files: list[int] = []  # that came with messages and have not been taken
@@ -49,15 +46,13 @@ class Channel:
     def send(self, number: int, payload: bytes, files: Sequence[int] = (), seconds: float | None = None) -> None:
         """Send a message; raises BrokenChannelError, also where the other side does not take it for ``seconds``."""
         message = memoryview(_HEAD.pack(number, len(payload)) + payload)
-        until = None if seconds is None else monotonic() + seconds
         try:
+            self._end.settimeout(seconds)
             if files:
                 message = message[socket.send_fds(self._end, [message], list(files)) :]
-            while message:
-                with suppress(BlockingIOError):
-                    message = message[self._end.send(message) :]
-                if message and not self._wait(select.POLLOUT, until):
-                    raise BrokenChannelError("the other side takes no message")
+            self._end.sendall(message)
+        except TimeoutError as error:
+            raise BrokenChannelError("the other side takes no message") from error
         except OSError as error:
             raise BrokenChannelError(str(error)) from error
 
@@ -68,11 +63,21 @@ class Channel:
             BrokenChannelError: at the end of the channel, and for a message of more than ``LONGEST`` bytes.
         """
         until = None if seconds is None else monotonic() + seconds
-        late = False
+        left = seconds
         while (message := self._whole()) is None:
-            if late or not self._read(until):
+            if left is not None and left < 0:  # though more may be arriving
                 return None
-            late = until is not None and monotonic() >= until  # though more may be arriving
+            try:
+                self._end.settimeout(left)
+                chunk = self._read_with_files() if self._takes_files else self._end.recv(_CHUNK)
+            except (TimeoutError, BlockingIOError):
+                return None
+            except OSError as error:
+                raise BrokenChannelError(str(error)) from error
+            if not chunk:
+                raise BrokenChannelError("the other side has ended")
+            self._arrived += chunk
+            left = None if until is None else until - monotonic()
         return message
 
     def _whole(self) -> tuple[int, bytes] | None:
@@ -88,27 +93,6 @@ class Channel:
         payload = bytes(self._arrived[_HEAD.size : whole])
         del self._arrived[:whole]
         return number, payload
-
-    def _read(self, until: float | None) -> bool:
-        """Append what arrives before ``until``; return whether anything did."""
-        try:
-            if not self._wait(select.POLLIN, until):
-                return False
-            chunk = self._read_with_files() if self._takes_files else self._end.recv(_CHUNK)
-        except BlockingIOError:
-            return True
-        except OSError as error:
-            raise BrokenChannelError(str(error)) from error
-        if not chunk:
-            raise BrokenChannelError("the other side has ended")
-        self._arrived += chunk
-        return True
-
-    def _wait(self, event: int, until: float | None) -> bool:
-        """Wait until the socket is ready to read or to write; return whether it is."""
-        poll = select.poll()
-        poll.register(self._end, event)
-        return bool(poll.poll(None if until is None else max(0.0, 1e3 * (until - monotonic()))))
 
     def _read_with_files(self) -> bytes:
         chunk, beside, _, _ = self._end.recvmsg(_CHUNK, socket.CMSG_SPACE(_FILES * array("i").itemsize))

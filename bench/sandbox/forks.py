@@ -42,14 +42,14 @@ class ForkServer:
 
         Limits and errors are those of :meth:`bench.sandbox.process.Process.call`; after one the call is forgotten.
         """
-        process = self._held()
-        try:
-            answer = process.call(function, *arguments, **limits)
-        except BaseException:
-            self.close()
-            raise
+        answer = self._held().call(function, *arguments, **limits)
         self._calls.append((function, arguments, limits))
         return answer
+
+    def ensure(self, function: Callable[..., Any], *arguments: Any, **limits: Any) -> None:
+        """Make a call as :meth:`call` does, unless the processes that come from here have made it already."""
+        if not any((function, arguments) == call[:2] for call in self._calls):
+            self.call(function, *arguments, **limits)
 
     def branch(self, *, apart: bool = False) -> ForkServer:
         """Return a fork server that begins with the same calls; raises what :meth:`process` raises.
@@ -95,12 +95,8 @@ class ForkServer:
             self._process = process = self._started.add(
                 lambda: Process(self._hash_seed, forks=self.forks, sandbox=self._sandbox)
             )
-            try:
-                for function, arguments, limits in self._calls:
-                    process.call(function, *arguments, **limits)
-            except BaseException:
-                self.close()
-                raise
+            for function, arguments, limits in self._calls:
+                process.call(function, *arguments, **limits)
         return self._process
 
 

@@ -19,7 +19,7 @@ _DUMPABLE = 4  # linux/prctl.h
 _CAPABILITIES = 0x20080522  # the version of the sets in linux/capability.h
 
 
-def enter(fork: Any = os.fork) -> int:
+def enter(fork: Any) -> int:
     """Move to new namespaces without any privilege there; return 0 in a new process, which is their first.
 
     In this process, which stays outside of the new list of processes, return the other one's number.
@@ -54,4 +54,4 @@ def _checked(result: int) -> None:
 
 
 if __name__ == "__main__":  # whether processes can have namespaces of their own here
-    sys.exit(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) if (pid := enter()) else 0)
+    sys.exit(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) if (pid := enter(os.fork)) else 0)

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Hashable, Iterator, Sequence
-from concurrent.futures import Future
-from contextlib import ExitStack, contextmanager, suppress
-from queue import Empty, SimpleQueue
+from collections.abc import Callable, Hashable
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from queue import SimpleQueue
 from types import TracebackType
 from typing import Any
 
-from joblib import Parallel, cpu_count, delayed
+from joblib import cpu_count
 
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import LostError, Process, RemoteError
-from bench.sandbox.signals import signals_delayed
 
 LOADING = 300.0  # seconds for a process to load the modules that it needs
 
@@ -22,24 +20,6 @@ LOADING = 300.0  # seconds for a process to load the modules that it needs
 def number(jobs: int) -> int:
     """Return the number of jobs that is meant, where -1 is one for each core."""
     return int(cpu_count()) if jobs == -1 else jobs
-
-
-@contextmanager
-def side_by_side(loops: Sequence[Callable[[], None]], end: Callable[[], None]) -> Iterator[None]:
-    """Run functions in threads of their own, which ``end`` has return; they have returned when the context ends."""
-    # Of threads that a second interrupt cuts off; joblib may print it whenever it drops them.
-    warnings.filterwarnings(
-        "ignore", "[0-9]+ tasks (have been successfully executed|which were still being processed)", UserWarning
-    )
-    with signals_delayed():  # an interrupt while joblib starts threads would leave it in an undefined state
-        # With one job joblib would take no thread.
-        parallel = Parallel(n_jobs=max(2, len(loops)), backend="threading", return_as="generator_unordered")
-        threads = parallel(delayed(each)() for each in loops)
-    try:
-        yield
-    finally:
-        end()
-        list(threads)
 
 
 class Pool:
@@ -51,12 +31,11 @@ class Pool:
     """
 
     def __init__(self, jobs: int, ready: Callable[[], None]) -> None:
-        self._ready = ready
-        self._waiting: SimpleQueue[_Call | None] = SimpleQueue()
-        self._servers = [ForkServer() for _ in range(number(jobs))]
-        self._closing = ExitStack()
-        loops = [lambda each=each: self._work(each) for each in self._servers]
-        self._closing.enter_context(side_by_side(loops, self._end))
+        self._workers = [_Worker(ready) for _ in range(number(jobs))]
+        self._idle: SimpleQueue[_Worker] = SimpleQueue()
+        for each in self._workers:
+            self._idle.put(each)
+        self._threads = ThreadPoolExecutor(len(self._workers))
 
     def __enter__(self) -> Pool:
         return self
@@ -76,52 +55,40 @@ class Pool:
 
         A process calls functions of one group only, and is replaced after any error.
         """
-        call = _Call(group, function, arguments, {"seconds": seconds, "printed": printed})
-        self._waiting.put(call)
-        return call.future
+        return self._threads.submit(self._call, group, function, *arguments, seconds=seconds, printed=printed)
 
     def close(self) -> None:
         """End all processes; calls that have not begun are cancelled, the others end with an error."""
-        self._closing.close()
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        for each in self._workers:
+            each.server.kill()
+        self._threads.shutdown()
 
-    def _end(self) -> None:
-        with suppress(Empty):
-            while True:
-                if call := self._waiting.get_nowait():
-                    call.future.cancel()
-        for each in self._servers:
-            self._waiting.put(None)
-            each.kill()
-
-    def _work(self, server: ForkServer) -> None:
-        """Make calls until there is a None; the fork server runs no plug-in, its processes those of one group."""
-        process, group, ready = None, None, False
-        while call := self._waiting.get():
-            if not call.future.set_running_or_notify_cancel():
-                continue
-            try:
-                if not ready:
-                    server.call(self._ready, seconds=LOADING)
-                    ready = True
-                if process is None or group != call.group:
-                    _close(process)
-                    process, group = server.process(), call.group
-                call.future.set_result(process.call(call.function, *call.arguments, **call.limits))
-            except BaseException as error:
-                _close(process)
-                process = None
-                if isinstance(error, LostError):  # no other error says anything of the process that it was forked from
-                    server.close()
-                call.future.set_exception(error)
+    def _call(self, *call: Any, **limits: Any) -> Any:
+        worker = self._idle.get()  # there is one for each thread
+        try:
+            return worker.call(*call, **limits)
+        finally:
+            self._idle.put(worker)
 
 
-class _Call:
-    def __init__(self, group: Hashable, function: Callable[..., Any], arguments: tuple[Any, ...], limits: Any) -> None:
-        self.group, self.function, self.arguments, self.limits = group, function, arguments, limits
-        self.future: Future[Any] = Future()
+class _Worker:
+    """Makes calls one at a time; its fork server runs no plug-in, its process those of one group."""
 
+    def __init__(self, ready: Callable[[], None]) -> None:
+        self.server, self._ready = ForkServer(), ready
+        self._process: Process | None = None
+        self._group: Hashable = None
 
-def _close(process: Process | None) -> None:
-    with suppress(LostError, RemoteError):  # what it was forked from has ended, and it with that
-        if process is not None:
-            process.close()
+    def call(self, group: Hashable, function: Callable[..., Any], *arguments: Any, **limits: Any) -> Any:
+        try:
+            self.server.ensure(self._ready, seconds=LOADING)
+            if self._process is None or self._process.closed or group != self._group:
+                with suppress(LostError, RemoteError):  # what it was forked from has ended, and it with that
+                    if self._process is not None:
+                        self._process.close()
+                self._process, self._group = self.server.process(), group
+            return self._process.call(function, *arguments, **limits)
+        except LostError:  # no other error says anything of the process that it was forked from
+            self.server.close()
+            raise

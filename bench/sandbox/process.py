@@ -186,7 +186,7 @@ class Process:
     ) -> Any:
         """Call a function of an importable module in the process and return its answer, of which JSON is made.
 
-        The arguments are pickled; the answer is not. After any error but a RemoteError the process is ended.
+        The arguments are pickled; the answer is not. After any error the process is ended.
 
         Args:
             function: what to call.
@@ -249,6 +249,7 @@ class Process:
                     self._check_printed(printed)
                     return value
                 if kind == "error":
+                    self.close()
                     raise RemoteError(str(value))
                 self.note = value
                 until = min(end, now + (inf if silence is None else silence))
@@ -262,7 +263,12 @@ class Process:
                 look = monotonic() + _LOOK
 
     def close(self) -> None:
-        """End the process and all that it started, its copies included."""
+        """End the process and all that it started, its copies included.
+
+        Raises:
+            LostError: when the process that it was forked from, and that ends it, has ended or does not answer.
+            RemoteError: when plug-in code answers in the place of that one.
+        """
         try:
             self._end()
         finally:
@@ -323,7 +329,7 @@ class Process:
         self._number += 1
         message = None
         if not self._lost:
-            with suppress(BrokenChannelError, ValueError):  # ValueError: it was closed before
+            with suppress(BrokenChannelError):
                 self._channel.send(self._number, pickle.dumps((request, *arguments)), files, _ANSWER)
                 message = self._channel.receive(_ANSWER)
         if message is None:
@@ -339,10 +345,10 @@ class Process:
 
     def _end(self, seconds: float = 0.0) -> int | None:
         """End the process; return its exit code, None where it did not end by itself within ``seconds``."""
-        if self._closed:
-            return None
-        self._closed = True
+        ended, self._closed = self.closed, True
         try:
+            if ended:
+                return None
             if self._original is not None:
                 return self._original._request("end", self._pid, seconds)
             return self._end_process(seconds)

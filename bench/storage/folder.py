@@ -95,15 +95,16 @@ class Folder:
         return max((each for each in noted if isinstance(each, int)), default=0)
 
     def claim(self, study: Study) -> Study:
-        """Freeze ``study`` in the folder, which must be locked, and return the frozen study as later runs read it.
+        """Freeze ``study`` in the folder, which must be locked, and return the frozen study.
 
         A folder of the same study is continued; more trials or controls than before extend it, fewer do not shrink it.
 
         Raises:
             BenchError: when the folder holds another study or cannot be written.
         """
-        self._write(STUDY, self.extended(study).to_toml())
-        return self.study()
+        frozen = self.extended(study)
+        self._write(STUDY, frozen.to_toml())
+        return frozen
 
     def fingerprints(self) -> Fingerprints:
         """Return the fingerprints of the data and the code that trials were made with, as the store notes them."""

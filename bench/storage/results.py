@@ -88,22 +88,14 @@ class Results:
         self._sources = _sources([Folder(each) for each in (path, *others)])
         self.names = [source.name for source in self._sources]
         self.study = united([source.study for source in self._sources], self.names)
-        self.budgets = {entry.label: each.study.budget for each in self._sources for entry in each.study.optimizers}
+        own = {entry.label: (entry.name, each) for each in self._sources for entry in each.study.optimizers}
+        self.budgets = {label: each.study.budget for label, (_, each) in own.items()}
         self.looked = [source.name for source in self._sources if source.study.looks and others]
         self.planned = {
-            entry.label: 0
-            if is_imported(entry.name)
-            else each.study.looks[0]
-            if each.name in self.looked
-            else each.study.trials
-            for each in self._sources
-            for entry in each.study.optimizers
+            label: 0 if is_imported(name) else each.study.looks[0] if each.name in self.looked else each.study.trials
+            for label, (name, each) in own.items()
         }
-        self._planned_problems = {
-            entry.label: {problem.label for problem in each.study.problems}
-            for each in self._sources
-            for entry in each.study.optimizers
-        }
+        self._problems = {label: {entry.label for entry in each.study.problems} for label, (_, each) in own.items()}
         self.differences = differences([source.study for source in self._sources], self.names)
         self.environments = [record for source in self._sources for record in source.environments]
         self.fingerprints = _agreed([source.folder.fingerprints().data for source in self._sources], self.paths)
@@ -236,7 +228,7 @@ class Results:
 
     def planned_on(self, optimizer: str, problems: Iterable[str]) -> int:
         """Return the trials that an optimizer should have on these problems in all; 0 where no plan is known."""
-        return self.planned[optimizer] * sum(label in self._planned_problems[optimizer] for label in problems)
+        return self.planned[optimizer] * sum(label in self._problems[optimizer] for label in problems)
 
     def dimension(self, label: str) -> int:
         """Return the number of search variables of a problem, as it loads or by its name; 0 where neither shows it."""

@@ -7,10 +7,10 @@ import hashlib
 import json
 import os
 import re
-import shlex
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,45 +19,29 @@ import tomli_w
 from bench.errors import BenchError, nearest
 from bench.helpers.parsing import parse_toml, read_text
 from bench.helpers.text import html_table, listed
-from bench.numbers import MOST_TRIALS, require_seed, require_whole
+from bench.numbers import LARGEST_SEED, MOST_TRIALS, require_whole
 from bench.optimizer import Optimizer
-from bench.plugins import loading, registry, selection
+from bench.plugins import loading, registry
 from bench.problem import Problem
 from bench.scoring import constraints as handlings
 from bench.scoring import scored
 from bench.seeds import trial_seed
 from bench.study import budget as budgets
+from bench.study import entries, tuned
 from bench.study import looks as declared
 from bench.study import rope as ropes
 from bench.study import targets as target_kinds
-from bench.study import tuned
 from bench.study.budget import Budget
+from bench.study.entries import Entry
 from bench.study.looks import Looks
 from bench.study.rope import Rope
-from bench.study.sweep import Sweep, expanded, sweeps
+from bench.study.sweep import Sweep, sweeps
 from bench.study.targets import NO_METRIC, Targets
 from bench.study.tuned import Tuning
 from bench.trial import Trial
 
-LONGEST_LABEL = 200
-"""Characters of the label of a problem or an optimizer."""
-
 LONGEST_TITLE = 1000
 """Characters of the title of a study."""
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A problem or an optimizer of a study: its plug-in name, its label in results, and its options."""
-
-    name: str
-    label: str
-    options: dict[str, Any] = field(default_factory=dict)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the entry as a table of a study file."""
-        label = {} if self.label == self.name else {"label": self.label}
-        return {"name": self.name, **label, **self.options}
 
 
 class Fingerprints(NamedTuple):
@@ -149,7 +133,7 @@ class Study:
                 "as it names a folder"
             )
         keys = ("problems", "optimizers", *(["controls"] if "controls" in data else []))
-        lists = {key: _entries(data.get(key), key, where) for key in keys}
+        lists = {key: entries.read_entries(data.get(key), key, where) for key in keys}
         study = cls(**data | lists)
         if not study.title.isprintable():
             raise BenchError(f"study {where}: the title holds a control character or a line break")
@@ -157,7 +141,7 @@ class Study:
             raise BenchError(
                 f"study {where}: the title has {len(study.title):,} characters, more than {LONGEST_TITLE:,}"
             )
-        _refuse_duplicates(study.with_controls, "optimizers and controls", where)
+        entries.refuse_duplicates(study.with_controls, "optimizers and controls", where)
         study._require_apart(f"study {where}")
         study.check_looks(f"study {where}: ")
         return study
@@ -209,11 +193,11 @@ class Study:
         """Return a copy with more optimizers and problems, by name or pattern; raises BenchError for a label twice."""
         both: dict[str, Any] = {}
         for key, names in (("optimizers", optimizers), ("problems", problems)):
-            added = _entries([{"name": name} for name in names], key, repr(self.name)) if names else ()
+            added = entries.read_entries([{"name": name} for name in names], key, repr(self.name)) if names else ()
             both[key] = (*getattr(self, key), *added)
-            _refuse_duplicates(both[key], key, repr(self.name))
+            entries.refuse_duplicates(both[key], key, repr(self.name))
         study = dataclasses.replace(self, **both)
-        _refuse_duplicates(study.with_controls, "optimizers and controls", repr(self.name))
+        entries.refuse_duplicates(study.with_controls, "optimizers and controls", repr(self.name))
         study._require_apart(f"study {self.name!r}")
         return study
 
@@ -360,7 +344,7 @@ class Study:
             found.append(f"its looks are {list(other.looks)}, not {list(self.looks)}")
         for key in ("problems", "optimizers"):
             own, others = ({each.label: each for each in getattr(study, key)} for study in (self, other))
-            found += _entries_apart(key, own, others)
+            found += entries.differences(key, own, others)
         return found
 
     def _handling(self) -> dict[str, str]:
@@ -368,35 +352,22 @@ class Study:
         return {} if self.constraints == handlings.DEFAULT else {"constraints": self.constraints}
 
 
-def _entries_apart(key: str, mine: Mapping[str, Entry], theirs: Mapping[str, Entry]) -> Iterator[str]:
-    """Yield in phrases how the problems or optimizers of another study differ, by label."""
-    for verb, one, two in (("lacks", mine, theirs), ("also has", theirs, mine)):
-        if only := [repr(label) for label in one if label not in two]:
-            yield f"it {verb} the {key if len(only) > 1 else key[:-1]} {listed(only)}"
-    both = [label for label in mine if label in theirs]
-    for label in both:
-        own, other = ({"plug-in": each.name} | each.options for each in (mine[label], theirs[label]))
-        for name in dict.fromkeys([*own, *other]):
-            values = [repr(each[name]) if name in each else "the default" for each in (other, own)]
-            if values[0] != values[1]:
-                yield f"{name} of its {label!r} is {values[0]}, not {values[1]}"
-    if both and both != [label for label in theirs if label in mine]:
-        yield f"its {key} have another order"
+def _whole(given: Any, what: str, *, least: int, most: int) -> int:
+    require_whole(what, given, least, most)
+    return int(given)
+
+
+_READERS: dict[str, Callable[[Any, str], Any]] = {
+    "seed": partial(_whole, least=0, most=LARGEST_SEED), "trials": partial(_whole, least=1, most=MOST_TRIALS),
+    "budget": budgets.checked, "constraints": handlings.checked, "targets": target_kinds.checked,
+    "rope": ropes.checked, "tuning": tuned.checked, "looks": declared.checked,
+}  # fmt: skip
+"""By key, what returns a value as a study holds it and raises BenchError for what cannot be one."""
 
 
 def _checked(given: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Return budget, targets, rope, tuning and looks as a study holds them; raises BenchError for what cannot be."""
-    if "seed" in given:
-        require_seed(f"{where}'seed'", given["seed"])
-    if "trials" in given:
-        require_whole(f"{where}'trials'", given["trials"], 1, MOST_TRIALS)
-    if "constraints" in given:
-        handlings.checked(given["constraints"], f"{where}'constraints'")
-    held = {
-        "budget": budgets.checked, "targets": target_kinds.checked, "rope": ropes.checked, "tuning": tuned.checked,
-        "looks": declared.checked,
-    }  # fmt: skip
-    return {key: check(given[key], f"{where}'{key}'") for key, check in held.items() if key in given}
+    """Return the values of the keys that have a reader, as a study holds them."""
+    return {key: read(given[key], f"{where}'{key}'") for key, read in _READERS.items() if key in given}
 
 
 def _read(source: str | os.PathLike[str]) -> tuple[str, str]:
@@ -414,73 +385,3 @@ def _read(source: str | os.PathLike[str]) -> tuple[str, str]:
         return read_text(path), str(path)
     except (OSError, ValueError) as error:
         raise BenchError(f"the study file {path} cannot be read: {getattr(error, 'strerror', error)}") from error
-
-
-def _entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
-    """Return the entries of a ``[[problems]]`` or ``[[optimizers]]`` list.
-
-    ``names`` gives one entry for each name, a pattern one for each name that matches, and ``suite`` one for each
-    problem that is selected from the suite. Lists in the table ``options`` of optimizers give one entry for each
-    combination of their values; everywhere else a list is a value.
-    """
-    if not isinstance(items, list) or not items or not all(isinstance(item, dict) for item in items):
-        raise BenchError(f"study {where} needs at least one [[{key}]] table with a name")
-    entries: list[Entry] = []
-    for item in items:
-        options = dict(item)
-        if sum(each in options for each in ("name", "names", "suite")) > 1:
-            raise BenchError(f"study {where}: a [[{key}]] table has one of name, names and suite")
-        if key == "problems" and "suite" in options:
-            options["names"] = selection.selected(*(options.pop(each, None) for each in selection.KEYS))
-        names = options.pop("names") if "names" in options else [options.pop("name", None)]
-        label = options.pop("label", None)
-        if key == "optimizers" and names == ["command"]:
-            names = [_command(options.pop("command", None), where)]
-        swept = {} if key == "problems" else _swept(options, where)
-        texts = isinstance(names, list) and names and all(isinstance(name, str) and name.strip() for name in names)
-        if not texts or not (label is None or (isinstance(label, str) and label.strip())):
-            raise BenchError(f"study {where}: a [[{key}]] table needs a name (or a list of names), all of them texts")
-        expand = selection.matching if key == "problems" else loading.matching
-        names = [each for name in names for each in expand(name)]
-        entries += [
-            Entry(name, own, each)
-            for name in names
-            for own, each in expanded(label or loading.default_label(name), options, swept)
-        ]
-        if not all(entry.label.isprintable() for entry in entries):
-            raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
-        if long := [entry.label for entry in entries if len(entry.label) > LONGEST_LABEL]:
-            raise BenchError(
-                f"study {where}: the label {long[0][:40]!r}… of the {key} has {len(long[0]):,} characters, more than "
-                f"{LONGEST_LABEL}; give the table a shorter 'label'"
-            )
-    _refuse_duplicates(entries, key, where)
-    return tuple(entries)
-
-
-def _command(words: Any, where: str) -> str:
-    """Return the name of an optimizer that is a program, from the words of its command."""
-    if not isinstance(words, list) or not words or not all(isinstance(word, str) and word for word in words):
-        raise BenchError(
-            f"study {where}: the optimizer 'command' needs the words of its command, as in "
-            'command = ["Rscript", "mine.R"]'
-        )
-    return f"command:{shlex.join(words)}"
-
-
-def _swept(options: dict[str, Any], where: str) -> dict[str, Any]:
-    """Take the table ``options`` out of an optimizer's keys and return it; empty where there is none."""
-    found = options.pop("options", {})
-    if not isinstance(found, dict):
-        raise BenchError(f"study {where}: 'options' of an optimizer must be a table, not {found!r}")
-    if twice := sorted(found.keys() & options.keys()):
-        raise BenchError(f"study {where}: {twice[0]!r} is given twice, in 'options' and beside it; leave one out")
-    if reserved := sorted(found.keys() & {"name", "names", "label"}):
-        raise BenchError(f"study {where}: {reserved[0]!r} is no parameter; write it beside 'options'")
-    return found
-
-
-def _refuse_duplicates(entries: Iterable[Entry], key: str, where: str) -> None:
-    twice = sorted(label for label, count in Counter(entry.label for entry in entries).items() if count > 1)
-    if twice:
-        raise BenchError(f"study {where}: {twice[0]!r} occurs twice among the {key}; give one of them another label")

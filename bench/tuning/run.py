@@ -18,9 +18,9 @@ def ready() -> None:
 
 def make_run(optimizer: str, options: dict[str, Any], problem: str, budget: int, seed: int) -> dict[str, Any]:
     """Run a configuration once; return its best value, evaluations, seconds, and the trace as two lists."""
-    found = solve.make_run(_problem(problem), loading.load_optimizer(optimizer, **options), budget=budget, seed=seed)
-    trace = {"at": found.trace.evaluations.tolist(), "values": found.trace.values.tolist()}
-    return {"fun": found.fun, "evaluations": found.nfev, "seconds": found.time, **trace}
+    result = solve.make_run(_problem(problem), loading.load_optimizer(optimizer, **options), budget=budget, seed=seed)
+    trace = {"at": result.trace.evaluations.tolist(), "values": result.trace.values.tolist()}
+    return {"fun": result.fun, "evaluations": result.nfev, "seconds": result.time, **trace}
 
 
 @cache

@@ -72,20 +72,20 @@ def space(
         BenchError: where a range is none or leaves what the optimizer accepts, and where nothing can be tuned.
     """
     hints = get_type_hints(type(optimizer))
-    found: list[Axis] = []
+    axes: list[Axis] = []
     left: list[Axis] = []  # conditions that nobody asked for
     for each in dataclasses.fields(optimizer):  # type: ignore[arg-type]
         if each.name in fixed or not each.init:
             continue
         axis = _axis(f"parameter {each.name!r} of {name!r}", each, list(_kinds(hints[each.name])), budget)
         if axis is not None:
-            (left if each.name in CONDITIONS and each.name not in conditions else found).append(axis)
-    if not found:
+            (left if each.name in CONDITIONS and each.name not in conditions else axes).append(axis)
+    if not axes:
         more = f", or ask for a condition, as in --condition {left[0].name}" if left else ""
         raise BenchError(
             f"{name!r} has no parameter to tune; declare a range, as in bench.parameter(0.5, tune=(0.1, 1)){more}"
         )
-    return found
+    return axes
 
 
 def _axis(where: str, field: dataclasses.Field[Any], kinds: list[Any], budget: int) -> Axis | None:
@@ -135,8 +135,8 @@ def _choices(where: str, field: dataclasses.Field[Any], values: list[Any]) -> Ax
         values.append(field.default)
     if len(values) < 2:
         raise BenchError(f"the only value to tune of {where} is {values[0]!r}; list two or more, or none")
-    known = field.default if field.default in values else None
-    return Axis(field.name, known, choices=tuple(values))
+    default = field.default if field.default in values else None
+    return Axis(field.name, default, choices=tuple(values))
 
 
 def _kinds(hint: Any) -> Iterator[Any]:

@@ -25,14 +25,14 @@ def split(train: Sequence[str], test: Sequence[str], leave_out: str | None, seed
     Raises:
         BenchError: where one of both is empty, or a problem, or its data, is in both; and for an unknown group.
     """
-    training, testing = ([name for each in given for name in selection.matching(each)] for given in (train, test))
+    training, testing = ([name for each in patterns for name in selection.matching(each)] for patterns in (train, test))
     if leave_out is not None:
         if testing:
             raise BenchError("give either --test or --leave-out: a group that is left out is what the test runs on")
         groups = {name: str(loading.load_problem(name).features.get("group", "")) for name in training}
-        known = {group for group in groups.values() if group}
-        if leave_out not in known:
-            raise BenchError(f"no training problem is of the group {leave_out!r}{nearest(leave_out, known)}")
+        all_groups = {group for group in groups.values() if group}
+        if leave_out not in all_groups:
+            raise BenchError(f"no training problem is of the group {leave_out!r}{nearest(leave_out, all_groups)}")
         testing = [name for name in training if groups[name] == leave_out]
         training = [name for name in training if groups[name] != leave_out]
     training, testing = list(dict.fromkeys(training)), list(dict.fromkeys(testing))
@@ -49,9 +49,9 @@ def split(train: Sequence[str], test: Sequence[str], leave_out: str | None, seed
 
 
 def _refuse_equal_data(training: Sequence[str], testing: Sequence[str]) -> None:
-    known = {found: name for name in training if (found := loading.load_problem(name).fingerprint())}
+    trained_on = {fingerprint: name for name in training if (fingerprint := loading.load_problem(name).fingerprint())}
     for name in testing:
-        if other := known.get(loading.load_problem(name).fingerprint()):
+        if other := trained_on.get(loading.load_problem(name).fingerprint()):
             raise BenchError(f"{other!r} and {name!r} have the same data; train and test on different data")
 
 
@@ -74,19 +74,19 @@ def untuned(name: str, test: Sequence[str], optimizers: Sequence[str], setting: 
     return study
 
 
-def tuned(name: str, test: Sequence[str], found: Sequence[Best], setting: Setting, **about: str) -> Study:
+def tuned(name: str, test: Sequence[str], bests: Sequence[Best], setting: Setting, **about: str) -> Study:
     """Return the study that runs the defaults and the best configuration of each optimizer on the test problems.
 
     ``about`` holds ``left_out`` and ``method`` of :class:`bench.study.tuned.Tuning`.
     """
     entries: list[dict[str, Any]] = []
-    for each in found:
+    for each in bests:
         entries.append({"name": each.record.name, **setting.fixed})
         if each.options:
             entries.append({"name": each.record.name, "label": each.record.tuned, **setting.fixed, **each.options})
     record = Tuning(
         setting.objective, setting.trials, setting.runs, setting.budget, setting.seed, list(setting.train),
-        optimizers=tuple(each.record for each in found), **about,
+        optimizers=tuple(each.record for each in bests), **about,
     )  # fmt: skip
     return Study.from_dict(_head(name, test, setting) | {"optimizers": entries, "tuning": record.sealed()}, repr(name))
 

@@ -111,15 +111,15 @@ def spaces(
     """
     if unknown := [each for each in conditions if each not in CONDITIONS]:
         raise BenchError(f"{unknown[0]!r} is no condition; the conditions are {', '.join(CONDITIONS)}")
-    found = {}
+    axes_of = {}
     for name in names:
         optimizer = loading.load_optimizer(name, **fixed)
         optimizer.check_budget(least, name)
-        found[name] = space(name, optimizer, fixed.keys(), least, conditions)
+        axes_of[name] = space(name, optimizer, fixed.keys(), least, conditions)
     for condition in conditions:
-        if not any(axis.name == condition for own in found.values() for axis in own):
+        if not any(axis.name == condition for axes in axes_of.values() for axis in axes):
             raise BenchError(f"no optimizer here has the condition {condition!r} as a parameter to tune; leave it out")
-    return found
+    return axes_of
 
 
 def tune(
@@ -144,18 +144,18 @@ def tune(
         BenchError: where optuna is missing, or the journal is that of another tuning or cannot be written.
     """
     optuna = require("optuna", "optuna", "tuning needs")
-    found = []
+    bests = []
     with _alone(journal), _quiet(optuna), Pool(n_jobs, ready) as pool:
         storage = _storage(optuna, journal)
-        for place, (name, own) in enumerate(axes.items()):
-            search = _Search(optuna, storage, name, own, setting, problems, pool)
+        for place, (name, own_axes) in enumerate(axes.items()):
+            search = _Search(optuna, storage, name, own_axes, setting, problems, pool)
             for number in range(search.done, setting.trials):
                 on_progress(
                     f"{name}: configuration {number + 1}", place * setting.trials + number, len(axes) * setting.trials
                 )
                 search.step(number)
-            found.append(search.best())
-    return found
+            bests.append(search.best())
+    return bests
 
 
 class _Search:
@@ -216,7 +216,7 @@ class _Search:
         try:
             self._judge(trial, runs)
         finally:
-            for each in [each for own in runs.values() for each in own]:
+            for each in [each for of_problem in runs.values() for each in of_problem]:
                 each.cancel()
 
     def _begin(self, options: dict[str, Any]) -> dict[str, list[Future[Any]]]:
@@ -227,8 +227,8 @@ class _Search:
         begun: dict[str, list[Future[Any]]] = {}
         for problem, budget in self.budgets.items():
             for run in range(setting.runs):
-                own = trial_seed(setting.seed, problem, self.name, run)
-                call = self.name, make_run, self.name, configuration, problem, budget, own
+                seed = trial_seed(setting.seed, problem, self.name, run)
+                call = self.name, make_run, self.name, configuration, problem, budget, seed
                 begun.setdefault(problem, []).append(self.pool.submit(*call, **limits))
         return begun
 
@@ -238,14 +238,14 @@ class _Search:
         scores: list[float] = []
         stopped = False
         for step, (problem, futures) in enumerate(runs.items()):
-            own = [_outcome(each) for each in futures]
-            spent += sum(run.evaluations for run in own)
-            seconds += sum(run.seconds for run in own)
-            errors = [run.error for run in own if run.error]
+            outcomes = [_outcome(each) for each in futures]
+            spent += sum(run.evaluations for run in outcomes)
+            seconds += sum(run.seconds for run in outcomes)
+            errors = [run.error for run in outcomes if run.error]
             failed += len(errors)
             if errors:
                 trial.set_user_attr("error", errors[0])
-            scores.append(score(own, self.setting.objective, self.optima[problem], self.budgets[problem]))
+            scores.append(score(outcomes, self.setting.objective, self.optima[problem], self.budgets[problem]))
             trial.report(scores[-1], step)
             if step + 1 < len(runs) and trial.should_prune():
                 stopped = True
@@ -284,8 +284,8 @@ class _Search:
         if whole < 10 or len(self.axes) < 2:
             return {}
         evaluator = self.optuna.importance.PedAnovaImportanceEvaluator()
-        found = self.optuna.importance.get_param_importances(self.study, evaluator=evaluator)
-        return {name: round(float(each), 4) for name, each in found.items()}
+        shares = self.optuna.importance.get_param_importances(self.study, evaluator=evaluator)
+        return {name: round(float(each), 4) for name, each in shares.items()}
 
 
 def score(runs: Sequence[Run], objective: str, optimum: float, budget: int) -> float:

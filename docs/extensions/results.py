@@ -20,6 +20,7 @@ LINK = re.compile(r"/_generated/((?:tutorials|how-to|reference/api|reference|exp
 REPORT = re.compile(r"(?:examples/|\{report\} )([\w-]+)/")
 REPEATED = ("", "tutorials", "how-to")  # the parts of the site all of whose pages are run
 MOST_LINES = 60  # of what a block printed
+PROGRESS = re.compile(r"\d[\d,]* of [\d,]+ runs done(, about .* left)?")  # the pace of the build's own machine
 
 
 def run_pages(app: Sphinx) -> None:
@@ -60,7 +61,8 @@ def show_printed(app: Sphinx, name: str, text: list[str]) -> None:
         return
     lines, found = text[0].split("\n"), blocks.blocks(Path(app.srcdir) / f"{name}.md")
     for number, printed in reversed(json.loads(file.read_text(encoding="utf-8")).items()):
-        shown = [line.rstrip() for line in printed.strip("\n").splitlines()]
+        lines_printed = [line.rstrip() for line in printed.strip("\n").splitlines()]
+        shown = [line for line in lines_printed if not PROGRESS.fullmatch(line)]
         shown = [*shown[:MOST_LINES], "…"] if len(shown) > MOST_LINES else shown
         at = found[int(number)].last
         lines[at:at] = ["", "~~~~{code-block} text", ":class: printed", "", *shown, "~~~~", ""]

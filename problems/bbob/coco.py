@@ -125,13 +125,13 @@ def uniform(n: int, seed: int) -> Floats:
         state = _next(state)
         if position < 32:
             table[position] = state
-    drawn, found = table[0], np.empty(n)
+    drawn, numbers = table[0], np.empty(n)
     for position in range(n):
         state = _next(state)
         slot = drawn // 67108865  # 0 to 31
         drawn, table[slot] = table[slot], state
-        found[position] = drawn / _MODULUS or 1e-99
-    return found
+        numbers[position] = drawn / _MODULUS or 1e-99
+    return numbers
 
 
 def _next(state: int) -> int:

@@ -32,8 +32,8 @@ def _problem(name: str, member: Member) -> Problem:
     evaluate = evaluated(function)
 
     def violations(x: Floats) -> Floats:
-        found = np.array([function.constraint(row) for row in x], dtype=np.float64)
-        return found.reshape(len(x), function.number_of_constraints)
+        values = np.array([function.constraint(row) for row in x], dtype=np.float64)
+        return values.reshape(len(x), function.number_of_constraints)
 
     features = features_of("bbob-constrained", member, BASES[(number - 1) // 6])
     features["constraints"] = function.number_of_constraints

@@ -51,23 +51,23 @@ RAISED = 1.01e-8  # added to every noisy value
 
 def gaussian(f: Floats, rng: np.random.Generator, beta: float) -> Floats:
     """Return f exp(beta N), N standard normal, for (n,) differences f from the optimum."""
-    found: Floats = f * np.exp(beta * rng.standard_normal(len(f)))
-    return found
+    noisy: Floats = f * np.exp(beta * rng.standard_normal(len(f)))
+    return noisy
 
 
 def uniform(f: Floats, rng: np.random.Generator, alpha: float, beta: float) -> Floats:
     """Return f U^beta max(1, (10⁹ / (f + epsilon))^(alpha V)), U and V uniform from 0 to 1."""
     u, v = rng.random((2, len(f)))
-    found: Floats = f * u**beta * np.maximum(1, (1e9 / (f + TINY)) ** (alpha * v))
-    return found
+    noisy: Floats = f * u**beta * np.maximum(1, (1e9 / (f + TINY)) ** (alpha * v))
+    return noisy
 
 
 def cauchy(f: Floats, rng: np.random.Generator, alpha: float, p: float) -> Floats:
     """Return f + alpha max(0, 1000 + C), C from Cauchy's distribution with the probability p, else 0."""
     struck = rng.random(len(f)) < p
     one, other = rng.standard_normal((2, len(f)))
-    found: Floats = f + alpha * np.maximum(0, 1000 + struck * one / (np.abs(other) + TINY))
-    return found
+    noisy: Floats = f + alpha * np.maximum(0, 1000 + struck * one / (np.abs(other) + TINY))
+    return noisy
 
 
 def noise_of(number: int, dimension: int) -> Noise:

@@ -70,8 +70,8 @@ class DesignProblem(Problem):
 
     def violations(self, x: Floats) -> Floats:
         """Return the (n, m) constraints of the (n, d) designs ``x``; a design is feasible where all are at most 0."""
-        found = self._design.constraints(list(self.rounded(x).T))
-        return np.stack(found, axis=1) if found else np.empty((len(x), 0))
+        values = self._design.constraints(list(self.rounded(x).T))
+        return np.stack(values, axis=1) if values else np.empty((len(x), 0))
 
     def repair(self, x: Floats) -> Floats:
         """Return the designs in the box nearest to the (n, d) ``x``, rounded; they may violate constraints."""

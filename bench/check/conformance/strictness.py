@@ -53,11 +53,12 @@ def keep(budget: int, seed: int, end: int) -> list[int]:
 
 
 def run_apart(packed: bytes, budget: int, end: int) -> None:
-    """Run the optimizer on the objective at the other end of the socket."""
-    subject, problem = unpack(packed), bowl()
-    box = problem.lower, problem.upper, integer_flags(problem)
-    objective = strict.RemoteObjective(end, *box, budget, lambda _: None)
+    """Run the optimizer on the problem at the other end of the socket."""
+    subject, known = unpack(packed), bowl()
+    problem = strict.RemoteProblem(end, known.lower, known.upper, integer_flags(known))
+    start_stream, search_stream = streams(subject.seed)
+    objective = Objective(problem, budget, start_stream)
     with threadpool_limits(limits=1), seeded_global_states(0), suppress(BudgetExhausted):
-        objective.begin()
-        subject.fresh().minimize(objective, streams(subject.seed)[1])  # type: ignore[arg-type]
-    objective.end()
+        problem.begin()
+        subject.fresh().minimize(objective, search_stream)
+    problem.end(objective.stop_reason)

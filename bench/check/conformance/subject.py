@@ -170,12 +170,12 @@ def unpack(packed: bytes) -> Subject:
 
 def _annotations(cls: type) -> dict[str, Any]:
     """Return the class's own annotations as types; unchanged where one of them cannot be evaluated."""
-    own = inspect.get_annotations(cls)
+    annotations = inspect.get_annotations(cls)
     try:
         hints = get_type_hints(cls)
     except Exception:  # the rule of the parameters reports it
-        return own
-    return {name: hints[name] for name in own if "ClassVar" not in str(own[name])}
+        return annotations
+    return {name: hints[name] for name in annotations if "ClassVar" not in str(annotations[name])}
 
 
 def _importable(cls: type) -> bool:

@@ -107,12 +107,14 @@ class Findings:
         """The checks of the results themselves, of which instances are problems of their own."""
         study, results, trials = self.results.study, self.results, self.trials
         members = {label: trials.pooled.members[label] for label in trials.problems}
-        budgets: analysis.Budgets = {each: trials.budgets[label] for label, own in members.items() for each in own}
+        budgets: analysis.Budgets = {
+            each: trials.budgets[label] for label, instances in members.items() for each in instances
+        }
         if trials.allowed != trials.budgets:
             cells = cast("Mapping[tuple[str, str], int]", trials.allowed)
             budgets = {(each, optimizer): most for (label, optimizer), most in cells.items() for each in members[label]}
-        facts = {each: results.facts(each) for own in members.values() for each in own}
-        pool = {each: label for label, own in trials.pooled.members.items() for each in own}
+        facts = {each: results.facts(each) for instances in members.values() for each in instances}
+        pool = {each: label for label, instances in trials.pooled.members.items() for each in instances}
         frame = analysis.in_study_order(results.frame, study)
         return analysis.integrity(
             frame.assign(pool=frame["problem"].astype(object).map(pool)),

@@ -108,13 +108,13 @@ class Anytime:
 
     def ends(self, problems: Collection[str], *, per_dimension: bool) -> dict[str, float]:
         """Return the largest budget of each optimizer on these problems; beyond it, restarts are simulated."""
-        found = dict.fromkeys(self.trials.optimizers, 0.0)
+        largest = dict.fromkeys(self.trials.optimizers, 0.0)
         for key, evaluations in cast("Mapping[Any, int]", self.trials.allowed).items():
-            label, own = (key, found) if isinstance(key, str) else (key[0], [key[1]])
+            label, optimizers = (key, largest) if isinstance(key, str) else (key[0], [key[1]])
             if label in problems and (not per_dimension or label in self.trials.dimensions):
                 each = evaluations / self.trials.dimensions[label] if per_dimension else evaluations
-                found |= {optimizer: max(found[optimizer], each) for optimizer in own}
-        return found
+                largest |= {optimizer: max(largest[optimizer], each) for optimizer in optimizers}
+        return largest
 
     def check_targets(self) -> None:
         """Raise BenchError where no problem has what the targets, or the best of 2009, are measured by."""
@@ -140,10 +140,10 @@ class Anytime:
 
     def _targets(self, words: TargetWords) -> pd.DataFrame:
         if words.kind == "runlength":
-            own = self._run_lengths
-            optimum = own["problem"].map(self.trials.unbeaten).astype(float)
+            lengths = self._run_lengths
+            optimum = lengths["problem"].map(self.trials.unbeaten).astype(float)
             return pd.DataFrame(
-                {"problem": own["problem"], "tau": own["tau"], "target": optimum + own["precision"]}
+                {"problem": lengths["problem"], "tau": lengths["tau"], "target": optimum + lengths["precision"]}
                 | {"reference": optimum, "known": True}
             )
         table = analysis.target_table(
@@ -176,11 +176,11 @@ class Anytime:
         tabled = np.isclose(taus[:, np.newaxis], self.words.tabled, rtol=1e-9, atol=0)
         kept = tabled.any(axis=1)[codes]
         rounded = np.array(self.words.tabled)[tabled.argmax(axis=1)]  # without the rounding of a ladder
-        own = hits[kept].assign(
+        tabled_hits = hits[kept].assign(
             tau=rounded[codes[kept]], budget=lambda rows: analysis.budgets(rows, self.trials.allowed)
         )
-        table = analysis.running_times(own)
-        times = analysis.running_times(analysis.in_seconds(own, self.trials.whole))
+        table = analysis.running_times(tabled_hits)
+        times = analysis.running_times(analysis.in_seconds(tabled_hits, self.trials.whole))
         names = ["ert", "low", "high", "p10", "p90"]
         seconds = times[names].add_suffix("_s") if len(times) else pd.DataFrame(columns=[f"{each}_s" for each in names])
         dimension = table["problem"].astype(object).map(self.trials.dimensions).astype(float)
@@ -236,8 +236,8 @@ class Anytime:
         budget, hits = max(most.values(), default=1.0), self.hits
         first = 1 / max(dimensions.values(), default=1) if dimensions else 1.0
         grid = np.append(np.geomspace(first, budget, 50), np.geomspace(budget, 10 * budget, 11)[1:])
-        own = hits if dimensions is None else hits[hits["problem"].isin(dimensions)]
-        shares = analysis.restart_shares(own, grid, dimensions)
+        sized = hits if dimensions is None else hits[hits["problem"].isin(dimensions)]
+        shares = analysis.restart_shares(sized, grid, dimensions)
         if not self.shows_best:
             return shares
         best = analysis.reference_shares(self._best_to_targets, grid, dimensions).assign(optimizer=BEST)
@@ -250,7 +250,7 @@ class Anytime:
             levels = self._run_lengths
         else:
             known = self.targets["known"].astype(bool) & self.targets["problem"].isin(self.trials.dimensions)
-            levels = self.targets.loc[known, ["problem", "tau"]].assign(precision=lambda own: own["tau"])
+            levels = self.targets.loc[known, ["problem", "tau"]].assign(precision=lambda rows: rows["tau"])
         return analysis.reference_times(self.best, self.functions, levels.reset_index(drop=True))
 
     @cached_property
@@ -263,10 +263,10 @@ class Anytime:
             # Problem by problem: the hits of all trials on all targets may take a gigabyte.
             tables = [
                 analysis.target_areas(
-                    analysis.hitting_times(own, self.trials.measured_traces, targets[label], self.trials.allowed),
+                    analysis.hitting_times(trials, self.trials.measured_traces, targets[label], self.trials.allowed),
                     self.trials.budgets,
                 )
-                for label, own in self.trials.measured.groupby("problem", observed=True)
+                for label, trials in self.trials.measured.groupby("problem", observed=True)
                 if label in targets
             ]
             areas[each.short] = pd.concat(tables, ignore_index=True) if tables else areas[self.words.short].head(0)
@@ -282,5 +282,5 @@ class Anytime:
     @cached_property
     def u_scores(self) -> pd.DataFrame:
         """The U-scores of each cell on functions of suites, by trial-based dominance."""
-        own = self.trials.measured[self.trials.measured["problem"].isin(self.trials.suite_functions)]
-        return analysis.u_scores(own, self.trials.measured_traces, self.trials.unbeaten)
+        trials = self.trials.measured[self.trials.measured["problem"].isin(self.trials.suite_functions)]
+        return analysis.u_scores(trials, self.trials.measured_traces, self.trials.unbeaten)

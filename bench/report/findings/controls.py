@@ -73,7 +73,7 @@ class Controls:
         frames = [frame for frame in (self.trials.frame, self.trials.controls) if len(frame)]
         names = ["problem", "optimizer", "fun", "status"]
         every = pd.concat([frame[names].astype(dict.fromkeys(names[:2], object)) for frame in frames])
-        return {key: own for key, own in cells(every, merge=True).items() if len(own)}
+        return {key: values for key, values in cells(every, merge=True).items() if len(values)}
 
     @cached_property
     def cost(self) -> str:

@@ -50,10 +50,12 @@ class Final:
 
         With declared looks all of the level belongs to the tests on problems, as a run spends it there.
         """
-        sizes = analysis.table(self.summary, "n").apply(lambda own: sorted(own, reverse=True)[1:2], axis=1)
-        smaller = [int(own[0]) for label, own in sizes.items() if own and label in self.medians.index]
+        sizes = analysis.table(self.summary, "n").apply(lambda sizes_of: sorted(sizes_of, reverse=True)[1:2], axis=1)
+        smaller = [int(sizes_of[0]) for label, sizes_of in sizes.items() if sizes_of and label in self.medians.index]
         pairs = comb(len(self.trials.optimizers), 2)
-        tests = sum(comb(int((own > 0).sum()), 2) for _, own in self.summary.groupby("problem", observed=True)["n"])
+        tests = sum(
+            comb(int((sizes_of > 0).sum()), 2) for _, sizes_of in self.summary.groupby("problem", observed=True)["n"]
+        )
         blocks = (
             0
             if self.trials.results.study.looks

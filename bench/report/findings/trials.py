@@ -40,9 +40,9 @@ class Trials:
 
     def _pool(self, frame: pd.DataFrame, traces: analysis.Traces) -> analysis.Pooled:
         names = [entry.label for entry in self.results.study.problems]
-        known = {label: self.results.facts(label) for label in names}
-        optima = {label: each.optimum for label, each in known.items() if each.optimum is not None}
-        features = {label: each.features for label, each in known.items()}
+        facts = {label: self.results.facts(label) for label in names}
+        optima = {label: each.optimum for label, each in facts.items() if each.optimum is not None}
+        features = {label: each.features for label, each in facts.items()}
         return analysis.pool_instances(frame, traces, names, features, optima)
 
     @property
@@ -64,8 +64,8 @@ class Trials:
     def extensions(self) -> list[tuple[int, int]]:
         """The trials of each cell that were complete, and those then asked for, of every run that asked for more."""
         keys = [(each.get("extends"), each.get("trials")) for each in self.results.environments]
-        found = [(held, asked) for held, asked in keys if isinstance(held, int) and isinstance(asked, int)]
-        return [] if self.results.study.looks else list(dict.fromkeys(found))
+        asked_for = [(held, asked) for held, asked in keys if isinstance(held, int) and isinstance(asked, int)]
+        return [] if self.results.study.looks else list(dict.fromkeys(asked_for))
 
     @cached_property
     def study(self) -> Study:
@@ -199,7 +199,8 @@ class Trials:
     def dimensions(self) -> dict[str, int]:
         """The number of search variables of each problem, as far as a trial or the problem shows it."""
         shown = {
-            str(label): len(analysis.variables(own)) for label, own in self.whole.groupby("problem", observed=True)
+            str(label): len(analysis.variables(trials))
+            for label, trials in self.whole.groupby("problem", observed=True)
         }
         return {
             label: number
@@ -213,21 +214,21 @@ class Trials:
         study = self.results.study
         if isinstance(study.budget, int):
             return dict.fromkeys(self.problems, study.budget)
-        own = {label: study.evaluations(dimension) for label, dimension in self.dimensions.items()}
-        return {label: own.get(label, max(own.values(), default=1)) for label in self.problems}
+        by_dimension = {label: study.evaluations(dimension) for label, dimension in self.dimensions.items()}
+        return {label: by_dimension.get(label, max(by_dimension.values(), default=1)) for label in self.problems}
 
     @cached_property
     def allowed(self) -> analysis.Budgets:
         """The evaluations that a trial was allowed: by problem, or by problem and optimizer where budgets differ."""
-        own = self.results.budgets
-        if all(budget == self.results.study.budget for budget in own.values()):
+        budgets = self.results.budgets
+        if all(budget == self.results.study.budget for budget in budgets.values()):
             return self.budgets
         return {
             (label, optimizer): evaluations(budget, self.dimensions[label])
             if label in self.dimensions
             else self.budgets[label]
             for label in self.problems
-            for optimizer, budget in own.items()
+            for optimizer, budget in budgets.items()
         }
 
     @property
@@ -244,12 +245,12 @@ class Trials:
     @cached_property
     def blocks(self) -> dict[str, str]:
         """The block of each problem: problems of one sweep, and one function in several dimensions, are one block."""
-        found = {}
+        block_of = {}
         for label, each in self.known.items():
             features = each.features
             function = f"{features['suite']} {features['function']}" if {"suite", "function"} <= set(features) else ""
-            found[label] = str(features.get("sweep") or function or label)
-        return found
+            block_of[label] = str(features.get("sweep") or function or label)
+        return block_of
 
     @cached_property
     def sweeps(self) -> dict[str, list[str]]:
@@ -260,8 +261,8 @@ class Trials:
     def unbeaten(self) -> dict[str, float]:
         """The known optima that no trial beat by more than rounding; regret is counted from them."""
         lowest = analysis.scores(self.measured).groupby(self.measured["problem"].astype(object)).min()
-        found = analysis.reference_values({str(label): float(best) for label, best in lowest.items()}, self.optima)
-        return {label: reference.value for label, reference in found.items() if reference.known}
+        references = analysis.reference_values({str(label): float(best) for label, best in lowest.items()}, self.optima)
+        return {label: reference.value for label, reference in references.items() if reference.known}
 
     @cached_property
     def suite_functions(self) -> list[str]:

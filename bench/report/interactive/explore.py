@@ -16,6 +16,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bench import analysis
+from bench.analysis.anytime import quartiles
 from bench.analysis.cells import NEAR, ReferenceValue
 from bench.objective import Trace
 from bench.plots import style
@@ -107,8 +108,8 @@ class _Explored:
         kinds, starts = np.unique(places[order], return_index=True)
         labels = analysis.labels(frame, "problem")
         return {
-            (labels[kind // len(optimizers)], optimizers[kind % len(optimizers)]): own.tolist()
-            for kind, own in zip(kinds.tolist(), np.split(order, starts[1:]), strict=True)
+            (labels[kind // len(optimizers)], optimizers[kind % len(optimizers)]): places_of.tolist()
+            for kind, places_of in zip(kinds.tolist(), np.split(order, starts[1:]), strict=True)
         }
 
     @cached_property
@@ -116,7 +117,7 @@ class _Explored:
         """The frame's columns as lists, which are read faster than the frame."""
         frame = self.findings.trials.whole
         names = ["trial", "seed", "status", "fun", "nfev", "wall_s", "objective_s", "stop", "error"]
-        points = [f"x_{name}" for own in self.variables.values() for name in own] if self.points_too else []
+        points = [f"x_{name}" for variables in self.variables.values() for name in variables] if self.points_too else []
         return {name: frame[name].tolist() for name in dict.fromkeys([*names, *points, *self.metrics])}
 
     @cached_property
@@ -229,36 +230,36 @@ class _Explored:
             table = analysis.target_table(
                 self.words.chosen, findings.trials.whole, findings.trials.traces, findings.trials.optima
             )
-        table, found = self.words.in_unit(table), dict[str, list[list[float | int | None]]]()
+        table, by_problem = self.words.in_unit(table), dict[str, list[list[float | int | None]]]()
         for label, level, target in zip(table["problem"], table["tau"], table["target"], strict=True):
             if label in self.references:
-                found.setdefault(str(label), []).append(
+                by_problem.setdefault(str(label), []).append(
                     [short(level, 4), short(max(target - self.references[str(label)].value, 0.0), 5)]
                 )
-        return found
+        return by_problem
 
     @cached_property
     def variables(self) -> dict[str, list[str]]:
         by_problem = self.findings.trials.whole.groupby("problem", observed=True)
-        return {str(label): [name[2:] for name in analysis.variables(own)] for label, own in by_problem}
+        return {str(label): [name[2:] for name in analysis.variables(trials)] for label, trials in by_problem}
 
     @cached_property
     def metrics(self) -> list[str]:
         """The domain metrics, columns of numbers."""
         frame = self.findings.trials.whole
         others = (*FRAME_COLUMNS, PRECISION, "instance")
-        own = [name for name in map(str, frame) if name not in others and not name.startswith("x_")]
-        return [name for name in own if pd.api.types.is_numeric_dtype(frame[name])]
+        numbers = [name for name in map(str, frame) if name not in others and not name.startswith("x_")]
+        return [name for name in numbers if pd.api.types.is_numeric_dtype(frame[name])]
 
     @cached_property
     def signals(self) -> dict[str, dict[str, Any]]:
         """The data of the problems to which points are fitted, of the first such problems; a failing one has none."""
-        found: dict[str, dict[str, Any]] = {}
+        by_problem: dict[str, dict[str, Any]] = {}
         for label in self.findings.trials.problems if self.points_too else ():
-            if len(found) < MOST_SIGNALS and self.findings.trials.pooled.members[label] == [label]:
-                own = self._signal(label)
-                found |= {label: own} if own else {}
-        return found
+            if len(by_problem) < MOST_SIGNALS and self.findings.trials.pooled.members[label] == [label]:
+                data = self._signal(label)
+                by_problem |= {label: data} if data else {}
+        return by_problem
 
     def _signal(self, label: str) -> dict[str, Any] | None:
         if self.findings.trials.known[label].reason:
@@ -294,34 +295,34 @@ class _Explored:
             "failed": sum(columns["status"][row] != "ok" for row in rows),
         }
         if not self.complete:
-            cell["quartiles"] = coded(_quartiles(distances))
+            cell["quartiles"] = coded(quartiles(distances)[[1, 0, 2]])
         if not shown:
             return cell
-        own = {name: [values[row] for row in shown] for name, values in columns.items()}
-        ok = [status == "ok" for status in own["status"]]
+        kept = {name: [values[row] for row in shown] for name, values in columns.items()}
+        ok = [status == "ok" for status in kept["status"]]
         cell |= {
-            "seed": ["" if pd.isna(each) else str(each) for each in own["seed"]],
-            "fun": [short(each) if fine else None for each, fine in zip(own["fun"], ok, strict=True)],
-            "nfev": packed([_number(each) for each in own["nfev"]]),
-            "wall": packed([_number(each, 3) for each in own["wall_s"]]),
-            "objective": packed([_number(each, 3) for each in own["objective_s"]]),
-            "stop": packed([self.text(each) for each in own["stop"]]),
+            "seed": ["" if pd.isna(each) else str(each) for each in kept["seed"]],
+            "fun": [short(each) if fine else None for each, fine in zip(kept["fun"], ok, strict=True)],
+            "nfev": packed([_number(each) for each in kept["nfev"]]),
+            "wall": packed([_number(each, 3) for each in kept["wall_s"]]),
+            "objective": packed([_number(each, 3) for each in kept["objective_s"]]),
+            "stop": packed([self.text(each) for each in kept["stop"]]),
             "curve": coded(distances[: len(shown)]),
         }
         if self.complete:
             cell["place"] = [self.finals[row] for row in shown]
-        numbers = [trial % self.stride for trial in own["trial"]]
+        numbers = [trial % self.stride for trial in kept["trial"]]
         if numbers != list(range(len(shown))):
             cell["number"] = numbers
         if len(members := self.findings.trials.pooled.members[problem]) > 1:
-            cell["member"] = [min(trial // self.stride, len(members) - 1) for trial in own["trial"]]
+            cell["member"] = [min(trial // self.stride, len(members) - 1) for trial in kept["trial"]]
         if not all(ok):
-            reasons = zip(own["status"], own["error"], ok, strict=True)
+            reasons = zip(kept["status"], kept["error"], ok, strict=True)
             cell["error"] = [None if fine else self.text(f"{what}: {_first_line(why)}") for what, why, fine in reasons]
         if self.points_too:
-            cell["x"] = _joined([own[f"x_{name}"] for name in self.variables[problem]])
+            cell["x"] = _joined([kept[f"x_{name}"] for name in self.variables[problem]])
         if self.metrics:
-            cell["metrics"] = _joined([own[name] for name in self.metrics])
+            cell["metrics"] = _joined([kept[name] for name in self.metrics])
         return cell
 
     @cached_property
@@ -348,12 +349,12 @@ class _Explored:
         budget, columns, traces = self.budgets[problem], self.columns, self.findings.trials.traces
         spent = np.maximum(np.floor(self.grid * (budget / self.grid[-1]) + 0.5), 1).astype(np.int64)
         values = np.full((len(rows), len(spent)), np.inf)
-        for own, row in zip(values, rows, strict=True):
+        for curve, row in zip(values, rows, strict=True):
             fun = columns["fun"][row]
             if columns["status"][row] == "ok" and np.isfinite(fun):
                 trace = traces.get((problem, optimizer, columns["trial"][row]))
                 last = Trace(np.array([min(columns["nfev"][row], budget)]), np.array([fun]))
-                own[:] = (trace or last).at(spent)
+                curve[:] = (trace or last).at(spent)
         if problem not in self.references:
             return values
         reference = self.references[problem].value
@@ -389,19 +390,6 @@ def final_places(frame: pd.DataFrame) -> list[int]:
     """Return the place of each trial's score among those of its problem; equal scores, also nearly, share a place."""
     final = analysis.scores(frame, merge=True)
     return list(final.groupby(frame["problem"].astype(object)).rank("dense").astype(int))
-
-
-def _quartiles(values: Floats) -> Floats:
-    """Return the (3, m) quartiles of (n, m) values, upper order statistics wherever one is infinite."""
-    ordered = np.sort(values, axis=0)
-    whole = np.isfinite(ordered[-1])
-    quartiles = []
-    for share in (0.25, 0.5, 0.75):
-        place = share * (len(ordered) - 1)
-        low, high = ordered[int(place)], ordered[int(np.ceil(place))]
-        with np.errstate(invalid="ignore"):
-            quartiles.append(np.where(whole, low + (place % 1) * (high - low), high))
-    return np.array(quartiles)
 
 
 def _joined(columns: Sequence[Sequence[Any]]) -> list[str]:

@@ -85,8 +85,8 @@ def _by_problem(findings: Findings, labels: Sequence[str], times: pd.DataFrame, 
     if len(values):
         yield convergence_figure(values, optimizers, suffix)
     if findings.trials.shifts:
-        own = findings.trials.measured[findings.trials.measured["optimizer"].isin(optimizers)]
-        curves = analysis.convergence(own[own["problem"].isin(labels)], findings.trials.measured_traces, grid)
+        measured = findings.trials.measured[findings.trials.measured["optimizer"].isin(optimizers)]
+        curves = analysis.convergence(measured[measured["problem"].isin(labels)], findings.trials.measured_traces, grid)
     above = analysis.regret(curves, unbeaten, ("median", "q1", "q3"))
     if len(above):
         yield regret_figure(above, optimizers, suffix, precisions=findings.trials.precisions)
@@ -100,14 +100,16 @@ def _leaders(trials: Trials, budget: int) -> list[str]:
     if not trials.scaled:
         curves = analysis.convergence(trials.frame, trials.traces, stages)
         return [
-            " ".join(_lowest(own, count(int(str(spent)), "evaluation")) for spent, own in curves.groupby("evaluations"))
+            " ".join(
+                _lowest(part, count(int(str(spent)), "evaluation")) for spent, part in curves.groupby("evaluations")
+            )
         ]
     shares, each = (0.01, 0.1, 1.0), []  # of each problem's own budget
-    for label, own in trials.frame.groupby("problem", observed=True, sort=False):
+    for label, part in trials.frame.groupby("problem", observed=True, sort=False):
         spent = [max(round(share * trials.budgets[str(label)]), 1) for share in shares]
-        reached = analysis.convergence(own, trials.traces, np.array(spent))
+        reached = analysis.convergence(part, trials.traces, np.array(spent))
         each.append(reached.assign(share=np.tile(shares, len(reached) // len(shares))))
-    return [" ".join(_lowest(own, f"{share:.0%} of the budget") for share, own in pd.concat(each).groupby("share"))]
+    return [" ".join(_lowest(part, f"{share:.0%} of the budget") for share, part in pd.concat(each).groupby("share"))]
 
 
 def _lowest(reached: pd.DataFrame, spent: str) -> str:
@@ -122,8 +124,8 @@ def _fastest(findings: Findings) -> list[str]:
     words, table = findings.anytime.words, findings.anytime.running_times
     solved = table.loc[table["successes"] > 0, words.unit].unique().tolist()
     level = words.level if words.level in solved else min(solved, default=np.nan)
-    own = table[table[words.unit] == level]
-    reached = [analysis.table(own, name).astype(float) for name in ("ert", "ert_s")] if len(own) else []
+    at_level = table[table[words.unit] == level]
+    reached = [analysis.table(at_level, name).astype(float) for name in ("ert", "ert_s")] if len(at_level) else []
     lowest = [each.eq(each.min(axis=1), axis=0) & np.isfinite(each) for each in reached]
     if len(findings.trials.optimizers) < 2 or not any(each.any(axis=None) for each in lowest[:1]):
         return []
@@ -149,8 +151,8 @@ def _sets_agree(findings: Findings) -> list[str]:
     if ranks.eq(ranks.iloc[:, 0], axis=0).all(axis=None):
         return [f"The choice of targets does not matter here: the order of the optimizers is the same under {shown}."]
     first: dict[str, list[str]] = {}
-    for name, own in ranks.items():
-        first.setdefault(listing(list(map(str, own.index[own == own.min()])), 4), []).append(str(name))
+    for name, rank_of in ranks.items():
+        first.setdefault(listing(list(map(str, rank_of.index[rank_of == rank_of.min()])), 4), []).append(str(name))
     if len(first) == 1:
         who = next(iter(first))
         return [f"Under {shown} the first is the same, {who}, but the order of the others depends on the choice."]
@@ -170,7 +172,9 @@ def _areas(findings: Findings) -> list[Table]:
             for column in ("area", "rank")
         }
         shown = pd.DataFrame(wide).reindex(findings.trials.optimizers).rename_axis("optimizer")
-        best = pd.DataFrame({name: own.eq(own.min()) for name, own in shown.items() if str(name).endswith("rank")})
+        best = pd.DataFrame(
+            {name: table.eq(table.min()) for name, table in shown.items() if str(name).endswith("rank")}
+        )
         tables.append(
             Table(
                 "target-sets",
@@ -184,9 +188,9 @@ def _areas(findings: Findings) -> list[Table]:
                 data=sets,
             )
         )
-    if findings.anytime.words.absolute and len(own := findings.anytime.aocc):
-        mean = own.groupby("optimizer")[["aocc", "aocc_from_zero"]].mean()
-        problems = own["problem"].nunique()
+    if findings.anytime.words.absolute and len(table := findings.anytime.aocc):
+        mean = table.groupby("optimizer")[["aocc", "aocc_from_zero"]].mean()
+        problems = table["problem"].nunique()
         tables.append(
             Table(
                 "aocc",
@@ -200,20 +204,20 @@ def _areas(findings: Findings) -> list[Table]:
                 note="van Stein et al. (2024): the mean over the evaluations of the budget of 1 − (log10 y + 8) / 10, "
                 "where y is the best precision so far, between 1e-8 and 1e2; 1 is best. In the CSV file, "
                 "aocc_from_zero is the integral that iohinspector computes.",
-                data=own,
+                data=table,
             )
         )
     return tables
 
 
 def _ladder(words: TargetWords, targets: pd.DataFrame, problems: int) -> list[str]:
-    known = targets.drop_duplicates("problem")["known"].astype(bool)
+    optimum_known = targets.drop_duplicates("problem")["known"].astype(bool)
     deep, short = (f"{analysis.fractions(each)[-1]:g}" for each in (True, False))
     reference, last = (
         ("the known optimum", deep)
-        if known.all()
+        if optimum_known.all()
         else ("the lowest value that any trial found (every optimum is unknown or beaten)", short)
-        if not known.any()
+        if not optimum_known.any()
         else (
             "the known optimum, or the lowest value found where the optimum is unknown or beaten",
             f"{deep} where f_L is the optimum, else to {short}",
@@ -224,7 +228,7 @@ def _ladder(words: TargetWords, targets: pd.DataFrame, problems: int) -> list[st
         f"trials and f_L is {reference} (Moré and Wild 2009). Targets fall from tau = 1 to {last}."
     )
     text = (
-        f"{usual if words.kind == 'relative' else meaning(words, known.tolist())} The expected "
+        f"{usual if words.kind == 'relative' else meaning(words, optimum_known.tolist())} The expected "
         "running time (ERT) is the number of evaluations that all trials spent until they reached the target or ended, "
         "divided by the number of successes; it is infinite where no trial succeeds."
     )
@@ -233,9 +237,9 @@ def _ladder(words: TargetWords, targets: pd.DataFrame, problems: int) -> list[st
             " Shares of targets reached are those of simulated restarts: trials are drawn with replacement until a "
             "successful one, and their evaluations added, so curves go on beyond the budget."
         )
-    if len(known) == problems:
+    if len(optimum_known) == problems:
         return [text]
-    without = count(problems - len(known), "problem")
+    without = count(problems - len(optimum_known), "problem")
     why = (
         "without an expected metric"
         if words.kind == "tolerance"

@@ -33,10 +33,10 @@ def _ratios(findings: Findings) -> pd.DataFrame:
     """Return the ERT over that of the best of 2009, where that is finite: problem, precision, optimizer, ratio, …"""
     unit = findings.anytime.words.unit
     table = findings.anytime.running_times
-    own = table[np.isfinite(table["best2009"].astype(float))]
-    return own[["problem", "optimizer", unit, "trials", "successes", "ert", "best2009"]].assign(
-        ratio=own["ert"].astype(float) / own["best2009"].astype(float),
-        dimension=own["problem"].astype(object).map(findings.trials.dimensions),
+    rows = table[np.isfinite(table["best2009"].astype(float))]
+    return rows[["problem", "optimizer", unit, "trials", "successes", "ert", "best2009"]].assign(
+        ratio=rows["ert"].astype(float) / rows["best2009"].astype(float),
+        dimension=rows["problem"].astype(object).map(findings.trials.dimensions),
     )
 
 
@@ -44,11 +44,11 @@ def _sentences(anytime: Anytime, ratios: pd.DataFrame) -> list[str]:
     """Return on how many problems each optimizer needs no more evaluations than the best of 2009."""
     said = []
     for level in anytime.words.levels:
-        own = ratios[np.isclose(ratios[anytime.words.unit].astype(float), level)]
-        if own.empty:
+        at_level = ratios[np.isclose(ratios[anytime.words.unit].astype(float), level)]
+        if at_level.empty:
             continue
-        problems = count(own["problem"].nunique(), "problem")
-        wins = (own["ratio"] <= 1).groupby(own["optimizer"].astype(object)).sum().sort_values(ascending=False)
+        problems = count(at_level["problem"].nunique(), "problem")
+        wins = (at_level["ratio"] <= 1).groupby(at_level["optimizer"].astype(object)).sum().sort_values(ascending=False)
         parts = [f"{label} on {number:,}" for label, number in wins.items() if number]
         if parts:
             parts[0] = (

@@ -65,7 +65,7 @@ def _medians(findings: Findings) -> list[Table]:
     if precise.any():
         name = "comparison-precisions" if tables else "comparison"
         what = f"Median precision, the best objective value less the optimum of the instance, {caption}"
-        made = listing([own.words() for own in findings.trials.replications if own.instances > 1])
+        made = listing([cells.words() for cells in findings.trials.replications if cells.instances > 1])
         marked = "Marked as the comparison of objective values." if tables else NOTE
         how = f" A cell holds the trials of all instances, {made}; a precision of at most {SOLVED:g} counts as 0."
         tables.append(_matrix(findings, name, what, findings.final.matrix[precise], marked + how))

@@ -92,7 +92,7 @@ def _table(findings: Findings, errors: pd.DataFrame, tests: pd.DataFrame, suites
     if reference:
         counts = [" / ".join(str(int((sign[each] == one).sum())) for one in SIGNS) for each in optimizers]
         ends[" / ".join(SIGNS.values())] = [
-            "" if each == reference else own for each, own in zip(optimizers, counts, strict=True)
+            "" if each == reference else sign_counts for each, sign_counts in zip(optimizers, counts, strict=True)
         ]
     scores = findings.anytime.u_scores if suites <= set(BY_U_SCORES) and len(optimizers) > 1 else pd.DataFrame()
     if len(scores):
@@ -142,30 +142,30 @@ def _statistics(errors: pd.DataFrame) -> Table:
 def _checkpoints(findings: Findings, shares: dict[str, tuple[float, ...]]) -> list[Table]:
     """Return a table of the median errors for each set of checkpoints, which may differ by dimension."""
     tables = []
-    for own in dict.fromkeys(filter(None, shares.values())):
-        problems = [label for label, each in shares.items() if each == own]
-        found = analysis.checkpoints(
+    for shares_of in dict.fromkeys(filter(None, shares.values())):
+        problems = [label for label, each in shares.items() if each == shares_of]
+        errors = analysis.checkpoints(
             findings.trials.frame[findings.trials.frame["problem"].isin(problems)],
             findings.trials.traces,
             findings.trials.unbeaten,
             shares,
             findings.trials.allowed,
         )
-        if found.empty:
+        if errors.empty:
             continue
         dimensions = sorted({findings.trials.dimensions[label] for label in problems})
-        wide = found.pivot(index=["problem", "optimizer"], columns="share", values="median").astype(float)
-        order = found.drop_duplicates(["problem", "optimizer"]).set_index(["problem", "optimizer"]).index
+        wide = errors.pivot(index=["problem", "optimizer"], columns="share", values="median").astype(float)
+        order = errors.drop_duplicates(["problem", "optimizer"]).set_index(["problem", "optimizer"]).index
         wide = wide.reindex(order).rename(columns=lambda share: f"{share:.3g}").rename_axis(columns=None)
         where = f"d = {listing([str(each) for each in dimensions])}"
         tables.append(
             Table(
                 f"checkpoints-d{'-'.join(map(str, dimensions))}",
-                f"Median error at the competition’s {len(own)} checkpoints, shares of the budget, {where}.",
+                f"Median error at the competition’s {len(shares_of)} checkpoints, shares of the budget, {where}.",
                 wide,
                 texts=wide.map(lambda value: "∞" if np.isinf(value) else f"{value:.1e}"),
                 note="∞: at most half of the trials had a value by then. The CSV file has every statistic.",
-                data=found,
+                data=errors,
             )
         )
     return tables

@@ -35,30 +35,30 @@ def section(findings: Findings) -> Section | None:
     return Section(TITLE, (MEANING,), sections=tuple(parts))
 
 
-def _of(sweep: Sweep, found: Contributions | None) -> Section:
+def _of(sweep: Sweep, result: Contributions | None) -> Section:
     """Return the subsection on one sweep."""
-    if found is None:
+    if result is None:
         lacking = (
             f"The study lacks {count(len(sweep.missing), 'combination')} of the parameters of {sweep.name}, such as "
             f"{sweep.missing[0]}. The parameters then do not vary independently, and their effects cannot be separated."
         )
         return Section(sweep.name, warnings=(lacking,))
     warnings = []
-    if found.left_out:
-        warnings.append(f"Left out, as a combination of {sweep.name} has no trial: {listing(found.left_out)}.")
-    if found.levels.empty:
+    if result.left_out:
+        warnings.append(f"Left out, as a combination of {sweep.name} has no trial: {listing(result.left_out)}.")
+    if result.levels.empty:
         return Section(
             sweep.name, (f"No problem has trials of every combination of {sweep.name}.",), (), tuple(warnings)
         )
-    tests, shares = level_tests(found.levels), mean_shares(found.effects).clip(lower=0)
-    problems = found.levels["problem"].nunique()
-    text = [_size(sweep, problems), _ranking(sweep, found, shares)]
-    text += [*_values(found, tests, problems), *_pairs(tests, shares)]
-    items: list[Part] = [_main_effects(sweep, found)]
+    tests, shares = level_tests(result.levels), mean_shares(result.effects).clip(lower=0)
+    problems = result.levels["problem"].nunique()
+    text = [_size(sweep, problems), _ranking(sweep, result, shares)]
+    text += [*_values(result, tests, problems), *_pairs(tests, shares)]
+    items: list[Part] = [_main_effects(sweep, result)]
     factors = list(tests["factor"])
     if len(factors) > 1 and len(shares):
         items.append(_share_map(sweep, shares, factors))
-    items += [_levels(sweep, found, tests), _effects(sweep, found)]
+    items += [_levels(sweep, result, tests), _effects(sweep, result)]
     return Section(sweep.name, tuple(filter(None, text)), tuple(items), tuple(warnings))
 
 
@@ -70,27 +70,29 @@ def _size(sweep: Sweep, problems: int) -> str:
     )
 
 
-def _ranking(sweep: Sweep, found: Contributions, shares: pd.Series[float]) -> str:
+def _ranking(sweep: Sweep, result: Contributions, shares: pd.Series[float]) -> str:
     """Return which parameter explains how much of the variance."""
     if shares.empty:
         return "Shares of the variance are not known: a combination has a single trial, or all trials tie."
-    known = found.effects.dropna(subset="share")
-    problems = known["problem"].nunique()
+    with_shares = result.effects.dropna(subset="share")
+    problems = with_shares["problem"].nunique()
     mains = shares[[name for name in shares.index if name in sweep.factors]].sort_values(ascending=False, kind="stable")
     parts = [f"{name} {_percent(share)}" for name, share in [*mains.items(), (TRIALS, float(shares[TRIALS]))]]
     mean = "" if problems == 1 else f", in the mean over {count(problems, 'problem')}"
     sentence = f"Shares of the variance among trials{mean}: {listing(parts, at_most=12)}."
     if len(mains) > 1 and mains.iloc[0] >= SMALL:
-        table = known[known["component"].isin(mains.index)].pivot(index="problem", columns="component", values="share")
+        table = with_shares[with_shares["component"].isin(mains.index)].pivot(
+            index="problem", columns="component", values="share"
+        )
         first = int((table[mains.index[0]] >= table.max(axis=1)).sum())
         sentence += f" {mains.index[0]} has the largest share of its own on {first} of {count(problems, 'problem')}."
     return sentence
 
 
-def _values(found: Contributions, tests: pd.DataFrame, problems: int) -> list[str]:
+def _values(result: Contributions, tests: pd.DataFrame, problems: int) -> list[str]:
     """Return for each parameter which value is best, as far as problems and trials allow a statement."""
     sentences = []
-    shown = _shown(found)
+    shown = _shown(result)
     for row in tests.to_dict("records"):
         name, best = row["factor"], row["best"]
         clear = row["p_holm"] <= ALPHA and not row["note"]
@@ -114,13 +116,16 @@ def _values(found: Contributions, tests: pd.DataFrame, problems: int) -> list[st
     return sentences
 
 
-def _shown(found: Contributions) -> dict[str, tuple[int, int]]:
+def _shown(result: Contributions) -> dict[str, tuple[int, int]]:
     """Return on how many of how many problems the trials show a difference between the values of each parameter."""
-    tested = found.effects.dropna(subset="p")
+    tested = result.effects.dropna(subset="p")
     if tested.empty:
         return {}
     clear = pd.Series(holm(tested["p"].to_numpy(dtype=float)) <= ALPHA, index=tested.index)
-    return {str(name): (int(own.sum()), len(own)) for name, own in clear.groupby(tested["component"], sort=False)}
+    return {
+        str(name): (int(is_clear.sum()), len(is_clear))
+        for name, is_clear in clear.groupby(tested["component"], sort=False)
+    }
 
 
 def _pairs(tests: pd.DataFrame, shares: pd.Series[float]) -> list[str]:
@@ -144,16 +149,16 @@ def _percent(share: float) -> str:
     return "less than 1%" if share < SMALL else f"{share:.0%}"
 
 
-def _main_effects(sweep: Sweep, found: Contributions) -> Figure:
-    factors = list(dict.fromkeys(found.levels["factor"]))
+def _main_effects(sweep: Sweep, result: Contributions) -> Figure:
+    factors = list(dict.fromkeys(result.levels["factor"]))
     width = style.TEXT if len(factors) > 2 else 0.7 + 2.4 * len(factors)
     figure, axes = style.grid(
         len(factors), width=width, height=1.7, left=0.5, across=0.3, down=0.55, top=0.25, bottom=0.4
     )
-    own = [found.levels[found.levels["factor"] == name] for name in factors]
-    low, high = found.levels["chance"].min(), found.levels["chance"].max()
+    tables = [result.levels[result.levels["factor"] == name] for name in factors]
+    low, high = result.levels["chance"].min(), result.levels["chance"].max()
     margin = 0.05 * max(high - low, 0.02)
-    for number, (ax, name, levels) in enumerate(zip(axes, factors, own, strict=True)):
+    for number, (ax, name, levels) in enumerate(zip(axes, factors, tables, strict=True)):
         main_effect(levels, ax=ax)
         ax.set_ylim(min(low, 0.5) - margin, max(high, 0.5) + margin)
         ax.set_title(style.plain(name))
@@ -161,9 +166,9 @@ def _main_effects(sweep: Sweep, found: Contributions) -> Figure:
             ax.tick_params(labelleft=False)
         else:
             ax.set_ylabel("chance to end lower")
-    several = "A thin line is a problem, the thick one their mean." if found.levels["problem"].nunique() > 1 else ""
+    several = "A thin line is a problem, the thick one their mean." if result.levels["problem"].nunique() > 1 else ""
     caption = f"The chance of each value of the parameters of {sweep.name} to end lower; higher is better. {several}"
-    return Figure(f"main-effects-{sweep.name}", caption.strip(), figure, found.levels)
+    return Figure(f"main-effects-{sweep.name}", caption.strip(), figure, result.levels)
 
 
 def _share_map(sweep: Sweep, shares: pd.Series[float], factors: list[str]) -> Figure:
@@ -180,11 +185,11 @@ def _share_map(sweep: Sweep, shares: pd.Series[float], factors: list[str]) -> Fi
     return Figure(f"interactions-{sweep.name}", caption, figure, data)
 
 
-def _levels(sweep: Sweep, found: Contributions, tests: pd.DataFrame) -> Table:
-    own = found.levels.groupby(["factor", "level"], sort=False)["chance"]
-    shown = own.mean().rename("mean chance").reset_index()
-    highest = found.levels.groupby(["problem", "factor"])["chance"].transform("max")
-    first = found.levels[found.levels["chance"] >= highest - 1e-9].groupby(["factor", "level"]).size()
+def _levels(sweep: Sweep, result: Contributions, tests: pd.DataFrame) -> Table:
+    chances = result.levels.groupby(["factor", "level"], sort=False)["chance"]
+    shown = chances.mean().rename("mean chance").reset_index()
+    highest = result.levels.groupby(["problem", "factor"])["chance"].transform("max")
+    first = result.levels[result.levels["chance"] >= highest - 1e-9].groupby(["factor", "level"]).size()
     keys = pd.MultiIndex.from_frame(shown[["factor", "level"]])
     shown["best on problems"] = first.reindex(keys, fill_value=0).to_numpy()
     p = {
@@ -194,18 +199,18 @@ def _levels(sweep: Sweep, found: Contributions, tests: pd.DataFrame) -> Table:
     shown["p (Holm)"] = shown["factor"].map(p)
     return Table(
         f"levels-{sweep.name}",
-        f"The values of the parameters of {sweep.name}, over {count(found.levels['problem'].nunique(), 'problem')}.",
+        f"The values of the parameters of {sweep.name}, over {count(result.levels['problem'].nunique(), 'problem')}.",
         shown.rename(columns={"factor": "parameter", "level": "value"}),
         decimals={"mean chance": 3},
         note="p: whether the values of the parameter differ across problems; –: cannot be tested. The file has every "
         "problem.",
-        data=found.levels,
+        data=result.levels,
     )
 
 
-def _effects(sweep: Sweep, found: Contributions) -> Table:
-    shown = found.effects.pivot(index="problem", columns="component", values="share")
-    components, problems = (list(dict.fromkeys(found.effects[name])) for name in ("component", "problem"))
+def _effects(sweep: Sweep, result: Contributions) -> Table:
+    shown = result.effects.pivot(index="problem", columns="component", values="share")
+    components, problems = (list(dict.fromkeys(result.effects[name])) for name in ("component", "problem"))
     shown = shown.reindex(index=problems, columns=components).clip(0, 1)
     return Table(
         f"components-{sweep.name}",
@@ -216,5 +221,5 @@ def _effects(sweep: Sweep, found: Contributions) -> Table:
         "–: a combination has a single trial, or all trials tie. p in the file: whether the trials on this "
         "problem show a difference between the values of a parameter (van Elteren’s test; from "
         f"{FEWEST} trials a combination on).",
-        data=found.effects,
+        data=result.effects,
     )

@@ -39,8 +39,8 @@ def _problem(findings: Findings, problem: str, rates: pd.DataFrame) -> Section:
     if problem not in findings.trials.problems:
         missing = ("No optimizer has a trial on this problem yet.",)
         return Section(problem, warnings=missing, folded=True, problem=problem)
-    own = findings.trials.coverage[findings.trials.coverage["problem"] == problem]
-    empty = list(own.loc[own["stored"] == 0, "optimizer"])
+    coverage = findings.trials.coverage[findings.trials.coverage["problem"] == problem]
+    empty = list(coverage.loc[coverage["stored"] == 0, "optimizer"])
     warnings = [f"No trial of {listing(empty)} on this problem."] if empty else []
     items: list[Part] = [
         distribution_figure(
@@ -82,8 +82,8 @@ def _best(findings: Findings, problem: str) -> list[str] | None:
 
 
 def _by_rank(final: Final, problem: str) -> list[str]:
-    own = final.standings[final.standings["problem"] == problem]
-    return list(own.sort_values("rank", kind="stable")["optimizer"])
+    ranked = final.standings[final.standings["problem"] == problem]
+    return list(ranked.sort_values("rank", kind="stable")["optimizer"])
 
 
 def _abridged(findings: Findings, problem: str, table: Table) -> Table:
@@ -99,16 +99,16 @@ def _abridged(findings: Findings, problem: str, table: Table) -> Table:
 
 def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
     summary, matrix, words = findings.final.summary, findings.final.matrix, findings.anytime.words
-    own = summary[summary["problem"] == problem].set_index("optimizer").drop(columns="problem")
-    shown = own[["n", "failed", "median", "mean", "sd", "best", "worst"]].rename(columns={"sd": "SD"})
-    decimals = usual_decimals(own["median"])
-    shown.insert(3, "median 95%", _intervals(own["median_low"], own["median_high"], decimals))
+    cells = summary[summary["problem"] == problem].set_index("optimizer").drop(columns="problem")
+    shown = cells[["n", "failed", "median", "mean", "sd", "best", "worst"]].rename(columns={"sd": "SD"})
+    decimals = usual_decimals(cells["median"])
+    shown.insert(3, "median 95%", _intervals(cells["median_low"], cells["median_high"], decimals))
     shown["letters"] = matrix[matrix["problem"] == problem].set_index("optimizer")["letters"]
     if len(rates):
         reached = (
             rates[(rates["problem"] == problem) & (rates["tau"] == words.level)]
             .set_index("optimizer")
-            .reindex(own.index)
+            .reindex(cells.index)
         )
         shown["success %"] = 100 * reached["rate"]
         shown["success 95%"] = _intervals(100 * reached["low"], 100 * reached["high"], 0)
@@ -121,26 +121,26 @@ def _cells(findings: Findings, problem: str, rates: pd.DataFrame) -> Table:
         decimals={"success %": 0},
         note="The interval of the median is distribution-free; letters as in the comparison; success: trials that "
         f"reached {words.at(words.level)}, with a 95% Wilson interval. –: too few trials.",
-        data=own.reset_index(),
+        data=cells.reset_index(),
     )
 
 
 def _running_times(findings: Findings, problem: str) -> Table:
     words, table = findings.anytime.words, findings.anytime.running_times
-    own = table[table["problem"] == problem]
-    shown = own.pivot(index="optimizer", columns=words.unit, values="ert").reindex(findings.trials.optimizers)
+    rows = table[table["problem"] == problem]
+    shown = rows.pivot(index="optimizer", columns=words.unit, values="ert").reindex(findings.trials.optimizers)
     shown = shown.rename(columns=words.shown).rename_axis(index="optimizer", columns=None)
     shown = shown.astype(float).iloc[:, ::-1]
     lowest = shown.eq(shown.min()) & np.isfinite(shown)
-    last = own[own[words.unit] == own[words.unit].min()].set_index("optimizer").reindex(shown.index)
+    last = rows[rows[words.unit] == rows[words.unit].min()].set_index("optimizer").reindex(shown.index)
     never = [
         f"∞ ({spent:,.0f})" if np.isinf(ert) else ""
         for ert, spent in zip(last["ert"], last["unsuccessful"], strict=True)
     ]
     texts = pd.DataFrame({shown.columns[-1]: never}, index=shown.index) if len(shown.columns) else None
-    level = _level(own, words.unit)
-    of = own[own[words.unit] == level]
-    hardest = own[words.unit].min()
+    level = _level(rows, words.unit)
+    of = rows[rows[words.unit] == level]
+    hardest = rows[words.unit].min()
     note = (
         "Bold: the lowest of a column; ∞: no trial succeeded, in brackets the median evaluations of the trials; "
         f"successes: trials that reached {words.shown(hardest)}."
@@ -176,13 +176,13 @@ def _running_times(findings: Findings, problem: str) -> Table:
         bold=lowest,
         texts=None if texts is None else texts.reindex(shown.index, fill_value=""),
         note=note,
-        data=words.in_unit(own, words.unit),
+        data=words.in_unit(rows, words.unit),
     )
 
 
-def _level(own: pd.DataFrame, unit: str) -> float:
+def _level(rows: pd.DataFrame, unit: str) -> float:
     """Return the hardest target that the most optimizers reached; missing where no trial reached any."""
-    reached = (own["successes"] > 0).groupby(own[unit]).sum()
+    reached = (rows["successes"] > 0).groupby(rows[unit]).sum()
     return float(reached.index[reached == reached.max()].min()) if reached.max() > 0 else np.nan
 
 
@@ -190,8 +190,8 @@ def _pairs(findings: Findings, problem: str, every: pd.DataFrame) -> Table:
     """Return the tests of every pair, of many optimizers those of the first one alone; the file has all."""
     pairs, which, crowd = every, "every pair of optimizers", findings.display.crowd
     if len(findings.trials.optimizers) > MANY_OPTIMIZERS:
-        own = findings.final.standings[findings.final.standings["problem"] == problem].dropna(subset="rank")
-        best = own.sort_values("rank", kind="stable")["optimizer"].iloc[0]
+        ranked = findings.final.standings[findings.final.standings["problem"] == problem].dropna(subset="rank")
+        best = ranked.sort_values("rank", kind="stable")["optimizer"].iloc[0]
         pairs = every[(every["first"] == best) | (every["second"] == best)].sort_values("p_holm", kind="stable")
         which = f"{best}, the first in rank, and every other optimizer; "
         which += (

@@ -17,8 +17,8 @@ def section(findings: Findings) -> Section | None:
     functions = findings.trials.suite_functions
     if len(findings.trials.optimizers) < 2 or not functions:
         return None
-    found = findings.anytime.u_scores
-    problems = found["problem"].nunique()
+    scores = findings.anytime.u_scores
+    problems = scores["problem"].nunique()
     meaning = (
         "A U-score counts pairs of trials of two optimizers on the same problem (Price, Kumar and Suganthan 2023): of "
         f"two trials that came within {analysis.SOLVED:g} of the optimum, the one with fewer evaluations wins; such a "
@@ -32,27 +32,27 @@ def section(findings: Findings) -> Section | None:
             f"{count(left, 'problem')} of {len(functions):,} {'is' if left == 1 else 'are'} left out: the optimum is "
             "unknown or beaten, or the optimizers have different numbers of trials."
         )
-    return Section(TITLE, tuple(text), (_scores(findings.trials, found),) if problems else ())
+    return Section(TITLE, tuple(text), (_scores(findings.trials, scores),) if problems else ())
 
 
-def _scores(trials: Trials, found: pd.DataFrame) -> Table:
-    dimension = found["problem"].astype(object).map(trials.dimensions)
-    total = found.groupby("optimizer")[["u", "pairs", "reached", "trials"]].sum().reindex(trials.optimizers)
+def _scores(trials: Trials, scores: pd.DataFrame) -> Table:
+    dimension = scores["problem"].astype(object).map(trials.dimensions)
+    total = scores.groupby("optimizer")[["u", "pairs", "reached", "trials"]].sum().reindex(trials.optimizers)
     shown = pd.DataFrame({"rank": total["u"].rank(ascending=False, method="min").astype(int), "U-score": total["u"]})
     if dimension.nunique() > 1:
-        for each, own in found.groupby(dimension):
-            shown[f"d = {each:g}"] = own.groupby("optimizer")["u"].sum()
+        for each, scores_there in scores.groupby(dimension):
+            shown[f"d = {each:g}"] = scores_there.groupby("optimizer")["u"].sum()
     shown["share %"] = 100 * total["u"] / total["pairs"]
     shown["reached"] = [f"{reached:,}/{of:,}" for reached, of in zip(total["reached"], total["trials"], strict=True)]
-    scores = [str(name) for name in shown if name not in ("rank", "share %", "reached")]
+    columns = [str(name) for name in shown if name not in ("rank", "share %", "reached")]
     shown = shown.sort_values("rank", kind="stable").rename_axis("optimizer")
     return Table(
         "u-scores",
-        f"U-scores over {count(found['problem'].nunique(), 'problem')}, highest first.",
+        f"U-scores over {count(scores['problem'].nunique(), 'problem')}, highest first.",
         shown,
-        bold=shown[scores].eq(shown[scores].max()),
-        decimals={"share %": 1} | dict.fromkeys(scores, 1),
+        bold=shown[columns].eq(shown[columns].max()),
+        decimals={"share %": 1} | dict.fromkeys(columns, 1),
         note=f"Bold: the highest of a column; reached: trials that came within {analysis.SOLVED:g} of the optimum. The "
         "CSV file has the scores by problem.",
-        data=found,
+        data=scores,
     )

@@ -37,8 +37,8 @@ def section(findings: Findings) -> Section:
             "depend on the number of trials or the title."
         )
     items = [_entries(results.study)]
-    if known := {label: value for label, value in results.fingerprints.items() if value}:
-        hashes = pd.DataFrame({"SHA-256": known}).rename_axis("problem")
+    if fingerprints := {label: value for label, value in results.fingerprints.items() if value}:
+        hashes = pd.DataFrame({"SHA-256": fingerprints}).rename_axis("problem")
         items.append(Table("data", "The hash of each problem’s data when its trials ran.", hashes))
     if not results.environments:
         return Section(TITLE, tuple(text), tuple(items), ("The folder has no record of the machine that ran it.",))
@@ -91,17 +91,17 @@ class _Origins:
     @cached_property
     def groups(self) -> dict[str, list[int]]:
         """The positions of the records that are alike, by letter."""
-        found: dict[str, list[int]] = {}
+        places_of: dict[str, list[int]] = {}
         for place, record in enumerate(self.records):
-            alike = (letter for letter, group in found.items() if not differences(self.records[group[0]], record))
-            found.setdefault(next(alike, _letter(len(found))), []).append(place)
-        return found
+            alike = (letter for letter, group in places_of.items() if not differences(self.records[group[0]], record))
+            places_of.setdefault(next(alike, _letter(len(places_of))), []).append(place)
+        return places_of
 
     @cached_property
     def letters(self) -> list[str]:
         """The letter of each record's environment."""
-        found = {place: letter for letter, group in self.groups.items() for place in group}
-        return [found[place] for place in sorted(found)]
+        letter_of = {place: letter for letter, group in self.groups.items() for place in group}
+        return [letter_of[place] for place in sorted(letter_of)]
 
     def warnings(self) -> Iterator[str]:
         """Yield a warning on what an import left out, and where trials, or their runs, are of several environments."""
@@ -134,8 +134,8 @@ class _Origins:
 
     def _items(self, group: list[int]) -> dict[str, str]:
         """Return the items of an environment; machines of one environment may differ, for example in cores."""
-        found = pd.DataFrame([_items(self.records[place]) for place in group])
-        return {str(item): listing(list(values.dropna().unique()), at_most=4) for item, values in found.items()}
+        table = pd.DataFrame([_items(self.records[place]) for place in group])
+        return {str(item): listing(list(values.dropna().unique()), at_most=4) for item, values in table.items()}
 
     def runs(self) -> Table:
         """Return a table of every run on every machine that took part."""
@@ -157,18 +157,18 @@ class _Origins:
 
     def trials(self) -> Table:
         """Return a table of the number of trials of each optimizer from each environment."""
-        own = self.frame[["problem", "optimizer", "trial"]].assign(
+        rows = self.frame[["problem", "optimizer", "trial"]].assign(
             run=self.numbers,
             environment=self.numbers.map(dict(enumerate(self.letters, start=1))).fillna("not recorded"),
         )
-        counts = pd.crosstab(own["optimizer"], own["environment"]).rename_axis(columns=None)
+        counts = pd.crosstab(rows["optimizer"], rows["environment"]).rename_axis(columns=None)
         letters = [letter for letter in [*self.groups, "not recorded"] if letter in counts]
-        shown = counts.loc[own["optimizer"].unique(), letters]
+        shown = counts.loc[rows["optimizer"].unique(), letters]
         if len(letters) > COLUMNS:
             shown = shown.iloc[:, : COLUMNS - 1].assign(others=shown.iloc[:, COLUMNS - 1 :].sum(axis=1))
         caption = "Number of trials of each optimizer from each environment."
         note = "The CSV file has the run and the environment of every trial."
-        return Table("environment-trials", caption, shown, note=note, data=own)
+        return Table("environment-trials", caption, shown, note=note, data=rows)
 
 
 def _letter(number: int) -> str:
@@ -179,7 +179,7 @@ def _letter(number: int) -> str:
 def _items(record: Mapping[str, Any]) -> dict[str, str]:
     """Return what a record holds of machine, versions and code, by name."""
     memory = record.get("memory_gb")
-    known = {
+    items = {
         "processor": record.get("processor"),
         "cores": record.get("cores"),
         "memory": f"{memory} GB" if memory else None,
@@ -190,7 +190,7 @@ def _items(record: Mapping[str, Any]) -> dict[str, str]:
         "commit": _state(record.get("git")),
         **{f"commit of {name}": _state(git) for name, git in (record.get("checkouts") or {}).items()},
     }
-    return {item: str(value) for item, value in known.items() if value}
+    return {item: str(value) for item, value in items.items() if value}
 
 
 def _blas(noted: Mapping[str, Any]) -> str:

@@ -41,9 +41,9 @@ def section(findings: Findings) -> Section | None:
         warnings.append(f"The rope is wider than the range of all values on {where}.")
     items: list[Part] = [_counts(findings.final, table)]
     if table["problem"].nunique() > 1:
-        found = probabilities(table)
-        text.append(_across(found))
-        items = [_figure(found), _models(found), *items]
+        models = probabilities(table)
+        text.append(_across(models))
+        items = [_figure(models), _models(models), *items]
     return Section(TITLE, tuple(text), tuple(items), tuple(warnings))
 
 
@@ -63,10 +63,10 @@ def _each(final: Final, table: pd.DataFrame) -> str:
     return sentence + (f" Below {FEWEST} trials, as in {count(few, 'pair')}, nothing is shown." if few else "")
 
 
-def _across(found: pd.DataFrame) -> str:
+def _across(models: pd.DataFrame) -> str:
     """Return which pairs are decided across problems."""
     parts = []
-    for pair in found.to_dict("records"):
+    for pair in models.to_dict("records"):
         for column, words in (
             ("first_better", f"{pair['first']} is better than {pair['second']}"),
             ("equal", f"{pair['first']} and {pair['second']} are equal"),
@@ -74,7 +74,7 @@ def _across(found: pd.DataFrame) -> str:
         ):
             if pair[column] >= SURE:
                 parts.append(f"{words} ({min(pair[column], 0.999):.3g})")
-    start = f"Across {count(int(found['problems'].max()), 'problem')}, by the Bayesian signed-rank test,"
+    start = f"Across {count(int(models['problems'].max()), 'problem')}, by the Bayesian signed-rank test,"
     if not parts:
         return f"{start} no statement has a probability of {SURE:g} or more."
     return f"{start} these have a probability of {SURE:g} or more: {listing(parts)}."
@@ -105,9 +105,9 @@ def _counts(final: Final, table: pd.DataFrame) -> Table:
     )
 
 
-def _models(found: pd.DataFrame) -> Table:
+def _models(models: pd.DataFrame) -> Table:
     heads = {"first_better": "first better", "equal": "equal", "second_better": "second better"}
-    shown = found.rename(columns=heads | {f"{key}_h": f"{name} (h)" for key, name in heads.items()})
+    shown = models.rename(columns=heads | {f"{key}_h": f"{name} (h)" for key, name in heads.items()})
     return Table(
         "equivalence-probabilities",
         "Probability that the first optimizer is better by more than the rope, that both are equal, and that the "
@@ -116,18 +116,18 @@ def _models(found: pd.DataFrame) -> Table:
         shown,
         decimals=dict.fromkeys([*heads.values(), *(f"{name} (h)" for name in heads.values())], 3),
         note="–: fewer than three problems have a finite error of the difference.",
-        data=found,
+        data=models,
     )
 
 
-def _figure(found: pd.DataFrame) -> Figure:
-    left = 0.2 + style.text_width(forest_names(found))
+def _figure(models: pd.DataFrame) -> Figure:
+    left = 0.2 + style.text_width(forest_names(models))
     figure, (ax,) = style.grid(
-        1, columns=1, width=style.TEXT, height=style.rows_height(len(found)), left=left, top=0.1, bottom=0.45
+        1, columns=1, width=style.TEXT, height=style.rows_height(len(models)), left=left, top=0.1, bottom=0.45
     )
-    equivalence_bars(found, ax=ax)
+    equivalence_bars(models, ax=ax)
     caption = (
         "Probability that the first of two optimizers is better by more than the rope (left), that both are "
         "practically equal (grey), and that the second is better (right), by the Bayesian signed-rank test."
     )
-    return Figure("equivalence-bars", caption, figure, found)
+    return Figure("equivalence-bars", caption, figure, models)

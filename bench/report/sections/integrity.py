@@ -48,16 +48,16 @@ def section(findings: Findings) -> Section:
 def warnings(findings: Findings) -> tuple[str, ...]:
     """Return what a reader must know before any number: one sentence for each check that found something wrong."""
     checks = findings.integrity
-    found = [
+    sentences = [
         f"{'Error: ' if row.verdict == 'error' else ''}{str(row.check).capitalize()}: {row.finding}"
         for row in checks[checks["verdict"].isin(TROUBLE)].itertuples()
     ]
     if reasons := {label: each.reason for label, each in findings.trials.known.items() if each.reason}:
-        found.append(
+        sentences.append(
             f"{count(len(reasons), 'problem')} cannot be loaded here, so the optimum, the bounds and the expected "
             f"values are unknown: {listing([*reasons], at_most=5)} ({next(iter(reasons.values()))})."
         )
-    return tuple(found)
+    return tuple(sentences)
 
 
 def _incomplete(trials: Trials) -> list[Table]:

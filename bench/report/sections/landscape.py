@@ -33,14 +33,14 @@ ROWS = 12  # of the table of features and ranks
 
 def section(findings: Findings) -> Section | None:
     """Return features of the problems' landscapes, and how they go with ranks; None where no problem is described."""
-    found = findings.landscapes
-    if found.table.empty:
+    landscapes = findings.landscapes
+    if landscapes.table.empty:
         return None
-    table = found.table
+    table = landscapes.table
     text = [MEANING + (" Of pooled instances, the first is described." if findings.trials.precisions else "")]
-    if found.left_out:
+    if landscapes.left_out:
         text.append(
-            f"Not described: {listing(sorted(found.left_out))}, which cannot be loaded or sampled here in time."
+            f"Not described: {listing(sorted(landscapes.left_out))}, which cannot be loaded or sampled here in time."
         )
     shown = table[list(SHOWN)].rename(columns=SHOWN)
     items: list[Part] = [
@@ -66,16 +66,16 @@ def _ranks(findings: Findings, table: pd.DataFrame) -> tuple[list[str], list[Par
     if problems < LEAST_PROBLEMS:
         few = f"Features are compared with the ranks of the optimizers from {LEAST_PROBLEMS} problems on"
         return [f"{few}; here are {problems}."], []
-    found = feature_ranks(table, findings.final.medians)
-    if found.empty:
+    tests = feature_ranks(table, findings.final.medians)
+    if tests.empty:
         return ["The features or the ranks are the same on all problems, so none goes with another."], []
-    clear = found[found["significant"]]
+    clear = tests[tests["significant"]]
     named = [
         f"{row['optimizer']} ranks {'worse' if row['rho'] > 0 else 'better'} the larger {row['feature']} "
         f"(rho = {row['rho']:.2f})"
         for row in clear.iloc[:3].to_dict("records")
     ]
-    several = f"{count(len(found), 'test')} of a feature and an optimizer’s rank over {problems} problems"
+    several = f"{count(len(tests), 'test')} of a feature and an optimizer’s rank over {problems} problems"
     sentence = (
         f"Of {several}, {len(clear)} are significant at {ALPHA:g} after Holm’s adjustment: {listing(named)}"
         + (", among others." if len(clear) > len(named) else ".")
@@ -86,7 +86,7 @@ def _ranks(findings: Findings, table: pd.DataFrame) -> tuple[list[str], list[Par
         " Problems of one family are alike, so the tests are too confident about other families; a correlation is no "
         "cause."
     )
-    shown = found.iloc[:ROWS].rename(columns={"p_holm": "p (Holm)", "rho": "Spearman’s rho"})
+    shown = tests.iloc[:ROWS].rename(columns={"p_holm": "p (Holm)", "rho": "Spearman’s rho"})
     return [sentence + caution], [
         Table(
             "feature-ranks",
@@ -94,6 +94,6 @@ def _ranks(findings: Findings, table: pd.DataFrame) -> tuple[list[str], list[Par
             shown,
             decimals={"Spearman’s rho": 2},
             note="A positive rho: the optimizer ranks worse where the feature is larger. The file has all tests.",
-            data=found,
+            data=tests,
         )
     ]

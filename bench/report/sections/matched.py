@@ -15,14 +15,14 @@ TITLE = "Under the same conditions"
 
 def section(findings: Findings) -> Section | None:
     """Return the table of the leader against its rivals, None where nothing differs or nothing ran under the same."""
-    found = findings.controls.chances
-    reported = found.loc[found["conditions"] == REPORTED, ["first", "second"]]
-    if found[["first", "second"]].drop_duplicates().shape[0] <= len(reported):
+    chances = findings.controls.chances
+    reported = chances.loc[chances["conditions"] == REPORTED, ["first", "second"]]
+    if chances[["first", "second"]].drop_duplicates().shape[0] <= len(reported):
         return None
-    leader, conditions = str(reported["first"].iloc[0]), list(found["conditions"].unique())
+    leader, conditions = str(reported["first"].iloc[0]), list(chances["conditions"].unique())
     counts = [
-        f"{int((own['low'] > 0.5).sum())} of {count(len(own), 'rival')} {'' if name == REPORTED else 'with '}{name!s}"
-        for name, own in found.groupby("conditions", sort=False)
+        f"{int((rows['low'] > 0.5).sum())} of {count(len(rows), 'rival')} {'' if name == REPORTED else 'with '}{name!s}"
+        for name, rows in chances.groupby("conditions", sort=False)
     ]
     meaning = (
         f"The optimizers differ in more than their algorithms: {differing(findings)}. The table compares {leader} with "
@@ -35,16 +35,16 @@ def section(findings: Findings) -> Section | None:
         )
     if missing := findings.controls.cost:
         text.append(f"The table is not complete: {missing}.")
-    return Section(TITLE, tuple(text), (_table(findings, found, leader, conditions),))
+    return Section(TITLE, tuple(text), (_table(findings, chances, leader, conditions),))
 
 
-def _table(findings: Findings, found: pd.DataFrame, leader: str, conditions: list[str]) -> Table:
+def _table(findings: Findings, chances: pd.DataFrame, leader: str, conditions: list[str]) -> Table:
     cells = [
         f"{chance:.2f}" + ("" if pd.isna(low) else f" [{low:.2f}, {high:.2f}]")
-        for chance, low, high in zip(found["probability"], found["low"], found["high"], strict=True)
+        for chance, low, high in zip(chances["probability"], chances["low"], chances["high"], strict=True)
     ]
-    shown = found.assign(cell=cells).pivot(index="rival", columns="conditions", values="cell")
-    shown = shown.reindex(index=found["rival"].unique(), columns=conditions).fillna(MISSING).rename_axis(columns=None)
+    shown = chances.assign(cell=cells).pivot(index="rival", columns="conditions", values="cell")
+    shown = shown.reindex(index=chances["rival"].unique(), columns=conditions).fillna(MISSING).rename_axis(columns=None)
     apart = [
         f"{listing(labels)} {'has' if len(labels) == 1 else 'have'} no such option as {options({name: value})}"
         for each in findings.controls.matched
@@ -56,5 +56,5 @@ def _table(findings: Findings, found: pd.DataFrame, leader: str, conditions: lis
         f"The probability that a run of {leader} beats one of each rival, with its 95% interval.",
         shown,
         note="; ".join(["The mean over problems of A12", *apart]) + ".",
-        data=found,
+        data=chances,
     )

@@ -26,8 +26,8 @@ def section(findings: Findings) -> Section:
     for n in sorted(set(findings.trials.per_cell)):
         kinds = {"a single test": ALPHA} | ({"the first of all tests": level / tests} if level else {})
         for name, level_of_test in kinds.items():
-            found = analysis.detectable_a12(n, level_of_test)
-            rows.append((n, name, level_of_test, found, analysis.trials_to_separate(1, level_of_test)))
+            smallest = analysis.detectable_a12(n, level_of_test)
+            rows.append((n, name, level_of_test, smallest, analysis.trials_to_separate(1, level_of_test)))
     names = ["trials", "adjusted as", "level", "A12 found", "separation from"]
     table = pd.DataFrame(rows, columns=names)
     shown = Table(
@@ -49,15 +49,15 @@ def blindness(findings: Findings) -> str:
     n, tests, levels = findings.trials.per_cell[0], len(findings.final.pairs), findings.final.levels
     trials = f"with {count(n, 'trial')} in the smallest cell"
     parts = []
-    found = analysis.detectable_a12(n, levels.problems / tests) if levels.problems else nan
-    if isnan(found):
+    smallest = analysis.detectable_a12(n, levels.problems / tests) if levels.problems else nan
+    if isnan(smallest):
         enough = analysis.trials_to_separate(tests, ALPHA / 2)
         parts.append(
             f"{trials} nothing is found on single problems; from {enough} trials on {count(tests, 'test')} would find "
             "complete separation"
         )
     else:
-        parts.append(f"{trials} the tests on problems would often miss an A12 below {found:.2f}")
+        parts.append(f"{trials} the tests on problems would often miss an A12 below {smallest:.2f}")
     if levels.across:
         tested = findings.final.overall
         number = int(tested["blocks" if levels.further else "problems"].iloc[0])

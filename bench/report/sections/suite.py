@@ -42,8 +42,8 @@ def section(findings: Findings) -> Section | None:
         items.append(scaling_figure(scaled, findings.display.drawn, target=words.at(words.level)))
     items += _scatter(findings, members)
     most = max(findings.trials.budgets[label] / d for label, d in findings.trials.dimensions.items())
-    own = reached[(reached["per_dimension"] <= most * (1 + 1e-9)) & (reached["optimizer"] != BEST)]
-    text = [_most_targets(own), *text, *findings.display.drawn_words]
+    within = reached[(reached["per_dimension"] <= most * (1 + 1e-9)) & (reached["optimizer"] != BEST)]
+    text = [_most_targets(within), *text, *findings.display.drawn_words]
     return Section(TITLE, tuple(text), tuple(items), sections=tuple(_each_dimension(findings, members)))
 
 
@@ -53,7 +53,7 @@ def overview(findings: Findings) -> list[Figure]:
     if members.empty or not findings.trials.traces or len(members) != len(findings.trials.problems):
         return []
     panels = [
-        (ALL, int(str(dimension)), list(own["problem"])) for dimension, own in members.groupby("dimension", sort=True)
+        (ALL, int(str(dimension)), list(rows["problem"])) for dimension, rows in members.groupby("dimension", sort=True)
     ]
     reached = _reached(findings, panels)
     return [_figure(findings, "targets-of-all", reached, panels, columns=min(len(panels), 2))] if len(reached) else []
@@ -63,19 +63,19 @@ def _figure(findings: Findings, name: str, reached: pd.DataFrame, panels: Panels
     """Return the figure of curves of :func:`_reached`, on ``columns`` columns of panels within one of a paper."""
     anytime, drawn = findings.anytime, findings.display.drawn
     ends = {_title(*panel): anytime.ends(panel[2], per_dimension=True) for panel in panels}
-    known = reached[reached["optimizer"].isin([*drawn, BEST])]
+    shown = reached[reached["optimizer"].isin([*drawn, BEST])]
     kwargs = {"columns": columns} if columns else {}
     single = all(len(problems) == 1 for _, _, problems in panels)
     what = "dimension" if columns else "function" if single else "group"
-    return reached_figure(name, known, drawn, ends=ends if anytime.words.restarts else None, what=what, **kwargs)
+    return reached_figure(name, shown, drawn, ends=ends if anytime.words.restarts else None, what=what, **kwargs)
 
 
 def _each_dimension(findings: Findings, members: pd.DataFrame) -> Iterator[Section]:
     """Yield the functions of each dimension: the targets reached on each, and their running times in one table."""
-    for dimension, own in members.groupby("dimension", sort=True):
-        d, parts = int(str(dimension)), own["function"].str.partition(" ")
-        functions = parts[2] if parts[0].nunique() == 1 and parts[2].all() else own["function"]
-        names = dict(zip(own["problem"], functions if functions.is_unique else own["problem"], strict=True))
+    for dimension, rows in members.groupby("dimension", sort=True):
+        d, parts = int(str(dimension)), rows["function"].str.partition(" ")
+        functions = parts[2] if parts[0].nunique() == 1 and parts[2].all() else rows["function"]
+        names = dict(zip(rows["problem"], functions if functions.is_unique else rows["problem"], strict=True))
         panels = [(name, d, [problem]) for problem, name in names.items()]
         items: list[Part] = []
         reached = _reached(findings, panels)
@@ -91,8 +91,8 @@ def _scatter(findings: Findings, members: pd.DataFrame) -> list[Figure]:
     first = findings.reference or findings.final.ranked[0]
     second = next(label for label in findings.final.ranked if label != first)
     unit, times = findings.anytime.words.unit, findings.anytime.running_times
-    own = times[times["problem"].isin(members["problem"])]
-    wide = own.pivot(index=["problem", unit], columns="optimizer", values="ert_per_d").astype(float)
+    rows = times[times["problem"].isin(members["problem"])]
+    wide = rows.pivot(index=["problem", unit], columns="optimizer", values="ert_per_d").astype(float)
     wide = wide.reindex(columns=[first, second]).dropna()
     if not np.isfinite(wide).any(axis=None):
         return []
@@ -104,10 +104,10 @@ def _scatter(findings: Findings, members: pd.DataFrame) -> list[Figure]:
 def _members(trials: Trials) -> pd.DataFrame:
     """Return problem, function, group and dimension of the problems that have all of these features."""
     rows = [
-        (label, f"{known.features.get('suite', '')} {known.features.get('function', label)}".strip(),
-         str(known.features["group"]), trials.dimensions[label])
-        for label, known in trials.known.items()
-        if "group" in known.features and label in trials.dimensions
+        (label, f"{facts.features.get('suite', '')} {facts.features.get('function', label)}".strip(),
+         str(facts.features["group"]), trials.dimensions[label])
+        for label, facts in trials.known.items()
+        if "group" in facts.features and label in trials.dimensions
     ]  # fmt: skip
     return pd.DataFrame(rows, columns=["problem", "function", "group", "dimension"])
 
@@ -119,9 +119,9 @@ def _meaning(trials: Trials, members: pd.DataFrame) -> str:
         f"{count(functions, 'function')} in {count(members['group'].nunique(), 'group')}, in "
         f"{'dimensions' if len(dimensions) > 1 else 'dimension'} {shown}. A problem is a function in one dimension."
     )
-    pools = [own for own in trials.pooled.members.values() if len(own) > 1]
+    pools = [instances for instances in trials.pooled.members.values() if len(instances) > 1]
     if pools:
-        each = f"instances ({listing(sorted({f'{len(own)}' for own in pools}, key=int))} each)"
+        each = f"instances ({listing(sorted({f'{len(instances)}' for instances in pools}, key=int))} each)"
         some = len(pools) < len(members)
         text += (
             f" {f'On {len(pools)} of {len(members)} problems, the' if some else 'Its'} {each} are pooled, as COCO "
@@ -191,13 +191,13 @@ def _reached(findings: Findings, panels: Panels) -> pd.DataFrame:
     most = max(trials.budgets[label] / d for label, d in trials.dimensions.items())
     grid = np.geomspace(1 / max(trials.dimensions.values()), most, 60)
     for panel in panels:
-        found = anytime.restarts_per_dimension if anytime.words.restarts else anytime.hits
-        own = found[found["problem"].isin(panel[2])]
-        if len(own):
+        shares = anytime.restarts_per_dimension if anytime.words.restarts else anytime.hits
+        of_panel = shares[shares["problem"].isin(panel[2])]
+        if len(of_panel):
             curve = (
-                analysis.mean_shares(own, anytime.curves)
+                analysis.mean_shares(of_panel, anytime.curves)
                 if anytime.words.restarts
-                else analysis.ecdf(own, grid, trials.dimensions)
+                else analysis.ecdf(of_panel, grid, trials.dimensions)
             )
             curves.append(curve.assign(problem=_title(*panel)))
     columns = ["optimizer", "per_dimension", "fraction", "problem"]
@@ -207,7 +207,7 @@ def _reached(findings: Findings, panels: Panels) -> pd.DataFrame:
 def _scaling(anytime: Anytime, members: pd.DataFrame) -> pd.DataFrame:
     """Return function, dimension, optimizer and ERT / d at the target of each problem."""
     table = analysis.expected_running_time(anytime.hits[np.isclose(anytime.hits["tau"], anytime.words.level)])
-    own = table.merge(members, on="problem")
-    return own.assign(problem=own["function"], ert=own["ert"] / own["dimension"])[
+    rows = table.merge(members, on="problem")
+    return rows.assign(problem=rows["function"], ert=rows["ert"] / rows["dimension"])[
         ["problem", "dimension", "optimizer", "trials", "successes", "ert"]
     ]

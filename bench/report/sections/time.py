@@ -19,37 +19,37 @@ TITLE = "Time"
 def section(findings: Findings) -> Section:
     """Return the wall and processor time of a trial, the objective's share, and signs of a disturbed measurement."""
     timing = analysis.timing(findings.trials.whole)
-    known = timing[timing["trials"] > 0].sort_values("wall_mean", kind="stable")
-    if len(known) and known["wall_mean"].isna().all():
+    finished = timing[timing["trials"] > 0].sort_values("wall_mean", kind="stable")
+    if len(finished) and finished["wall_mean"].isna().all():
         return Section(TITLE, ("The times of these trials are unknown, as of imported results.",))
-    unknown = list(known.loc[known["wall_mean"].isna(), "optimizer"])
-    known, timing = (table[~table["optimizer"].isin(unknown)] for table in (known, timing))
-    if known.empty:
+    unknown = list(finished.loc[finished["wall_mean"].isna(), "optimizer"])
+    finished, timing = (table[~table["optimizer"].isin(unknown)] for table in (finished, timing))
+    if finished.empty:
         return Section(TITLE, ("No trial finished, so there are no times.",))
     warnings = [f"The times of {listing(unknown)} are unknown, as of imported results."] if unknown else []
-    if len(waited := known.loc[known["contention"], "optimizer"]):
+    if len(waited := finished.loc[finished["contention"], "optimizer"]):
         warnings.append(
             f"Trials of {listing(list(waited))} waited for their core (wall time more than {CONTENTION:g} times CPU "
             "time): the machine was busy, so trust CPU times rather than wall times."
         )
-    if len(threaded := known.loc[known["hidden_threads"], "optimizer"]):
+    if len(threaded := finished.loc[finished["hidden_threads"], "optimizer"]):
         warnings.append(
             f"Trials of {listing(list(threaded))} used more than one core (CPU time more than {HIDDEN_THREADS:g} "
             "times wall time): wall times flatter these optimizers."
         )
-    return Section(TITLE, (_summary(findings, known),), (timing_figure(timing), _table(timing)), tuple(warnings))
+    return Section(TITLE, (_summary(findings, finished),), (timing_figure(timing), _table(timing)), tuple(warnings))
 
 
-def _summary(findings: Findings, known: pd.DataFrame) -> str:
-    fastest, slowest = known.iloc[0], known.iloc[-1]
+def _summary(findings: Findings, finished: pd.DataFrame) -> str:
+    fastest, slowest = finished.iloc[0], finished.iloc[-1]
     text = f"The mean wall time of a trial is {seconds(fastest['wall_mean'])} with {fastest['optimizer']}"
-    if len(known) > 1:
+    if len(finished) > 1:
         text += f", the fastest optimizer, and {seconds(slowest['wall_mean'])} with {slowest['optimizer']}, the slowest"
     processors = list(dict.fromkeys(filter(None, (each.get("processor") for each in findings.results.environments))))
     machine = "on the machine named below" if len(processors) < 2 else "on the machines named below"
     if processors:
         machine += f" ({listing(processors)})"
-    spent = known["evaluations_median"]
+    spent = finished["evaluations_median"]
     unequal = (
         " The optimizers did not spend the same number of evaluations." if spent.max() > 1.01 * spent.min() else ""
     )

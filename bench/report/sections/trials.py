@@ -147,8 +147,8 @@ def rows(needed: pd.DataFrame) -> pd.DataFrame:
                 for low, high in zip(ordered["low"], ordered["high"], strict=True)
             ],
             "more": [
-                f"{wanted - own:,.0f}" if np.isfinite(wanted) else ""
-                for wanted, own in zip(ordered["needed"], smaller, strict=True)
+                f"{wanted - made:,.0f}" if np.isfinite(wanted) else ""
+                for wanted, made in zip(ordered["needed"], smaller, strict=True)
             ],
         }
     ).reset_index(drop=True)

@@ -29,39 +29,39 @@ INSTANCE = re.compile(r"-i[0-9]+$")
 def section(findings: Findings) -> Section | None:
     """Return what tuning gained; None where the optimizers were not tuned by this harness."""
     tuning = findings.study.tuning
-    known = [each for each in tuning.optimizers if each.default in findings.trials.optimizers] if tuning else []
-    if tuning is None or not known:
+    tuned = [each for each in tuning.optimizers if each.default in findings.trials.optimizers] if tuning else []
+    if tuning is None or not tuned:
         return None
-    gains = {each.name: _gain(findings.final, each) for each in known if each.tuned in findings.trials.optimizers}
+    gains = {each.name: _gain(findings.final, each) for each in tuned if each.tuned in findings.trials.optimizers}
     text = [
-        _what(findings, tuning, known),
-        _cost(known),
-        *(_gained(findings.trials, each, gains.get(each.name)) for each in known),
+        _what(findings, tuning, tuned),
+        _cost(tuned),
+        *(_gained(findings.trials, each, gains.get(each.name)) for each in tuned),
     ]
-    items: list[Part] = [_results(known, gains), _parameters(known)]
-    if panels := _panels(known):
+    items: list[Part] = [_results(tuned, gains), _parameters(tuned)]
+    if panels := _panels(tuned):
         items.append(_figure(panels))
-    return Section(TITLE, tuple(text), tuple(items), tuple(_warnings(findings, tuning, known)))
+    return Section(TITLE, tuple(text), tuple(items), tuple(_warnings(findings, tuning, tuned)))
 
 
-def _what(findings: Findings, tuning: Tuning, known: list[Tuned]) -> str:
+def _what(findings: Findings, tuning: Tuning, tuned: list[Tuned]) -> str:
     apart = f", all but the group {tuning.left_out!r}" if tuning.left_out else ""
     score = OBJECTIVES.get(tuning.objective, tuning.objective)
     tested = tuning.is_apart(entry.name for entry in findings.results.study.problems)
     return (
-        f"{listing([each.name for each in known])} {'was' if len(known) == 1 else 'were'} tuned by {tuning.method}: "
-        f"{count(tuning.trials, 'configuration')}{' each' if len(known) > 1 else ''}, the defaults first, with "
+        f"{listing([each.name for each in tuned])} {'was' if len(tuned) == 1 else 'were'} tuned by {tuning.method}: "
+        f"{count(tuning.trials, 'configuration')}{' each' if len(tuned) > 1 else ''}, the defaults first, with "
         f"{count(tuning.runs, 'run')} of {described(tuning.budget)} on each of "
         f"{count(len(tuning.train), 'training problem')}{apart}. The score is {score}, the mean over the training "
         f"problems; lower is better.{' No problem of this report was tuned on.' if tested else ''}"
     )
 
 
-def _cost(known: list[Tuned]) -> str:
-    spent, time = sum(each.evaluations for each in known), sum(each.seconds for each in known)
-    stopped = sum(each.whole.count(False) for each in known)
-    tried = sum(len(each.scores) for each in known)
-    failed = sum(each.failed for each in known)
+def _cost(tuned: list[Tuned]) -> str:
+    spent, time = sum(each.evaluations for each in tuned), sum(each.seconds for each in tuned)
+    stopped = sum(each.whole.count(False) for each in tuned)
+    tried = sum(len(each.scores) for each in tuned)
+    failed = sum(each.failed for each in tuned)
     lost = f" {count(failed, 'run')} failed and scored worst." if failed else ""
     return (
         f"The tuning cost {count(spent, 'evaluation')} and {seconds(time)} of runs; {stopped:,} of "
@@ -69,31 +69,33 @@ def _cost(known: list[Tuned]) -> str:
     )
 
 
-def _gain(final: Final, own: Tuned) -> dict[str, Any]:
+def _gain(final: Final, entry: Tuned) -> dict[str, Any]:
     """Return how the tuned parameters compare with the defaults, over the problems on which both have trials."""
     pairs = final.pairs.dropna(subset="a12")  # it is missing where a cell has no trial
-    mine = pairs[pairs["first"].isin([own.default, own.tuned]) & pairs["second"].isin([own.default, own.tuned])]
-    chance = mine["a12"].where(mine["first"].astype(object) == own.tuned, 1 - mine["a12"])
+    mine = pairs[pairs["first"].isin([entry.default, entry.tuned]) & pairs["second"].isin([entry.default, entry.tuned])]
+    chance = mine["a12"].where(mine["first"].astype(object) == entry.tuned, 1 - mine["a12"])
     clear = mine[mine["lower"] != ""]
     tests = final.overall
-    across = tests[tests["first"].isin([own.default, own.tuned]) & tests["second"].isin([own.default, own.tuned])]
+    across = tests[
+        tests["first"].isin([entry.default, entry.tuned]) & tests["second"].isin([entry.default, entry.tuned])
+    ]
     return {
         "problems": len(mine), "chance": float(chance.mean()) if len(mine) else float("nan"),
-        "lower": int((clear["lower"] == own.tuned).sum()), "higher": int((clear["lower"] == own.default).sum()),
+        "lower": int((clear["lower"] == entry.tuned).sum()), "higher": int((clear["lower"] == entry.default).sum()),
         "testable": bool(mine["testable"].any()), "across": next(iter(across.to_dict("records")), None),
     }  # fmt: skip
 
 
-def _gained(trials: Trials, own: Tuned, gain: dict[str, Any] | None) -> str:
+def _gained(trials: Trials, entry: Tuned, gain: dict[str, Any] | None) -> str:
     """Return what the tuning of one optimizer gained, as far as trials and problems allow a statement."""
-    if own.tuned == own.default:
-        return f"{own.name}: no configuration scored better than the defaults, so nothing was gained."
+    if entry.tuned == entry.default:
+        return f"{entry.name}: no configuration scored better than the defaults, so nothing was gained."
     if gain is None or not gain["problems"]:
-        return f"{own.name}: no problem has trials of both the defaults and the tuned parameters."
+        return f"{entry.name}: no problem has trials of both the defaults and the tuned parameters."
     problems = count(gain["problems"], "problem")
     mean = "" if gain["problems"] == 1 else f", in the mean over {problems}"
     sentence = (
-        f"{own.name}: the chance that a trial with the tuned parameters ends lower than one with the defaults is "
+        f"{entry.name}: the chance that a trial with the tuned parameters ends lower than one with the defaults is "
         f"{gain['chance']:.2f}{mean} (0.5: no gain). "
     )
     if not gain["testable"]:
@@ -108,47 +110,47 @@ def _gained(trials: Trials, own: Tuned, gain: dict[str, Any] | None) -> str:
     if across["note"] in ("untestable", "identical"):
         return f"{sentence} Over all problems no difference can be shown."
     shown = across["significant"]
-    better = "the tuned parameters are lower" if across["lower"] == own.tuned else "the defaults are lower"
+    better = "the tuned parameters are lower" if across["lower"] == entry.tuned else "the defaults are lower"
     verdict = better if shown else "no difference is shown"
     return f"{sentence} Over all problems, {verdict} ({p_text(across['p_holm'])}, adjusted)."
 
 
-def _warnings(findings: Findings, tuning: Tuning, known: list[Tuned]) -> list[str]:
-    found = [tuning.doubt] if tuning.doubt else []
-    if conditions := [name for name in CONDITIONS if any(name in each.parameters for each in known)]:
-        found.append(
+def _warnings(findings: Findings, tuning: Tuning, tuned: list[Tuned]) -> list[str]:
+    warnings = [tuning.doubt] if tuning.doubt else []
+    if conditions := [name for name in CONDITIONS if any(name in each.parameters for each in tuned)]:
+        warnings.append(
             f"{listing(conditions).capitalize()} {'was' if len(conditions) == 1 else 'were'} tuned: tuned parameters "
             "meet the other optimizers under conditions of their own."
         )
-    named = {label for each in known for label in (each.default, each.tuned)}
+    named = {label for each in tuned for label in (each.default, each.tuned)}
     others = [label for label in findings.trials.optimizers if label not in named]
     if others:
         plural = len(others) > 1
-        found.append(
+        warnings.append(
             f"{listing(others)} {'were' if plural else 'was'} not tuned. A tuned optimizer that ends lower than "
             f"{'these' if plural else 'this one'} may owe it to the tuning; compare defaults with defaults."
         )
     study = findings.results.study
     if study.budget != tuning.budget:
-        found.append(
+        warnings.append(
             f"The trials here had {study.budget_words}, the tuning {described(tuning.budget)}; the best "
             "parameters depend on the budget."
         )
     names = {entry.name for entry in study.problems}
     if both := names & set(tuning.train):  # of another folder in the same report
-        found.append(f"{count(len(both), 'problem')} of this report, such as {min(both)}, were trained on.")
+        warnings.append(f"{count(len(both), 'problem')} of this report, such as {min(both)}, were trained on.")
     tested = {INSTANCE.sub("", name) for name in names - set(tuning.train)}
     if shared := tested & {INSTANCE.sub("", name) for name in tuning.train}:
-        found.append(
+        warnings.append(
             f"Training and test problems are different instances of {count(len(shared), 'common function')}: a gain "
             "there holds for other instances, and not for other functions."
         )
-    return found
+    return warnings
 
 
-def _results(known: list[Tuned], gains: dict[str, dict[str, Any]]) -> Table:
+def _results(tuned: list[Tuned], gains: dict[str, dict[str, Any]]) -> Table:
     rows = []
-    for each in known:
+    for each in tuned:
         gain = gains.get(each.name, {})
         rows.append(
             {
@@ -169,9 +171,9 @@ def _results(known: list[Tuned], gains: dict[str, dict[str, Any]]) -> Table:
     )
 
 
-def _parameters(known: list[Tuned]) -> Table:
+def _parameters(tuned: list[Tuned]) -> Table:
     rows = []
-    for each in known:
+    for each in tuned:
         best = each.scores.index(each.best) if each.tuned != each.default else 0
         for name, tried in each.parameters.items():
             choices = tried.get("choices")
@@ -197,17 +199,17 @@ def _value(value: Any) -> str:
     return "automatic" if value == AUTOMATIC else cell_text(value) if isinstance(value, float) else option(value)
 
 
-def _panels(known: list[Tuned]) -> list[tuple[Tuned, str, pd.DataFrame]]:
+def _panels(tuned: list[Tuned]) -> list[tuple[Tuned, str, pd.DataFrame]]:
     """Return optimizer, parameter and the whole configurations of each panel, the important parameters first."""
     panels = []
-    for each in known:
+    for each in tuned:
         table = pd.DataFrame({"score": each.scores, "kind": ""})
         table.loc[each.scores.index(each.best), "kind"] = "best"
         table.loc[0, "kind"] = "default"
         for name in sorted(each.parameters, key=lambda name: -each.importance.get(name, 0.0)):
-            own = table.assign(value=pd.Series(each.values[name], dtype=object))[each.whole]
-            if len(own) > 2:
-                panels.append((each, name, own))
+            configurations = table.assign(value=pd.Series(each.values[name], dtype=object))[each.whole]
+            if len(configurations) > 2:
+                panels.append((each, name, configurations))
     return panels
 
 
@@ -217,10 +219,10 @@ def _figure(panels: list[tuple[Tuned, str, pd.DataFrame]]) -> Figure:
     figure, axes = style.grid(
         len(shown), width=width, height=1.4, left=0.6, across=0.45, down=0.55, top=0.25, bottom=0.35
     )
-    for number, (ax, (own, name, table)) in enumerate(zip(axes, shown, strict=True)):
-        tried = own.parameters[name]
+    for number, (ax, (entry, name, table)) in enumerate(zip(axes, shown, strict=True)):
+        tried = entry.parameters[name]
         sensitivity(table, tried.get("choices", ()), bool(tried.get("log")), ax=ax)
-        ax.set_title(style.plain(f"{own.name}: {name}"))
+        ax.set_title(style.plain(f"{entry.name}: {name}"))
         if number % 3 == 0:
             ax.set_ylabel("score")
     more = f" The first {PANELS} of {len(panels)} parameters." if len(panels) > PANELS else ""
@@ -228,6 +230,6 @@ def _figure(panels: list[tuple[Tuned, str, pd.DataFrame]]) -> Figure:
         "The score of each configuration that ran on all training problems, over the values of each parameter; lower "
         f"is better. Square: the defaults, where they have a value; diamond: the best.{more}"
     )
-    parts = [table.assign(optimizer=own.name, parameter=name) for own, name, table in panels]
+    parts = [table.assign(optimizer=entry.name, parameter=name) for entry, name, table in panels]
     data = pd.concat(parts, ignore_index=True)[["optimizer", "parameter", "value", "score", "kind"]]
     return Figure("tuning-sensitivity", caption, figure, data)

@@ -70,8 +70,8 @@ def standing(findings: Findings) -> Standing:
     beaten: Counter[tuple[str, str]] = Counter()
     for first, second, lower in zip(clear["first"], clear["second"], clear["lower"], strict=True):
         beaten[str(lower), str(second if lower == first else first)] += 1
-    known = all(label in trials.unbeaten for label in complete)
-    best = "the optimum" if known else "the best known value"
+    all_known = all(label in trials.unbeaten for label in complete)
+    best = "the optimum" if all_known else "the best known value"
     least, most = trials.per_cell
     return Standing(
         ranking, beaten, _across(final), final.levels, len({trials.blocks[str(each)] for each in complete}),
@@ -82,7 +82,7 @@ def standing(findings: Findings) -> Standing:
         matched=_controls(findings),
         differing=_dimensions(findings),
         size=_size(findings),
-        found=findings.anytime.near_best,
+        near_shares=findings.anytime.near_best,
         near=f"{findings.anytime.near_words} of {best}",
         course=_course(findings),
         unit="of the budget" if trials.scaled else "evaluations",
@@ -95,12 +95,12 @@ def _controls(findings: Findings) -> str:
     """Return how the leader does against the best rival under the same conditions, or what knowing it would cost."""
     if not options_differing(findings):
         return ""  # controls would change nothing
-    found, missing = findings.controls.chances, findings.controls.cost
-    second = next(iter(found["rival"]), "")
-    own = found[(found["conditions"] != REPORTED) & (found["rival"] == second)]
+    chances, missing = findings.controls.chances, findings.controls.cost
+    second = next(iter(chances["rival"]), "")
+    of_second = chances[(chances["conditions"] != REPORTED) & (chances["rival"] == second)]
     parts = [
         f"{row['probability']:.2f} [{row['low']:.2f}, {row['high']:.2f}] ({row['conditions']})"
-        for row in own.to_dict("records")
+        for row in of_second.to_dict("records")
     ]
     same = f"Under the same conditions it beats {second} with probability {listing(parts)}." if parts else ""
     return f"{same} {missing[0].upper()}{missing[1:]}.".strip() if missing else same
@@ -109,17 +109,17 @@ def _controls(findings: Findings) -> str:
 def _across(final: Final) -> dict[tuple[str, str], Across]:
     """Return each pair over all problems, seen from either side."""
     table = final.improvement.merge(final.overall[["first", "second", "p_holm", "significant", "lower"]])
-    found = {}
+    pair_of = {}
     for pair in table.to_dict("records"):
         first, second = str(pair["first"]), str(pair["second"])
         ends = {name: float(pair[name]) for name in ("probability", "low", "high", "further_low", "further_high")}
         chance, low, high, least, most = ends.values()
         p, clear = float(pair["p_holm"]), bool(pair["significant"])
-        found[first, second] = Across(chance, low, high, (least, most), p, clear and pair["lower"] == first)
-        found[second, first] = Across(
+        pair_of[first, second] = Across(chance, low, high, (least, most), p, clear and pair["lower"] == first)
+        pair_of[second, first] = Across(
             1 - chance, 1 - high, 1 - low, (1 - most, 1 - least), p, clear and pair["lower"] == second
         )
-    return found
+    return pair_of
 
 
 def _dimensions(findings: Findings) -> str:
@@ -130,8 +130,8 @@ def _dimensions(findings: Findings) -> str:
     if dimension.nunique() < 2 or not set(findings.final.medians.index) <= suite:
         return ""
     leader, others = findings.final.ranked[0], []
-    for each, own in standing.groupby(dimension):
-        ranks = analysis.mean_ranks(own)
+    for each, rows in standing.groupby(dimension):
+        ranks = analysis.mean_ranks(rows)
         lowest = ranks.index[np.isclose(ranks, ranks.min(), rtol=0, atol=TIED)]
         if leader not in lowest:
             others.append(f"{listing(list(map(str, lowest)), 4)} in dimension {each:g}")
@@ -144,8 +144,14 @@ def _size(findings: Findings) -> str:
     words = findings.anytime.words
     if words.absolute and not findings.anytime.running_times.empty:
         table = findings.anytime.running_times
-        own = table[np.isclose(table[words.unit].astype(float), words.level, rtol=1e-9, atol=0)]
-        ert = analysis.table(own, "ert").astype(float).reindex(columns=[first, second]).replace(np.inf, np.nan).dropna()
+        at_level = table[np.isclose(table[words.unit].astype(float), words.level, rtol=1e-9, atol=0)]
+        ert = (
+            analysis.table(at_level, "ert")
+            .astype(float)
+            .reindex(columns=[first, second])
+            .replace(np.inf, np.nan)
+            .dropna()
+        )
         if ert.empty:
             return ""
         ratio = float((ert[second] / ert[first]).median())
@@ -179,8 +185,8 @@ def _course(findings: Findings) -> list[Stage]:
     means = stages.pivot_table(index="share", columns="optimizer", values="rank", sort=False, observed=True)
     spent = stages.drop_duplicates("share")["evaluations"]
     course = []
-    for (share, own), evaluations in zip(means.iterrows(), spent, strict=True):
-        lowest = own.index[np.isclose(own, own.min(), rtol=0, atol=TIED)]
+    for (share, rank_of), evaluations in zip(means.iterrows(), spent, strict=True):
+        lowest = rank_of.index[np.isclose(rank_of, rank_of.min(), rtol=0, atol=TIED)]
         text = f"{float(str(share)):.0%}" if findings.trials.scaled else f"{evaluations:,}"
         course.append(Stage(text, tuple(map(str, lowest))))
     return course
@@ -237,10 +243,10 @@ def unequal_budgets(trials: Trials) -> str:
 
 def unused(shares: pd.DataFrame) -> str:
     """Return who left a part of the budget unused, which restarts could have spent; "" where nobody did."""
-    own = shares[shares["unused"] > 0.01].sort_values("unused", ascending=False, kind="stable")
-    if own.empty:
+    left = shares[shares["unused"] > 0.01].sort_values("unused", ascending=False, kind="stable")
+    if left.empty:
         return ""
-    shown = [f"{label} {share:.0%}" for label, share in zip(own["optimizer"], own["unused"], strict=True)]
+    shown = [f"{label} {share:.0%}" for label, share in zip(left["optimizer"], left["unused"], strict=True)]
     return (
         f"A part of the budget was left unused (mean share): {listing(shown, at_most=5)}. These trials ended by a "
         "criterion of the optimizer, without a restart; what they would find with the rest is not known."
@@ -272,7 +278,7 @@ def across(findings: Findings) -> str:
 def dependent(findings: Findings) -> str:
     """Return which problems are no independent sample; "" where none is known to be."""
     ranked = set(findings.final.medians.index)
-    steps = {name: len(ranked & set(own)) for name, own in findings.trials.sweeps.items()}
+    steps = {name: len(ranked & set(labels)) for name, labels in findings.trials.sweeps.items()}
     which = [f"{number} of {len(ranked)} problems are steps of one sweep, {name}" for name, number in steps.items()]
     if not which:
         return ""

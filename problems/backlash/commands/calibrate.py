@@ -52,18 +52,18 @@ def calibrate(
     half_gaps = _gaps(gaps) if gaps is not None else _levels(levels or "2:11")
     if output is not None:
         check_output(output, (".toml",), force=force)
-    own = load_joint(joint)
-    made = calibration.calibrate(own, half_gaps, method=method)
+    chosen = load_joint(joint)
+    made = calibration.calibrate(chosen, half_gaps, method=method)
     if fits:
         from problems.backlash.sensor.response import response
 
-        fitted, scatter = response(own, half_gaps, jobs=jobs, shown=True)
+        fitted, scatter = response(chosen, half_gaps, jobs=jobs, shown=True)
         made = dataclasses.replace(made, fitted=fitted, scatter=scatter)
-    print_line("\n".join(calibration_lines(made, is_default=own == Joint())))
+    print_line("\n".join(calibration_lines(made, is_default=chosen == Joint())))
     if plot is not None:
         from problems.backlash.signature.figures import save_figures
 
-        for path in save_figures(plot, own, made):
+        for path in save_figures(plot, chosen, made):
             print_line(str(path))
     if output is not None:
         made.save(output, command=_command(joint, levels, gaps, method, fits=fits))
@@ -73,17 +73,17 @@ def calibrate(
 def _command(joint: Path | None, levels: str | None, gaps: str | None, method: str, *, fits: bool) -> str:
     """Return the command that makes the same calibration."""
     options = {"--joint": joint, "--levels": levels, "--gaps": gaps, "--method": method}
-    given = (str(each) for pair in options.items() if pair[1] is not None for each in pair)
-    return shlex.join(["bench", "calibrate", *given, *(["--fits"] if fits else [])])
+    words = (str(word) for pair in options.items() if pair[1] is not None for word in pair)
+    return shlex.join(["bench", "calibrate", *words, *(["--fits"] if fits else [])])
 
 
 def _levels(text: str) -> list[float]:
     from problems.backlash.joint import half_gap
 
-    found = re.fullmatch(r"(\d{1,3}):(\d{1,3})", text)
-    if not found or int(found[1]) >= int(found[2]):
+    match = re.fullmatch(r"(\d{1,3}):(\d{1,3})", text)
+    if not match or int(match[1]) >= int(match[2]):
         raise BenchError(f"--levels must be FIRST:LAST, such as 2:11, not {text!r}")
-    return [half_gap(level) for level in range(int(found[1]), int(found[2]) + 1)]
+    return [half_gap(level) for level in range(int(match[1]), int(match[2]) + 1)]
 
 
 def _gaps(text: str) -> list[float]:

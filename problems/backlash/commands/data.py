@@ -58,7 +58,7 @@ def _faults(folder: Path) -> tuple[list[str], list[str], str]:
     """Return the names of the files that a folder lacks and of its damaged ones, and in words how many are whole."""
     from problems.backlash.published import download
 
-    found = {name: download.look_up(file, folder) for name, file in download.registry().items()}
-    missing = [name for name, (path, _) in found.items() if path is None]
-    damaged = [name for name, (path, whole) in found.items() if path is not None and not whole]
-    return missing, damaged, f"{len(found) - len(missing) - len(damaged)} of the {len(found)} published files"
+    places = {name: download.look_up(file, folder) for name, file in download.registry().items()}
+    missing = [name for name, (path, _) in places.items() if path is None]
+    damaged = [name for name, (path, whole) in places.items() if path is not None and not whole]
+    return missing, damaged, f"{len(places) - len(missing) - len(damaged)} of the {len(places)} published files"

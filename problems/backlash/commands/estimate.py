@@ -115,12 +115,12 @@ def estimate(
 
     stderr = Console(stderr=True)
     paths, remarks = recording_files.find(recordings)
-    given = {}
+    chosen = {}
     if calibration is not None:
-        given["calibration"] = None if calibration == "none" else load_calibration(calibration)
+        chosen["calibration"] = None if calibration == "none" else load_calibration(calibration)
     settings = Settings(
         period=period, gear_ratio=gear_ratio, nominal_rps=nominal, turns=turns, single=single, constrained=constrained,
-        limit_rad=limit, resamples=resamples, confidence=confidence, seed=seed, **given,
+        limit_rad=limit, resamples=resamples, confidence=confidence, seed=seed, **chosen,
     )  # fmt: skip
     if option and optimizer is None:
         raise BenchError("--set is for the optimizer, of which there is none; give --optimizer too")
@@ -152,11 +152,12 @@ def estimate(
     failed = [outcome for outcome in outcomes if isinstance(outcome, Failed)]
     joints = trends(good, settings)
     if as_json:
-        print(json.dumps([formatting.json_object(each) for each in outcomes], indent=1, ensure_ascii=False))
+        print(json.dumps([formatting.json_object(outcome) for outcome in outcomes], indent=1, ensure_ascii=False))
     elif several:
         formatting.print_table(outcomes, names, joints, settings)
     elif good:
-        print_line("\n".join(formatting.estimate_lines(good[0], settings)))
+        width = stdout.width if (stdout := Console()).is_terminal else None
+        print_line("\n".join(formatting.estimate_lines(good[0], settings, width)))
     if csv is not None:
         import pandas as pd
 
@@ -183,5 +184,5 @@ def _read(path: Path, *, window: tuple[float | None, float | None] | None, colum
     """Return the part of a recording to use, whose columns are found by these options of the reader."""
     from problems.backlash.recordings import read
 
-    found = read(path, **columns)
-    return found.window(*window) if window else found
+    recording = read(path, **columns)
+    return recording.window(*window) if window else recording

@@ -153,10 +153,10 @@ def _check_folder(folder: Path, force: bool) -> None:
     if folder.exists() and not folder.is_dir():
         raise BenchError(f"{folder} is a file; --wear writes a folder")
     try:
-        found = [path.name for path in folder.iterdir()] if folder.is_dir() else []
+        names = [path.name for path in folder.iterdir()] if folder.is_dir() else []
     except OSError as error:
         raise BenchError(f"{folder} cannot be written: {error.strerror}") from error
-    if foreign := [name for name in found if name != TRUTH and not re.fullmatch(r"\d{4}-\d\d\.csv", name)]:
+    if foreign := [name for name in names if name != TRUTH and not re.fullmatch(r"\d{4}-\d\d\.csv", name)]:
         raise BenchError(f"{folder} holds other files, such as {foreign[0]}; choose another folder")
-    if found and not force:
+    if names and not force:
         raise BenchError(f"{folder} holds a wear curve already; choose another folder, or replace it with --force")

@@ -55,11 +55,11 @@ class Joint:
     coulomb_friction: float = _quantity(0.0, "Coulomb friction at the load, N m", may_be_zero=True)
 
     def __post_init__(self) -> None:
-        for each in fields(self):
-            value, may_be_zero = getattr(self, each.name), each.metadata["may_be_zero"]
+        for parameter in fields(self):
+            value, may_be_zero = getattr(self, parameter.name), parameter.metadata["may_be_zero"]
             if not is_finite(value) or value < 0 or (value == 0 and not may_be_zero):
                 rule = "finite and not negative" if may_be_zero else "finite and positive"
-                raise BenchError(f"Joint: {each.name} must be {rule}, but it is {value!r}.")
+                raise BenchError(f"Joint: {parameter.name} must be {rule}, but it is {value!r}.")
 
     @property
     def nominal_speed(self) -> float:
@@ -120,17 +120,17 @@ def load_joint(path: str | Path | None = None, **options: float | None) -> Joint
         BenchError: for a file that cannot be read, an unknown key, a value of the wrong type or out of range, and keys
             that contradict each other.
     """
-    given = {key: value for key, value in options.items() if value is not None}
+    replaced = {key: value for key, value in options.items() if value is not None}
     where = "the joint" if path is None else f"joint {path}"
     settings = read_toml(path, where) if path is not None else {}
-    for key in given:
+    for key in replaced:
         for other in INSTEAD.get(key, ()):
             settings.pop(other, None)
-    settings |= given
-    known = {*FIELDS, *INSTEAD}
+    settings |= replaced
+    allowed = {*FIELDS, *INSTEAD}
     for key, value in settings.items():
-        if key not in known:
-            raise BenchError(f"{where} has no parameter {key!r}{nearest(key, known)}")
+        if key not in allowed:
+            raise BenchError(f"{where} has no parameter {key!r}{nearest(key, allowed)}")
         if not is_finite(value) or abs(value) >= LARGEST:
             raise BenchError(f"{where}: {key} must be a finite number, not {value!r}")
         for other in INSTEAD.get(key, ()):

@@ -41,8 +41,8 @@ class File(NamedTuple):
 def registry() -> dict[str, File]:
     """Return the published files by name, the eleven small ones without noise first."""
     lines = Path(__file__).with_name("registry.txt").read_text(encoding="utf-8").splitlines()
-    known = [File(path, sha256) for sha256, _, path in (line.partition("  ") for line in lines if line[0] != "#")]
-    return {file.name: file for file in sorted(known, key=lambda file: "/" in file.path)}
+    published = [File(path, sha256) for sha256, _, path in (line.partition("  ") for line in lines if line[0] != "#")]
+    return {file.name: file for file in sorted(published, key=lambda file: "/" in file.path)}
 
 
 def data_folder() -> Path:
@@ -56,7 +56,7 @@ def look_up(file: File, folder: Path) -> tuple[Path | None, bool]:
     Raises:
         BenchError: for a file that cannot be read.
     """
-    found = None
+    damaged = None
     for search in (folder.glob, folder.rglob):  # those of a clone lie deeper
         for path in filter(Path.is_file, sorted(search(file.name))):
             try:
@@ -65,8 +65,8 @@ def look_up(file: File, folder: Path) -> tuple[Path | None, bool]:
                 raise BenchError(f"{path} cannot be read: {error.strerror}") from error
             if digest == file.sha256:
                 return path, True
-            found = found or path
-    return found, False
+            damaged = damaged or path
+    return damaged, False
 
 
 def require(name: str) -> Path:
@@ -92,12 +92,12 @@ def download(to: Path, base_url: str, *, on_file: Callable[[str], None] = lambda
     import pooch  # slow to import, and only this command needs it
 
     pooch.get_logger().setLevel("WARNING")
-    known = registry()
-    urls = {name: base_url + quote(file.path) for name, file in known.items()}
-    hashes = {name: f"sha256:{file.sha256}" for name, file in known.items()}
+    published = registry()
+    urls = {name: base_url + quote(file.path) for name, file in published.items()}
+    hashes = {name: f"sha256:{file.sha256}" for name, file in published.items()}
     store = pooch.create(path=to, base_url=base_url, registry=hashes, urls=urls)
     downloader = pooch.HTTPDownloader(timeout=TIMEOUT, chunk_size=2**16)
-    for name, file in known.items():
+    for name, file in published.items():
         if look_up(file, to)[1]:
             continue
         try:
@@ -126,16 +126,16 @@ def copy(source: Path, to: Path, *, on_file: Callable[[str], None] = lambda _: N
         BenchError: for a folder with none of the files, for files with the name but not the content of a published one
             (after all others are copied), and for a folder that cannot be written.
     """
-    found = {file: look_up(file, source) for file in registry().values()}
-    if not any(path for path, _ in found.values()):
+    places = {file: look_up(file, source) for file in registry().values()}
+    if not any(path for path, _ in places.values()):
         raise BenchError(f"{source} holds none of the published files, such as Speeddata3.xlsx, nor a folder below it")
-    for file, (path, whole) in found.items():
+    for file, (path, whole) in places.items():
         if path is None or not whole or look_up(file, to)[1]:
             continue
         with replacing(to / file.name) as temporary:  # an interrupted copy must not look like a published file
             to.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(path, temporary)
         on_file(file.name)
-    refused = [str(path) for path, whole in found.values() if path is not None and not whole]
+    refused = [str(path) for path, whole in places.values() if path is not None and not whole]
     if refused:
         raise BenchError(f"not copied, as their SHA-256 is not that of the published files: {', '.join(refused)}")

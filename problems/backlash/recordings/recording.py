@@ -20,6 +20,7 @@ from problems.backlash.recordings.tables import UNITS, Table, load, parse_headin
 Column = str | int
 MOST_REPEATED = 0.01
 """The largest share of samples whose time stamp is that of the sample before."""
+RATE_ADVICE = "give the sampling rate (--rate) where only the time stamps are wrong"
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,9 +119,9 @@ def read(
     """
     path = Path(path)
     either = UNITS["speed"] | UNITS["position"]
-    for option, value, known in (("unit", unit, either), ("time_unit", time_unit, UNITS["time"])):
-        if value is not None and value not in known:
-            raise BenchError(f"recording {path}: {option} {value!r} is not known; give {', '.join(known)}")
+    for option, value, units in (("unit", unit, either), ("time_unit", time_unit, UNITS["time"])):
+        if value is not None and value not in units:
+            raise BenchError(f"recording {path}: {option} {value!r} is not known; give {', '.join(units)}")
     if rate is not None:
         require_positive(f"recording {path}: rate", rate, unit="Hz")
         if time is not None or time_unit is not None:
@@ -133,6 +134,11 @@ def read(
     if speed is not None and position is not None:
         raise BenchError(f"recording {path}: give either a column of speed or one of position, not both")
     table = load(path)
+    if not len(table.lines):
+        raise BenchError(
+            f"recording {path} has no line of numbers; it needs one for each sample, with the time and the motor's "
+            "speed or position"
+        )
     columns = _Columns(path, table)
     if rate is None and len(table.names) < 2:
         raise BenchError(
@@ -191,12 +197,12 @@ class _Columns:
         """Return the index of the wanted column, or else of the column recognised as the role's, or None."""
         if wanted is not None:
             return self._named(str(wanted).strip())
-        known = [i for i, heading in enumerate(self._headings) if heading.role == role]
-        known.sort(key=lambda i: self._headings[i].rank)
-        if len(known) > 1 and self._headings[known[0]].rank == self._headings[known[1]].rank:
-            names = " or ".join(repr(self._names[i]) for i in known[:2])
+        columns = [i for i, heading in enumerate(self._headings) if heading.role == role]
+        columns.sort(key=lambda i: self._headings[i].rank)
+        if len(columns) > 1 and self._headings[columns[0]].rank == self._headings[columns[1]].rank:
+            names = " or ".join(repr(self._names[i]) for i in columns[:2])
             raise BenchError(f"recording {self._path}: the {role} may be {names}; say which column it is")
-        return known[0] if known else None
+        return columns[0] if columns else None
 
     def _named(self, wanted: str) -> int:
         for spelled in ([name.lower() for name in self._names], [heading.plain for heading in self._headings]):
@@ -208,36 +214,36 @@ class _Columns:
         listed = "" if "known:" in hint else f"; its columns are {', '.join(self._names)}"
         raise BenchError(f"recording {self._path} has no column {wanted!r}{hint}{listed}")
 
-    def unit(self, column: int, role: str, given: str | None) -> str:
+    def unit(self, column: int, role: str, asked: str | None) -> str:
         """Return the unit of a column: the given unit, else that of its heading, else s or rps."""
-        known, heading, name = UNITS[role], self._headings[column], self._names[column]
-        if given is not None:
-            if given not in known:
+        units, heading, name = UNITS[role], self._headings[column], self._names[column]
+        if asked is not None:
+            if asked not in units:
                 raise BenchError(
-                    f"recording {self._path}: {given!r} is no unit of a {role}, which column {name!r} is; "
-                    f"give {' or '.join(known)}"
+                    f"recording {self._path}: {asked!r} is no unit of a {role}, which column {name!r} is; "
+                    f"give {' or '.join(units)}"
                 )
-            return given
-        if heading.unit in known:
+            return asked
+        if heading.unit in units:
             return str(heading.unit)
         if heading.unknown or role == "position":
             which = f"unit {heading.unknown!r} of" if heading.unknown else "unit of the position in"
             raise BenchError(
-                f"recording {self._path}: the {which} column {name!r} is not known; give it: {', '.join(known)}"
+                f"recording {self._path}: the {which} column {name!r} is not known; give it: {', '.join(units)}"
             )
-        return next(iter(known))
+        return next(iter(units))
 
     def assumed(self, used: dict[str, tuple[int | None, str | None]]) -> str:
         """Return a sentence on the columns whose role or unit no heading says, by role their index and given unit."""
-        found = []
-        for role, (column, given) in used.items():
-            if column is None or given is not None or self._headings[column].unit in UNITS[role]:
+        assumptions = []
+        for role, (column, asked) in used.items():
+            if column is None or asked is not None or self._headings[column].unit in UNITS[role]:
                 continue
-            found.append(f"column {self._names[column]!r} for the {role} in {self.unit(column, role, given)}")
+            assumptions.append(f"column {self._names[column]!r} for the {role} in {self.unit(column, role, asked)}")
         options = "--time, --speed, --time-unit and --unit"
         return (
-            f"without a heading with a unit, the reader took {' and '.join(found)}; {options} change it"
-            if found
+            f"without a heading with a unit, the reader took {' and '.join(assumptions)}; {options} change it"
+            if assumptions
             else ""
         )
 
@@ -262,7 +268,10 @@ def _grid(time: Floats, path: Path) -> tuple[float, float]:
     steps = np.diff(time)
     if (steps <= 0).any():
         sample = int(np.argmax(steps <= 0)) + 2
-        raise BenchError(f"recording {path}: time stands still or runs backwards at sample {sample}; sort or fix it")
+        raise BenchError(
+            f"recording {path}: time stands still or runs backwards at sample {sample}; sort or fix it, or "
+            f"{RATE_ADVICE}"
+        )
     dt = float((time[-1] - time[0]) / (len(time) - 1))
     # One missing sample shifts half of the samples by more than this limit.
     off = np.abs(time - (time[0] + dt * np.arange(len(time)))) > 0.25 * dt
@@ -270,7 +279,8 @@ def _grid(time: Floats, path: Path) -> tuple[float, float]:
         near = int(np.argmax(np.abs(steps - dt))) + 1
         raise BenchError(
             f"recording {path}: time is not uniform near sample {near + 1}, at {time[near]:.6g} s (steps of "
-            f"{steps.min():.6g} to {steps.max():.6g} s); resample it to equal steps, or cut out a part without a gap"
+            f"{steps.min():.6g} to {steps.max():.6g} s); resample it to equal steps, cut out a part without "
+            f"a gap, or {RATE_ADVICE}"
         )
     return float(time[0]), dt
 

@@ -110,7 +110,7 @@ def _screen_unit(recording: Recording, nominal_rps: float | None) -> None:
         if speed > FASTEST:
             raise BenchError(
                 f"a speed of {speed:.6g} rps is more than a motor has; say in which unit the recording is "
-                f"({', '.join(units)}), which was read as {recording.unit}"
+                f"(--unit {', '.join(units)}), which was read as {recording.unit}"
             )
         return
     nominal = abs(nominal_rps)

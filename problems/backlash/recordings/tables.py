@@ -77,7 +77,7 @@ def parse_heading(name: str) -> Heading:
     elif suffix := _SUFFIX.search(text):
         text, unit = text[: suffix.start()], _UNITS[suffix[1]]
     words = re.findall(r"[^\W\d_]+", text)
-    role = next((role for role, known in WORDS["roles"].items() if {*known} & {*words}), "")
+    role = next((role for role, spellings in WORDS["roles"].items() if {*spellings} & {*words}), "")
     if not words and unit is not None:  # a column called "rpm"
         role = next(role for role, units in UNITS.items() if unit in units)
     motor, other = (bool({*WORDS["origins"][origin]} & {*words}) for origin in ("motor", "other"))
@@ -132,7 +132,9 @@ def _text(path: Path) -> Table:
     encoding = "utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
     lines = raw.decode(encoding, errors="replace").splitlines()
     filled = [line for line in lines if line and not line.isspace()]
-    middle = filled[len(filled) // 2] if filled else ""  # neither a heading nor a closing remark
+    if not filled:
+        raise BenchError("it is empty; export it again, with a line for each sample")
+    middle = filled[len(filled) // 2]  # neither a heading nor a closing remark
     separator = next((mark for mark in (";", "\t", ",") if mark in middle), None)
 
     def split(line: str) -> list[str]:

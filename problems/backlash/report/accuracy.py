@@ -25,10 +25,10 @@ def expected_values(results: Results) -> tuple[pd.DataFrame, dict[str, str]]:
     """
     rows, unknown = [], {}
     for entry in results.study.problems:
-        known = results.facts(entry.label)
-        rows += [(entry.label, figure, value, tolerance) for figure, (value, tolerance) in known.expected.items()]
-        if known.reason:
-            unknown[entry.label] = known.reason
+        facts = results.facts(entry.label)
+        rows += [(entry.label, figure, value, tolerance) for figure, (value, tolerance) in facts.expected.items()]
+        if facts.reason:
+            unknown[entry.label] = facts.reason
     truths = pd.DataFrame(rows, columns=["problem", "figure", "expected", "tolerance"])
     return truths.astype({"expected": float, "tolerance": float}), unknown
 
@@ -44,15 +44,20 @@ def estimates(frame: pd.DataFrame, truths: pd.DataFrame, figure: str) -> pd.Data
     Columns: problem, optimizer, trial, status, figure, found, expected, tolerance, error (found - expected), and
     within, whether the error is within the tolerance. A trial that failed or found no value is not within.
     """
-    known = truths[truths["figure"] == figure].set_index("problem")
+    truth = truths[truths["figure"] == figure].set_index("problem")
     problem = frame["problem"].astype(object)
-    found = pd.to_numeric(frame[figure]).astype(float).where(frame["status"] == "ok")
-    expected, tolerance = (problem.map(known[column]).astype(float) for column in ("expected", "tolerance"))
-    error = found - expected
+    values = pd.to_numeric(frame[figure]).astype(float).where(frame["status"] == "ok")
+    expected, tolerance = (problem.map(truth[column]).astype(float) for column in ("expected", "tolerance"))
+    error = values - expected
     data = frame[["problem", "optimizer", "trial", "status"]].assign(
-        figure=figure, found=found, expected=expected, tolerance=tolerance, error=error, within=error.abs() <= tolerance
+        figure=figure,
+        found=values,
+        expected=expected,
+        tolerance=tolerance,
+        error=error,
+        within=error.abs() <= tolerance,
     )
-    return _of_problems(data, problem[found.notna() | expected.notna()])
+    return _of_problems(data, problem[values.notna() | expected.notna()])
 
 
 def with_truth(data: pd.DataFrame) -> pd.DataFrame:
@@ -74,7 +79,9 @@ def errors_by(data: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     """
     groups = with_truth(data).groupby(keys, observed=True)
     errors = groups["error"].agg(["size", "mean", "median"]).set_axis(["trials", "mean error", "median error"], axis=1)
-    size = with_truth(data).assign(error=lambda own: own["error"].abs()).groupby(keys, observed=True)["error"].median()
+    size = (
+        with_truth(data).assign(error=lambda rows: rows["error"].abs()).groupby(keys, observed=True)["error"].median()
+    )
     return errors.assign(**{"median |error|": size, "within band %": 100 * groups["within"].mean()})
 
 
@@ -87,7 +94,7 @@ def signed_and_size(data: pd.DataFrame, unit: str, factor: float = 1.0) -> str:
     signed, size = factor * errors["median error"], factor * errors["median |error|"]
     if len(errors) < 2:
         return ""
-    one, best, worst = (str(each.idxmin()) for each in (signed.abs(), size, -size))
+    one, best, worst = (str(sizes.idxmin()) for sizes in (signed.abs(), size, -size))
     if one == best:
         return ""
     far = ", the largest of all" if one == worst else ""

@@ -78,10 +78,10 @@ def figure(data: pd.DataFrame, errors: pd.DataFrame, form: str) -> Figure:
     problems, optimizers = labels(data, "problem"), labels(data, "optimizer")
     drawn, axes = dataset_panels(optimizers, problems, list(LEGEND[form]), columns=3, height=1.4)
     truth = expected_by_problem(data)
-    found = data[data["found"].notna()]
+    amplitudes = data[data["found"].notna()]
     for ax, optimizer in zip(axes, optimizers, strict=True):
-        own = found[found["optimizer"] == optimizer]
-        (_dots if form == "dots" else _boxes)(ax, own["problem"].cat.codes.to_numpy(), own["found"].to_numpy())
+        trials = amplitudes[amplitudes["optimizer"] == optimizer]
+        (_dots if form == "dots" else _boxes)(ax, trials["problem"].cat.codes.to_numpy(), trials["found"].to_numpy())
         _expected(ax, truth)
     for ax in axes[::3]:
         ax.set_ylabel("|A| in rpm")
@@ -138,42 +138,46 @@ def sentences(data: pd.DataFrame, study: Study) -> tuple[str, ...]:
         data: from :func:`problems.backlash.report.accuracy.estimates`, of the amplitude.
         study: its optimizers that the thesis has, too, are compared; a conclusion on others is left out.
     """
-    known = algorithms(study)
-    swarms = data[data["optimizer"].isin([known[name] for name in SWARMS if name in known])]
+    label_of = algorithms(study)
+    swarms = data[data["optimizer"].isin([label_of[name] for name in SWARMS if name in label_of])]
     swarms = swarms.assign(optimizer=swarms["optimizer"].cat.remove_unused_categories())
     band = f"{BAND} about the expected amplitude (half of Delta A of section 7.2.3)"
     text = (
         f"{shares_within(data)} are within the accuracy band of {band}.",
-        _most_accurate(data, known, study),
+        _most_accurate(data, label_of, study),
         signed_and_size(data, " rpm"),
         _underestimates(swarms),
         _widens(data),
-        _narrowest(swarms, known),
+        _narrowest(swarms, label_of),
     )
     return tuple(filter(None, text))
 
 
-def _most_accurate(data: pd.DataFrame, known: dict[str, str], study: Study) -> str:
+def _most_accurate(data: pd.DataFrame, label_of: dict[str, str], study: Study) -> str:
     """Return which algorithm has most and fewest trials within the band, where the thesis's all have trials.
 
     A claim is neither supported nor contradicted where Wilson's intervals of the shares overlap.
     """
-    if not {*SWARMS, EXTRA} <= set(known):
+    if not {*SWARMS, EXTRA} <= set(label_of):
         return ""
-    labels = [known[name] for name in (*SWARMS, EXTRA)]
+    compared = [label_of[name] for name in (*SWARMS, EXTRA)]
     groups = with_truth(data).groupby("optimizer", observed=True)["within"]
-    counts = groups.agg(["sum", "size"]).reindex(labels)
+    counts = groups.agg(["sum", "size"]).reindex(compared)
     if counts.isna().any(axis=None):
         return ""
     shares = {
         str(label): (hits / trials, *binomtest(int(hits), int(trials)).proportion_ci(method="wilson"))
         for label, hits, trials in counts.itertuples(name=None)
     }
-    swarms = [known[name] for name in SWARMS]
+    swarms = [label_of[name] for name in SWARMS]
     claims = {
-        "CMA-ES the most suited": _above(shares, known[EXTRA], swarms),
-        "GWO the best of the swarms": _above(shares, known["gwo"], [each for each in swarms if each != known["gwo"]]),
-        "DA the least effective": _below(shares, known["da"], [each for each in swarms if each != known["da"]]),
+        "CMA-ES the most suited": _above(shares, label_of[EXTRA], swarms),
+        "GWO the best of the swarms": _above(
+            shares, label_of["gwo"], [swarm for swarm in swarms if swarm != label_of["gwo"]]
+        ),
+        "DA the least effective": _below(
+            shares, label_of["da"], [swarm for swarm in swarms if swarm != label_of["da"]]
+        ),
     }
     verdicts = {1: "agree", -1: "disagree", 0: "are too close to decide"}
     parts = [
@@ -189,9 +193,9 @@ Share = tuple[float, float, float]  # of trials within the band, with its interv
 
 def _above(shares: Mapping[str, Share], one: str, others: Sequence[str]) -> int:
     """Return 1 where the share of one is separably the largest, -1 where another's is separably larger, else 0."""
-    if all(shares[one][1] > shares[each][2] for each in others):
+    if all(shares[one][1] > shares[other][2] for other in others):
         return 1
-    return -1 if any(shares[each][1] > shares[one][2] for each in others) else 0
+    return -1 if any(shares[other][1] > shares[one][2] for other in others) else 0
 
 
 def _below(shares: Mapping[str, Share], one: str, others: Sequence[str]) -> int:
@@ -201,19 +205,19 @@ def _below(shares: Mapping[str, Share], one: str, others: Sequence[str]) -> int:
 
 def _underestimates(swarms: pd.DataFrame) -> str:
     """Return whether the swarms underestimate more often than they overestimate."""
-    known = swarms[swarms["error"].notna()]
-    if not len(known):
+    finished = swarms[swarms["error"].notna()]
+    if not len(finished):
         return ""
-    below = known.groupby("optimizer", observed=True)["error"].agg(lambda errors: (errors < 0).mean())
-    medians = known.groupby(["optimizer", "problem"], observed=True)["error"].median()
+    below = finished.groupby("optimizer", observed=True)["error"].agg(lambda errors: (errors < 0).mean())
+    medians = finished.groupby(["optimizer", "problem"], observed=True)["error"].median()
     often = 0  # by tests over datasets, as the trials on one share its error
     for _, signs in (medians[medians != 0] < 0).groupby("optimizer", observed=True):
         often += binomtest(int(signs.sum()), len(signs), alternative="greater").pvalue <= ALPHA
-    found = listing([f"{share:.0%} for {label}" for label, share in below.items()])
+    here = listing([f"{share:.0%} for {label}" for label, share in below.items()])
     return (
         "The thesis finds that the swarms underestimate the amplitude more often than they overestimate it, as a "
         "failed fit keeps the smaller half of the oscillation. Here the share of finished trials below the expected "
-        f"amplitude is {found}. The median is below it on more than half of the datasets for {often} of "
+        f"amplitude is {here}. The median is below it on more than half of the datasets for {often} of "
         f"{count(len(below), 'swarm')} (sign test over datasets at {ALPHA:g})."
     )
 
@@ -224,9 +228,9 @@ def _widens(data: pd.DataFrame) -> str:
     width = width.join(data.groupby("problem", observed=True)["expected"].first()).dropna(subset="expected")
     pairs = [width[["expected", optimizer]].dropna().to_numpy().T for optimizer in width.columns.drop("expected")]
     tests = [
-        spearmanr(expected, own, alternative="greater")
-        for expected, own in pairs
-        if len(own) >= FEWEST and len(np.unique(own)) > 1
+        spearmanr(expected, widths, alternative="greater")
+        for expected, widths in pairs
+        if len(widths) >= FEWEST and len(np.unique(widths)) > 1
     ]
     if not tests:
         return ""
@@ -239,10 +243,10 @@ def _widens(data: pd.DataFrame) -> str:
     )
 
 
-def _narrowest(swarms: pd.DataFrame, known: dict[str, str]) -> str:
+def _narrowest(swarms: pd.DataFrame, label_of: dict[str, str]) -> str:
     """Return which swarm has the narrowest boxes, which mislead according to the thesis."""
     width = _interquartile_range(swarms)
-    if len(width.columns) < 2 or "alo" not in known:
+    if len(width.columns) < 2 or "alo" not in label_of:
         return ""
     narrowest = width.eq(width.min(axis=1), axis=0)
     within = errors_by(swarms, ["optimizer"])["within band %"]

@@ -46,8 +46,8 @@ def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
     figures = []
     for number, start in enumerate(range(0, len(names), ROWS), start=1):
         part = {label: problems[label] for label in names[start : start + ROWS]}
-        own = shown[shown["problem"].isin(part) & shown["optimizer"].isin(optimizers)]
-        figures.append(_figure(curves(own, part), own, optimizers, len(every), number))
+        trials = shown[shown["problem"].isin(part) & shown["optimizer"].isin(optimizers)]
+        figures.append(_figure(curves(trials, part), trials, optimizers, len(every), number))
     text = (
         "The signature is fitted to the whole recording; shown is one half turn from its middle, in which the best fit "
         "of all begins at the left. The median trial shows what to expect of a single run."
@@ -64,10 +64,10 @@ def shown_trials(frame: pd.DataFrame) -> pd.DataFrame:
     names = [f"x_{name}" for name in VARIABLES]
     if not {*names} <= {*frame}:
         return pd.DataFrame(columns=["problem", "optimizer", "curve", "trial", "fun", *VARIABLES])
-    known = frame.dropna(subset=[*names, "fun"]).sort_values(["problem", "optimizer", "fun", "trial"])
-    cells = known.groupby(["problem", "optimizer"], observed=True)
+    complete = frame.dropna(subset=[*names, "fun"]).sort_values(["problem", "optimizer", "fun", "trial"])
+    cells = complete.groupby(["problem", "optimizer"], observed=True)
     rank, size = cells.cumcount(), cells["trial"].transform("size")
-    parts = [known[rank == 0].assign(curve=BEST), known[rank == (size - 1) // 2].assign(curve=MEDIAN)]
+    parts = [complete[rank == 0].assign(curve=BEST), complete[rank == (size - 1) // 2].assign(curve=MEDIAN)]
     chosen = pd.concat(parts).sort_values(["problem", "optimizer", "curve"])
     chosen = chosen.rename(columns=dict(zip(names, VARIABLES, strict=True)))
     return chosen[["problem", "optimizer", "curve", "trial", "fun", *VARIABLES]]
@@ -89,12 +89,12 @@ def curves(shown: pd.DataFrame, problems: dict[str, SignatureFit]) -> pd.DataFra
     """
     parts = []
     for label, problem in problems.items():
-        own = shown[shown["problem"] == label]
-        best = own.sort_values("fun", kind="stable")[list(VARIABLES)].to_numpy(dtype=float)[0]
+        trials = shown[shown["problem"] == label]
+        best = trials.sort_values("fun", kind="stable")[list(VARIABLES)].to_numpy(dtype=float)[0]
         inside = window(problem, best)
         time = problem.time[inside]
         rows = [("", SIGNAL, problem.signal[inside])]
-        for row in own.itertuples():
+        for row in trials.itertuples():
             x = np.array([getattr(row, name) for name in VARIABLES], dtype=float)
             fitted = signature(time, x, period=problem.period, replicas=problem.replicas)
             rows.append((str(row.optimizer), str(row.curve), fitted))
@@ -133,12 +133,12 @@ def _figure(data: pd.DataFrame, shown: pd.DataFrame, optimizers: list[str], ever
     ax.set_axis_off()
     ax.set(xlim=(0, len(optimizers)), ylim=(len(problems), 0))
     lines: dict[str, list[Floats]] = {curve: [] for curve in LINES}
-    for row, (_, own) in enumerate(data.groupby("problem", sort=False)):
-        signal = own.loc[own["curve"] == SIGNAL, "speed"].to_numpy()
-        time = own.loc[own["curve"] == SIGNAL, "time"].to_numpy()
+    for row, (_, rows) in enumerate(data.groupby("problem", sort=False)):
+        signal = rows.loc[rows["curve"] == SIGNAL, "speed"].to_numpy()
+        time = rows.loc[rows["curve"] == SIGNAL, "time"].to_numpy()
         middle, reach = (signal.max() + signal.min()) / 2, max((signal.max() - signal.min()) / 2, 1e-12)
         at = GAP / 2 + (1 - GAP) * (time - time[0]) / (time[-1] - time[0])
-        present = own.groupby(["optimizer", "curve"], sort=False)["speed"]
+        present = rows.groupby(["optimizer", "curve"], sort=False)["speed"]
         speeds = {(str(name), str(curve)): speed.to_numpy() for (name, curve), speed in present}
         for column, optimizer in enumerate(optimizers):
             for curve, drawn_lines in lines.items():
@@ -153,7 +153,7 @@ def _figure(data: pd.DataFrame, shown: pd.DataFrame, optimizers: list[str], ever
     gap = np.full((1, 2), np.nan)
     handles = []
     for curve, parts in lines.items():
-        points = np.concatenate([each for part in parts for each in (part, gap)])
+        points = np.concatenate([line for part in parts for line in (part, gap)])
         handles += ax.plot(points[:, 0], points[:, 1], label=curve, clip_on=False, **LINES[curve])
     style.legend_above(drawn, handles)
     return _captioned(drawn, data, shown, optimizers, every, number)

@@ -31,9 +31,9 @@ def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
     text, items = swarm_tests(pairs, study), (table,)
     if not re.search("thesis|published", study.name.lower()):
         return [Section(TITLE, text, items)]
-    own, theirs = beside_published(means)
-    text = (*sentences(means, own, theirs), conditions(study), *unequal(study), *text)
-    return [Section(TITLE, text, (*items, side_by_side(own, theirs)) if own.size else items)]
+    ours, theirs = beside_published(means)
+    text = (*sentences(means, ours, theirs), conditions(study), *unequal(study), *text)
+    return [Section(TITLE, text, (*items, side_by_side(ours, theirs)) if ours.size else items)]
 
 
 def algorithms(study: Study) -> dict[str, str]:
@@ -108,8 +108,8 @@ def _by_dataset(table: pd.DataFrame, named: dict[str, str], rows: dict[str, int]
 def beside_published(means: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the cells of the means that the published table has, and the published ones in the same order."""
     theirs = published()
-    own = means.loc[means.index.isin(theirs.index), [name for name in SWARMS if name in means]]
-    return own, theirs.loc[own.index, own.columns]
+    ours = means.loc[means.index.isin(theirs.index), [name for name in SWARMS if name in means]]
+    return ours, theirs.loc[ours.index, ours.columns]
 
 
 def ordered(means: pd.DataFrame) -> int:
@@ -125,18 +125,18 @@ def _holders(means: pd.DataFrame, extreme: str) -> str:
     return leaders(whole.eq(means_of_rows, axis=0), f"the {extreme} mean")
 
 
-def sentences(means: pd.DataFrame, own: pd.DataFrame, theirs: pd.DataFrame) -> list[str]:
+def sentences(means: pd.DataFrame, ours: pd.DataFrame, theirs: pd.DataFrame) -> list[str]:
     """Return sentences on how the means compare with the published ones of :func:`beside_published`."""
-    differences = ((own - theirs) / theirs).to_numpy()
-    known = differences[~np.isnan(differences)]
-    if not len(known):
+    differences = ((ours - theirs) / theirs).to_numpy()
+    compared = differences[~np.isnan(differences)]
+    if not len(compared):
         return ["No cell of the published Table 7.2 can be compared."]
-    near, typical, size = int((abs(known) <= NEAR).sum()), np.median(known), np.median(abs(known))
-    found = (
-        f"{near} of {count(len(known), 'cell')} shared with the published Table 7.2 are within {NEAR:.0%} of the "
+    near, typical, size = int((abs(compared) <= NEAR).sum()), np.median(compared), np.median(abs(compared))
+    agreement = (
+        f"{near} of {count(len(compared), 'cell')} shared with the published Table 7.2 are within {NEAR:.0%} of the "
         f"published mean. The median relative difference is {typical:+.1%}, its median size {size:.1%}."
     )
-    text = [found]
+    text = [agreement]
     if set(ORDER) <= set(means.columns):
         swarms, printed = means[list(ORDER)], theirs[list(ORDER)]
         text.append(
@@ -148,7 +148,7 @@ def sentences(means: pd.DataFrame, own: pd.DataFrame, theirs: pd.DataFrame) -> l
             f"{_holders(swarms, 'highest')} (published: {_holders(printed, 'highest')}). The thesis calls GWO the best "
             f"of the four and DA the least effective.{_against_table()}"
         )
-    lost = [f"{name.upper()} on dataset {k}" for name in map(str, own) for k in own.index[own[name].isna()]]
+    lost = [f"{name.upper()} on dataset {k}" for name in map(str, ours) for k in ours.index[ours[name].isna()]]
     if lost:
         text.append(f"No mean, as trials failed or are missing: {listing(lost)}.")
     return text
@@ -215,8 +215,8 @@ def conditions(study: Study) -> str:
 def unequal(study: Study) -> tuple[str, ...]:
     """Return a sentence where the study gives CMA-ES another handling or start than the swarms, as the thesis does."""
     names = algorithms(study).values()
-    given = [entry.options for entry in study.optimizers if entry.label in names]
-    if len({(options.get("handling", "repair"), options.get("start", "random")) for options in given}) < 2:
+    options = [entry.options for entry in study.optimizers if entry.label in names]
+    if len({(chosen.get("handling", "repair"), chosen.get("start", "random")) for chosen in options}) < 2:
         return ()
     text = (
         "As in the thesis, these algorithms do not run under equal conditions. 'bench run STUDY --matched' adds what "
@@ -225,10 +225,10 @@ def unequal(study: Study) -> tuple[str, ...]:
     return (text,)
 
 
-def side_by_side(own: pd.DataFrame, theirs: pd.DataFrame) -> Table:
+def side_by_side(ours: pd.DataFrame, theirs: pd.DataFrame) -> Table:
     """Return the table with each algorithm's mean, its published mean and their relative difference in percent."""
-    parts = {"": own, " published": theirs, " diff. %": 100 * ((own - theirs) / theirs)}
-    columns = {f"{name.upper()}{end}": part[name] for name in map(str, own) for end, part in parts.items()}
+    parts = {"": ours, " published": theirs, " diff. %": 100 * ((ours - theirs) / theirs)}
+    columns = {f"{name.upper()}{end}": part[name] for name in map(str, ours) for end, part in parts.items()}
     return Table(
         "table-7-2-published",
         "Mean fitting error in rpm beside the published one, and the relative difference in percent.",

@@ -19,19 +19,19 @@ EXPECTED, BAND = "expected", "accuracy band"
 def sections(frame: pd.DataFrame, truths: pd.DataFrame, unknown: dict[str, str]) -> list[Section]:
     """Return the section on Fig. 7.3, with a warning on the problems whose truth is not known."""
     every = {name: accuracy.with_truth(accuracy.estimates(frame, truths, name)) for name in SHOWN if name in frame}
-    known = {name: data for name, data in every.items() if len(data)}
+    shown = {name: data for name, data in every.items() if len(data)}
     # a missing plug-in gives the same reason for all its problems
     reasons = {reason: [label for label, why in unknown.items() if why == reason] for reason in unknown.values()}
     warnings = tuple(
         f"The expected values of {listing(problems)} are not known here and left out: {reason}."
         for reason, problems in reasons.items()
     )
-    if not known:
+    if not shown:
         return [Section(TITLE, warnings=warnings)] if warnings else []
-    text, items = smallest_step(truths), (_figure(known),)
-    if "backlash_rad" not in known:
+    text, items = smallest_step(truths), (_figure(shown),)
+    if "backlash_rad" not in shown:
         return [Section(TITLE, text, items, warnings)]
-    backlash = known["backlash_rad"]
+    backlash = shown["backlash_rad"]
     text += (f"{accuracy.shares_within(backlash)} are within ±{TOLERANCE_RAD:g} rad of the true backlash.",)
     text += tuple(filter(None, [accuracy.signed_and_size(backlash, "e-6 rad", 1e6)]))
     if lost := int(backlash["found"].isna().sum()):
@@ -83,20 +83,20 @@ def _table(data: pd.DataFrame) -> Table:
     )
 
 
-def _figure(known: dict[str, pd.DataFrame]) -> Figure:
-    cells = pd.concat([found_by_cell(data) for data in known.values()], ignore_index=True)
-    first = next(iter(known.values()))
+def _figure(shown: dict[str, pd.DataFrame]) -> Figure:
+    cells = pd.concat([found_by_cell(data) for data in shown.values()], ignore_index=True)
+    first = next(iter(shown.values()))
     optimizers, problems = labels(first, "optimizer"), labels(first, "problem")
-    titles = ["{} in {}".format(*SHOWN[name]) for name in known]
+    titles = ["{} in {}".format(*SHOWN[name]) for name in shown]
     names = [style.plain(optimizer) for optimizer in optimizers]
     figure, axes = accuracy.dataset_panels(titles, problems, [EXPECTED, BAND, *names], columns=1, height=1.7)
     pens = style.pens(optimizers).values()
-    for ax, (name, data) in zip(axes, known.items(), strict=True):
+    for ax, (name, data) in zip(axes, shown.items(), strict=True):
         scale = SHOWN[name][2]
         _truth(ax, accuracy.expected_by_problem(data).reindex(problems) * scale)
-        own = cells[cells["figure"] == name].astype({"problem": object, "optimizer": object})
+        marks = cells[cells["figure"] == name].astype({"problem": object, "optimizer": object})
         for number, (optimizer, pen, label) in enumerate(zip(optimizers, pens, names, strict=True)):
-            table = scale * own[own["optimizer"] == optimizer].set_index("problem")[["q1", "median", "q3"]]
+            table = scale * marks[marks["optimizer"] == optimizer].set_index("problem")[["q1", "median", "q3"]]
             table = table.reindex(problems)
             at = np.arange(len(problems)) + 0.9 * WIDTH * ((number + 0.5) / len(optimizers) - 0.5)
             ax.vlines(at, table["q1"], table["q3"], color=pen.color, linewidth=0.9)
@@ -121,10 +121,10 @@ def _abridged(cells: pd.DataFrame) -> pd.DataFrame:
     """Return the truths and the medians, a row a problem."""
     columns: dict[str, pd.Series[float]] = {}
     for name, (title, unit, scale) in SHOWN.items():
-        own = cells[cells["figure"] == name]
-        if own.empty:
+        rows = cells[cells["figure"] == name]
+        if rows.empty:
             continue
-        columns[f"{title} in {unit}"] = scale * own.groupby("problem", observed=True)["expected"].first()
-        medians = scale * own.pivot(index="problem", columns="optimizer", values="median")
+        columns[f"{title} in {unit}"] = scale * rows.groupby("problem", observed=True)["expected"].first()
+        medians = scale * rows.pivot(index="problem", columns="optimizer", values="median")
         columns |= {f"{title}, {optimizer}": medians[optimizer] for optimizer in medians}
     return pd.DataFrame(columns).rename_axis("problem")

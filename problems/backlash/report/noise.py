@@ -26,14 +26,14 @@ COLUMNS = {"theoretical": "A", "noise": "noise", "mean": "mean |A|", "stdev": "s
 
 def sections(results: Results, frame: pd.DataFrame, truths: pd.DataFrame) -> list[Section]:
     """Return the section on Table 7.3, none for a study without noisy problems or without any amplitude of them."""
-    known = noisy_problems(results.study)
+    noisy = noisy_problems(results.study)
     data = estimates(frame, truths, "amplitude_rpm")
-    cells = by_cell(data[data["problem"].isin(set(known["problem"]))], known)
+    cells = by_cell(data[data["problem"].isin(set(noisy["problem"]))], noisy)
     if cells.empty:
         return []
     best = best_fits(results, cells)
     text = [conditions(results.study), *(sentence for noise in NOISES for sentence in sentences(cells, best, noise))]
-    tables = [side_by_side(own, noise) for noise in NOISES if len(own := cells[cells["noise level"] == noise])]
+    tables = [side_by_side(rows, noise) for noise in NOISES if len(rows := cells[cells["noise level"] == noise])]
     items: list[Part] = [figure(cells, best), *tables, *([beside_best(best)] if len(best) else [])]
     return [Section(TITLE, tuple(text), tuple(items))]
 
@@ -48,7 +48,7 @@ def noisy_problems(study: Study) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["problem", "dataset", "noise level"])
 
 
-def by_cell(data: pd.DataFrame, known: pd.DataFrame) -> pd.DataFrame:
+def by_cell(data: pd.DataFrame, noisy: pd.DataFrame) -> pd.DataFrame:
     """Return a row a problem and optimizer in the columns of Table 7.3, in rps and percent.
 
     ``data`` has the amplitudes (:func:`problems.backlash.report.accuracy.estimates`) of the ``known`` noisy problems.
@@ -63,8 +63,8 @@ def by_cell(data: pd.DataFrame, known: pd.DataFrame) -> pd.DataFrame:
         miss=("miss", "mean"),
     )  # fmt: skip
     cells = cells[cells["trials"] > 0].reset_index().astype({"problem": object, "optimizer": object})
-    cells = cells.merge(known, on="problem")
-    cells["noise"] = [peak_to_peak(*each) / 2 for each in zip(cells["dataset"], cells["noise level"], strict=True)]
+    cells = cells.merge(noisy, on="problem")
+    cells["noise"] = [peak_to_peak(*pair) / 2 for pair in zip(cells["dataset"], cells["noise level"], strict=True)]
     cells["error"] = relative(cells["mean"] - cells["theoretical"], cells["theoretical"])
     cells["run error"] = relative(cells.pop("miss"), cells["theoretical"])
     return cells
@@ -101,8 +101,8 @@ def _amplitudes_of_best(results: Results, label: str) -> tuple[float, float]:
     if not isinstance(problem, SignatureFit):
         return float("nan"), float("nan")
     size = problem.describe(problem.reference().x)["amplitude_rpm"] / 60
-    known = problem.unit == "rps"  # the sensor's own unit, and the noise study's
-    return size, infer_backlash(problem, Settings(resamples=0)).amplitude_rps if known else float("nan")
+    in_rps = problem.unit == "rps"  # the sensor's own unit, and the noise study's
+    return size, infer_backlash(problem, Settings(resamples=0)).amplitude_rps if in_rps else float("nan")
 
 
 def sentences(cells: pd.DataFrame, best: pd.DataFrame, noise: str) -> list[str]:
@@ -140,11 +140,11 @@ def _compared(who: str, what: str, rows: pd.DataFrame) -> list[str]:
 
 
 def _without_backlash(who: str, rows: pd.DataFrame) -> list[str]:
-    found = rows.loc[rows["dataset"] == 0, "mean"]
+    sizes = rows.loc[rows["dataset"] == 0, "mean"]
     return [
         f"Without backlash {who} of {value:.4f} rps (published {table_7_3()[0].mean:.4f} at low noise), which is "
         f"{'within' if value <= HEALTHY else 'above'} the {HEALTHY:g} rps asked for."
-        for value in found
+        for value in sizes
     ]
 
 
@@ -200,13 +200,13 @@ def figure(cells: pd.DataFrame, best: pd.DataFrame) -> Figure:
             ax.tick_params(axis="y", labelleft=False)
         ax.set_title(f"{noise} noise", loc="left")
         ax.set_xlabel("expected A in rps")
-        own = cells[cells["noise level"] == noise]
-        most = own["theoretical"].max()
+        shown = cells[cells["noise level"] == noise]
+        most = shown["theoretical"].max()
         ax.plot([0, most], [0, most], "-", color=style.REFERENCE, linewidth=0.8, label=EXPECTED)
         for number, (label, pen) in enumerate(pens.items(), start=1):
-            rows = own[own["optimizer"] == label]
+            rows = shown[shown["optimizer"] == label]
             _points(ax, rows, pen.marker, pen.color, style.plain(label), 0.012 * number)
-        theirs = published().loc[sorted(set(own["dataset"]) & set(table_7_3()))]
+        theirs = published().loc[sorted(set(shown["dataset"]) & set(table_7_3()))]
         _points(ax, theirs, "o", "0.45", THESIS, -0.012)
         fits = best[best["noise level"] == noise]
         ax.plot(fits["theoretical"], fits["mean"], "_", color="black", markersize=6, label=BEST)

@@ -43,10 +43,10 @@ def sections(results: Results, frame: pd.DataFrame) -> list[Section]:
 
 def signature_problems(results: Results, frame: pd.DataFrame) -> dict[str, SignatureFit]:
     """Return the signature problems of a frame that can be loaded, by label."""
-    known = {
+    loaded = {
         label: results.problem(label).unscored for label in labels(frame, "problem") if not results.facts(label).reason
     }
-    return {label: each for label, each in known.items() if isinstance(each, SignatureFit)}
+    return {label: problem for label, problem in loaded.items() if isinstance(problem, SignatureFit)}
 
 
 def reference_fits(problems: dict[str, SignatureFit], *, constraints: bool) -> pd.DataFrame:
@@ -58,16 +58,16 @@ def reference_fits(problems: dict[str, SignatureFit], *, constraints: bool) -> p
     """
 
     def row(problem: SignatureFit) -> dict[str, float]:
-        found = {
+        values = {
             "expected_rpm": problem.expected.get("amplitude_rpm", (math.nan,))[0],
             "slack": math.exp(float(problem.reference().x[TAU]) * problem.dt),
         }
         for name in ("box", "constrained") if constraints else ("box",):
             fit = problem.reference(constrained=name == "constrained")
-            found |= {name: fit.value, f"{name}_rpm": problem.describe(fit.x)["amplitude_rpm"]}
-        return found
+            values |= {name: fit.value, f"{name}_rpm": problem.describe(fit.x)["amplitude_rpm"]}
+        return values
 
-    fits = pd.DataFrame({label: row(each) for label, each in problems.items()}).T.rename_axis("problem")
+    fits = pd.DataFrame({label: row(problem) for label, problem in problems.items()}).T.rename_axis("problem")
     return fits.reindex(columns=[*TITLES, "slack"])
 
 
@@ -77,22 +77,25 @@ def beside_reference(frame: pd.DataFrame, fits: pd.DataFrame, constrained: dict[
     ``excess`` is the relative regret, (RMSE - best) / best, against the best fit under the constraints or in the box,
     as the trial ran. It is infinite for a trial that failed; ``found`` is excess <= ``FOUND``.
     """
-    own = frame[frame["problem"].isin(fits.index)]
-    problem, limited = own["problem"].astype(object), own["optimizer"].astype(object).map(constrained).astype(bool)
+    trials = frame[frame["problem"].isin(fits.index)]
+    problem, limited = (
+        trials["problem"].astype(object),
+        trials["optimizer"].astype(object).map(constrained).astype(bool),
+    )
     best = problem.map(fits["constrained"]).where(limited, problem.map(fits["box"])).astype(float)
-    excess = scores(own) / best - 1
-    data = own[["problem", "optimizer", "trial"]].assign(excess=excess, found=excess <= FOUND)
+    excess = scores(trials) / best - 1
+    data = trials[["problem", "optimizer", "trial"]].assign(excess=excess, found=excess <= FOUND)
     return data.assign(problem=data["problem"].cat.remove_unused_categories())
 
 
 def sentences(trials: pd.DataFrame, fits: pd.DataFrame, constrained: dict[str, bool]) -> list[str]:
     """Return sentences on who found the fit, what the constraints cost, and how near the fit is to the truth."""
     shares = _percent(trials, ["optimizer"]).sort_values(ascending=False, kind="stable")
-    found = listing([f"{share:.0f}% of {label} trials" for label, share in shares.items()])
+    shown = listing([f"{share:.0f}% of {label} trials" for label, share in shares.items()])
     what = (
         "With its window fixed the signature is linear but for tau and omega, so the best fit can be computed without "
         "an optimizer or a random number. Regret and targets are counted from this optimum. "
-        f"{found} ended within {FOUND:.0%} of the optimum."
+        f"{shown} ended within {FOUND:.0%} of the optimum."
     )
     text = [what]
     limited = [label for label in shares.index if constrained[str(label)]]
@@ -105,13 +108,13 @@ def sentences(trials: pd.DataFrame, fits: pd.DataFrame, constrained: dict[str, b
             + (raised if len(worse) else "do not raise the best RMSE on any dataset")
             + ". A trial under the constraints is compared with the best fit under them."
         )
-    known = fits.dropna(subset="expected_rpm")
-    if len(known):
-        near = int(((known["box_rpm"] - known["expected_rpm"]).abs() <= TOLERANCE_RPM).sum())
+    truths = fits.dropna(subset="expected_rpm")
+    if len(truths):
+        near = int(((truths["box_rpm"] - truths["expected_rpm"]).abs() <= TOLERANCE_RPM).sum())
         text.append(
             f"The |A| of the best fit in the box is itself within ±{TOLERANCE_RPM:.4f} rpm of the expected one on "
-            f"{near} of {count(len(known), 'dataset')}; elsewhere no optimizer causes the error. A fit determines |A| "
-            f"to {known['slack'].max() - 1:.1%} only: A is the amplitude where the window begins, which may be "
+            f"{near} of {count(len(truths), 'dataset')}; elsewhere no optimizer causes the error. A fit determines |A| "
+            f"to {truths['slack'].max() - 1:.1%} only: A is the amplitude where the window begins, which may be "
             "anywhere between two samples (the best fit takes the middle of the allowed range)."
         )
     return text
@@ -119,15 +122,15 @@ def sentences(trials: pd.DataFrame, fits: pd.DataFrame, constrained: dict[str, b
 
 def beside_authors(trials: pd.DataFrame, study: Study) -> str:
     """Return the authors' own runs on dataset 12 beside those of the study, "" without CMA-ES on it."""
-    twelve = [each.label for each in study.problems if each.name in ("signature-12", "published-12")]
-    cma = [each.label for each in study.optimizers if each.name == "cma-es"]
-    own = trials[trials["problem"].isin(twelve) & trials["optimizer"].isin(cma)]
-    own = _percent(own, ["problem", "optimizer"]).reset_index()
-    if own.empty:
+    twelve = [entry.label for entry in study.problems if entry.name in ("signature-12", "published-12")]
+    cma = [entry.label for entry in study.optimizers if entry.name == "cma-es"]
+    shares = trials[trials["problem"].isin(twelve) & trials["optimizer"].isin(cma)]
+    shares = _percent(shares, ["problem", "optimizer"]).reset_index()
+    if shares.empty:
         return ""
     best, runs = min(AUTHORS), sum(AUTHORS.values())
     elsewhere = [f"at {value:.4f} rps in {number}" for value, number in AUTHORS.items() if value > best]
-    here = listing([f"{row.found:.0f}% of {row.optimizer} trials on {row.problem}" for row in own.itertuples()])
+    here = listing([f"{row.found:.0f}% of {row.optimizer} trials on {row.problem}" for row in shares.itertuples()])
     return (
         f"The authors’ own {runs} runs of CMA-ES on their recording of dataset 12 (300 agents, 200 iterations, in the "
         "box; outputs of the notebook in github.com/ElianaGiovannitti/Backlash-estimation) ended at the best fit of "
@@ -171,7 +174,7 @@ def _by_dataset(trials: pd.DataFrame) -> Table:
 
 
 def _fits(fits: pd.DataFrame, problems: dict[str, SignatureFit]) -> Table:
-    units = sorted({each.unit for each in problems.values()})
+    units = sorted({problem.unit for problem in problems.values()})
     return Table(
         "reference-fit",
         f"The best fit of each dataset: its RMSE in {' or '.join(units)}, and its |A| in rpm.",

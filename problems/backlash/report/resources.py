@@ -18,11 +18,11 @@ HARNESS = "random-search"  # its search needs nothing of its own
 def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
     """Return the section on time and memory, none without a finished trial whose time is known."""
     table = timing(frame)
-    known = table[table["trials"] > 0].dropna(subset=["wall_mean"])
-    if known.empty:
+    finished = table[table["trials"] > 0].dropna(subset=["wall_mean"])
+    if finished.empty:
         return []
-    known = known.sort_values("wall_mean", kind="stable").set_index("optimizer")
-    mean = known["wall_mean"]
+    finished = finished.sort_values("wall_mean", kind="stable").set_index("optimizer")
+    mean = finished["wall_mean"]
     times = listing([f"{seconds(value)} with {label}" for label, value in mean.items()])
     text = (
         f"One trial takes {times} on average. The thesis shows its times as bars without numbers, so none can be "
@@ -30,10 +30,10 @@ def sections(frame: pd.DataFrame, study: Study) -> list[Section]:
     )
     shown = pd.DataFrame(
         {
-            "trials": known["trials"],
+            "trials": finished["trials"],
             "mean time in s": mean,
             "times the fastest": mean / mean.iloc[0],
-            "in the objective %": 100 * known["objective_mean"] / mean,
+            "in the objective %": 100 * finished["objective_mean"] / mean,
         }
     )
     caption = "Mean wall time of one trial, and the percentage of it spent in the objective."
@@ -60,12 +60,12 @@ def measured() -> pd.DataFrame:
 
 def memory_of(study: Study) -> pd.DataFrame:
     """Return the rows of :func:`measured` on the study's own optimizers and agents, by label."""
-    known = measured().query("optimizer != @HARNESS")
+    searches = measured().query("optimizer != @HARNESS")
     asked = [(entry.name, entry.options.get("agents"), entry.label) for entry in study.optimizers]
-    own = pd.DataFrame(asked, columns=["optimizer", "agents", "label"])
-    own = own[pd.to_numeric(own["agents"], errors="coerce").notna()].astype({"agents": int})
-    found = own.merge(known, on=["optimizer", "agents"]).drop(columns="optimizer")
-    return found.set_index("label").rename_axis("optimizer")
+    chosen = pd.DataFrame(asked, columns=["optimizer", "agents", "label"])
+    chosen = chosen[pd.to_numeric(chosen["agents"], errors="coerce").notna()].astype({"agents": int})
+    rows = chosen.merge(searches, on=["optimizer", "agents"]).drop(columns="optimizer")
+    return rows.set_index("label").rename_axis("optimizer")
 
 
 def _memory_text(memory: pd.DataFrame) -> str:

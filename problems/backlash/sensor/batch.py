@@ -124,8 +124,8 @@ def _estimated(
 ) -> Estimated | Failed:
     try:
         with threadpool_limits(limits=1):  # no last digit may depend on how many threads a BLAS finds
-            found = estimate(read(path), settings)
-            return Estimated(path, found, repeat(found, settings, runs) if runs else None)
+            result = estimate(read(path), settings)
+            return Estimated(path, result, repeat(result, settings, runs) if runs else None)
     except BenchError as error:
         sentence = str(error)
         return Failed(path, sentence if str(path) in sentence else f"{path}: {sentence}")
@@ -135,11 +135,13 @@ def _estimated(
         return Failed(path, f"{path}: the estimate failed with {reason}")
 
 
-def _lost(path: Path, how: str) -> Failed:
-    return Failed(path, f"{path}: the process that estimated it has ended ({how}); estimate it alone to see why")
+def _lost(path: Path) -> Failed:
+    return Failed(
+        path, f"{path}: the process that estimated it ended, such as for want of memory; estimate it alone to see why"
+    )
 
 
-def repeat(found: Estimate, settings: Settings, runs: RunSettings) -> RepeatedRuns:
+def repeat(estimate: Estimate, settings: Settings, runs: RunSettings) -> RepeatedRuns:
     """Run an optimizer with several seeds on the recording of an estimate that was made with these settings.
 
     Raises:
@@ -147,7 +149,7 @@ def repeat(found: Estimate, settings: Settings, runs: RunSettings) -> RepeatedRu
     """
     from bench import solve
 
-    problem = signature_problem(found.recording, settings, found.period_s)
+    problem = signature_problem(estimate.recording, settings, estimate.period_s)
     optimizer = runs.optimizer()
     results = []
     for number in range(runs.runs):
@@ -158,9 +160,9 @@ def repeat(found: Estimate, settings: Settings, runs: RunSettings) -> RepeatedRu
             raise
         except Exception as error:  # a plug-in may raise anything
             raise BenchError(f"{runs.name} failed in run {number}: {type(error).__name__}: {error}") from error
-    values = np.array([each.fun for each in results])
-    sizes = np.array([abs(each.x[A]) for each in results])
-    calibration = settings.calibration if found.calibration else None  # none where it is of another joint
-    gaps = [infer_gap(infer_peak(each.x, calibration), calibration) for each in results]
-    hits = int((values <= found.rmse_rps * (1 + FOUND)).sum())
+    values = np.array([result.fun for result in results])
+    sizes = np.array([abs(result.x[A]) for result in results])
+    calibration = settings.calibration if estimate.calibration else None  # none where it is of another joint
+    gaps = [infer_gap(infer_peak(result.x, calibration), calibration) for result in results]
+    hits = int((values <= estimate.rmse_rps * (1 + FOUND)).sum())
     return RepeatedRuns(runs, sizes, np.array(gaps), values, hits)

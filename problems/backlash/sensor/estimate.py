@@ -88,7 +88,8 @@ class Inference:
         backlash_rad: the half-gap delta; NaN outside the calibration.
         interval_rad: its confidence interval, NaN likewise.
         verdict: "no backlash", "early" or "progressed"; "undecided" where the interval contains the limit or noise may
-            hide a backlash above it; "backlash" where there is no calibration of this joint at this speed.
+            hide a backlash above it, or, without a calibration, a disturbance of any size; "backlash" where there is no
+            calibration of this joint at this speed.
         notes: remarks on the recording or the estimate, a sentence each.
     """
 
@@ -156,9 +157,9 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
             "this joint at this speed (bench calibrate --joint), and give --calibration"
         )
         calibration = None
-    found = infer_backlash(problem, replace(settings, calibration=calibration))
+    inferred = infer_backlash(problem, replace(settings, calibration=calibration))
     return Estimate(
-        **(vars(found) | {"notes": (*notes, *found.notes)}),
+        **(vars(inferred) | {"notes": (*notes, *inferred.notes)}),
         rmse_rps=float(np.sqrt(np.mean(residual**2))),
         explained=max(0.0, 1.0 - float(residual.var() / problem.signal.var())),
         variables=dict(zip(problem.variables, map(float, x), strict=True)),
@@ -176,11 +177,11 @@ def period_of(recording: Recording, settings: Settings) -> tuple[float, str]:
     if settings.period is not None:
         return settings.period, "given"
     looked_for = settings.gear_ratio is not None or not settings.single  # one oscillation shows no period
-    found = find_period(recording, gear_ratio=settings.gear_ratio) if looked_for else None
-    if found is None and not settings.single and settings.calibration:
+    from_signal = find_period(recording, gear_ratio=settings.gear_ratio) if looked_for else None
+    if from_signal is None and not settings.single and settings.calibration:
         assumed = find_period(recording, gear_ratio=settings.calibration.gear_ratio)
         return (assumed.seconds if assumed else USUAL_PERIOD), "assumed"
-    return (found.seconds, found.source) if found else (USUAL_PERIOD, "assumed")
+    return (from_signal.seconds, from_signal.source) if from_signal else (USUAL_PERIOD, "assumed")
 
 
 def gear_ratio_of(problem: SignatureFit, settings: Settings, source: str) -> float | None:
@@ -227,12 +228,15 @@ def _undetected(problem: SignatureFit, p: float, settings: Settings) -> Inferenc
     most, least = detectable(problem), infer_gap(0.0, settings.calibration)
     # a smaller half-gap than the tolerance is never distinguished from none
     largest = float(np.maximum(infer_gap(most, settings.calibration), TOLERANCE_RAD))
-    found = Inference(p, 0.0, (0.0, most), least, (least, largest), "no backlash", ())
+    inferred = Inference(p, 0.0, (0.0, most), least, (least, largest), "no backlash", ())
     calibration = settings.calibration
-    if calibration is None or (60 * most <= calibration.range[1] and not largest > settings.limit_rad):
-        return found
+    if calibration is None:
+        # A disturbance as large as the signal would stay hidden: nothing was tested.
+        return replace(inferred, verdict="undecided") if most > np.ptp(problem.signal) / 2 else inferred
+    if 60 * most <= calibration.range[1] and not largest > settings.limit_rad:
+        return inferred
     note = f"the noise may hide a backlash above the limit of {settings.limit_rad:g} rad"
-    return replace(found, verdict="undecided", notes=(note,))
+    return replace(inferred, verdict="undecided", notes=(note,))
 
 
 def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) -> Inference:
@@ -243,15 +247,15 @@ def _detected(problem: SignatureFit, x: Floats, p: float, settings: Settings) ->
     low, high = math.nan, math.nan
     if settings.resamples:
         fits = resampled(problem, x, settings.resamples, rng, constrained=settings.constrained)
-        peaks = np.array([infer_peak(each, calibration) for each in fits])
+        peaks = np.array([infer_peak(fit, calibration) for fit in fits])
         if calibration:
             peaks *= 1 + calibration.relative_scatter(60 * strength(x)) * rng.standard_normal(len(peaks))
         outside = (1 - settings.confidence) / 2
-        low, high = (float(each) for each in np.quantile(peaks, [outside, 1 - outside]))
+        low, high = (float(end) for end in np.quantile(peaks, [outside, 1 - outside]))
     gap = infer_gap(amplitude, calibration)
     slow = float(x[OMEGA]) * problem.period / 2 < 2 * math.pi
     if calibration and math.isnan(gap):
-        limits = " to ".join(f"{each / 60:.3g}" for each in calibration.range)
+        limits = " to ".join(f"{end / 60:.3g}" for end in calibration.range)
         notes.append(f"the amplitude is outside the calibrated range ({limits} rps), so no backlash is estimated")
     if slow:
         notes.append("the disturbance is slower than one oscillation a half turn: it is the load's ripple, not impacts")
@@ -288,8 +292,8 @@ def _verdict(amplitude: float, settings: Settings, *, slow: bool) -> str:
 
 def infer_peak(x: Floats, calibration: Calibration | None) -> float:
     """Infer the peak of the disturbance in rps from a fit (7,); outside the calibration, return the fit's |A|."""
-    known = calibration is not None and calibration.fitted is not None
-    expected = calibration.expected(60 * strength(x)) / 60 if calibration and known else math.nan
+    has_fits = calibration is not None and calibration.fitted is not None
+    expected = calibration.expected(60 * strength(x)) / 60 if calibration and has_fits else math.nan
     return abs(float(x[A])) if math.isnan(expected) else expected
 
 

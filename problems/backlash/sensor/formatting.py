@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ BY = {"month": "month", "number": "number in the file's name", "file": "recordin
 WORD = {"month": "", "number": "number ", "file": "recording "}
 SOURCE = {"gear ratio": "from the gear ratio", "signal": "found in the signal"}
 SHOWN = 5  # files named with a note at most
+NARROWEST = 40  # columns of a terminal to which lines are broken at least
 WIDTH = 160  # columns of a table that is not printed on a terminal
 NARROW = 110  # columns of a terminal below which a table leaves out what it can
 SHORT, LONG = 22, 50  # letters of a file's name in a narrow table and in a wide one
@@ -39,25 +41,32 @@ AFTER = (
 """The keys of an estimate in JSON before and after its variables."""
 
 
-def estimate_lines(outcome: Estimated, settings: Settings) -> list[str]:
-    """Return the lines on one estimate, with its verdict first."""
-    found, samples = outcome.estimate, outcome.estimate.recording
-    rows = _amount(found, settings) if found.amplitude_rps else _hidden(found, settings)
-    chance = f"p = {found.p_value:.1g}" if found.p_value >= 1e-6 else "p < 1e-6"
-    explained = f"explains {found.explained:.1%} of the signal's variance ({chance} for noise alone)"
-    turn = f"{found.period_s:.6g} s ({SOURCE.get(found.period_source, found.period_source)})"
-    length = f"{samples.duration:.4g} s, {samples.duration / found.period_s:.3g} load turns"
+def estimate_lines(outcome: Estimated, settings: Settings, width: int | None = None) -> list[str]:
+    """Return the lines on one estimate, with its verdict first; with a ``width``, longer lines are broken."""
+    estimate, samples = outcome.estimate, outcome.estimate.recording
+    rows = _amount(estimate, settings) if estimate.amplitude_rps else _hidden(estimate, settings)
+    chance = f"p = {estimate.p_value:.1g}" if estimate.p_value >= 1e-6 else "p < 1e-6"
+    explained = f"explains {estimate.explained:.1%} of the signal's variance ({chance} for noise alone)"
+    turn = f"{estimate.period_s:.6g} s ({SOURCE.get(estimate.period_source, estimate.period_source)})"
+    length = f"{samples.duration:.4g} s, {samples.duration / estimate.period_s:.3g} load turns"
     rows += [
-        ("fit", f"RMSE {found.rmse_rps:.4f} rps; {explained}"),
-        ("load turn", f"{turn}; {length}, {len(samples.speed)} samples at {found.mean_rps:.4g} rps"),
+        ("fit", f"RMSE {estimate.rmse_rps:.4f} rps; {explained}"),
+        ("load turn", f"{turn}; {length}, {len(samples.speed)} samples at {estimate.mean_rps:.4g} rps"),
     ]
-    if found.calibration:
+    if estimate.calibration:
         rows += zip(("calibration", "", ""), calibration_of(settings), strict=False)
     if outcome.runs:
-        rows += [(outcome.runs.settings.name, line) for line in runs_lines(outcome.runs, found)]
-    rows += [("note", note) for note in found.notes]
-    width = max(len(name) for name, _ in rows)
-    return [f"{outcome.path}: {_verdict(found, settings)}", *(f"  {name:{width}}  {text}" for name, text in rows)]
+        rows += [(outcome.runs.settings.name, line) for line in runs_lines(outcome.runs, estimate)]
+    rows += [("note", note) for note in estimate.notes]
+    column = max(len(name) for name, _ in rows)
+    lines = [f"{outcome.path}: {_verdict(estimate, settings)}", *(f"  {name:{column}}  {text}" for name, text in rows)]
+    return lines if width is None else [part for line in lines for part in broken(line, width, column + 4)]
+
+
+def broken(line: str, width: int, indent: int = 4) -> list[str]:
+    """Return the parts of a line broken between words at a terminal's width, all but the first one indented."""
+    narrow = max(width, NARROWEST)
+    return wrap(line, narrow, subsequent_indent=" " * indent, break_long_words=False, break_on_hyphens=False)
 
 
 def runs_lines(runs: RepeatedRuns, estimate: Estimate) -> list[str]:
@@ -66,11 +75,13 @@ def runs_lines(runs: RepeatedRuns, estimate: Estimate) -> list[str]:
     best = abs(estimate.variables["A"])
     size = f"fitted |A| {sizes.mean():.4f} rps, standard deviation {_deviation(sizes):.4f} (best fit: {best:.4f})"
     lines = [f"{asked.runs} runs of {asked.budget} evaluations: {size}"]
-    known = gaps[np.isfinite(gaps)]  # the others are outside the calibration
-    if len(known):
-        outside = f", {len(gaps) - len(known)} runs outside the calibration left out" if len(known) < len(gaps) else ""
+    inside = gaps[np.isfinite(gaps)]  # the others are outside the calibration
+    if len(inside):
+        outside = (
+            f", {len(gaps) - len(inside)} runs outside the calibration left out" if len(inside) < len(gaps) else ""
+        )
         lines.append(
-            f"half-gap {1e3 * known.mean():.3f} mrad, standard deviation {1e3 * _deviation(known):.3f}{outside}"
+            f"half-gap {1e3 * inside.mean():.3f} mrad, standard deviation {1e3 * _deviation(inside):.3f}{outside}"
         )
     lines.append(f"{runs.found} of {asked.runs} runs found the best fit, within {FOUND:.0%} of its RMSE")
     return lines
@@ -84,14 +95,14 @@ def print_table(
     console.print(table(outcomes, names, console.width), highlight=False)
     if trials := trials_table(outcomes, names):
         console.print(trials, highlight=False)
-    known = any(isinstance(outcome, Estimated) and outcome.estimate.calibration for outcome in outcomes)
-    calibration = [f"calibration: {line}" for line in calibration_of(settings)] if known else []
+    calibrated = any(isinstance(outcome, Estimated) and outcome.estimate.calibration for outcome in outcomes)
+    calibration = [f"calibration: {line}" for line in calibration_of(settings)] if calibrated else []
     for line in [
         *notes(outcomes, names),
         *calibration,
-        *(line for each in trends for line in trend_lines(each, settings)),
+        *(line for trend in trends for line in trend_lines(trend, settings)),
     ]:
-        print_line(line)
+        print_line("\n".join(broken(line, console.width)) if console.is_terminal else line)
 
 
 def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], width: int = WIDTH) -> Table:
@@ -113,15 +124,15 @@ def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], width: i
         if isinstance(outcome, Failed):
             made.add_row(Text("failed", style="red"), short)
             continue
-        found = outcome.estimate
+        estimate = outcome.estimate
         numbers = (
-            "" if math.isnan(found.backlash_rad) else f"{1e3 * found.backlash_rad:.3f}",
-            _range(found.interval_rad, ".3f", 1e3),
-            f"{found.amplitude_rps:.4f}",
-            _range(found.amplitude_interval_rps, ".4f"),
-            f"{found.rmse_rps:.4f}",
+            "" if math.isnan(estimate.backlash_rad) else f"{1e3 * estimate.backlash_rad:.3f}",
+            _range(estimate.interval_rad, ".3f", 1e3),
+            f"{estimate.amplitude_rps:.4f}",
+            _range(estimate.amplitude_interval_rps, ".4f"),
+            f"{estimate.rmse_rps:.4f}",
         )
-        verdict = Text(found.verdict, style=STYLES.get(found.verdict, ""))
+        verdict = Text(estimate.verdict, style=STYLES.get(estimate.verdict, ""))
         made.add_row(verdict, short, *numbers[: len(shown)])
     return made
 
@@ -133,12 +144,12 @@ def trials_table(outcomes: Sequence[Estimated | Failed], names: Sequence[str]) -
     for heading in ("fitted |A| of the\ntrials, rps", "half-gap of the\ntrials, mrad", "best fit\nfound"):
         made.add_column(heading, justify="right", no_wrap=True)
     for name, outcome in zip(names, outcomes, strict=True):
-        if isinstance(outcome, Estimated) and (own := outcome.runs):
-            sizes, gaps = own.sizes_rps, 1e3 * own.backlashes_rad
+        if isinstance(outcome, Estimated) and (runs := outcome.runs):
+            sizes, gaps = runs.sizes_rps, 1e3 * runs.backlashes_rad
             made.add_row(
                 Text(shortened(name, SHORT)), f"{sizes.mean():.4f} ± {_deviation(sizes):.4f}",
                 f"{gaps.mean():.3f} ± {_deviation(gaps):.3f}" if not math.isnan(gaps.mean()) else "",
-                f"{own.found} of {own.settings.runs}",
+                f"{runs.found} of {runs.settings.runs}",
             )  # fmt: skip
     return made if made.row_count else None
 
@@ -199,7 +210,7 @@ def calibration_lines(made: Calibration, *, is_default: bool) -> list[str]:
     lines = [made.name, "   ".join(columns), *("   ".join(map(format, row, formats)) for row in rows)]
     if made.method == "cubic":
         lines.append(f"{made.formula()}; at most {made.residual:.2g} rad from the pairs")
-    low, high = (each / 60 for each in made.range)
+    low, high = (amplitude / 60 for amplitude in made.range)
     lines.append(f"range: {low:.4g} to {high:.4g} rps; no backlash is estimated outside")
     if is_default and math.isfinite(made.deviation):
         lines.append(f"difference from eq. 4.7 of the thesis: at most {made.deviation:.3%}")
@@ -210,21 +221,21 @@ def json_object(outcome: Estimated | Failed) -> dict[str, Any]:
     """Return an outcome as a JSON object; unknown values are null."""
     if isinstance(outcome, Failed):
         return {"file": str(outcome.path), "error": outcome.error}
-    found = outcome.estimate
+    estimate = outcome.estimate
     content = {
         "file": str(outcome.path),
-        **{name: getattr(found, name) for name in BEFORE},
-        **found.variables,
-        **{name: getattr(found, name) for name in AFTER},
+        **{name: getattr(estimate, name) for name in BEFORE},
+        **estimate.variables,
+        **{name: getattr(estimate, name) for name in AFTER},
     }
-    if each := outcome.runs:
+    if runs := outcome.runs:
         content["runs"] = {
-            "optimizer": each.settings.name,
-            "budget": each.settings.budget,
-            "amplitudes_rps": each.sizes_rps.tolist(),
-            "backlashes_rad": each.backlashes_rad.tolist(),
-            "rmses_rps": each.values_rps.tolist(),
-            "found": each.found,
+            "optimizer": runs.settings.name,
+            "budget": runs.settings.budget,
+            "amplitudes_rps": runs.sizes_rps.tolist(),
+            "backlashes_rad": runs.backlashes_rad.tolist(),
+            "rmses_rps": runs.values_rps.tolist(),
+            "found": runs.found,
         }
     return {key: _finite(value) for key, value in content.items()}
 
@@ -248,23 +259,23 @@ def csv_rows(outcomes: Iterable[Estimated | Failed]) -> list[dict[str, Any]]:
 def _finite(value: Any) -> Any:
     """Return a value with null for every number that is not finite, as JSON has none."""
     if isinstance(value, dict):
-        return {key: _finite(each) for key, each in value.items()}
+        return {key: _finite(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(each) for each in value]
+        return [_finite(inner) for inner in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _amount(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
+def _amount(estimate: Estimate, settings: Settings) -> list[tuple[str, str]]:
     """Return the rows on the size of a disturbance and of the gap that causes it."""
     percent = f"{100 * settings.confidence:g} %"
-    span = _span(found.amplitude_interval_rps, ".4f", percent)
-    rows = [("amplitude", f"{found.amplitude_rps:.4f} rps of the motor{span}")]
-    if math.isnan(found.backlash_rad):
-        why = "the amplitude is outside the calibration" if found.calibration else "needs a calibration"
-        if settings.calibration and not found.calibration:
+    span = _span(estimate.amplitude_interval_rps, ".4f", percent)
+    rows = [("amplitude", f"{estimate.amplitude_rps:.4f} rps of the motor{span}")]
+    if math.isnan(estimate.backlash_rad):
+        why = "the amplitude is outside the calibration" if estimate.calibration else "needs a calibration"
+        if settings.calibration and not estimate.calibration:
             why = "the calibration is of another joint or speed"
         return [*rows, ("half-gap", f"not estimated: {why}")]
-    gap, ends = found.backlash_rad, found.interval_rad
+    gap, ends = estimate.backlash_rad, estimate.interval_rad
     return [
         *rows,
         ("half-gap", f"{1e3 * gap:.3f} mrad at the joint{_span(ends, '.3f', percent, 1e3)}"),
@@ -291,12 +302,12 @@ def calibration_of(settings: Settings) -> list[str]:
     return lines
 
 
-def _hidden(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
+def _hidden(estimate: Estimate, settings: Settings) -> list[tuple[str, str]]:
     """Return the rows on what the noise may hide where no disturbance is detected."""
     most, gap, calibration = (
-        found.amplitude_interval_rps[1],
-        found.interval_rad[1],
-        settings.calibration if found.calibration else None,
+        estimate.amplitude_interval_rps[1],
+        estimate.interval_rad[1],
+        settings.calibration if estimate.calibration else None,
     )
     rows = [("amplitude", f"none detected; the noise hides any below {most:.4f} rps")]
     if calibration and 60 * most > calibration.range[1]:
@@ -308,16 +319,19 @@ def _hidden(found: Estimate, settings: Settings) -> list[tuple[str, str]]:
     return rows
 
 
-def _verdict(found: Estimate, settings: Settings) -> str:
+def _verdict(estimate: Estimate, settings: Settings) -> str:
     limit = f"the limit of {1e3 * settings.limit_rad:g} mrad"
+    hidden = f"the noise may hide a backlash above {limit}"
+    needed = "needs a calibration of this joint at this speed"
+    if not estimate.calibration:
+        hidden = "the recording is too short or too noisy to show a backlash of any size; record more load turns"
     return {
-        "undecided": "UNDECIDED: "
-        + (why_undecided(settings) if found.amplitude_rps else f"the noise may hide a backlash above {limit}"),
-        "no backlash": "no backlash detected",
+        "undecided": f"UNDECIDED: {why_undecided(settings) if estimate.amplitude_rps else hidden}",
+        "no backlash": "no backlash detected" + ("" if estimate.calibration else f"; what the noise may hide {needed}"),
         "early": f"early backlash, up to {limit}",
         "progressed": f"PROGRESSED BACKLASH, above {limit}",
-        "backlash": "backlash detected; its size needs a calibration of this joint at this speed",
-    }[found.verdict]
+        "backlash": f"backlash detected; its size {needed}",
+    }[estimate.verdict]
 
 
 def _limit(trend: Trend) -> str:

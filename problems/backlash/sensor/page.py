@@ -31,8 +31,8 @@ def write(
     Raises:
         BenchError: where it cannot be written.
     """
-    good = [(name, each) for name, each in zip(names, outcomes, strict=True) if isinstance(each, Estimated)]
-    failed = [(name, each) for name, each in zip(names, outcomes, strict=True) if isinstance(each, Failed)]
+    good = [(name, outcome) for name, outcome in zip(names, outcomes, strict=True) if isinstance(outcome, Estimated)]
+    failed = [(name, outcome) for name, outcome in zip(names, outcomes, strict=True) if isinstance(outcome, Failed)]
     rows = [row | {"name": name} for row, name in zip(csv_rows(outcomes), names, strict=True)]
     frame = pd.DataFrame(rows).reindex(columns=list(COLUMNS))
     frame["verdict"] = frame["verdict"].astype(object).fillna("failed")
@@ -42,16 +42,16 @@ def write(
         "verdicts", "Each recording: verdict, half-gap with its interval, amplitude and residual.",
         frame.rename(columns=COLUMNS), decimals=3, note=f"The limit is {1e3 * settings.limit_rad:g} mrad.",
     )  # fmt: skip
-    lost = tuple(each.error for _, each in failed)
+    lost = tuple(outcome.error for _, outcome in failed)
     remarks = (*notes(outcomes, names), *(f"Calibration: {line}." for line in calibration_of(settings)))
-    text = tuple(" ".join(line.strip() for line in trend_lines(each, settings)) for each in trends)
+    text = tuple("; ".join(line.strip() for line in trend_lines(one, settings)) + "." for one in trends)
     sections = [Section("Verdicts and trends", text, (*_trend(trends, settings), table), lost)]
-    fits = tuple(Section(name, (), (_fit(name, each, settings),), folded=True) for name, each in good)
+    fits = tuple(Section(name, (), (_fit(name, outcome, settings),), folded=True) for name, outcome in good)
     if fits:
         sections.append(Section("Fits", ("Open a recording to see its fit and residual.",), sections=fits))
     if remarks:
         sections.append(Section("Notes", remarks))
-    progressed = sum(each.estimate.verdict == "progressed" for _, each in good)
+    progressed = sum(outcome.estimate.verdict == "progressed" for _, outcome in good)
     lead = f"{count(len(outcomes), 'recording')}, {progressed} with progressed backlash, {len(failed)} not estimated."
     return write_page(path, "Backlash of joints", lead, sections)
 
@@ -60,8 +60,8 @@ def _trend(trends: Sequence[Trend], settings: Settings) -> list[Figure]:
     if not trends:
         return []
     data = pd.concat(
-        pd.DataFrame({"joint": each.series.name, "at": each.series.at, each.quantity: np.asarray(each.values)})
-        for each in trends
+        pd.DataFrame({"joint": trend.series.name, "at": trend.series.at, trend.quantity: np.asarray(trend.values)})
+        for trend in trends
     )
     return [
         Figure(
@@ -72,8 +72,8 @@ def _trend(trends: Sequence[Trend], settings: Settings) -> list[Figure]:
 
 
 def _fit(name: str, outcome: Estimated, settings: Settings) -> Figure:
-    found = outcome.estimate
-    data = pd.DataFrame([found.variables])
+    estimate = outcome.estimate
+    data = pd.DataFrame([estimate.variables])
     return Figure(
-        f"fit {name}", f"Recording, fit and residual of {name}.", fit_figure(found, single=settings.single), data
+        f"fit {name}", f"Recording, fit and residual of {name}.", fit_figure(estimate, single=settings.single), data
     )

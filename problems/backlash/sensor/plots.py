@@ -93,16 +93,16 @@ def fit_figure(estimate: Estimate, *, single: bool) -> Figure:
 def trend_figure(trends: Sequence[Trend], *, limit_rad: float) -> Figure:
     """Plot the half-gaps of each joint with intervals, trend and limit, a panel for each kind of time and quantity."""
     kinds: dict[tuple[str, str], list[Trend]] = {}
-    for each in trends:
-        kinds.setdefault((each.quantity, each.series.unit), []).append(each)
+    for trend in trends:
+        kinds.setdefault((trend.quantity, trend.series.unit), []).append(trend)
     figure = Figure(figsize=(style.TEXT, 0.3 + 2.9 * len(kinds)), layout="constrained")
-    pens = style.pens(each.series.name for each in trends)
+    pens = style.pens(trend.series.name for trend in trends)
     names = style.names(pens)
     for ax, ((quantity, unit), alike) in zip(np.ravel(figure.subplots(len(kinds))), kinds.items(), strict=True):
         factor, shown = UNIT[quantity]
-        for each in alike:
-            _draw_trend(ax, each, factor, pens[each.series.name], names[each.series.name] or "estimate")
-        if any(each.significant for each in alike):
+        for trend in alike:
+            _draw_trend(ax, trend, factor, pens[trend.series.name], names[trend.series.name] or "estimate")
+        if any(trend.significant for trend in alike):
             ax.plot([], [], color="black", linewidth=0.9, linestyle="--", label="trend")
         if quantity == "backlash":
             ax.axhline(factor * limit_rad, color=style.REFERENCE, linewidth=1.0, linestyle=":", label="limit")
@@ -165,7 +165,7 @@ def _draw_trend(ax: Axes, trend: Trend, factor: float, pen: style.Pen, name: str
 
 def _locator(trends: Sequence[Trend]) -> Locator:
     """Return ticks at whole months that divide years, or at round numbers; between months where there are few."""
-    span = np.ptp(np.concatenate([each.series.at for each in trends]))
+    span = np.ptp(np.concatenate([trend.series.at for trend in trends]))
     if trends[0].series.unit != "month" or span < FEW_MONTHS:
         return MaxNLocator(8, integer=trends[0].series.unit != "month")
     return MultipleLocator(next((months for months in MONTHS if span <= 8 * months), MONTHS[-1]))

@@ -74,7 +74,7 @@ def find(arguments: Sequence[str | Path]) -> tuple[list[Path], list[str]]:
     Raises:
         BenchError: for a folder without recordings and a pattern that no file matches.
     """
-    found: dict[Path, None] = {}
+    paths: dict[Path, None] = {}
     notes = []
     for argument in map(Path, arguments):
         if argument.is_dir():
@@ -91,8 +91,8 @@ def find(arguments: Sequence[str | Path]) -> tuple[list[Path], list[str]]:
                 raise BenchError(f"no file matches {argument}; give the recordings, or the folder that holds them")
         else:
             files = [argument]
-        found |= dict.fromkeys(files)
-    return list(found), notes
+        paths |= dict.fromkeys(files)
+    return list(paths), notes
 
 
 def natural(path: Path) -> list[tuple[str, int, str]]:
@@ -120,7 +120,7 @@ def series(paths: Sequence[Path]) -> list[Series]:
         groups.setdefault((name.joint, name.unit), []).append(i)
     made = []
     for (joint, unit), members in groups.items():
-        at = np.array([float(n + 1) if (own := names[i].at) is None else own for n, i in enumerate(members)])
+        at = np.array([float(n + 1) if (time := names[i].at) is None else time for n, i in enumerate(members)])
         order = np.argsort(at, kind="stable")
         days = any(names[i].days for i in members)
         made.append(Series(joint, tuple(members[i] for i in order), at[order], unit, days))

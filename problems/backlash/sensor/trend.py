@@ -91,15 +91,17 @@ def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float, con
         limit_rad: the half-gap delta in rad whose crossing is predicted.
         confidence: the level of the intervals; a trend is significant at one minus that.
     """
-    backlash = np.array([each.backlash_rad for each in estimates])
-    known = bool(np.isfinite(backlash).all())
-    values = backlash if known else np.array([each.amplitude_rps for each in estimates])
-    intervals = np.array([each.interval_rad if known else each.amplitude_interval_rps for each in estimates])
+    backlash = np.array([estimate.backlash_rad for estimate in estimates])
+    has_gaps = bool(np.isfinite(backlash).all())
+    values = backlash if has_gaps else np.array([estimate.amplitude_rps for estimate in estimates])
+    intervals = np.array(
+        [estimate.interval_rad if has_gaps else estimate.amplitude_interval_rps for estimate in estimates]
+    )
     line = fit_line(joint.at, values, confidence)
     latest = max(-(-len(values) // 2), LATEST)
     return Trend(
         series=joint,
-        quantity="backlash" if known else "amplitude",
+        quantity="backlash" if has_gaps else "amplitude",
         values=values,
         intervals=intervals,
         change=float(values[-1] - values[0]),
@@ -107,21 +109,21 @@ def trend(joint: Series, estimates: Sequence[Estimate], *, limit_rad: float, con
         line=line,
         significant=line is not None and line.p_value < 1 - confidence,
         latest=min(latest, len(values)),
-        since=_since(joint.at, values, limit_rad) if known else None,
-        reached=_reached(joint.at[-latest:], values[-latest:], limit_rad, confidence) if known else None,
+        since=_since(joint.at, values, limit_rad) if has_gaps else None,
+        reached=_reached(joint.at[-latest:], values[-latest:], limit_rad, confidence) if has_gaps else None,
     )
 
 
 def trends(estimated: Sequence[Estimated], settings: Settings) -> list[Trend]:
     """Return the trend of every joint with two recordings or more, the fastest first."""
-    joints = [joint for joint in series([each.path for each in estimated]) if len(joint.members) > 1]
+    joints = [joint for joint in series([outcome.path for outcome in estimated]) if len(joint.members) > 1]
     options: dict[str, float] = {"limit_rad": settings.limit_rad, "confidence": settings.confidence}
     return fastest_first(trend(joint, [estimated[i].estimate for i in joint.members], **options) for joint in joints)
 
 
 def fastest_first(trends: Iterable[Trend]) -> list[Trend]:
     """Return trends sorted by growth, the significant ones first."""
-    return sorted(trends, key=lambda each: (each.quantity, not each.significant, -each.line.slope if each.line else 0))
+    return sorted(trends, key=lambda one: (one.quantity, not one.significant, -one.line.slope if one.line else 0))
 
 
 def fit_line(time: Floats, values: Floats, confidence: float) -> Line | None:

@@ -7,26 +7,27 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
-from multiprocessing.connection import Connection, wait
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from threading import Thread
-from typing import Any, TypeVar
+from typing import TypeVar
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
 # A fork starts in milliseconds with all that is imported. It is not safe elsewhere, where a worker imports all anew.
 FORKS = sys.platform == "linux"
-REAPED = 5.0  # seconds for a process that has closed its pipe to end
 
 
 def in_workers(
-    work: Callable[[Item], Answer], items: Sequence[Item], jobs: int, lost: Callable[[Item, str], Answer]
+    work: Callable[[Item], Answer], items: Sequence[Item], jobs: int, lost: Callable[[Item], Answer]
 ) -> Iterator[Answer]:
     """Yield ``work(item)`` for each item in their order, made in at most ``jobs`` processes.
 
-    Where an item ends its process, the answer is ``lost(item, how)``, such as how = "signal SIGKILL", and another
-    process makes the items after it. The processes end with the generator, and with this process.
+    An item that ends its process ends all of them: the first one without an answer is then made again alone, and those
+    after it in new processes. Where an item ends its process alone, too, the answer is ``lost(item)``. The processes
+    end with the generator, and with this process.
 
     Args:
         work: must be picklable where workers are not forked.
@@ -34,97 +35,46 @@ def in_workers(
         jobs: at least 1.
         lost: is called in this process.
     """
-    waiting = list(range(len(items)))[::-1]
-    answers: dict[int, Answer] = {}
-    workers: set[_Worker] = set()
-    busy: dict[Any, tuple[_Worker, int]] = {}  # by the pipe
-
-    def give(worker: _Worker) -> None:
-        number = waiting.pop()
-        with suppress(OSError):  # of a process that has just been killed; its pipe has an end instead of an answer
-            worker.pipe.send(items[number])
-        busy[worker.pipe] = worker, number
-
-    def start() -> _Worker:
-        workers.add(worker := _Worker(work))
-        return worker
-
-    try:
-        for _ in range(min(jobs, len(items))):
-            give(start())
-        for following in range(len(items)):
-            while following not in answers:
-                for pipe in wait(list(busy)):
-                    worker, number = busy.pop(pipe)
-                    try:
-                        answers[number] = worker.pipe.recv()
-                    except (EOFError, OSError):
-                        workers.remove(worker)
-                        answers[number] = lost(items[number], worker.died())
-                    if waiting:
-                        give(worker if worker in workers else start())
-            yield answers.pop(following)
-    finally:
-        for worker in workers:
-            worker.end()
-
-
-class _Worker:
-    """A process that calls a function for one item after another."""
-
-    def __init__(self, work: Callable[[Any], Any]) -> None:
-        context: Any = multiprocessing.get_context("fork" if FORKS else "spawn")
-        self.pipe, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(work, theirs), daemon=True)
-        with _interrupts_blocked():
-            self._process.start()
-        theirs.close()
-
-    def died(self) -> str:
-        """Return how the process ended."""
-        self._process.join(REAPED)
-        code = self._process.exitcode
-        self.end()
-        if code is None or code >= 0:
-            return f"exit code {code or 0}"
-        return f"signal {signal.Signals(-code).name}"
-
-    def end(self) -> None:
-        """End the process, whatever it does."""
-        self._process.kill()
-        self._process.join()
-        self.pipe.close()
-
-
-def _serve(work: Callable[[Any], Any], pipe: Connection) -> None:
-    """Answer items until the parent ends this process, or ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    Thread(target=_end_with_parent, daemon=True).start()
-    while True:
+    answered = 0
+    while answered < len(items):
         try:
-            item = pipe.recv()
-        except EOFError:
-            return
-        answer = work(item)
-        with suppress(OSError):  # the parent has ended
-            pipe.send(answer)
+            with _processes(min(jobs, len(items) - answered)) as pool:
+                for answer in pool.map(work, items[answered:]):
+                    yield answer
+                    answered += 1
+        except BrokenProcessPool:
+            yield _alone(work, items[answered], lost)
+            answered += 1
 
 
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-    os._exit(1)
+def _alone(work: Callable[[Item], Answer], item: Item, lost: Callable[[Item], Answer]) -> Answer:
+    try:
+        with _processes(1) as pool:
+            return pool.submit(work, item).result()
+    except BrokenProcessPool:
+        return lost(item)
 
 
 @contextmanager
-def _interrupts_blocked() -> Iterator[None]:
-    """Block SIGINT; a process started meanwhile never receives it, as its parent handles Ctrl-C."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+def _processes(jobs: int) -> Iterator[ProcessPoolExecutor]:
+    """Yield a pool of processes, which end with the context, whatever they do."""
+    others = set(multiprocessing.active_children())
+    pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("fork" if FORKS else "spawn"), _obey_parent)
     try:
-        yield
+        yield pool
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for process in set(multiprocessing.active_children()) - others:
+            process.kill()
+        pool.shutdown(cancel_futures=True)
+
+
+def _obey_parent() -> None:
+    """Have this worker ignore Ctrl-C, which its parent handles, and end with its parent."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    if parent := multiprocessing.parent_process():
+        parent.join()
+    os._exit(1)

@@ -133,12 +133,12 @@ class Calibration:
 
         The disturbance and its fit depend on both, so this calibration holds for no recording that differs.
         """
-        found = []
+        differing = []
         if gear_ratio is not None and self.gear_ratio is not None and not _near(gear_ratio, self.gear_ratio):
-            found.append(f"a gear ratio of {gear_ratio:.4g}, not {self.gear_ratio:g}")
+            differing.append(f"a gear ratio of {gear_ratio:.4g}, not {self.gear_ratio:g}")
         if self.speed_rps is not None and not _near(abs(speed_rps), self.speed_rps):
-            found.append(f"a motor speed of {abs(speed_rps):.4g} rps, not {self.speed_rps:g}")
-        return found
+            differing.append(f"a motor speed of {abs(speed_rps):.4g} rps, not {self.speed_rps:g}")
+        return differing
 
     @cached_property
     def coefficients(self) -> Floats:
@@ -218,7 +218,7 @@ class Calibration:
         """Raise BenchError for fitted amplitudes of the wrong shape or without a scatter."""
         if self.fitted is None and self.scatter is None:
             return
-        shapes = {None if each is None else each.shape for each in (self.fitted, self.scatter, self.half_gap)}
+        shapes = {None if values is None else values.shape for values in (self.fitted, self.scatter, self.half_gap)}
         if self.fitted is None or self.scatter is None or len(shapes) > 1:
             raise BenchError(
                 "fitted amplitudes and their scatter come together, one of each a half-gap; "
@@ -275,8 +275,8 @@ class Pchip:
         return float(c0 + c1 * s + c2 * (s * s) + c3 * (s * s * s))
 
 
-def _near(value: float, own: float) -> bool:
-    return abs(value / own - 1) <= NEAR
+def _near(value: float, other: float) -> bool:
+    return abs(value / other - 1) <= NEAR
 
 
 def _end(h: Floats, slope: Floats) -> float:
@@ -344,12 +344,12 @@ def load_calibration(path: str | Path) -> Calibration:
     """
     where = f"calibration {path}"
     content = read_toml(path, where)
-    known = {
+    allowed = {
         "name", "method", "gear_ratio", "speed_rps", "amplitude_rpm", "half_gap_rad", "fitted_rpm", "scatter_rpm",
     }  # fmt: skip
     for key in content:
-        if key not in known:
-            raise BenchError(f"{where} has the unknown entry {key!r}{nearest(key, known)}")
+        if key not in allowed:
+            raise BenchError(f"{where} has the unknown entry {key!r}{nearest(key, allowed)}")
     amplitude, gaps = (_numbers(content, key, where) for key in ("amplitude_rpm", "half_gap_rad"))
     fitted, scatter = (
         _numbers(content, key, where) if key in content else None for key in ("fitted_rpm", "scatter_rpm")

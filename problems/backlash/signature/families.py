@@ -24,27 +24,27 @@ class Family:
     """A problem family of recordings, to which the signature is fitted.
 
     Attributes:
-        known: the names of the problems that can be listed.
+        listed: the names of the problems that can be listed.
         read: returns the recording of a problem's name.
         options: the options that ``read`` takes, besides those of the fit.
         sweep: what its problems are steps of; "" where each stands for itself.
     """
 
-    known: tuple[str, ...]
+    listed: tuple[str, ...]
     read: Callable[..., Recording]
     options: tuple[str, ...] = ()
     sweep: str = ""
 
     def names(self) -> list[str]:
         """Return the names of the problems that can be listed."""
-        return list(self.known)
+        return list(self.listed)
 
     def load(self, name: str, /, **options: Any) -> SignatureFit:
         """Return the fit to the recording of that name; raises BenchError for an unknown name or option."""
-        known = (*OPTIONS, *self.options)
+        allowed = (*OPTIONS, *self.options)
         for option in options:
-            if option not in known:
-                raise BenchError(f"problem {name!r} has no option {option!r}{nearest(option, known)}")
+            if option not in allowed:
+                raise BenchError(f"problem {name!r} has no option {option!r}{nearest(option, allowed)}")
         recording = self.read(name, **{option: options.pop(option) for option in self.options if option in options})
         from problems.backlash.signature.problem import SignatureFit
 
@@ -54,8 +54,8 @@ class Family:
 
     def level(self, name: str) -> int:
         """Return the number at the end of a listed name."""
-        if name not in self.known:
-            raise BenchError(f"unknown problem {name!r}{nearest(name, self.known)}")
+        if name not in self.listed:
+            raise BenchError(f"unknown problem {name!r}{nearest(name, self.listed)}")
         return int(name.rpartition("-")[2])
 
 

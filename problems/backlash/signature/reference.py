@@ -69,8 +69,8 @@ def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bo
     for base in range(1, limit.last + 1, 2 * length):
         count = min(2 * length, limit.last + 1 - base)
         if (ceiling[base : base + count] > most_yet).any():
-            found = _scan(base, count, taus, omegas, sums, limit, length)
-            grid[base : base + count], most_yet = found, max(most_yet, found[..., 0].max())
+            scanned = _scan(base, count, taus, omegas, sums, limit, length)
+            grid[base : base + count], most_yet = scanned, max(most_yet, scanned[..., 0].max())
     energy = grid[..., 0]
     share = min(SHORT / sums.n, 1.0)
     margin, most = (MARGIN, SETTLED) if recording.shift else (MARGIN_BETWEEN, math.ceil(share * SETTLED_BETWEEN))
@@ -83,21 +83,21 @@ def best_fit(recording: Folded, lower: Floats, upper: Floats, *, constrained: bo
     ]
     windows = _distinct(windows)[:most]
     windows = [
-        _polish(np.array([each.tau, each.omega]), 10 * ROUGH * steps, each.start, sums, limit, length, FINEST)
-        for each in windows
+        _polish(np.array([window.tau, window.omega]), 10 * ROUGH * steps, window.start, sums, limit, length, FINEST)
+        for window in windows
     ]
     if not recording.shift:
-        windows = sorted(windows, key=lambda each: -settle(each, recording, sums, limit, sweeps=0)[0])
+        windows = sorted(windows, key=lambda window: -settle(window, recording, sums, limit, sweeps=0)[0])
         windows = windows[: math.ceil(share * SWEPT)]
-    settled = [settle(each, recording, sums, limit, sweeps=SWEEPS) for each in windows]
-    return np.clip(max(settled, key=lambda each: each[0])[1], lower, upper)
+    settled = [settle(window, recording, sums, limit, sweeps=SWEEPS) for window in windows]
+    return np.clip(max(settled, key=lambda fit: fit[0])[1], lower, upper)
 
 
 def _distinct(windows: Iterable[Window]) -> list[Window]:
     """Return the windows by falling energy, without those that a search has brought to the place of a better one."""
     places: dict[tuple[float, ...], Window] = {}
-    for each in sorted(windows, key=lambda each: -each.energy):
-        places.setdefault((each.start, each.samples, round(each.tau, 1), round(each.omega, 1)), each)
+    for window in sorted(windows, key=lambda window: -window.energy):
+        places.setdefault((window.start, window.samples, round(window.tau, 1), round(window.omega, 1)), window)
     return list(places.values())
 
 
@@ -132,7 +132,7 @@ def _ceiling(signal: Floats, sums: Sums, length: int) -> Floats:
     laid = max(length - math.floor(sums.lag), 0)
 
     def window(apart: Floats, usual: Floats) -> Floats:
-        first, rest = (np.concatenate([[0.0], np.cumsum(each)]) for each in (apart, usual))
+        first, rest = (np.concatenate([[0.0], np.cumsum(energies)]) for energies in (apart, usual))
         start = np.arange(sums.n)
         reached: Floats = first[start + laid] - first[start] + rest[start + length - laid] - rest[start + laid]
         return reached

@@ -6,7 +6,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import brunnermunzel, mannwhitneyu, norm
 
-from bench.analysis.direction import LEAST_RATIO, Effects, a12, effects, intervals, least_p, p_values, wins
+from bench.analysis.direction import (
+    LEAST_RATIO,
+    Effects,
+    a12,
+    effects,
+    effects_of_draws,
+    intervals,
+    least_p,
+    p_values,
+    wins,
+)
 
 INF = float("inf")
 SIZES = [(2, 2), (5, 5), (9, 4), (3, 11), (30, 30)]
@@ -53,6 +63,29 @@ def test_the_estimate_and_its_variance_are_those_of_the_placements(n, m, kind):
     assert found.smaller == min(n, m)
     assert a12(these[0], others[0]) == pytest.approx(found.a12[0])
     assert found.a12[0] == pytest.approx(mannwhitneyu(others[0], these[0]).statistic / (n * m))
+
+
+@pytest.mark.parametrize("kind", ["untied", "tied", "failed"])
+@pytest.mark.parametrize(("n", "m"), [(5, 5), (9, 4), (30, 25)])
+def test_draws_by_how_often_each_value_counts_are_the_drawn_samples(n, m, kind):
+    (this,), (other,) = samples(n, m, kind, number=1)
+    rng = np.random.default_rng(1)
+    first, second = rng.integers(0, n, (20, 12)), rng.integers(0, m, (20, 7))
+    times = [np.array([np.bincount(row, minlength=size) for row in rows], dtype=float)
+             for rows, size in ((first, n), (second, m))]  # fmt: skip
+    found, expected = effects_of_draws(this, other, *times), effects(this[first], other[second])
+    assert (found.a12 == expected.a12).all()
+    assert (found.ratio == expected.ratio).all()
+    assert found.smaller == expected.smaller == 7
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("this", "other", "chance"), [([1], [2], 1.0), ([1], [1], 0.5), ([2, 4, 5], [3], 1 / 3)])
+def test_a_single_value_has_an_estimate_but_no_variance_and_shows_nothing(this, other, chance):
+    found = effect_of(this, other)
+    assert found.a12.tolist() == [chance]
+    assert np.isnan(found.ratio).all()
+    assert p_values(found).tolist() == [1.0]
 
 
 @pytest.mark.parametrize("kind", ["untied", "tied"])

@@ -107,6 +107,12 @@ def test_few_blocks_show_nothing_of_further_problems():
     assert detectable_across(30, 5, 0.05, further=False) < 0.7
 
 
+@pytest.mark.filterwarnings("error")
+def test_one_trial_a_cell_detects_a_difference_across_many_problems_alone():
+    assert 0.5 < detectable_across(1, 24, 0.05) < 1
+    assert np.isnan(detectable_across(1, 24, 0.05, further=False))
+
+
 @pytest.mark.parametrize("tests", [0, 1, 30, 216])
 @pytest.mark.parametrize("level", [0.05, 0.025])
 def test_trials_to_separate_are_the_fewest(tests, level):

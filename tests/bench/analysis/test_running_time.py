@@ -227,3 +227,5 @@ class TestFastest:
         few = {(f"p{i}", each): times[:4] for i in range(24) for each, times in (("a", quick), ("b", slow))}
         assert separably_fastest(hits_of(few)).empty
         assert separably_fastest(hits_of({("p", "a"): quick})).empty
+        enough = {("q", "a"): quick, ("q", "b"): slow}  # beside problems that are left out before any test
+        assert separably_fastest(hits_of(few | enough))["problem"].tolist() == ["q"]

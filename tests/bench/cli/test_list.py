@@ -26,6 +26,12 @@ def test_a_plugin_that_fails_to_import_is_named_and_hides_no_other(bench_here):
     assert "hill-climber A (1+1)-ES" in text
 
 
+def test_a_family_without_names_says_how_it_is_used():
+    shown = " ".join(CliRunner().invoke(app, ["list", "command"]).stdout.split())
+    assert "command:./mine' runs the program ./mine" in shown
+    assert "what it is" not in shown  # the head of a table
+
+
 @pytest.mark.slow
 def test_the_list_as_json_holds_every_optimizer(bench_here):
     listed = {each["name"]: each for each in json.loads(bench_here("list", "--json", "optimizers").stdout)}

@@ -298,14 +298,12 @@ def test_an_answer_without_its_fields_confirms_nothing(again):
 # Boxes
 
 
-def test_boxes_are_read_and_errors_kept():
+def test_a_box_is_read():
     given = {"variables": ["a", "b"], "lower": [-1.0, -inf], "upper": [0.1, 1e308], "integer": [False, True]}
-    found = answers.boxes({"one": given, "two": "OSError: no disk\x1b", "three": {}}, ["one", "two"])
-    assert set(found) == {"one", "two"}
-    assert (found["one"].variables, found["one"].lower.tolist()) == (("a", "b"), [-1.0, -inf])
-    assert found["one"].upper.tolist() == [0.1, 1e308]
-    assert found["one"].integer.tolist() == [False, True]
-    assert found["two"] == "OSError: no disk\ufffd"
+    found = Box.of(given)
+    assert (found.variables, found.lower.tolist()) == (("a", "b"), [-1.0, -inf])
+    assert found.upper.tolist() == [0.1, 1e308]
+    assert found.integer.tolist() == [False, True]
 
 
 @pytest.mark.parametrize(
@@ -318,15 +316,7 @@ def test_boxes_are_read_and_errors_kept():
         {"integer": []}, {"integer": [[True]]},
     ],
 )  # fmt: skip
-def test_what_is_no_box_is_an_error_of_its_problem_alone(given):
+def test_what_is_no_box_is_refused(given):
     honest = {"variables": ["a"], "lower": [0.0], "upper": [1.0], "integer": [False]}
-    given = honest | given if isinstance(given, dict) and given else given
-    found = answers.boxes({"odd": given, "honest": honest}, ["odd", "honest"])
-    assert found["odd"] == "its answer is refused: its problem's bounds cannot be read"
-    assert found["honest"].upper.tolist() == [1.0]
-
-
-@pytest.mark.parametrize("found", [None, 5, "text", []])
-def test_an_answer_that_holds_no_problems_is_an_error_of_each(found):
-    assert set(answers.boxes(found, ["a", "b"])) == {"a", "b"}
-    assert all(isinstance(each, str) for each in answers.boxes(found, ["a", "b"]).values())
+    with pytest.raises(RefusedError, match="bounds cannot be read"):
+        Box.of(honest | given if isinstance(given, dict) and given else given)

@@ -14,14 +14,13 @@ class Supervisor:
     def __init__(self, task):
         self._killed = threading.Event()
 
-    def make(self, trials):
-        for trial in trials:
-            if trial == 13:
-                raise ZeroDivisionError
-            if trial >= 100:
-                self._killed.wait()
-                raise KilledError
-            yield trial, {"fun": trial}
+    def make(self, trial):
+        if trial == 13:
+            raise ZeroDivisionError
+        if trial >= 100:
+            self._killed.wait()
+            raise KilledError
+        return {"fun": trial}
 
     def kill(self):
         self._killed.set()

@@ -185,7 +185,7 @@ def ran(request, tmp_path_factory):
         for name, text in (("alone", head), ("out", head + attacks)):
             (place / f"{name}.toml").write_text(text)
             limits = {"sandbox": "bwrap", "strict": request.param} if name == "out" else {}
-            run(place / f"{name}.toml", place / name, n_jobs=2, timeout=20, **limits)
+            run(place / f"{name}.toml", place / name, n_jobs=2, timeout=120, **limits)
     os.close(reader)
     return place
 

@@ -72,12 +72,12 @@ CHEATS = """
 
     def begins_again(objective, rng):
         objective(objective.initial(5))
-        objective.begin()
+        objective._problem.begin()
         while True:
             objective(objective.initial(5))
 
     def asks_for_too_much(objective, rng):
-        objective.initial(100_000_000)
+        objective.repair(np.zeros((5_000_000, 2)))
 
     def swallows(objective, rng):
         for _ in range(8):
@@ -148,7 +148,7 @@ def test_the_budget_is_kept_where_the_optimizer_cannot_reach(cheats, tmp_path):
     ("cheat", "words"),
     [
         ("begins_again", "error|EOFError|BrokenPipe"),
-        ("asks_for_too_much", "a strict trial takes 4,194,304 points at a time, not 100,000,000"),
+        ("asks_for_too_much", "a strict trial takes 4,194,304 points at a time, not 5,000,000"),
     ],
 )
 def test_the_process_that_keeps_the_problem_is_not_misused(cheats, tmp_path, cheat, words):

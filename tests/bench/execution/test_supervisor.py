@@ -11,9 +11,9 @@ from bench.trial import Result, Trial
 
 
 class Job:
-    """Answers as processes would, on a sphere; ``evaluations`` lists the problems whose points were asked for."""
+    """Answers as processes would, on a sphere; ``evaluations`` has what was evaluated again, and whether anew."""
 
-    evaluations: list[list[str]]
+    evaluations: list[tuple[str, bool]]
     losses: int
 
     def __init__(self, *arguments, **options):
@@ -34,50 +34,53 @@ class Job:
         trace = Trace(np.array([1]), np.array([fun]))
         return as_answer(Result(x, fun, 7, trace, 0.0, 0.0, 0.0, "done", 0, {}, trial.seed)), 0.0
 
-    def evaluate(self, points, seconds, *, anew=False):
-        self.evaluations.append([problem for problem, _ in points])
+    def evaluate(self, problem, point, seconds, *, anew=False):
+        self.evaluations.append((problem, anew))
         if Job.losses:
             Job.losses -= 1
             raise LostError("ended")
-        if "broken" in self.evaluations[-1]:
+        if problem == "broken" or (problem == "once" and not anew):
             raise RemoteError("ZeroDivisionError")
-        return [{"fun": float(np.square(x).sum()), "spread": 0.0, "metrics": {}} for _, x in points]
+        return {"fun": float(np.square(point).sum()), "spread": 0.0, "metrics": {}}
 
 
 @pytest.fixture
-def rows(monkeypatch, small_study):
-    """Make trials on the problems named; return their statuses by problem."""
+def row(monkeypatch, small_study):
+    """Make a trial on the problem named; return its row."""
     monkeypatch.setattr(module, "Job", Job)
-    monkeypatch.setattr(module, "TOGETHER", 1e9)
-    Job.evaluations, Job.losses = [], 0
+    Job.evaluations = []
 
-    def make(*problems, losses=0):
+    def make(problem, losses=0):
         Job.losses = losses
-        trials = [Trial(problem, "optimizer", number, 1) for number, problem in enumerate(problems)]
-        return {trial.problem: row for trial, row in Supervisor(Task(small_study)).make(trials)}
+        return Supervisor(Task(small_study)).make(Trial(problem, "optimizer", 0, 1))
 
     return make
 
 
-def test_the_points_of_many_trials_are_evaluated_together(rows):
-    assert [row["status"] for row in rows("a", "b", "c").values()] == ["ok"] * 3
-    assert Job.evaluations == [["a", "b", "c"]]
+def test_the_best_point_of_a_trial_is_evaluated_once(row):
+    assert row("a")["status"] == "ok"
+    assert Job.evaluations == [("a", False)]
 
 
-def test_a_trial_that_is_evaluated_wrong_fails_alone(rows):
-    found = rows("a", "cheated", "c")
-    assert [found[each]["status"] for each in ("a", "cheated", "c")] == ["ok", "failed", "ok"]
-    assert "its best point has" in found["cheated"]["error"]
-    assert Job.evaluations == [["a", "cheated", "c"], ["cheated"]]
+def test_a_trial_that_claims_another_value_fails(row):
+    found = row("cheated")
+    assert found["status"] == "failed"
+    assert "its best point has" in found["error"]
+    assert Job.evaluations == [("cheated", False), ("cheated", True)]
 
 
-def test_a_point_that_cannot_be_evaluated_fails_alone(rows):
-    found = rows("a", "broken", "c")
-    assert [found[each]["status"] for each in ("a", "broken", "c")] == ["ok", "failed", "ok"]
-    assert "ZeroDivisionError" in found["broken"]["error"]
-    assert "evaluated again" in found["broken"]["error"]
+def test_a_point_that_cannot_be_evaluated_fails(row):
+    found = row("broken")
+    assert found["status"] == "failed"
+    assert "ZeroDivisionError" in found["error"]
+    assert "evaluated again" in found["error"]
 
 
-def test_an_evaluator_that_is_lost_is_replaced_twice(rows):
-    assert rows("a", losses=2)["a"]["status"] == "ok"
-    assert rows("a", losses=3)["a"]["status"] == "failed"
+def test_a_new_evaluator_may_confirm_what_another_did_not(row):
+    assert row("once")["status"] == "ok"
+    assert Job.evaluations == [("once", False), ("once", True)]
+
+
+def test_a_trial_whose_evaluator_is_lost_is_begun_once_more(row):
+    assert row("a", losses=1)["status"] == "ok"
+    assert row("a", losses=2)["status"] == "failed"

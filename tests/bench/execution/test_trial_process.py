@@ -22,15 +22,15 @@ def test_a_point_is_evaluated_alone_unless_batches_are_asked_for(problem):
     sizes = []
     problem(lambda x: sizes.append(len(x)) or x.sum(axis=1))
     found = {"fun": 0.75, "metrics": {}, "spread": 0.0}
-    assert trial_process.evaluate([("any", [0.5, 0.25])], False) == [found]
+    assert trial_process.evaluate("any", [0.5, 0.25], False) == found
     assert sizes == [1]
-    assert trial_process.evaluate([("any", [0.5, 0.25])], True) == [found]
+    assert trial_process.evaluate("any", [0.5, 0.25], True) == found
     assert len(sizes) > 3
 
 
 def test_values_that_depend_on_their_batch_spread(problem):
     problem(lambda x: x.sum(axis=1) + np.arange(len(x)) / 1024)
-    assert trial_process.evaluate([("any", [0.5, 0.25])], True)[0]["spread"] == 31 / 1024
+    assert trial_process.evaluate("any", [0.5, 0.25], True)["spread"] == 31 / 1024
 
 
 def test_a_problem_that_writes_into_its_points_moves_none(problem):
@@ -40,4 +40,4 @@ def test_a_problem_that_writes_into_its_points_moves_none(problem):
         return values
 
     problem(write)
-    assert trial_process.evaluate([("any", [0.5, 0.25])], True) == [{"fun": 0.75, "metrics": {}, "spread": 0.0}]
+    assert trial_process.evaluate("any", [0.5, 0.25], True) == {"fun": 0.75, "metrics": {}, "spread": 0.0}

@@ -64,6 +64,17 @@ def test_an_archive_that_is_cut_short_is_refused(tmp_path, size):
             import_results(file, tmp_path / "out")
 
 
+def test_a_zip_archive_whose_compressed_bytes_are_damaged_is_refused(tmp_path):
+    file = tmp_path / "runs.zip"
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("runs.csv", TABLE * 50)
+    content = bytearray(file.read_bytes())
+    content[38:60] = b"\xff" * 22  # behind the member's header of 30 bytes and its name
+    file.write_bytes(content)
+    with pytest.raises(BenchError, match=r"runs\.zip is damaged or cut short"):
+        import_results(file, tmp_path / "out")
+
+
 def test_an_unknown_format_and_several_formats_are_refused(tmp_path):
     (tmp_path / "x").mkdir()
     (tmp_path / "x" / "notes.txt").write_text("hello")

@@ -1,11 +1,15 @@
 """Figures drawn here or in other processes: the same bytes, and what cannot be sent or fails is drawn here."""
 
+import io
 import pickle
+import re
+import zlib
 
 import matplotlib
 import matplotlib.figure
 import numpy as np
 import pytest
+from fontTools.ttLib import TTFont
 
 from bench.plots import style
 from bench.report.drawing import Drawer, Drawing, draw, draw_copy
@@ -129,3 +133,11 @@ def test_many_points_are_drawn_as_the_same_image(elsewhere):
 
     elsewhere.begin([made := cloud()])
     assert elsewhere.finish(made) == draw(cloud())
+
+
+def test_a_pdf_embeds_the_outlines_of_its_letters_without_the_tables_that_shape_a_line():
+    streams = re.findall(rb"stream\r?\n(.*?)\r?\nendstream", draw(figure()).pdf, re.DOTALL)
+    plain = [zlib.decompress(each) for each in streams if each[:1] == b"x"]
+    (font,) = [TTFont(io.BytesIO(each)) for each in plain if each[:4] == b"\0\1\0\0"]
+    assert "glyf" in font
+    assert not {"GSUB", "GPOS", "GDEF", "kern"} & set(font.keys())

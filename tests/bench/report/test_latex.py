@@ -120,6 +120,10 @@ class TestToLatex:
         assert r"a\_1" in text
         assert r"x\_y" in text
 
+    def test_a_table_that_is_long_and_wide_has_smaller_type(self):
+        assert "\\footnotesize" in to_latex(comparison(PAGE + 1, 2), "t")
+        assert "\\scriptsize" in to_latex(comparison(PAGE + 1, 12), "t")
+
     def test_packages_follow_the_shape(self):
         words = pd.DataFrame({"check": ["seeds"], "finding": ["A sentence of more than forty characters about seeds."]})
         assert packages_of(to_latex(comparison(), "t")) == ["booktabs", "graphicx"]

@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import re
+import zlib
 from xml.etree import ElementTree
 
 import matplotlib.figure
@@ -208,6 +209,9 @@ class TestByFolder:
         assert by_folder([]) == {}
 
 
+OWN = f"f{zlib.crc32(b'n'):x}"  # of the ids in a figure named n
+
+
 class TestInline:
     @pytest.fixture
     def drawn(self, tmp_path):
@@ -239,7 +243,9 @@ class TestInline:
 
     def test_the_texts_and_shapes_are_all_there(self, drawn):
         before, after = ElementTree.fromstring(drawn), ElementTree.fromstring(inline(drawn, "name", ""))
-        for tag in ("path", "use", "text", "rect", "clipPath", "pattern"):
+        begun = [sum(each.get("d", "").upper().count("M") for each in root.iter()) for root in (before, after)]
+        assert begun[0] == begun[1]
+        for tag in ("use", "text", "rect", "clipPath", "pattern"):
             assert len(list(after.iter(tag))) == len(list(before.iter(f"{{http://www.w3.org/2000/svg}}{tag}"))), tag
         assert "a label" in [each.text for each in after.iter("text")]
 
@@ -254,15 +260,26 @@ class TestInline:
         )
         assert inline(svg, "n", "c") == (
             '<svg viewBox="0 0 72 72" style="--width:139px" role="img" aria-label="c">'
-            '<g style="fill:#fff;stroke:none"><defs><path id="n.0" d="M0 -3L1.24 0z"/></defs>'
-            '<use href="#n.0" x="1.24"/><use href="#n.0" x="2"/></g>'
-            '<g clip-path="url(#n.1)"><path style="opacity:0.5"/><path style="opacity:0.5"/></g>'
-            '<text x="1.23456"> a <tspan>b</tspan> c </text><clipPath id="n.1"/></svg>'
+            '<g style="fill:#fff;stroke:none"><defs><path id="{n}.0" d="m0-3l1.24 3z"/></defs>'
+            '<use href="#{n}.0" x="1.24"/><use href="#{n}.0" x="2"/></g>'
+            '<g clip-path="url(#{n}.1)"><path style="opacity:0.5"/><path style="opacity:0.5"/></g>'
+            '<text x="1.23456"> a <tspan>b</tspan> c </text><clipPath id="{n}.1"/></svg>'.replace("{n}", OWN)
         )
 
+    def test_the_lines_of_a_grid_are_one_path(self):
+        line = '<path d="M {} 0 L {} 9" clip-path="url(#{})" style="stroke: #dddddd"/>'
+        drawn = [line.format(x, x, clip) for x, clip in ((1, "c"), (2, "c"), (3, "d"))]
+        clips = '<clipPath id="c"/><clipPath id="d"/>'
+        svg = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9">{"<rect/>".join(drawn)}{clips}</svg>'
+        shown = ElementTree.fromstring(inline(svg, "n", "c"))
+        assert [each.get("d") for each in shown.iter("path")] == ["M1 0l0 9M2 0l0 9", "M3 0l0 9"]
+        assert len(list(shown.iter("rect"))) == 2
+
     def test_the_figures_of_a_page_have_their_own_ids(self, page):
-        assert 'id="short.0"' in page
-        assert 'id="long.0"' in page
+        svgs = re.findall(r"<svg.*?</svg>", page, re.DOTALL)
+        ids = [each for svg in svgs for each in re.findall(r' id="([^"]+)"', svg)]
+        assert len({each.partition(".")[0] for each in ids}) > 1
+        assert len(ids) == len(set(ids))
 
     def test_what_texts_and_marks_share_is_said_once(self):
         svg = """<svg xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 9 9" xmlns="http://www.w3.org/2000/svg">
@@ -277,4 +294,5 @@ class TestInline:
         assert '<text style="font-size:8px" x="1" y="2">a</text>' in shown
         assert '<text transform="rotate(-90 1 2)" x="1" y="2">b</text>' in shown
         assert '<text style="font-family:serif" x="1" y="2">c</text>' in shown
-        assert '<use href="#n.0" x="1" y="1"/><use href="#n.0" x="2" y="1" style="opacity:0.5"/>' in shown
+        marks = f'<use href="#{OWN}.0" x="1" y="1"/><use href="#{OWN}.0" x="2" y="1" style="opacity:0.5"/>'
+        assert marks in shown

@@ -54,7 +54,7 @@ CLEAR = {("cma-es", "gwo"): 15, ("cma-es", "alo"): 18}
 
 def test_a_winner_as_a_paper_prints_it():
     known = standing(
-        THREE, beaten=CLEAR, lower=CLEAR, found=pd.Series({"cma-es": 0.43, "gwo": 0.2, "alo": 0.0}),
+        THREE, beaten=CLEAR, lower=CLEAR, near_shares=pd.Series({"cma-es": 0.43, "gwo": 0.2, "alo": 0.0}),
         course=[Stage("600", ("gwo",)), Stage("6,000", ("gwo",)), Stage("60,000", ("cma-es",))],
         size="Its median is 12% lower.", clock="gwo is faster by the clock.",
     )  # fmt: skip
@@ -140,7 +140,7 @@ def test_no_single_winner_counts_rivals_problem_by_problem():
 
 def test_too_few_trials_for_any_test():
     known = standing(
-        THREE, levels=NONE, trials="1 trial", blocks=1, found=pd.Series({"cma-es": 1.0, "gwo": 0.0, "alo": 0.0})
+        THREE, levels=NONE, trials="1 trial", blocks=1, near_shares=pd.Series({"cma-es": 1.0, "gwo": 0.0, "alo": 0.0})
     )
     across = {pair: each._replace(low=NAN, high=NAN) for pair, each in known.across.items()}
     known = replace(known, ranking=known.ranking.assign(rank_low=NAN), across=across)
@@ -171,7 +171,7 @@ def test_all_are_level():
 
 def test_runs_near_the_optimum():
     def said(*shares):
-        return lines(standing(THREE, found=pd.Series(dict(zip(THREE, shares, strict=True)))))["By how much"]
+        return lines(standing(THREE, near_shares=pd.Series(dict(zip(THREE, shares, strict=True)))))["By how much"]
 
     assert "None of its runs comes within 1% of the optimum, but 30% of gwo’s do." in said(0.0, 0.3, 0.1)
     assert "<1% of its runs come within 1% of the optimum (no other run does)." in said(0.001, 0.0, 0.0)

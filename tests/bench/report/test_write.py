@@ -131,12 +131,12 @@ def test_failed_and_missing_trials_are_said(make, read, tmp_path):
     assert "Traceback" not in page.text
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "shape",
     [
-        {"optimizers": ("a",)},
         {"optimizers": ("a",), "problems": ("p",), "trials": 1},
+        {"optimizers": ("a",)},
         {"trials": 1},
         {"problems": ("p",), "fail": [("p", "a"), ("p", "b"), ("p", "c")]},
         {"problems": ("p",), "skip": [("p", "a"), ("p", "b"), ("p", "c")]},

@@ -4,9 +4,7 @@ from importlib import import_module
 
 import pytest
 
-from bench.sandbox.process import (
-    Process,
-)
+from bench.sandbox.process import Process
 
 
 @pytest.fixture(scope="module")
@@ -16,10 +14,20 @@ def calls(testing_plugins):
 
 
 @pytest.fixture(scope="module")
-def shared():
-    """For calls that leave their process as it was."""
-    with Process(hash_seed=0) as process:
-        yield process
+def started():
+    """The processes started for ``shared``, the last one of which is in use."""
+    processes = []
+    yield processes
+    for each in processes:
+        each.close()
+
+
+@pytest.fixture
+def shared(started):
+    """For calls that leave their process as it was; after an error there is a new one."""
+    if not started or started[-1].closed:
+        started.append(Process(hash_seed=0))
+    return started[-1]
 
 
 @pytest.fixture

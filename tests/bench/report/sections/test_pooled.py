@@ -47,6 +47,10 @@ def mixed(made):
 def test_the_lead_counts_trials_by_problem(made, read):
     lead = "2 optimizers on 2 problems, 9 trials (3 on each of 3 instances) each, 100 evaluations a trial."
     assert lead in read(write_report(made["pooled"], n_jobs=1)).text
+
+
+@pytest.mark.slow  # its words are tested in tests/bench/report/test_replication.py, too
+def test_the_lead_counts_trials_where_some_problems_have_no_instances(made, read):
     both = "4 problems, 5 trials on each of 2 problems and 15 trials (5 on each of 3 instances) on each of 2 problems,"
     assert both in read(write_report(made["mixed"], n_jobs=1)).text
     assert (made["mixed"] / "tables" / "comparison-precisions.csv").exists()

@@ -27,6 +27,12 @@ def read(path):
     return noisy(int(path.stem)).window(0.0, 0.9)
 
 
+def deadly(path):
+    if path.stem == "bad":
+        os.kill(os.getpid(), signal.SIGKILL)
+    return read(path)
+
+
 def test_a_bad_file_costs_itself_only_and_is_named_in_its_sentence(monkeypatch, make_estimate):
     monkeypatch.setattr(batch, "estimate", lambda recording, settings: make_estimate())
     paths = [Path("bad.csv"), Path("5.csv"), Path("odd.csv")]
@@ -69,17 +75,14 @@ def test_estimates_do_not_depend_on_the_number_of_workers():
 
 @forks
 def test_a_recording_that_ends_its_process_costs_itself_only(monkeypatch, make_estimate):
-    def deadly(path):
-        if path.stem == "bad":
-            os.kill(os.getpid(), signal.SIGKILL)
-        return read(path)
-
     monkeypatch.setattr(batch, "estimate", lambda recording, settings: make_estimate())
     paths = [Path(name) for name in ("3.csv", "bad.csv", "5.csv", "a/bad.csv", "6.csv")]
     outcomes = list(estimate_files(paths, deadly, NONE, jobs=2))
     assert [outcome.path for outcome in outcomes] == paths
     assert [isinstance(outcome, Failed) for outcome in outcomes] == [False, True, False, True, False]
-    assert outcomes[1].error.startswith("bad.csv: the process that estimated it has ended (signal SIGKILL); estimate")
+    assert outcomes[1].error.startswith(
+        "bad.csv: the process that estimated it ended, such as for want of memory; estimate it alone"
+    )
 
 
 @pytest.fixture(scope="module")

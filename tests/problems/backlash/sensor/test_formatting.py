@@ -78,6 +78,21 @@ def test_no_backlash_tells_what_could_be_hidden_and_is_undecided_where_that_is_t
     assert "up to 1.000 mrad" in below
 
 
+def test_without_a_calibration_a_headline_does_not_hide_what_was_not_tested(make_estimate):
+    quiet = {"amplitude_rps": 0.0, "calibration": "", "backlash_rad": math.nan, "interval_rad": NAN}
+    said = [words(make_estimate(verdict=verdict, **quiet)) for verdict in ("no backlash", "undecided")]
+    assert said[0].startswith("a.csv: no backlash detected; what the noise may hide needs a calibration of this joint")
+    assert said[1].startswith("a.csv: UNDECIDED: the recording is too short or too noisy to show a backlash")
+
+
+def test_lines_are_broken_to_the_width_of_a_terminal_and_stay_whole_elsewhere(make_estimate):
+    outcome = Estimated(Path("a.csv"), make_estimate(notes=("a word " * 40,)))
+    whole, broken = (formatting.estimate_lines(outcome, SETTINGS, width) for width in (None, 80))
+    assert max(map(len, whole)) > 120
+    assert max(map(len, broken)) <= 80
+    assert " ".join(broken).split() == " ".join(whole).split()
+
+
 def test_the_joint_that_a_verdict_holds_for_is_named(make_estimate):
     assert "half-gap and verdict hold for the thesis's simulated joint" in words(make_estimate(), Settings())
     assert "simulated joint" not in words(make_estimate())

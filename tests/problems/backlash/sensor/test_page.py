@@ -38,6 +38,7 @@ def test_it_has_verdicts_trends_and_fits_in_one_file(make_estimate, tmp_path):
     assert "5 recordings, 0 with progressed backlash, 1 not estimated." in text
     assert "bad.csv has 0 samples" in text
     assert "half-gap 1.000 mrad in 2024-01, 1.600 in 2024-04" in text
+    assert "; the limit of 2.1 mrad is not predicted to be reached" in text
     assert text.count("Recording, fit and residual of") >= 4
     assert "Download" not in text
     assert not read.links

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 
 import psutil
 import pytest
@@ -25,8 +26,26 @@ def kind(request, monkeypatch):
     monkeypatch.setattr(workers, "FORKS", request.param == "fork")
 
 
-def lost(item, how):
-    return item, how
+def lost(item):
+    return item, "lost"
+
+
+def negated(item):
+    if item % 3 == 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return -item
+
+
+def inverse(item):
+    return 1 // item
+
+
+def process_of(item, folder):
+    if item:
+        (folder / str(item)).touch()
+    while not item and len(list(folder.iterdir())) < 3:  # the first ends after the others
+        time.sleep(0.01)
+    return os.getpid()
 
 
 def children():
@@ -41,35 +60,24 @@ def test_answers_come_in_the_order_of_their_items(kind, jobs):
 
 
 def test_an_item_that_ends_its_process_costs_itself_only(kind):
-    assert list(in_workers(os._exit, [3, 0, 4], 2, lost)) == [(code, f"exit code {code}") for code in (3, 0, 4)]
+    assert list(in_workers(os._exit, [3, 0, 4], 2, lost)) == [(code, "lost") for code in (3, 0, 4)]
 
 
 @forks
 def test_other_items_are_answered_after_a_death():
-    def work(item):
-        if item % 3 == 0:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return -item
-
-    expected = [(item, "signal SIGKILL") if item % 3 == 0 else -item for item in range(10)]
-    assert list(in_workers(work, list(range(10)), 2, lost)) == expected
+    expected = [lost(item) if item % 3 == 0 else -item for item in range(10)]
+    assert list(in_workers(negated, list(range(10)), 2, lost)) == expected
 
 
 @forks
-def test_an_exception_of_the_work_is_a_death():
-    assert list(in_workers(lambda item: 1 // item, [0, 1], 1, lost)) == [(0, "exit code 1"), 1]
+def test_an_exception_of_the_work_is_raised():
+    with pytest.raises(ZeroDivisionError):
+        list(in_workers(inverse, [0, 1], 1, lost))
 
 
 @forks
 def test_items_are_made_at_once_and_slow_ones_hold_no_others_back(tmp_path):
-    def work(item):
-        if item:
-            (tmp_path / str(item)).touch()
-        while not item and len(list(tmp_path.iterdir())) < 3:  # the first ends after the others
-            time.sleep(0.01)
-        return os.getpid()
-
-    first, *others = in_workers(work, [0, 1, 2, 3], 2, lost)
+    first, *others = in_workers(partial(process_of, folder=tmp_path), [0, 1, 2, 3], 2, lost)
     assert len(set(others)) == 1
     assert first not in others
 

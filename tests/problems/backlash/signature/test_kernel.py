@@ -44,10 +44,10 @@ def repaired(points, t, lower, upper, train):
 def test_equals_the_literal_formula(name):
     t, speed, lower, upper, folded, train = case(name)
     rng = np.random.default_rng(1)
-    inside = rng.uniform(lower, upper, (400, 7))
-    sides = np.where(rng.random((400, 7)) < 0.5, lower, upper)
-    edges = np.where(rng.random((400, 7)) < 0.5, sides, inside)
-    overlapping = inside[:100].copy()
+    inside = rng.uniform(lower, upper, (100, 7))
+    sides = np.where(rng.random((100, 7)) < 0.5, lower, upper)
+    edges = np.where(rng.random((100, 7)) < 0.5, sides, inside)
+    overlapping = inside[:30].copy()
     overlapping[:, model.T1], overlapping[:, model.T2] = 0.0, upper[model.T2]
     points = np.vstack([inside, edges, overlapping, repaired(np.vstack([inside, edges]), t, lower, upper, train)])
     np.testing.assert_allclose(kernel.evaluate(points, folded), literal(points, t, speed, train), rtol=0, atol=1e-10)

@@ -1,0 +1,175 @@
+"""Test which implementations of a method differ, and measure how far.
+
+Two implementations are *different* where their trials differ in at least one of ``MEASURES`` on at least one of
+``PROBLEMS`` by the exact two-sample Kolmogorov-Smirnov test (:mod:`bench.analysis.kolmogorov_smirnov`), after Holm's
+adjustment over all such tests of the atlas: pairs x functions x measures. No other test leads to that word. So in at
+most 5 % of atlases any pair that is one algorithm is called different, whatever the distributions, ties included.
+
+The distances and the map are those of :mod:`bench.analysis.similarity`; no decision depends on them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations, groupby
+from math import comb
+
+import numpy as np
+import pandas as pd
+
+from bench.analysis.direction import ALPHA
+from bench.analysis.finished_trials import CLAMPED
+from bench.analysis.kolmogorov_smirnov import ks_tests
+from bench.analysis.pairwise import holm
+from bench.analysis.similarity import Similarity, similarity
+from bench.atlas.runs import MEASURES, Surveyed
+from bench.check.bias import FLOOR, LIMIT
+from bench.errors import BenchError
+from bench.typing import Floats
+
+COLUMNS = ("method", "first", "second", "different", *MEASURES, "orders", "problem", "distance", "floor")
+GROUPS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+
+
+@dataclass(frozen=True)
+class Atlas:
+    """What was found.
+
+    Attributes:
+        surveyed: every implementation, in order.
+        tests: method, first, second, problem, measure, ks_distance, p, p_holm, a row a test.
+        pairs: method, first, second, ``different``; the number of problems with p_holm at most the level by measure;
+            ``orders``, the largest difference of median final bests on those of measure ``final``, in orders of
+            magnitude, positive where the first is lower, and ``problem``, where that is; and ``distance`` and ``floor``
+            (:class:`bench.analysis.similarity.Similarity`), missing with fewer than ten trials.
+        groups: by key, the letter of the group of an implementation: those of a method of which no two differ, each in
+            the first group that takes it.
+        centre_bias: by key, how many times as high errors are where the optimum is moved from the centre.
+        similarity: of all implementations; None with fewer than two, or fewer than ten trials.
+        enough: whether complete separation of one pair would be significant beside as many tests.
+    """
+
+    surveyed: tuple[Surveyed, ...]
+    tests: pd.DataFrame
+    pairs: pd.DataFrame
+    groups: Mapping[str, str]
+    centre_bias: Mapping[str, float]
+    similarity: Similarity | None
+    enough: bool
+
+
+def compare(surveyed: Sequence[Surveyed], alpha: float = ALPHA, *, similar: bool = True) -> Atlas:
+    """Compare the implementations of each method with each other.
+
+    Args:
+        surveyed: the implementations, those of one method side by side.
+        alpha: the level of the tests.
+        similar: whether to compute distances and the map, which takes most of the time.
+
+    Raises:
+        BenchError: where all implementations failed.
+    """
+    alive = [each for each in surveyed if not each.failed]
+    if not alive:
+        reasons = [f"{each.implementation.label}: {each.failed}" for each in surveyed]
+        raise BenchError(f"no implementation could be run; {'; '.join(reasons[:1])}")
+    couples = [
+        couple for _, own in groupby(alive, lambda each: each.implementation.method) for couple in combinations(own, 2)
+    ]
+    tests = _tests(couples)
+    trials = min((len(values) for each in alive for values in each.measures.values()), default=0)
+    found = None
+    if similar and len(alive) > 1 and trials >= 10:
+        # No test of it is used: with this level it makes the fewest divisions.
+        found = similarity({each.implementation.key: [*each.behaviours.values()] for each in alive}, alpha=1.0)
+    pairs = pd.DataFrame([_pair(*couple, tests, found, alpha) for couple in couples], columns=list(COLUMNS))
+    enough = 2 / comb(2 * trials, trials) * max(len(tests), 1) <= alpha
+    bias = {each.implementation.key: centre_bias(each.measures) for each in alive}
+    return Atlas(tuple(surveyed), tests, pairs, _groups(alive, pairs), bias, found, enough)
+
+
+def _tests(couples: Sequence[tuple[Surveyed, Surveyed]]) -> pd.DataFrame:
+    """Return a row for each test of each pair, adjusted over all."""
+    rows = []
+    for one, other in couples:
+        names = one.implementation.method, one.implementation.label, other.implementation.label
+        for problem, these in one.measures.items():
+            own = ks_tests(these.T, other.measures[problem].T)
+            rows += [
+                (*names, problem, measure, float(distance), float(p))
+                for measure, distance, p in zip(MEASURES, own["ks_distance"], own["ks_p"], strict=True)
+            ]
+    columns = ["method", "first", "second", "problem", "measure", "ks_distance", "p"]
+    frame = pd.DataFrame(rows, columns=columns)
+    return frame.assign(p_holm=holm(frame["p"].to_numpy(dtype=float)))
+
+
+def _pair(
+    one: Surveyed, other: Surveyed, tests: pd.DataFrame, found: Similarity | None, alpha: float
+) -> dict[str, object]:
+    first, second = one.implementation, other.implementation
+    own = tests[(tests["method"] == first.method) & (tests["first"] == first.label) & (tests["second"] == second.label)]
+    significant = own[own["p_holm"] <= alpha]
+    counts = {name: int((significant["measure"] == name).sum()) for name in MEASURES}
+    orders = {
+        str(problem): _median_log(other.measures[str(problem)]) - _median_log(one.measures[str(problem)])
+        for problem in significant.loc[significant["measure"] == "final", "problem"]
+    }
+    where = max(orders, key=lambda each: abs(orders[each]), default="")
+    row: dict[str, object] = {
+        "method": first.method, "first": first.label, "second": second.label, "different": len(significant) > 0,
+        **counts, "orders": orders.get(where, 0.0), "problem": where,
+        "distance": np.nan, "floor": np.nan,
+    }  # fmt: skip
+    if found is not None:
+        between = found.pairs[(found.pairs["first"] == first.key) & (found.pairs["second"] == second.key)]
+        row |= {name: float(between[name].iloc[0]) for name in ("distance", "floor")}
+    return row
+
+
+def _median_log(measures: Floats) -> float:
+    """Return log10 of the median final best of (trials, measures), which counts as at least ``FLOOR``."""
+    finals = np.nan_to_num(measures[:, MEASURES.index("final")], nan=np.inf, posinf=np.finfo(float).max)
+    return float(np.log10(max(np.median(finals), FLOOR)))
+
+
+def centre_bias(measures: Mapping[str, Floats]) -> float:
+    """Return how many times as high errors are where the optimum is moved from the centre of the box.
+
+    It is the geometric mean that :func:`bench.check.bias.centre_bias` judges; above ``LIMIT`` it is a bias.
+    """
+    means = {}
+    for problem, values in measures.items():
+        finals = np.nan_to_num(values[:, MEASURES.index("final")], nan=np.inf, posinf=np.finfo(float).max)
+        means[problem] = float(np.log(np.maximum(finals, FLOOR)).mean())
+    functions = {problem.rsplit(" ", 1)[0] for problem in means}
+    return float(np.exp(np.mean([means[f"{each} moved"] - means[f"{each} centred"] for each in sorted(functions)])))
+
+
+def biases(atlas: Atlas, each: Surveyed) -> list[str]:
+    """Return the biases of an implementation in words: to the centre, and to the bounds."""
+    found = []
+    ratio = atlas.centre_bias[each.implementation.key]
+    if ratio > LIMIT:
+        found.append(f"centre (errors are {ratio:.3g} times as high away from it)")
+    if each.clamped > CLAMPED:
+        found.append(f"bounds ({each.clamped:.0%} of the best points' coordinates lie on them)")
+    return found
+
+
+def _groups(alive: Sequence[Surveyed], pairs: pd.DataFrame) -> dict[str, str]:
+    different = {(row["method"], row["first"], row["second"]) for row in pairs.to_dict("records") if row["different"]}
+    found: dict[str, str] = {}
+    for method, own in groupby((each.implementation for each in alive), lambda each: each.method):
+        groups: list[list[str]] = []
+        for each in own:
+            fitting = (
+                group for group in groups if not any((method, member, each.label) in different for member in group)
+            )
+            group = next(fitting, None)
+            if group is None:
+                groups.append(group := [])
+            group.append(each.label)
+            found[each.key] = GROUPS[min(groups.index(group), len(GROUPS) - 1)]
+    return found

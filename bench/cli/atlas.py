@@ -1,0 +1,69 @@
+"""bench atlas: compare the implementations of methods that several libraries have."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from bench.cli.console import Jobs
+from bench.helpers.console import print_line
+from bench.helpers.text import count
+
+
+def atlas(
+    file: Annotated[
+        Path | None, typer.Argument(help="A table of methods; by default those of the installed packages.")
+    ] = None,
+    method: Annotated[list[str] | None, typer.Option(help="A method of the table; repeatable. Default: all.")] = None,
+    trials: Annotated[int, typer.Option(help="Trials of each implementation on each of ten functions.")] = 20,
+    budget: Annotated[int, typer.Option(help="Evaluations of a trial.")] = 2000,
+    seed: Annotated[int, typer.Option(help="Seed of the trials.")] = 0,
+    jobs: Jobs = -1,
+    output: Annotated[Path, typer.Option("--output", "-o", help="The folder to write.")] = Path("atlas"),
+) -> None:
+    """Compare the implementations of each method that several libraries have, and write a page for each method.
+
+    All run on ten functions in 5 dimensions, five of them with the optimum at the centre of the box. The pages show
+    which implementations differ (exact Kolmogorov-Smirnov tests, adjusted by Holm's method over all of them, at 5%),
+    which are drawn to the centre or to the bounds, and which parameters have no effect. A table of your own adds
+    methods, or implementations of known ones. Times are in times.csv.
+    """
+    from bench.atlas import compare, methods, survey, write_atlas
+    from bench.atlas.write import check_output, findings
+    from bench.execution.progress import steps
+    from bench.numbers import require_seed, require_whole
+
+    require_whole("--trials", trials, 2, 1000)
+    require_whole("--budget", budget, 50, 10_000_000)
+    require_seed("--seed", seed)
+    check_output(output)
+    chosen = methods(file, method or ())
+    console = Console()
+    with steps(console, "atlas") as on_progress:
+        surveyed = survey(chosen, trials=trials, budget=budget, seed=seed, n_jobs=jobs, on_progress=on_progress)
+        on_progress("comparing", 1, 1)
+        found = compare(surveyed)
+    page = write_atlas(found, chosen, output, trials=trials, budget=budget, seed=seed)
+    shown = Table(box=None, pad_edge=False)
+    for head in ("method", "implementation", "letter", "finding"):
+        shown.add_column(head, overflow="fold")
+    for each in found.surveyed:
+        own = each.implementation
+        said = (own.method, own.label, found.groups.get(own.key, "–"), "; ".join(findings(found, each)))
+        shown.add_row(*map(Text, said))
+    console.print(shown)
+    different = int(found.pairs["different"].sum())
+    print_line(
+        f"{different} of {count(len(found.pairs), 'pair')} of implementations of one method "
+        f"{'is' if different == 1 else 'are'} different ({count(len(found.tests), 'test')}, adjusted together); "
+        "implementations of one letter were not found different",
+        console=console,
+    )
+    if len(found.pairs) and not found.enough:
+        print_line("so few trials can show no difference beside as many tests: take more --trials", console=console)
+    print_line(f"pages: {page}", console=console)

@@ -1,0 +1,128 @@
+"""The problems and the optimizers of a study: what its tables select, under which labels and with which options."""
+
+from __future__ import annotations
+
+import shlex
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from bench.errors import BenchError
+from bench.helpers.text import listed
+from bench.plugins import loading, selection
+from bench.study.sweep import expanded
+
+LONGEST_LABEL = 200
+"""Characters of the label of a problem or an optimizer."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A problem or an optimizer of a study: its plug-in name, its label in results, and its options."""
+
+    name: str
+    label: str
+    options: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Turn tuples among the options into lists, as a study's file holds them."""
+        object.__setattr__(self, "options", _as_lists(self.options))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the entry as a table of a study file."""
+        label = {} if self.label == self.name else {"label": self.label}
+        return {"name": self.name, **label, **self.options}
+
+
+def read_entries(items: Any, key: str, where: str) -> tuple[Entry, ...]:
+    """Return the entries of a ``[[problems]]`` or ``[[optimizers]]`` list.
+
+    ``names`` gives one entry for each name, a pattern one for each name that matches, and ``suite`` one for each
+    problem that is selected from the suite. Lists in the table ``options`` of optimizers give one entry for each
+    combination of their values; everywhere else a list is a value.
+    """
+    if not isinstance(items, list) or not items or not all(isinstance(item, dict) for item in items):
+        raise BenchError(f"study {where} needs at least one [[{key}]] table with a name")
+    entries: list[Entry] = []
+    for item in items:
+        options = dict(item)
+        if sum(each in options for each in ("name", "names", "suite")) > 1:
+            raise BenchError(f"study {where}: a [[{key}]] table has one of name, names and suite")
+        if key == "problems" and "suite" in options:
+            options["names"] = selection.selected(*(options.pop(each, None) for each in selection.KEYS))
+        names = options.pop("names") if "names" in options else [options.pop("name", None)]
+        label = options.pop("label", None)
+        if key == "optimizers" and names == ["command"]:
+            names = [_command(options.pop("command", None), where)]
+        swept = {} if key == "problems" else _swept(options, where)
+        texts = isinstance(names, list) and names and all(isinstance(name, str) and name.strip() for name in names)
+        if not texts or not (label is None or (isinstance(label, str) and label.strip())):
+            raise BenchError(f"study {where}: a [[{key}]] table needs a name (or a list of names), all of them texts")
+        expand = selection.matching if key == "problems" else loading.matching
+        names = [each for name in names for each in expand(name)]
+        entries += [
+            Entry(name, own, each)
+            for name in names
+            for own, each in expanded(label or loading.default_label(name), options, swept)
+        ]
+        if not all(entry.label.isprintable() for entry in entries):
+            raise BenchError(f"study {where}: a label of the {key} holds a control character or a line break")
+        if long := [entry.label for entry in entries if len(entry.label) > LONGEST_LABEL]:
+            raise BenchError(
+                f"study {where}: the label {long[0][:40]!r}… of the {key} has {len(long[0]):,} characters, more than "
+                f"{LONGEST_LABEL}; give the table a shorter 'label'"
+            )
+    refuse_duplicates(entries, key, where)
+    return tuple(entries)
+
+
+def _command(words: Any, where: str) -> str:
+    """Return the name of an optimizer that is a program, from the words of its command."""
+    if not isinstance(words, list) or not words or not all(isinstance(word, str) and word for word in words):
+        raise BenchError(
+            f"study {where}: the optimizer 'command' needs the words of its command, as in "
+            'command = ["Rscript", "mine.R"]'
+        )
+    return f"command:{shlex.join(words)}"
+
+
+def _swept(options: dict[str, Any], where: str) -> dict[str, Any]:
+    """Take the table ``options`` out of an optimizer's keys and return it; empty where there is none."""
+    found = options.pop("options", {})
+    if not isinstance(found, dict):
+        raise BenchError(f"study {where}: 'options' of an optimizer must be a table, not {found!r}")
+    if twice := sorted(found.keys() & options.keys()):
+        raise BenchError(f"study {where}: {twice[0]!r} is given twice, in 'options' and beside it; leave one out")
+    if reserved := sorted(found.keys() & {"name", "names", "label"}):
+        raise BenchError(f"study {where}: {reserved[0]!r} is no parameter; write it beside 'options'")
+    return found
+
+
+def _as_lists(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _as_lists(each) for key, each in value.items()}
+    return [_as_lists(each) for each in value] if isinstance(value, list | tuple) else value
+
+
+def refuse_duplicates(entries: Iterable[Entry], key: str, where: str) -> None:
+    """Raise BenchError where two entries have one label."""
+    twice = sorted(label for label, count in Counter(entry.label for entry in entries).items() if count > 1)
+    if twice:
+        raise BenchError(f"study {where}: {twice[0]!r} occurs twice among the {key}; give one of them another label")
+
+
+def differences(key: str, mine: Mapping[str, Entry], theirs: Mapping[str, Entry]) -> Iterator[str]:
+    """Yield in phrases how the problems or optimizers of another study differ, by label."""
+    for verb, one, two in (("lacks", mine, theirs), ("also has", theirs, mine)):
+        if only := [repr(label) for label in one if label not in two]:
+            yield f"it {verb} the {key if len(only) > 1 else key[:-1]} {listed(only)}"
+    both = [label for label in mine if label in theirs]
+    for label in both:
+        own, other = ({"plug-in": each.name} | each.options for each in (mine[label], theirs[label]))
+        for name in dict.fromkeys([*own, *other]):
+            values = [repr(each[name]) if name in each else "the default" for each in (other, own)]
+            if values[0] != values[1]:
+                yield f"{name} of its {label!r} is {values[0]}, not {values[1]}"
+    if both and both != [label for label in theirs if label in mine]:
+        yield f"its {key} have another order"
