@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from pathlib import Path
 from typing import Annotated
 
@@ -51,15 +52,16 @@ def recommend(
     console = Console()
     if len(found.nearest):
         near = Table("most similar problem", "distance", "best there", box=None, pad_edge=False)
-        for row in found.nearest.itertuples():
-            near.add_row(Text(str(row.problem)), f"{row.distance:.2f}", Text(str(row.best)))
+        for row in found.nearest.to_dict("records"):
+            near.add_row(Text(str(row["problem"])), f"{row['distance']:.2f}", Text(str(row["best"])))
         console.print(near, "")
     where, reached = ("these", "targets after the sample") if len(found.nearest) else ("all", "targets")
     heads = (f"best on {where}", reached, "best on", "points above the single best, without a sample")
     best = Table(*heads, box=None, pad_edge=False)
-    for row in found.best.itertuples():
-        interval = "" if row.low != row.low else f" ({100 * row.low:+.1f} to {100 * row.high:+.1f})"
-        best.add_row(Text(str(row.optimizer)), f"{row.score:.1%}", str(row.best_on), f"{100 * row.gain:+.1f}{interval}")
+    for row in found.best.to_dict("records"):
+        gain, low, high = (100 * float(row[name]) for name in ("gain", "low", "high"))
+        interval = "" if isnan(low) else f" ({low:+.1f} to {high:+.1f})"
+        best.add_row(Text(str(row["optimizer"])), f"{row['score']:.1%}", str(row["best_on"]), f"{gain:+.1f}{interval}")
     console.print(best, "")
     for note in found.notes:
         print_line(note, console=console)
