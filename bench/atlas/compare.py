@@ -11,7 +11,7 @@ The distances and the map are those of :mod:`bench.analysis.similarity`; no deci
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, groupby
 from math import comb
 
@@ -24,7 +24,7 @@ from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.analysis.pairwise import holm
 from bench.analysis.similarity import Similarity, similarity
 from bench.atlas.runs import MEASURES, Surveyed
-from bench.check.bias import FLOOR, LIMIT
+from bench.check.bias import FLOOR, LIMIT, mean_log_error
 from bench.errors import BenchError
 from bench.typing import Floats
 
@@ -111,7 +111,6 @@ def _pair(
     first, second = one.implementation, other.implementation
     own = tests[(tests["method"] == first.method) & (tests["first"] == first.label) & (tests["second"] == second.label)]
     significant = own[own["p_holm"] <= alpha]
-    counts = {name: int((significant["measure"] == name).sum()) for name in MEASURES}
     orders = {
         str(problem): _median_log(other.measures[str(problem)]) - _median_log(one.measures[str(problem)])
         for problem in significant.loc[significant["measure"] == "final", "problem"]
@@ -119,9 +118,9 @@ def _pair(
     where = max(orders, key=lambda each: abs(orders[each]), default="")
     row: dict[str, object] = {
         "method": first.method, "first": first.label, "second": second.label, "different": len(significant) > 0,
-        **counts, "orders": orders.get(where, 0.0), "problem": where,
-        "distance": np.nan, "floor": np.nan,
+        "orders": orders.get(where, 0.0), "problem": where,
     }  # fmt: skip
+    row |= {name: int((significant["measure"] == name).sum()) for name in MEASURES}
     if found is not None:
         between = found.pairs[(found.pairs["first"] == first.key) & (found.pairs["second"] == second.key)]
         row |= {name: float(between[name].iloc[0]) for name in ("distance", "floor")}
@@ -139,12 +138,9 @@ def centre_bias(measures: Mapping[str, Floats]) -> float:
 
     It is the geometric mean that :func:`bench.check.bias.centre_bias` judges; above ``LIMIT`` it is a bias.
     """
-    means = {}
-    for problem, values in measures.items():
-        finals = np.nan_to_num(values[:, MEASURES.index("final")], nan=np.inf, posinf=np.finfo(float).max)
-        means[problem] = float(np.log(np.maximum(finals, FLOOR)).mean())
-    functions = {problem.rsplit(" ", 1)[0] for problem in means}
-    return float(np.exp(np.mean([means[f"{each} moved"] - means[f"{each} centred"] for each in sorted(functions)])))
+    logs = {problem: mean_log_error(values[:, MEASURES.index("final")]) for problem, values in measures.items()}
+    functions = sorted({problem.rsplit(" ", 1)[0] for problem in logs})
+    return float(np.exp(np.mean([logs[f"{each} moved"] - logs[f"{each} centred"] for each in functions])))
 
 
 def biases(atlas: Atlas, each: Surveyed) -> list[str]:
@@ -159,17 +155,11 @@ def biases(atlas: Atlas, each: Surveyed) -> list[str]:
 
 
 def _groups(alive: Sequence[Surveyed], pairs: pd.DataFrame) -> dict[str, str]:
-    different = {(row["method"], row["first"], row["second"]) for row in pairs.to_dict("records") if row["different"]}
+    """Return, for each implementation, the first letter that none of those before it has from which it differs."""
+    different = pairs[pairs["different"].astype(bool)]
     found: dict[str, str] = {}
-    for method, own in groupby((each.implementation for each in alive), lambda each: each.method):
-        groups: list[list[str]] = []
-        for each in own:
-            fitting = (
-                group for group in groups if not any((method, member, each.label) in different for member in group)
-            )
-            group = next(fitting, None)
-            if group is None:
-                groups.append(group := [])
-            group.append(each.label)
-            found[each.key] = GROUPS[min(groups.index(group), len(GROUPS) - 1)]
+    for own in (each.implementation for each in alive):
+        before = different[(different["method"] == own.method) & (different["second"] == own.label)]["first"]
+        taken = {found[replace(own, label=label).key] for label in before}
+        found[own.key] = next((letter for letter in GROUPS if letter not in taken), GROUPS[-1])
     return found

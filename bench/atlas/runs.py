@@ -9,15 +9,15 @@ import dataclasses
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, field
+from functools import cache, partial
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 
 from bench.analysis.similarity import LEAST, STAGES, TRAITS, behaviour
 from bench.atlas.table import Implementation, Method
-from bench.check.conformance.subject import PRINTED
+from bench.check.answers import NO_RECORD, answers, submit
 from bench.check.problems import FUNCTIONS, classic
 from bench.check.runs import on_bound
 from bench.check.verdict import LONGEST
@@ -28,8 +28,6 @@ from bench.optimizer import CONDITIONS, Optimizer
 from bench.plugins.loading import load_optimizer
 from bench.sandbox.messages import describe_error
 from bench.sandbox.pool import Pool
-from bench.sandbox.process import FAILURES, DiedError, LostError
-from bench.sandbox.server import STILL_ASKING
 from bench.seeds import trial_seed
 from bench.typing import Floats
 
@@ -80,12 +78,12 @@ class Surveyed:
 
     implementation: Implementation
     code: str = ""
-    measures: Mapping[str, Floats] = dataclasses.field(default_factory=dict)
-    behaviours: Mapping[str, Floats] = dataclasses.field(default_factory=dict)
+    measures: Mapping[str, Floats] = field(default_factory=dict)
+    behaviours: Mapping[str, Floats] = field(default_factory=dict)
     clamped: float = float("nan")
     evaluations: float = float("nan")
     repeatable: bool = True
-    dead: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    dead: Mapping[str, str] = field(default_factory=dict)
     microseconds: float = float("nan")
     failed: str = ""
 
@@ -112,98 +110,113 @@ def survey(
         n_jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
         on_progress: called with the current implementation, the runs done and all runs.
     """
-    found: list[Surveyed] = []
     with Pool(n_jobs, ready) as pool:
         begun = [
-            _Runs(pool, number, each, method, trials, budget, seed)
-            for number, (method, each) in enumerate((m, each) for m in methods for each in m.implementations)
+            _begin(pool, each, method, trials, budget, seed) for method in methods for each in method.implementations
         ]
-        total, done = sum(each.size for each in begun), 0
+        total, done, found = sum(len(each.runs) for each in begun), 0, []
         for each in begun:
-            found.append(each.result(lambda made, name=each.name, base=done: on_progress(name, base + made, total)))  # type: ignore[misc]
-            done += each.size
+            found.append(_collect(each, partial(on_progress, each.implementation.key), done, total))
+            done += len(each.runs)
     return found
 
 
-class _Runs:
-    """The runs of one implementation: all are submitted at once, and the results collected in order."""
+@dataclass(frozen=True)
+class _Begun:
+    """The calls of an implementation.
 
-    def __init__(
-        self, pool: Pool, group: int, own: Implementation, method: Method, trials: int, budget: int, seed: int
-    ) -> None:
-        self._own, self.name, self._failed, self._code = own, own.key, "", ""
-        self._begun: list[Future[Any]] = []
-        self._probes: dict[str, Future[Any]] = {}
-        tasks = [
-            Task(problem, budget, trial_seed(seed, problem, own.key, trial), method.generation)
-            for problem in PROBLEMS
-            for trial in range(trials)
-        ]
-        try:
-            optimizer = load_optimizer(own.name, **own.options)
-            optimizer.check_budget(budget, own.label)
-        except BenchError as error:
-            self._failed = str(error)
-        except Exception as error:  # a plug-in may raise anything
-            self._failed = f"it cannot be loaded: {describe_error(error)}"
-        else:
-            self._code = optimizer.code
-            self._values = alternatives(optimizer, method.technical)
-            again = tasks[PROBLEMS.index(PROBES[0]) * trials]
-            how = own.name, {**own.options}
-            self._begun = [
-                pool.submit(group, run, *how, task, seconds=TIMEOUT, printed=PRINTED) for task in [*tasks, again]
-            ]
-            probed = [tasks[PROBLEMS.index(each) * trials] for each in PROBES]
-            self._probes = {
-                name: pool.submit(group, probe, *how, name, values, probed, seconds=TIMEOUT, printed=PRINTED)
-                for name, values in self._values.items()
-            }
-        self._again, self.size = PROBLEMS.index(PROBES[0]) * trials, len(self._begun) + len(self._probes)
+    Attributes:
+        implementation: the implementation.
+        code: whose code runs.
+        runs: its trials, problem by problem, and at last the first one of ``PROBES[0]`` again.
+        values: the other values of its parameters.
+        probes: the call that tries them, for each parameter.
+        failed: why there are no calls, or "".
+    """
 
-    def result(self, on_made: Callable[[int], None]) -> Surveyed:
-        """Wait for the runs; the first that fails ends the others."""
-        if self._failed:
-            return Surveyed(self._own, failed=printable(self._failed, LONGEST))
-        rows: list[_Row] = []
-        try:
-            for each in self._begun:
-                on_made(len(rows))
-                rows.append(_answer(each))
-        except BenchError as error:
-            for each in (*self._begun, *self._probes.values()):
-                each.cancel()
-            return Surveyed(self._own, self._code, failed=str(error))
-        repeatable = rows.pop()["points"] == rows[self._again]["points"]
-        dead = {}
-        for number, (name, each) in enumerate(self._probes.items(), len(rows) + 1):
-            on_made(number)
-            if tried := _without_effect(each, self._values[name]):
-                dead[name] = tried
-        measures, behaviours = (
-            np.split(np.array([row[name] for row in rows]), len(PROBLEMS)) for name in ("measures", "behaviour")
-        )
-        return Surveyed(
-            self._own,
-            self._code,
-            dict(zip(PROBLEMS, measures, strict=True)),
-            dict(zip(PROBLEMS, behaviours, strict=True)),
-            clamped=float(np.mean([row["clamped"] for row in rows])),
-            evaluations=float(np.median([row["evaluations"] for row in rows])),
-            repeatable=repeatable,
-            dead=dead if repeatable else {},
-            microseconds=float(np.median([1e6 * row.seconds / row["evaluations"] for row in rows])),
-        )
+    implementation: Implementation
+    code: str = ""
+    runs: Sequence[Future[Any]] = ()
+    values: Mapping[str, Sequence[Any]] = field(default_factory=dict)
+    probes: Mapping[str, Future[Any]] = field(default_factory=dict)
+    failed: str = ""
+
+
+def _begin(pool: Pool, own: Implementation, method: Method, trials: int, budget: int, seed: int) -> _Begun:
+    try:
+        optimizer = load_optimizer(own.name, **own.options)
+        optimizer.check_budget(budget, own.label)
+    except BenchError as error:
+        return _Begun(own, failed=printable(str(error), LONGEST))
+    except Exception as error:  # a plug-in may raise anything
+        return _Begun(own, failed=f"it cannot be loaded: {describe_error(error)}")
+    tasks = [
+        Task(problem, budget, trial_seed(seed, problem, own.key, trial), method.generation)
+        for problem in PROBLEMS
+        for trial in range(trials)
+    ]
+    firsts = [tasks[PROBLEMS.index(each) * trials] for each in PROBES]
+    values = alternatives(optimizer, method.technical)
+    call = partial(submit, pool, own.key, seconds=TIMEOUT)
+    runs = [call(run, own.name, own.options, task) for task in [*tasks, firsts[0]]]
+    probes = {name: call(probe, own.name, own.options, name, each, firsts) for name, each in values.items()}
+    return _Begun(own, optimizer.code, runs, values, probes)
+
+
+def _collect(begun: _Begun, on_made: Callable[[int, int], None], done: int, total: int) -> Surveyed:
+    """Wait for the calls of an implementation; the first run that fails ends the others."""
+    own, rows = begun.implementation, []
+    if begun.failed:
+        return Surveyed(own, failed=begun.failed)
+    try:
+        for number, row in enumerate(answers(begun.runs), done):
+            on_made(number, total)
+            rows.append(row)
+        points, numbers = _columns(rows)
+    except BenchError as error:
+        for each in begun.probes.values():
+            each.cancel()
+        return Surveyed(own, begun.code, failed=str(error))
+    *trials, again = points
+    repeatable = again == trials[PROBLEMS.index(PROBES[0]) * len(trials) // len(PROBLEMS)]
+    tried = {name: _without_effect(each, begun.values[name]) for name, each in begun.probes.items()}
+    return Surveyed(
+        own,
+        begun.code,
+        dict(zip(PROBLEMS, numbers["measures"], strict=True)),
+        dict(zip(PROBLEMS, numbers["behaviour"], strict=True)),
+        clamped=float(numbers["clamped"].mean()),
+        evaluations=float(np.median(numbers["evaluations"])),
+        repeatable=repeatable,
+        dead={name: each for name, each in tried.items() if each and repeatable},
+        microseconds=float(np.median(1e6 * numbers["seconds"] / numbers["evaluations"])),
+    )
+
+
+def _columns(rows: Sequence[Any]) -> tuple[list[str], dict[str, Floats]]:
+    """Return the hashes of all runs, and (problems, trials, numbers) of all but the last one, by name.
+
+    Raises:
+        BenchError: where a process gave what is no record of a run.
+    """
+    sizes = {"measures": len(MEASURES), "behaviour": STAGES * len(TRAITS), "clamped": 1, "evaluations": 1, "seconds": 1}
+    shape = len(PROBLEMS), (len(rows) - 1) // len(PROBLEMS)
+    try:
+        return [str(row["points"]) for row in rows], {
+            name: np.array([row[name] for row in rows[:-1]], dtype=np.float64).reshape(*shape, size)
+            for name, size in sizes.items()
+        }
+    except (TypeError, ValueError, KeyError) as error:
+        raise BenchError(NO_RECORD) from error
 
 
 def _without_effect(future: Future[Any], values: Sequence[Any]) -> str:
     """Return the values of a parameter that were tried, "" where any of them had an effect, or none could be tried."""
     try:
-        tried = future.result()
-    except (*FAILURES, LostError):  # of a value that the library cannot bear
+        [tried] = answers([future])
+        return ", ".join(repr(values[each]) for each in tried)
+    except (BenchError, TypeError, LookupError):  # of a value that the library cannot bear
         return ""
-    known = isinstance(tried, list) and all(each in range(len(values)) for each in tried)
-    return ", ".join(repr(values[each]) for each in tried) if known else ""
 
 
 def alternatives(optimizer: Optimizer, technical: Sequence[str] = ()) -> dict[str, list[Any]]:
@@ -247,17 +260,15 @@ def ready() -> None:
     """Load this module."""
 
 
-def run(name: str, options: dict[str, Any], task: Task) -> dict[str, Any]:
+def run(name: str, options: Mapping[str, Any], task: Task) -> dict[str, Any]:
     """Make one run in this process; return its numbers, or the error it ended with, as JSON values."""
     try:
         return measure(load_optimizer(name, **options), task)
-    except BenchError as error:
-        return {"error": str(error)}
     except (Exception, SystemExit) as error:  # a plug-in may raise anything
-        return {"error": describe_error(error)}
+        return {"error": str(error) if isinstance(error, BenchError) else describe_error(error)}
 
 
-def probe(name: str, options: dict[str, Any], parameter: str, values: list[Any], tasks: list[Task]) -> list[int]:
+def probe(name: str, options: Mapping[str, Any], parameter: str, values: list[Any], tasks: list[Task]) -> list[int]:
     """Make runs that differ in one parameter; return the places of the values tried, none where one had an effect.
 
     A value that the library refuses, or fails with, shows nothing and counts as not tried.
@@ -299,35 +310,3 @@ def measure(optimizer: Optimizer, task: Task) -> dict[str, Any]:
         "points": hashlib.sha256(points.tobytes()).hexdigest(),
         "seconds": found.cpu_time,
     }
-
-
-class _Row(dict[str, Any]):
-    """What a run gave; its time, which no seed repeats, is an attribute."""
-
-    seconds: float
-
-
-def _answer(future: Future[Any]) -> _Row:
-    """Wait for a run; raises BenchError where it failed, or where its process gave what is no record of a run."""
-    try:
-        answer = future.result()
-    except DiedError as error:
-        stuck = error.code == STILL_ASKING
-        why = "went on asking for values after its budget was spent" if stuck else f"ended its process ({error})"
-        raise BenchError(f"it {why}") from error
-    except (*FAILURES, LostError) as error:
-        raise BenchError(f"it failed: {printable(str(error), LONGEST)}") from error
-    if isinstance(answer, dict) and "error" in answer:
-        raise BenchError(printable(str(answer["error"]), LONGEST))
-    try:
-        row = _Row(
-            measures=[float(each) for each in answer["measures"]],
-            behaviour=[float(each) for each in answer["behaviour"]],
-            clamped=float(answer["clamped"]), evaluations=int(answer["evaluations"]), points=str(answer["points"]),
-        )  # fmt: skip
-        row.seconds = float(answer["seconds"])
-        if len(row["measures"]) != len(MEASURES) or len(row["behaviour"]) != STAGES * len(TRAITS):
-            raise ValueError
-    except (TypeError, ValueError, KeyError) as error:
-        raise BenchError("its process gave an answer that is no record of a run") from error
-    return row
