@@ -5,12 +5,12 @@ Every run is made in a process of :mod:`bench.sandbox`, as those of :mod:`bench.
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from functools import cache, partial
+from itertools import count
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -114,77 +114,64 @@ def survey(
         begun = [
             _begin(pool, each, method, trials, budget, seed) for method in methods for each in method.implementations
         ]
-        total, done, found = sum(len(each.runs) for each in begun), 0, []
-        for each in begun:
-            found.append(_collect(each, partial(on_progress, each.implementation.key), done, total))
-            done += len(each.runs)
-    return found
+        total, done = sum(len(runs) for _, runs, _ in begun), count()
+        return [
+            _collect(own, runs, probes, lambda own=own: on_progress(own.implementation.key, next(done), total))  # type: ignore[misc]
+            for own, runs, probes in begun
+        ]
 
 
-@dataclass(frozen=True)
-class _Begun:
-    """The calls of an implementation.
+def _begin(
+    pool: Pool, own: Implementation, method: Method, trials: int, budget: int, seed: int
+) -> tuple[Surveyed, list[Future[Any]], dict[str, Future[Any]]]:
+    """Begin the calls of an implementation and return what is known of it before they end.
 
-    Attributes:
-        implementation: the implementation.
-        code: whose code runs.
-        runs: its trials, problem by problem, and at last the first one of ``PROBES[0]`` again.
-        values: the other values of its parameters.
-        probes: the call that tries them, for each parameter.
-        failed: why there are no calls, or "".
+    The calls are its runs, problem by problem, at last the first one of ``PROBES[0]`` again; and by parameter the
+    probe of its other values.
     """
-
-    implementation: Implementation
-    code: str = ""
-    runs: Sequence[Future[Any]] = ()
-    values: Mapping[str, Sequence[Any]] = field(default_factory=dict)
-    probes: Mapping[str, Future[Any]] = field(default_factory=dict)
-    failed: str = ""
-
-
-def _begin(pool: Pool, own: Implementation, method: Method, trials: int, budget: int, seed: int) -> _Begun:
     try:
         optimizer = load_optimizer(own.name, **own.options)
         optimizer.check_budget(budget, own.label)
     except BenchError as error:
-        return _Begun(own, failed=printable(str(error), LONGEST))
+        return Surveyed(own, failed=printable(str(error), LONGEST)), [], {}
     except Exception as error:  # a plug-in may raise anything
-        return _Begun(own, failed=f"it cannot be loaded: {describe_error(error)}")
+        return Surveyed(own, failed=f"it cannot be loaded: {describe_error(error)}"), [], {}
     tasks = [
         Task(problem, budget, trial_seed(seed, problem, own.key, trial), method.generation)
         for problem in PROBLEMS
         for trial in range(trials)
     ]
     firsts = [tasks[PROBLEMS.index(each) * trials] for each in PROBES]
-    values = alternatives(optimizer, method.technical)
     call = partial(submit, pool, own.key, seconds=TIMEOUT)
     runs = [call(run, own.name, own.options, task) for task in [*tasks, firsts[0]]]
-    probes = {name: call(probe, own.name, own.options, name, each, firsts) for name, each in values.items()}
-    return _Begun(own, optimizer.code, runs, values, probes)
+    others = alternatives(optimizer, method.technical)
+    probes = {name: call(probe, own.name, own.options, name, values, firsts) for name, values in others.items()}
+    return Surveyed(own, optimizer.code), runs, probes
 
 
-def _collect(begun: _Begun, on_made: Callable[[int, int], None], done: int, total: int) -> Surveyed:
+def _collect(
+    own: Surveyed, runs: Sequence[Future[Any]], probes: Mapping[str, Future[Any]], on_made: Callable[[], None]
+) -> Surveyed:
     """Wait for the calls of an implementation; the first run that fails ends the others."""
-    own, rows = begun.implementation, []
-    if begun.failed:
-        return Surveyed(own, failed=begun.failed)
+    if own.failed:
+        return own
+    rows = []
     try:
-        for number, row in enumerate(answers(begun.runs), done):
-            on_made(number, total)
+        for row in answers(runs):
+            on_made()
             rows.append(row)
         points, numbers = _columns(rows)
     except BenchError as error:
-        for each in begun.probes.values():
+        for each in probes.values():
             each.cancel()
-        return Surveyed(own, begun.code, failed=str(error))
+        return replace(own, failed=str(error))
     *trials, again = points
     repeatable = again == trials[PROBLEMS.index(PROBES[0]) * len(trials) // len(PROBLEMS)]
-    tried = {name: _without_effect(each, begun.values[name]) for name, each in begun.probes.items()}
-    return Surveyed(
+    tried = {name: _without_effect(each) for name, each in probes.items()}
+    return replace(
         own,
-        begun.code,
-        dict(zip(PROBLEMS, numbers["measures"], strict=True)),
-        dict(zip(PROBLEMS, numbers["behaviour"], strict=True)),
+        measures=dict(zip(PROBLEMS, numbers["measures"], strict=True)),
+        behaviours=dict(zip(PROBLEMS, numbers["behaviour"], strict=True)),
         clamped=float(numbers["clamped"].mean()),
         evaluations=float(np.median(numbers["evaluations"])),
         repeatable=repeatable,
@@ -210,12 +197,11 @@ def _columns(rows: Sequence[Any]) -> tuple[list[str], dict[str, Floats]]:
         raise BenchError(NO_RECORD) from error
 
 
-def _without_effect(future: Future[Any], values: Sequence[Any]) -> str:
-    """Return the values of a parameter that were tried, "" where any of them had an effect, or none could be tried."""
+def _without_effect(probed: Future[Any]) -> str:
+    """Return what a probe answered, "" where a value ended its process."""
     try:
-        [tried] = answers([future])
-        return ", ".join(repr(values[each]) for each in tried)
-    except (BenchError, TypeError, LookupError):  # of a value that the library cannot bear
+        return printable(str(*answers([probed])), LONGEST)
+    except BenchError:
         return ""
 
 
@@ -227,7 +213,7 @@ def alternatives(optimizer: Optimizer, technical: Sequence[str] = ()) -> dict[st
     """
     hints = get_type_hints(type(optimizer))
     found = {}
-    for each in dataclasses.fields(optimizer):  # type: ignore[arg-type]
+    for each in fields(optimizer):  # type: ignore[arg-type]
         if each.name in (*CONDITIONS, *technical) or not each.init or each.metadata.get("tune") == []:
             continue
         now, hint = getattr(optimizer, each.name), hints[each.name]
@@ -250,7 +236,7 @@ def alternatives(optimizer: Optimizer, technical: Sequence[str] = ()) -> dict[st
 
 def _accepted(optimizer: Optimizer, name: str, value: Any) -> bool:
     try:
-        dataclasses.replace(optimizer, **{name: value})  # type: ignore[type-var]
+        replace(optimizer, **{name: value})  # type: ignore[type-var]
     except Exception:  # a plug-in checks its parameters as it likes
         return False
     return True
@@ -268,8 +254,8 @@ def run(name: str, options: Mapping[str, Any], task: Task) -> dict[str, Any]:
         return {"error": str(error) if isinstance(error, BenchError) else describe_error(error)}
 
 
-def probe(name: str, options: Mapping[str, Any], parameter: str, values: list[Any], tasks: list[Task]) -> list[int]:
-    """Make runs that differ in one parameter; return the places of the values tried, none where one had an effect.
+def probe(name: str, options: Mapping[str, Any], parameter: str, values: list[Any], tasks: list[Task]) -> str:
+    """Make runs that differ in one parameter; return the values tried as text, "" where one had an effect.
 
     A value that the library refuses, or fails with, shows nothing and counts as not tried.
     """
@@ -279,15 +265,15 @@ def probe(name: str, options: Mapping[str, Any], parameter: str, values: list[An
         return str(measure(load_optimizer(name, **options), task)["points"])
 
     tried = []
-    for place, value in enumerate(values):
+    for value in values:
         try:
             changed = load_optimizer(name, **{**options, parameter: value})
             if any(measure(changed, task)["points"] != points(task) for task in tasks):
-                return []
+                return ""
         except (Exception, SystemExit):  # a plug-in may raise anything
             continue
-        tried.append(place)
-    return tried
+        tried.append(repr(value))
+    return ", ".join(tried)
 
 
 def measure(optimizer: Optimizer, task: Task) -> dict[str, Any]:

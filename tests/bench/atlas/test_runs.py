@@ -59,9 +59,9 @@ def table(swarm, *names):
 
 def test_a_parameter_without_effect_is_found_and_one_with_effect_is_not(swarm):
     tasks = [Task(problem, 60, 3, 5) for problem in ("sphere moved", "Rastrigin moved")]
-    assert probe(f"{swarm}:Swarm", {}, "inertia", [0.35, 1.0], tasks) == [0, 1]
-    assert probe(f"{swarm}:Swarm", {}, "step", [0.2], tasks) == []
-    assert probe(f"{swarm}:Swarm", {}, "inertia", [7.0, 0.35], tasks) == [1]  # 7 is refused
+    assert probe(f"{swarm}:Swarm", {}, "inertia", [0.35, 1.0], tasks) == "0.35, 1.0"
+    assert probe(f"{swarm}:Swarm", {}, "step", [0.2], tasks) == ""
+    assert probe(f"{swarm}:Swarm", {}, "inertia", [7.0, 0.35], tasks) == "0.35"  # 7 is refused
 
 
 def test_a_run_gives_its_measures(swarm):
