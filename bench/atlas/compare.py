@@ -26,6 +26,7 @@ from bench.analysis.similarity import Similarity, similarity
 from bench.atlas.runs import MEASURES, Surveyed
 from bench.check.bias import FLOOR, LIMIT, mean_log_error
 from bench.errors import BenchError
+from bench.helpers.text import count
 from bench.typing import Floats
 
 COLUMNS = ("method", "first", "second", "different", *MEASURES, "orders", "problem", "distance", "floor")
@@ -57,6 +58,19 @@ class Atlas:
     centre_bias: Mapping[str, float]
     similarity: Similarity | None
     enough: bool
+
+    @property
+    def counted(self) -> str:
+        """How many pairs are different, as a sentence without its end."""
+        different = int(self.pairs["different"].sum())
+        verb = "is" if different == 1 else "are"
+        return f"{different} of {count(len(self.pairs), 'pair')} of implementations of one method {verb} different"
+
+    @property
+    def doubt(self) -> str:
+        """A sentence where the trials are too few for any difference, else ""."""
+        few = not self.enough and len(self.pairs)
+        return "So few trials can show no difference beside as many tests: take more." if few else ""
 
 
 def compare(surveyed: Sequence[Surveyed], alpha: float = ALPHA, *, similar: bool = True) -> Atlas:

@@ -20,7 +20,8 @@ from bench.atlas.compare import Atlas, biases
 from bench.atlas.runs import DIMENSION, MEASURES, PROBLEMS, Surveyed
 from bench.atlas.table import Method
 from bench.errors import BenchError
-from bench.helpers.atomic import replacing
+from bench.helpers.atomic import names_in, replacing
+from bench.helpers.markdown import code, plain, table
 from bench.helpers.text import count, joined
 from bench.plots import style
 from bench.plots.similarity import similarity_map
@@ -90,17 +91,13 @@ def _named(found: Similarity, surveyed: Sequence[Surveyed]) -> Similarity:
 
 def check_output(output: Path) -> None:
     """Raise BenchError for a folder that is neither new, nor empty, nor holds an atlas and nothing else."""
-    try:
-        present = {each.name for each in output.iterdir()}
-        known = {f"{name}.csv" for name in TABLES} | {INDEX, MAP_FILE}
-        if MARK in present:
+    present = names_in(output)
+    known = {f"{name}.csv" for name in TABLES} | {INDEX, MAP_FILE}
+    if MARK in present:
+        try:
             known |= {f"{each}.md" for each in pd.read_csv(output / MARK)["method"]}
-    except FileNotFoundError:
-        return
-    except NotADirectoryError:
-        present, known = {output.name}, set()
-    except (OSError, ValueError, KeyError) as error:
-        raise BenchError(f"{output} cannot be read as an atlas, which would be replaced: {error}") from error
+        except (OSError, ValueError, KeyError) as error:
+            raise BenchError(f"{output} cannot be read as an atlas, which would be replaced: {error}") from error
     if others := sorted(present - known):
         raise BenchError(f"{output} holds other files than an atlas, such as {others[0]}; give a new one by --output")
 
@@ -142,16 +139,15 @@ def index_page(found: Atlas, methods: Sequence[Method], size: str) -> str:
     ]
     several = found.pairs.groupby("method", sort=False)["different"].sum()
     counted = (
-        f"{int(several.sum())} of {count(len(found.pairs), 'pair')} of implementations of one method "
-        f"{'is' if several.sum() == 1 else 'are'} different. In {int((several == 0).sum())} of "
-        f"{count(len(several), 'method')} with several implementations, no pair is."
-        if len(several)
-        else ""
+        f"{found.counted}. In {int((several == 0).sum())} of {count(len(several), 'method')} with several "
+        "implementations, no pair is."
     )
     parts = [
         "# An atlas of implementations",
         f"{count(len(found.surveyed), 'implementation')} of {count(len(methods), 'method')}: {size}.",
-        " ".join(filter(None, (RULE.format(tests=f"{len(found.tests):,}"), _few(found), counted))),
+        " ".join(
+            filter(None, (RULE.format(tests=f"{len(found.tests):,}"), found.doubt, counted if len(several) else ""))
+        ),
         table(["method", *map(plain, libraries)], rows),
     ]
     if noted := [row for each in found.surveyed for row in _notes(found, each)]:
@@ -181,7 +177,7 @@ def method_page(found: Atlas, method: Method, size: str) -> str:
     if len(pairs):
         parts += [
             "## Which of them differ",
-            " ".join(filter(None, (PAIRS, _few(found)))),
+            " ".join(filter(None, (PAIRS, found.doubt))),
             table(
                 ["pair", "verdict", "start", "next", "course", "final", "largest difference", "distance"],
                 [_pair_row(row) for row in pairs.to_dict("records")],
@@ -201,14 +197,6 @@ def method_page(found: Atlas, method: Method, size: str) -> str:
             ],
         )]  # fmt: skip
     return "\n\n".join(parts) + "\n"
-
-
-def _few(found: Atlas) -> str:
-    return (
-        ""
-        if found.enough or found.pairs.empty
-        else "So few trials can show no difference beside as many tests: take more."
-    )
 
 
 def _cell(found: Atlas, each: Surveyed) -> str:
@@ -264,19 +252,3 @@ def _unexplained(pairs: pd.DataFrame, known: set[str]) -> list[str]:
         for row in pairs.to_dict("records")
         if row["different"] and not known & {row["first"], row["second"]}
     ]
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a Markdown table; cells are Markdown already."""
-    lines = [head, ["-"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
-
-
-def code(text: str) -> str:
-    """Return a text in code font."""
-    return f"``{text}``" if "`" in text else f"`{text}`"
-
-
-def plain(text: str) -> str:
-    """Return a text on one line in which Markdown reads no markup."""
-    return "".join(f"\\{letter}" if letter in "\\`*_[]<>#$" else letter for letter in " ".join(text.split()))

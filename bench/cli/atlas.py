@@ -57,13 +57,11 @@ def atlas(
         said = (own.method, own.label, found.groups.get(own.key, "–"), "; ".join(findings(found, each)))
         shown.add_row(*map(Text, said))
     console.print(shown)
-    different = int(found.pairs["different"].sum())
     print_line(
-        f"{different} of {count(len(found.pairs), 'pair')} of implementations of one method "
-        f"{'is' if different == 1 else 'are'} different ({count(len(found.tests), 'test')}, adjusted together); "
+        f"{found.counted} ({count(len(found.tests), 'test')}, adjusted together); "
         "implementations of one letter were not found different",
         console=console,
     )
-    if len(found.pairs) and not found.enough:
-        print_line("so few trials can show no difference beside as many tests: take more --trials", console=console)
+    if found.doubt:
+        print_line(found.doubt, console=console)
     print_line(f"pages: {page}", console=console)
