@@ -46,7 +46,6 @@ class Atlas:
             (:class:`bench.analysis.similarity.Similarity`), missing with fewer than ten trials.
         groups: by key, the letter of the group of an implementation: those of a method of which no two differ, each in
             the first group that takes it.
-        centre_bias: by key, how many times as high errors are where the optimum is moved from the centre.
         similarity: of all implementations; None with fewer than two, or fewer than ten trials.
         enough: whether complete separation of one pair would be significant beside as many tests.
     """
@@ -55,7 +54,6 @@ class Atlas:
     tests: pd.DataFrame
     pairs: pd.DataFrame
     groups: Mapping[str, str]
-    centre_bias: Mapping[str, float]
     similarity: Similarity | None
     enough: bool
 
@@ -99,8 +97,7 @@ def compare(surveyed: Sequence[Surveyed], alpha: float = ALPHA, *, similar: bool
         found = similarity({each.implementation.key: [*each.behaviours.values()] for each in alive}, alpha=1.0)
     pairs = pd.DataFrame([_pair(*couple, tests, found, alpha) for couple in couples], columns=list(COLUMNS))
     enough = 2 / comb(2 * trials, trials) * max(len(tests), 1) <= alpha
-    bias = {each.implementation.key: centre_bias(each.measures) for each in alive}
-    return Atlas(tuple(surveyed), tests, pairs, _groups(alive, pairs), bias, found, enough)
+    return Atlas(tuple(surveyed), tests, pairs, _groups(alive, pairs), found, enough)
 
 
 def _tests(couples: Sequence[tuple[Surveyed, Surveyed]]) -> pd.DataFrame:
@@ -148,23 +145,29 @@ def _median_log(measures: Floats) -> float:
 
 
 def centre_bias(measures: Mapping[str, Floats]) -> float:
-    """Return how many times as high errors are where the optimum is moved from the centre of the box.
+    """Return how many times as high errors are where the optimum is moved from the centre of the box; NaN without any.
 
     It is the geometric mean that :func:`bench.check.bias.centre_bias` judges; above ``LIMIT`` it is a bias.
     """
     logs = {problem: mean_log_error(values[:, MEASURES.index("final")]) for problem, values in measures.items()}
     functions = sorted({problem.rsplit(" ", 1)[0] for problem in logs})
-    return float(np.exp(np.mean([logs[f"{each} moved"] - logs[f"{each} centred"] for each in functions])))
+    differences = [logs[f"{each} moved"] - logs[f"{each} centred"] for each in functions]
+    return float(np.exp(np.mean(differences))) if differences else np.nan
 
 
-def biases(atlas: Atlas, each: Surveyed) -> list[str]:
-    """Return the biases of an implementation in words: to the centre, and to the bounds."""
+def findings(each: Surveyed) -> list[str]:
+    """Return what was found of an implementation alone, in words: biases, parameters without effect, or its failure."""
+    if each.failed:
+        return [f"failed: {each.failed}"]
     found = []
-    ratio = atlas.centre_bias[each.implementation.key]
-    if ratio > LIMIT:
-        found.append(f"centre (errors are {ratio:.3g} times as high away from it)")
+    if (ratio := centre_bias(each.measures)) > LIMIT:
+        found.append(f"biased to the centre (errors are {ratio:.3g} times as high away from it)")
     if each.clamped > CLAMPED:
-        found.append(f"bounds ({each.clamped:.0%} of the best points' coordinates lie on them)")
+        found.append(f"biased to the bounds ({each.clamped:.0%} of the best points' coordinates lie on them)")
+    if each.dead:
+        found.append("without effect: " + ", ".join(f"{name} (tried {tried})" for name, tried in each.dead.items()))
+    if not each.repeatable:
+        found.append("a seed does not repeat its runs")
     return found
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.similarity import Similarity
-from bench.atlas.compare import Atlas, biases
+from bench.atlas.compare import Atlas, centre_bias, findings
 from bench.atlas.runs import DIMENSION, MEASURES, PROBLEMS, Surveyed
 from bench.atlas.table import Method
 from bench.errors import BenchError
@@ -111,7 +111,7 @@ def frames(found: Atlas) -> dict[str, pd.DataFrame]:
         rows.append(names | {
             "optimizer": own.name, "options": json.dumps(dict(own.options)), "code": each.code,
             "group": found.groups.get(own.key, ""), "evaluations": each.evaluations,
-            "centre_bias": found.centre_bias.get(own.key, np.nan), "on_bounds": each.clamped,
+            "centre_bias": centre_bias(each.measures), "on_bounds": each.clamped,
             "repeatable": each.repeatable, "without_effect": json.dumps(dict(each.dead)), "failed": each.failed,
         })  # fmt: skip
         times.append(names | {"microseconds_an_evaluation": each.microseconds})
@@ -150,7 +150,13 @@ def index_page(found: Atlas, methods: Sequence[Method], size: str) -> str:
         ),
         table(["method", *map(plain, libraries)], rows),
     ]
-    if noted := [row for each in found.surveyed for row in _notes(found, each)]:
+    noted = [
+        [plain(own.method), code(own.label), plain(said)]
+        for each in found.surveyed
+        for own in [each.implementation]
+        for said in findings(each)
+    ]
+    if noted:
         parts += ["## Biases, parameters without effect, failures",
                   table(["method", "implementation", "finding"], noted)]  # fmt: skip
     if found.similarity is not None:
@@ -204,25 +210,10 @@ def _cell(found: Atlas, each: Surveyed) -> str:
     return f"{code(short)} " + ("failed" if each.failed else f"**{found.groups[each.implementation.key]}**")
 
 
-def findings(found: Atlas, each: Surveyed) -> list[str]:
-    """Return what else was found of an implementation, in words."""
-    if each.failed:
-        return [f"failed: {each.failed}"]
-    said = [f"biased to the {bias}" for bias in biases(found, each)]
-    if each.dead:
-        said.append("without effect: " + ", ".join(f"{name} (tried {tried})" for name, tried in each.dead.items()))
-    return said + ([] if each.repeatable else ["a seed does not repeat its runs"])
-
-
-def _notes(found: Atlas, each: Surveyed) -> Iterable[list[str]]:
-    own = each.implementation
-    return ([plain(own.method), code(own.label), plain(said)] for said in findings(found, each))
-
-
 def _implementation_row(found: Atlas, each: Surveyed) -> list[str]:
     own = each.implementation
     evaluations = "–" if each.failed else cell_text(round(each.evaluations))
-    finding = plain("; ".join(findings(found, each)))
+    finding = plain("; ".join(findings(each)))
     return [code(own.label), found.groups.get(own.key, "–"), plain(each.code), evaluations, finding]
 
 

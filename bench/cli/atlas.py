@@ -34,7 +34,8 @@ def atlas(
     methods, or implementations of known ones. Times are in times.csv.
     """
     from bench.atlas import compare, methods, survey, write_atlas
-    from bench.atlas.write import check_output, findings
+    from bench.atlas.compare import findings
+    from bench.atlas.write import check_output
     from bench.execution.progress import steps
     from bench.numbers import require_seed, require_whole
 
@@ -54,7 +55,7 @@ def atlas(
         shown.add_column(head, overflow="fold")
     for each in found.surveyed:
         own = each.implementation
-        said = (own.method, own.label, found.groups.get(own.key, "–"), "; ".join(findings(found, each)))
+        said = (own.method, own.label, found.groups.get(own.key, "–"), "; ".join(findings(each)))
         shown.add_row(*map(Text, said))
     console.print(shown)
     print_line(
