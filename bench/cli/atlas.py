@@ -64,5 +64,5 @@ def atlas(
         console=console,
     )
     if found.doubt:
-        print_line(found.doubt, console=console)
+        print_line("so few trials can show no difference beside as many tests: take more --trials", console=console)
     print_line(f"pages: {page}", console=console)
