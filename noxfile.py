@@ -12,7 +12,7 @@ import nox
 
 nox.options.default_venv_backend = "uv|venv"  # uv, where it is installed, is ten times as fast as pip
 nox.options.reuse_existing_virtualenvs = True
-nox.options.error_on_missing_interpreters = False  # they are skipped
+nox.options.error_on_missing_interpreters = False  # without uv, which gets missing ones, they are skipped
 nox.options.sessions = ["lint", "types", "tests"]
 
 PROJECT = nox.project.load_toml("pyproject.toml")

@@ -61,11 +61,11 @@ def _problem(name: str, member: Member, rotate: object = True) -> Problem:
     if not isinstance(rotate, bool):
         raise BenchError(f"problem {name!r}: rotate must be true or false, not {rotate!r}")
     from problems.classical import multimodal, unimodal  # the compiler is imported where a problem is loaded
-    from problems.classical.instance import instance, over_points, rotated
+    from problems.classical.instance import instance, rotated
 
     function = FUNCTIONS[member.function]
     home = unimodal if function.modality == "unimodal" else multimodal
-    compiled = over_points(getattr(home, member.function.replace("-", "_")))
+    compiled = getattr(home, member.function.replace("-", "_"))
     lower, upper = np.full(member.dimension, function.lower), np.full(member.dimension, function.upper)
     shares, rotation = instance(*member)
     best = lower + shares * (upper - lower)

@@ -1,11 +1,9 @@
-"""Where an instance has its optimum, how it is rotated, and a function compiled for many points."""
+"""Where an instance has its optimum, and how it is rotated."""
 
 import zlib
-from collections.abc import Callable
-from functools import cache
 
 import numpy as np
-from numba import guvectorize, njit
+from numba import njit
 
 from bench.typing import Floats
 
@@ -59,10 +57,3 @@ def rotated(x: Floats, best: Floats, rotation: Floats) -> Floats:
             for i in range(d):
                 y[row, i] += offset * rotation[k, i]
     return y
-
-
-@cache
-def over_points(function: Callable[[Floats, Floats], None]) -> Callable[[Floats], Floats]:
-    """Return a function that writes the value of one (d,) point to (1,) as a compiled one of (n, d) points, (n,)."""
-    made: Callable[[Floats], Floats] = guvectorize(["void(float64[:], float64[:])"], "(d)->()", cache=True)(function)
-    return made

@@ -1,94 +1,146 @@
-"""Unimodal functions, to be compiled: each writes the value of the (d,) offset ``y`` from its optimum, 0 there.
+"""Unimodal functions, compiled: each maps (n, d) offsets ``y`` from its optimum to (n,) values, 0 at the optimum.
 
-Written in offsets, a function loses no digits near its optimum. The loops fix the order of a sum, which fast-math would
-change. ``value`` is (1,), as :func:`problems.classical.instance.over_points` needs it.
+Written in offsets, a function loses no digits near its optimum. Each row is summed by itself in one order, without
+fast-math, so that a value depends on its point alone.
 """
 
 import math
 
+import numpy as np
+from numba import njit
+
 from bench.typing import Floats
 
 
-def sphere(y: Floats, value: Floats) -> None:
+@njit(cache=True)
+def sphere(y: Floats) -> Floats:
     """``sum y_i^2``: De Jong 1975, An Analysis of the Behavior of a Class of Genetic Adaptive Systems, F1."""
-    total = 0.0
-    for i in range(len(y)):
-        total += y[i] ** 2
-    value[0] = total
+    n, d = y.shape
+    values = np.empty(n)
+    for row in range(n):
+        total = 0.0
+        for i in range(d):
+            total += y[row, i] ** 2
+        values[row] = total
+    return values
 
 
-def ellipsoid(y: Floats, value: Floats) -> None:
+@njit(cache=True)
+def ellipsoid(y: Floats) -> Floats:
     """``sum 10^(6 (i-1)/(d-1)) y_i^2``: Hansen and Ostermeier 2001, doi:10.1162/106365601750190398."""
-    d = len(y)
-    total = 0.0
-    for i in range(d):
-        total += 10.0 ** (6.0 * i / (d - 1)) * y[i] ** 2
-    value[0] = total
+    n, d = y.shape
+    weights = 10.0 ** (6.0 * np.arange(d) / (d - 1))
+    values = np.empty(n)
+    for row in range(n):
+        total = 0.0
+        for i in range(d):
+            total += weights[i] * y[row, i] ** 2
+        values[row] = total
+    return values
 
 
-def cigar(y: Floats, value: Floats) -> None:
+@njit(cache=True)
+def cigar(y: Floats) -> Floats:
     """``y_1^2 + 10^6 sum_{i>1} y_i^2``: Hansen and Ostermeier 2001, doi:10.1162/106365601750190398."""
-    total = 0.0
-    for i in range(1, len(y)):
-        total += y[i] ** 2
-    value[0] = y[0] ** 2 + 1e6 * total
+    n, d = y.shape
+    values = np.empty(n)
+    for row in range(n):
+        total = 0.0
+        for i in range(1, d):
+            total += y[row, i] ** 2
+        values[row] = y[row, 0] ** 2 + 1e6 * total
+    return values
 
 
-def discus(y: Floats, value: Floats) -> None:
+@njit(cache=True)
+def discus(y: Floats) -> Floats:
     """``10^6 y_1^2 + sum_{i>1} y_i^2``: Hansen and Ostermeier 2001, doi:10.1162/106365601750190398."""
-    total = 0.0
-    for i in range(1, len(y)):
-        total += y[i] ** 2
-    value[0] = 1e6 * y[0] ** 2 + total
+    n, d = y.shape
+    values = np.empty(n)
+    for row in range(n):
+        total = 0.0
+        for i in range(1, d):
+            total += y[row, i] ** 2
+        values[row] = 1e6 * y[row, 0] ** 2 + total
+    return values
 
 
-def different_powers(y: Floats, value: Floats) -> None:
+@njit(cache=True)
+def different_powers(y: Floats) -> Floats:
     """``sum |y_i|^(2 + 10 (i-1)/(d-1))``: Hansen and Ostermeier 2001, doi:10.1162/106365601750190398."""
-    d = len(y)
-    total = 0.0
-    for i in range(d):
-        total += abs(y[i]) ** (2.0 + 10.0 * i / (d - 1))
-    value[0] = total
+    n, d = y.shape
+    values = np.empty(n)
+    for row in range(n):
+        total = 0.0
+        for i in range(d):
+            total += abs(y[row, i]) ** (2.0 + 10.0 * i / (d - 1))
+        values[row] = total
+    return values
 
 
-def sharp_ridge(y: Floats, value: Floats) -> None:
+@njit(cache=True)
+def sharp_ridge(y: Floats) -> Floats:
     """``y_1^2 + 100 (sum_{i>1} y_i^2)^(1/2)``: Hansen, Finck, Ros and Auger 2009, INRIA RR-6829, f13."""
-    total = 0.0
-    for i in range(1, len(y)):
-        total += y[i] ** 2
-    value[0] = y[0] ** 2 + 100.0 * math.sqrt(total)
+    n, d = y.shape
+    values = np.empty(n)
+    for row in range(n):
+        total = 0.0
+        for i in range(1, d):
+            total += y[row, i] ** 2
+        values[row] = y[row, 0] ** 2 + 100.0 * math.sqrt(total)
+    return values
 
 
-def step(y: Floats, value: Floats) -> None:
+@njit(cache=True)
+def step(y: Floats) -> Floats:
     """``sum floor(y_i + 1/2)^2``: Yao, Liu and Lin 1999, doi:10.1109/4235.771163, f6; the optimum is a plateau."""
-    total = 0.0
-    for i in range(len(y)):
-        total += math.floor(y[i] + 0.5) ** 2
-    value[0] = total
+    n, d = y.shape
+    values = np.empty(n)
+    for row in range(n):
+        total = 0.0
+        for i in range(d):
+            total += math.floor(y[row, i] + 0.5) ** 2
+        values[row] = total
+    return values
 
 
-def schwefel_1_2(y: Floats, value: Floats) -> None:
+@njit(cache=True)
+def schwefel_1_2(y: Floats) -> Floats:
     """``sum_i (sum_{j<=i} y_j)^2``: Schwefel 1981, Numerical Optimization of Computer Models, problem 1.2."""
-    total, partial = 0.0, 0.0
-    for i in range(len(y)):
-        partial += y[i]
-        total += partial**2
-    value[0] = total
+    n, d = y.shape
+    values = np.empty(n)
+    for row in range(n):
+        total, partial = 0.0, 0.0
+        for i in range(d):
+            partial += y[row, i]
+            total += partial**2
+        values[row] = total
+    return values
 
 
-def schwefel_2_22(y: Floats, value: Floats) -> None:
+@njit(cache=True)
+def schwefel_2_22(y: Floats) -> Floats:
     """``sum |y_i| + prod |y_i|``: Schwefel 1981, Numerical Optimization of Computer Models, problem 2.22."""
-    total, product = 0.0, 1.0
-    for i in range(len(y)):
-        total += abs(y[i])
-        product *= abs(y[i])
-    value[0] = total + product
+    n, d = y.shape
+    values = np.empty(n)
+    for row in range(n):
+        total, product = 0.0, 1.0
+        for i in range(d):
+            total += abs(y[row, i])
+            product *= abs(y[row, i])
+        values[row] = total + product
+    return values
 
 
-def zakharov(y: Floats, value: Floats) -> None:
+@njit(cache=True)
+def zakharov(y: Floats) -> Floats:
     """``sum y_i^2 + s^2 + s^4`` with ``s = sum i y_i / 2``: Jamil and Yang 2013, doi:10.1504/IJMMNO.2013.055204."""
-    total, s = 0.0, 0.0
-    for i in range(len(y)):
-        total += y[i] ** 2
-        s += 0.5 * (i + 1) * y[i]
-    value[0] = total + s**2 + s**4
+    n, d = y.shape
+    values = np.empty(n)
+    for row in range(n):
+        total, s = 0.0, 0.0
+        for i in range(d):
+            total += y[row, i] ** 2
+            s += 0.5 * (i + 1) * y[row, i]
+        values[row] = total + s**2 + s**4
+    return values
