@@ -11,7 +11,7 @@ The distances and the map are those of :mod:`bench.analysis.similarity`; no deci
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, groupby
 from math import comb
 
@@ -24,8 +24,9 @@ from bench.analysis.kolmogorov_smirnov import ks_tests
 from bench.analysis.pairwise import holm
 from bench.analysis.similarity import Similarity, similarity
 from bench.atlas.runs import MEASURES, Surveyed
-from bench.check.bias import FLOOR, LIMIT
+from bench.check.bias import FLOOR, LIMIT, mean_log_error
 from bench.errors import BenchError
+from bench.helpers.text import count
 from bench.typing import Floats
 
 COLUMNS = ("method", "first", "second", "different", *MEASURES, "orders", "problem", "distance", "floor")
@@ -45,7 +46,6 @@ class Atlas:
             (:class:`bench.analysis.similarity.Similarity`), missing with fewer than ten trials.
         groups: by key, the letter of the group of an implementation: those of a method of which no two differ, each in
             the first group that takes it.
-        centre_bias: by key, how many times as high errors are where the optimum is moved from the centre.
         similarity: of all implementations; None with fewer than two, or fewer than ten trials.
         enough: whether complete separation of one pair would be significant beside as many tests.
     """
@@ -54,9 +54,21 @@ class Atlas:
     tests: pd.DataFrame
     pairs: pd.DataFrame
     groups: Mapping[str, str]
-    centre_bias: Mapping[str, float]
     similarity: Similarity | None
     enough: bool
+
+    @property
+    def counted(self) -> str:
+        """How many pairs are different, as a sentence without its end."""
+        different = int(self.pairs["different"].sum())
+        verb = "is" if different == 1 else "are"
+        return f"{different} of {count(len(self.pairs), 'pair')} of implementations of one method {verb} different"
+
+    @property
+    def doubt(self) -> str:
+        """A sentence where the trials are too few for any difference, else ""."""
+        few = not self.enough and len(self.pairs)
+        return "So few trials can show no difference beside as many tests: take more." if few else ""
 
 
 def compare(surveyed: Sequence[Surveyed], alpha: float = ALPHA, *, similar: bool = True) -> Atlas:
@@ -85,8 +97,7 @@ def compare(surveyed: Sequence[Surveyed], alpha: float = ALPHA, *, similar: bool
         found = similarity({each.implementation.key: [*each.behaviours.values()] for each in alive}, alpha=1.0)
     pairs = pd.DataFrame([_pair(*couple, tests, found, alpha) for couple in couples], columns=list(COLUMNS))
     enough = 2 / comb(2 * trials, trials) * max(len(tests), 1) <= alpha
-    bias = {each.implementation.key: centre_bias(each.measures) for each in alive}
-    return Atlas(tuple(surveyed), tests, pairs, _groups(alive, pairs), bias, found, enough)
+    return Atlas(tuple(surveyed), tests, pairs, _groups(alive, pairs), found, enough)
 
 
 def _tests(couples: Sequence[tuple[Surveyed, Surveyed]]) -> pd.DataFrame:
@@ -111,7 +122,6 @@ def _pair(
     first, second = one.implementation, other.implementation
     own = tests[(tests["method"] == first.method) & (tests["first"] == first.label) & (tests["second"] == second.label)]
     significant = own[own["p_holm"] <= alpha]
-    counts = {name: int((significant["measure"] == name).sum()) for name in MEASURES}
     orders = {
         str(problem): _median_log(other.measures[str(problem)]) - _median_log(one.measures[str(problem)])
         for problem in significant.loc[significant["measure"] == "final", "problem"]
@@ -119,9 +129,9 @@ def _pair(
     where = max(orders, key=lambda each: abs(orders[each]), default="")
     row: dict[str, object] = {
         "method": first.method, "first": first.label, "second": second.label, "different": len(significant) > 0,
-        **counts, "orders": orders.get(where, 0.0), "problem": where,
-        "distance": np.nan, "floor": np.nan,
+        "orders": orders.get(where, 0.0), "problem": where,
     }  # fmt: skip
+    row |= {name: int((significant["measure"] == name).sum()) for name in MEASURES}
     if found is not None:
         between = found.pairs[(found.pairs["first"] == first.key) & (found.pairs["second"] == second.key)]
         row |= {name: float(between[name].iloc[0]) for name in ("distance", "floor")}
@@ -135,41 +145,38 @@ def _median_log(measures: Floats) -> float:
 
 
 def centre_bias(measures: Mapping[str, Floats]) -> float:
-    """Return how many times as high errors are where the optimum is moved from the centre of the box.
+    """Return how many times as high errors are where the optimum is moved from the centre of the box; NaN without any.
 
     It is the geometric mean that :func:`bench.check.bias.centre_bias` judges; above ``LIMIT`` it is a bias.
     """
-    means = {}
-    for problem, values in measures.items():
-        finals = np.nan_to_num(values[:, MEASURES.index("final")], nan=np.inf, posinf=np.finfo(float).max)
-        means[problem] = float(np.log(np.maximum(finals, FLOOR)).mean())
-    functions = {problem.rsplit(" ", 1)[0] for problem in means}
-    return float(np.exp(np.mean([means[f"{each} moved"] - means[f"{each} centred"] for each in sorted(functions)])))
+    logs = {problem: mean_log_error(values[:, MEASURES.index("final")]) for problem, values in measures.items()}
+    functions = sorted({problem.rsplit(" ", 1)[0] for problem in logs})
+    differences = [logs[f"{each} moved"] - logs[f"{each} centred"] for each in functions]
+    return float(np.exp(np.mean(differences))) if differences else np.nan
 
 
-def biases(atlas: Atlas, each: Surveyed) -> list[str]:
-    """Return the biases of an implementation in words: to the centre, and to the bounds."""
+def findings(each: Surveyed) -> list[str]:
+    """Return what was found of an implementation alone, in words: biases, parameters without effect, or its failure."""
+    if each.failed:
+        return [f"failed: {each.failed}"]
     found = []
-    ratio = atlas.centre_bias[each.implementation.key]
-    if ratio > LIMIT:
-        found.append(f"centre (errors are {ratio:.3g} times as high away from it)")
+    if (ratio := centre_bias(each.measures)) > LIMIT:
+        found.append(f"biased to the centre (errors are {ratio:.3g} times as high away from it)")
     if each.clamped > CLAMPED:
-        found.append(f"bounds ({each.clamped:.0%} of the best points' coordinates lie on them)")
+        found.append(f"biased to the bounds ({each.clamped:.0%} of the best points' coordinates lie on them)")
+    if each.dead:
+        found.append("without effect: " + ", ".join(f"{name} (tried {tried})" for name, tried in each.dead.items()))
+    if not each.repeatable:
+        found.append("a seed does not repeat its runs")
     return found
 
 
 def _groups(alive: Sequence[Surveyed], pairs: pd.DataFrame) -> dict[str, str]:
-    different = {(row["method"], row["first"], row["second"]) for row in pairs.to_dict("records") if row["different"]}
+    """Return, for each implementation, the first letter that none of those before it has from which it differs."""
+    different = pairs[pairs["different"].astype(bool)]
     found: dict[str, str] = {}
-    for method, own in groupby((each.implementation for each in alive), lambda each: each.method):
-        groups: list[list[str]] = []
-        for each in own:
-            fitting = (
-                group for group in groups if not any((method, member, each.label) in different for member in group)
-            )
-            group = next(fitting, None)
-            if group is None:
-                groups.append(group := [])
-            group.append(each.label)
-            found[each.key] = GROUPS[min(groups.index(group), len(GROUPS) - 1)]
+    for own in (each.implementation for each in alive):
+        before = different[(different["method"] == own.method) & (different["second"] == own.label)]["first"]
+        taken = {found[replace(own, label=label).key] for label in before}
+        found[own.key] = next((letter for letter in GROUPS if letter not in taken), GROUPS[-1])
     return found

@@ -5,19 +5,19 @@ Every run is made in a process of :mod:`bench.sandbox`, as those of :mod:`bench.
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, field, fields, replace
+from functools import cache, partial
+from itertools import count
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 
 from bench.analysis.similarity import LEAST, STAGES, TRAITS, behaviour
 from bench.atlas.table import Implementation, Method
-from bench.check.conformance.subject import PRINTED
+from bench.check.answers import NO_RECORD, answers, submit
 from bench.check.problems import FUNCTIONS, classic
 from bench.check.runs import on_bound
 from bench.check.verdict import LONGEST
@@ -28,8 +28,6 @@ from bench.optimizer import CONDITIONS, Optimizer
 from bench.plugins.loading import load_optimizer
 from bench.sandbox.messages import describe_error
 from bench.sandbox.pool import Pool
-from bench.sandbox.process import FAILURES, DiedError, LostError
-from bench.sandbox.server import STILL_ASKING
 from bench.seeds import trial_seed
 from bench.typing import Floats
 
@@ -80,12 +78,12 @@ class Surveyed:
 
     implementation: Implementation
     code: str = ""
-    measures: Mapping[str, Floats] = dataclasses.field(default_factory=dict)
-    behaviours: Mapping[str, Floats] = dataclasses.field(default_factory=dict)
+    measures: Mapping[str, Floats] = field(default_factory=dict)
+    behaviours: Mapping[str, Floats] = field(default_factory=dict)
     clamped: float = float("nan")
     evaluations: float = float("nan")
     repeatable: bool = True
-    dead: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    dead: Mapping[str, str] = field(default_factory=dict)
     microseconds: float = float("nan")
     failed: str = ""
 
@@ -112,98 +110,99 @@ def survey(
         n_jobs: runs made at a time; -1 takes every core. The numbers do not depend on it.
         on_progress: called with the current implementation, the runs done and all runs.
     """
-    found: list[Surveyed] = []
     with Pool(n_jobs, ready) as pool:
         begun = [
-            _Runs(pool, number, each, method, trials, budget, seed)
-            for number, (method, each) in enumerate((m, each) for m in methods for each in m.implementations)
+            _begin(pool, each, method, trials, budget, seed) for method in methods for each in method.implementations
         ]
-        total, done = sum(each.size for each in begun), 0
-        for each in begun:
-            found.append(each.result(lambda made, name=each.name, base=done: on_progress(name, base + made, total)))  # type: ignore[misc]
-            done += each.size
-    return found
-
-
-class _Runs:
-    """The runs of one implementation: all are submitted at once, and the results collected in order."""
-
-    def __init__(
-        self, pool: Pool, group: int, own: Implementation, method: Method, trials: int, budget: int, seed: int
-    ) -> None:
-        self._own, self.name, self._failed, self._code = own, own.key, "", ""
-        self._begun: list[Future[Any]] = []
-        self._probes: dict[str, Future[Any]] = {}
-        tasks = [
-            Task(problem, budget, trial_seed(seed, problem, own.key, trial), method.generation)
-            for problem in PROBLEMS
-            for trial in range(trials)
+        total, done = sum(len(runs) for _, runs, _ in begun), count()
+        return [
+            _collect(own, runs, probes, lambda own=own: on_progress(own.implementation.key, next(done), total))  # type: ignore[misc]
+            for own, runs, probes in begun
         ]
-        try:
-            optimizer = load_optimizer(own.name, **own.options)
-            optimizer.check_budget(budget, own.label)
-        except BenchError as error:
-            self._failed = str(error)
-        except Exception as error:  # a plug-in may raise anything
-            self._failed = f"it cannot be loaded: {describe_error(error)}"
-        else:
-            self._code = optimizer.code
-            self._values = alternatives(optimizer, method.technical)
-            again = tasks[PROBLEMS.index(PROBES[0]) * trials]
-            how = own.name, {**own.options}
-            self._begun = [
-                pool.submit(group, run, *how, task, seconds=TIMEOUT, printed=PRINTED) for task in [*tasks, again]
-            ]
-            probed = [tasks[PROBLEMS.index(each) * trials] for each in PROBES]
-            self._probes = {
-                name: pool.submit(group, probe, *how, name, values, probed, seconds=TIMEOUT, printed=PRINTED)
-                for name, values in self._values.items()
-            }
-        self._again, self.size = PROBLEMS.index(PROBES[0]) * trials, len(self._begun) + len(self._probes)
-
-    def result(self, on_made: Callable[[int], None]) -> Surveyed:
-        """Wait for the runs; the first that fails ends the others."""
-        if self._failed:
-            return Surveyed(self._own, failed=printable(self._failed, LONGEST))
-        rows: list[_Row] = []
-        try:
-            for each in self._begun:
-                on_made(len(rows))
-                rows.append(_answer(each))
-        except BenchError as error:
-            for each in (*self._begun, *self._probes.values()):
-                each.cancel()
-            return Surveyed(self._own, self._code, failed=str(error))
-        repeatable = rows.pop()["points"] == rows[self._again]["points"]
-        dead = {}
-        for number, (name, each) in enumerate(self._probes.items(), len(rows) + 1):
-            on_made(number)
-            if tried := _without_effect(each, self._values[name]):
-                dead[name] = tried
-        measures, behaviours = (
-            np.split(np.array([row[name] for row in rows]), len(PROBLEMS)) for name in ("measures", "behaviour")
-        )
-        return Surveyed(
-            self._own,
-            self._code,
-            dict(zip(PROBLEMS, measures, strict=True)),
-            dict(zip(PROBLEMS, behaviours, strict=True)),
-            clamped=float(np.mean([row["clamped"] for row in rows])),
-            evaluations=float(np.median([row["evaluations"] for row in rows])),
-            repeatable=repeatable,
-            dead=dead if repeatable else {},
-            microseconds=float(np.median([1e6 * row.seconds / row["evaluations"] for row in rows])),
-        )
 
 
-def _without_effect(future: Future[Any], values: Sequence[Any]) -> str:
-    """Return the values of a parameter that were tried, "" where any of them had an effect, or none could be tried."""
+def _begin(
+    pool: Pool, own: Implementation, method: Method, trials: int, budget: int, seed: int
+) -> tuple[Surveyed, list[Future[Any]], dict[str, Future[Any]]]:
+    """Begin the calls of an implementation and return what is known of it before they end.
+
+    The calls are its runs, problem by problem, at last the first one of ``PROBES[0]`` again; and by parameter the
+    probe of its other values.
+    """
     try:
-        tried = future.result()
-    except (*FAILURES, LostError):  # of a value that the library cannot bear
+        optimizer = load_optimizer(own.name, **own.options)
+        optimizer.check_budget(budget, own.label)
+    except BenchError as error:
+        return Surveyed(own, failed=printable(str(error), LONGEST)), [], {}
+    except Exception as error:  # a plug-in may raise anything
+        return Surveyed(own, failed=f"it cannot be loaded: {describe_error(error)}"), [], {}
+    tasks = [
+        Task(problem, budget, trial_seed(seed, problem, own.key, trial), method.generation)
+        for problem in PROBLEMS
+        for trial in range(trials)
+    ]
+    firsts = [tasks[PROBLEMS.index(each) * trials] for each in PROBES]
+    call = partial(submit, pool, own.key, seconds=TIMEOUT)
+    runs = [call(run, own.name, own.options, task) for task in [*tasks, firsts[0]]]
+    others = alternatives(optimizer, method.technical)
+    probes = {name: call(probe, own.name, own.options, name, values, firsts) for name, values in others.items()}
+    return Surveyed(own, optimizer.code), runs, probes
+
+
+def _collect(
+    own: Surveyed, runs: Sequence[Future[Any]], probes: Mapping[str, Future[Any]], on_made: Callable[[], None]
+) -> Surveyed:
+    """Wait for the calls of an implementation; the first run that fails ends the others."""
+    if own.failed:
+        return own
+    rows = []
+    try:
+        for row in answers(runs):
+            on_made()
+            rows.append(row)
+        points, numbers = _columns(rows)
+    except BenchError as error:
+        for each in probes.values():
+            each.cancel()
+        return replace(own, failed=str(error))
+    *trials, again = points
+    repeatable = again == trials[PROBLEMS.index(PROBES[0]) * len(trials) // len(PROBLEMS)]
+    tried = {name: _without_effect(each) for name, each in probes.items()}
+    return replace(
+        own,
+        measures=dict(zip(PROBLEMS, numbers["measures"], strict=True)),
+        behaviours=dict(zip(PROBLEMS, numbers["behaviour"], strict=True)),
+        clamped=float(numbers["clamped"].mean()),
+        evaluations=float(np.median(numbers["evaluations"])),
+        repeatable=repeatable,
+        dead={name: each for name, each in tried.items() if each and repeatable},
+        microseconds=float(np.median(1e6 * numbers["seconds"] / numbers["evaluations"])),
+    )
+
+
+def _columns(rows: Sequence[Any]) -> tuple[list[str], dict[str, Floats]]:
+    """Return the hashes of all runs, and (problems, trials, numbers) of all but the last one, by name.
+
+    Raises:
+        BenchError: where a process gave what is no record of a run.
+    """
+    sizes = {"measures": len(MEASURES), "behaviour": STAGES * len(TRAITS), "clamped": 1, "evaluations": 1, "seconds": 1}
+    shape = len(PROBLEMS), (len(rows) - 1) // len(PROBLEMS)
+    try:
+        return [str(row["points"]) for row in rows], {
+            name: np.array([row[name] for row in rows[:-1]], dtype=np.float64).reshape(*shape, size)
+            for name, size in sizes.items()
+        }
+    except (TypeError, ValueError, KeyError) as error:
+        raise BenchError(NO_RECORD) from error
+
+
+def _without_effect(probed: Future[Any]) -> str:
+    """Return what a probe answered, "" where a value ended its process."""
+    try:
+        return printable(str(*answers([probed])), LONGEST)
+    except BenchError:
         return ""
-    known = isinstance(tried, list) and all(each in range(len(values)) for each in tried)
-    return ", ".join(repr(values[each]) for each in tried) if known else ""
 
 
 def alternatives(optimizer: Optimizer, technical: Sequence[str] = ()) -> dict[str, list[Any]]:
@@ -214,7 +213,7 @@ def alternatives(optimizer: Optimizer, technical: Sequence[str] = ()) -> dict[st
     """
     hints = get_type_hints(type(optimizer))
     found = {}
-    for each in dataclasses.fields(optimizer):  # type: ignore[arg-type]
+    for each in fields(optimizer):  # type: ignore[arg-type]
         if each.name in (*CONDITIONS, *technical) or not each.init or each.metadata.get("tune") == []:
             continue
         now, hint = getattr(optimizer, each.name), hints[each.name]
@@ -237,7 +236,7 @@ def alternatives(optimizer: Optimizer, technical: Sequence[str] = ()) -> dict[st
 
 def _accepted(optimizer: Optimizer, name: str, value: Any) -> bool:
     try:
-        dataclasses.replace(optimizer, **{name: value})  # type: ignore[type-var]
+        replace(optimizer, **{name: value})  # type: ignore[type-var]
     except Exception:  # a plug-in checks its parameters as it likes
         return False
     return True
@@ -247,18 +246,16 @@ def ready() -> None:
     """Load this module."""
 
 
-def run(name: str, options: dict[str, Any], task: Task) -> dict[str, Any]:
+def run(name: str, options: Mapping[str, Any], task: Task) -> dict[str, Any]:
     """Make one run in this process; return its numbers, or the error it ended with, as JSON values."""
     try:
         return measure(load_optimizer(name, **options), task)
-    except BenchError as error:
-        return {"error": str(error)}
     except (Exception, SystemExit) as error:  # a plug-in may raise anything
-        return {"error": describe_error(error)}
+        return {"error": str(error) if isinstance(error, BenchError) else describe_error(error)}
 
 
-def probe(name: str, options: dict[str, Any], parameter: str, values: list[Any], tasks: list[Task]) -> list[int]:
-    """Make runs that differ in one parameter; return the places of the values tried, none where one had an effect.
+def probe(name: str, options: Mapping[str, Any], parameter: str, values: list[Any], tasks: list[Task]) -> str:
+    """Make runs that differ in one parameter; return the values tried as text, "" where one had an effect.
 
     A value that the library refuses, or fails with, shows nothing and counts as not tried.
     """
@@ -268,15 +265,15 @@ def probe(name: str, options: dict[str, Any], parameter: str, values: list[Any],
         return str(measure(load_optimizer(name, **options), task)["points"])
 
     tried = []
-    for place, value in enumerate(values):
+    for value in values:
         try:
             changed = load_optimizer(name, **{**options, parameter: value})
             if any(measure(changed, task)["points"] != points(task) for task in tasks):
-                return []
+                return ""
         except (Exception, SystemExit):  # a plug-in may raise anything
             continue
-        tried.append(place)
-    return tried
+        tried.append(repr(value))
+    return ", ".join(tried)
 
 
 def measure(optimizer: Optimizer, task: Task) -> dict[str, Any]:
@@ -299,35 +296,3 @@ def measure(optimizer: Optimizer, task: Task) -> dict[str, Any]:
         "points": hashlib.sha256(points.tobytes()).hexdigest(),
         "seconds": found.cpu_time,
     }
-
-
-class _Row(dict[str, Any]):
-    """What a run gave; its time, which no seed repeats, is an attribute."""
-
-    seconds: float
-
-
-def _answer(future: Future[Any]) -> _Row:
-    """Wait for a run; raises BenchError where it failed, or where its process gave what is no record of a run."""
-    try:
-        answer = future.result()
-    except DiedError as error:
-        stuck = error.code == STILL_ASKING
-        why = "went on asking for values after its budget was spent" if stuck else f"ended its process ({error})"
-        raise BenchError(f"it {why}") from error
-    except (*FAILURES, LostError) as error:
-        raise BenchError(f"it failed: {printable(str(error), LONGEST)}") from error
-    if isinstance(answer, dict) and "error" in answer:
-        raise BenchError(printable(str(answer["error"]), LONGEST))
-    try:
-        row = _Row(
-            measures=[float(each) for each in answer["measures"]],
-            behaviour=[float(each) for each in answer["behaviour"]],
-            clamped=float(answer["clamped"]), evaluations=int(answer["evaluations"]), points=str(answer["points"]),
-        )  # fmt: skip
-        row.seconds = float(answer["seconds"])
-        if len(row["measures"]) != len(MEASURES) or len(row["behaviour"]) != STAGES * len(TRAITS):
-            raise ValueError
-    except (TypeError, ValueError, KeyError) as error:
-        raise BenchError("its process gave an answer that is no record of a run") from error
-    return row

@@ -6,7 +6,7 @@ Tables are TOML files. Packages offer them by the entry-point group ``bench.atla
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -71,6 +71,20 @@ class Method:
     implementations: tuple[Implementation, ...]
     technical: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        """Raise BenchError where two implementations have one label."""
+        labels = [each.label for each in self.implementations]
+        for label in labels:
+            if labels.count(label) > 1:
+                raise BenchError(
+                    f"two implementations of the method {self.name!r} are called {label!r}; give one another label"
+                )
+
+    def joined(self, other: Method) -> Method:
+        """Return this method with the implementations of both."""
+        technical = tuple(dict.fromkeys((*self.technical, *other.technical)))
+        return replace(self, implementations=(*self.implementations, *other.implementations), technical=technical)
+
 
 def methods(file: Path | None = None, names: Sequence[str] = ()) -> list[Method]:
     """Return the methods of the installed tables, or those of a file with what the installed tables add to them.
@@ -82,12 +96,17 @@ def methods(file: Path | None = None, names: Sequence[str] = ()) -> list[Method]
     Raises:
         BenchError: for a table that cannot be read, and for an unknown method.
     """
-    given = [] if file is None else _read(file)
+    sources = {
+        f"the table {name!r} of bench.atlases": registry.load("atlases", name) for name in registry.entries("atlases")
+    }
     found: dict[str, Method] = {}
-    for method in [*(each for name in registry.entries("atlases") for each in _installed(name)), *given]:
-        found[method.name] = _joined(found[method.name], method) if method.name in found else method
+    own: list[Method] = []
+    for where, source in [*sources.items(), *([(str(file), file)] if file is not None else [])]:
+        own = _read(source, where)
+        for method in own:
+            found[method.name] = found[method.name].joined(method) if method.name in found else method
     if file is not None:
-        found = {each.name: found[each.name] for each in given}
+        found = {each.name: found[each.name] for each in own}
     for name in names:
         if name not in found:
             raise BenchError(f"the atlas has no method {name!r}{nearest(name, found)}")
@@ -103,59 +122,44 @@ def parse(text: str, where: str) -> list[Method]:
         tables = parse_toml(text)
     except ValueError as error:
         raise BenchError(f"{where} is no TOML: {error}") from error
-    whole = _entries(tables, {"technical": list, "methods": dict}, f"{where}:", required=("methods",))
-    technical = tuple(map(str, whole["technical"] or ()))
-    return [replace(_method(name, each, where), technical=technical) for name, each in whole["methods"].items()]
+    _check(tables, {"technical": list, "methods": dict}, f"{where}:", required="methods")
+    technical = tuple(map(str, tables.get("technical", ())))
+    return [_method(name, each, technical, where) for name, each in tables["methods"].items()]
 
 
-def _installed(name: str) -> list[Method]:
-    found = registry.load("atlases", name)
+def _read(source: Any, where: str) -> list[Method]:
+    """Return the methods of a file, or of a resource of a package."""
     try:
-        text = found.read_text(encoding="utf-8")
+        text = read_text(source) if isinstance(source, Path) else source.read_text(encoding="utf-8")
     except (AttributeError, OSError, ValueError) as error:
-        raise BenchError(f"the table {name!r} of bench.atlases is no file that can be read: {error}") from error
-    return parse(text, f"the table {name!r} of bench.atlases")
+        raise BenchError(f"{where} cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    return parse(text, where)
 
 
-def _read(file: Path) -> list[Method]:
-    try:
-        text = read_text(file)
-    except OSError as error:
-        raise BenchError(f"{file} cannot be read: {error.strerror or error}") from error
-    except ValueError as error:
-        raise BenchError(f"{file} cannot be read: {error}") from error
-    return parse(text, str(file))
-
-
-def _method(name: str, table: Any, where: str) -> Method:
+def _method(name: str, table: Any, technical: tuple[str, ...], where: str) -> Method:
     here = f"method {name!r} in {where}"
     if not re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name) or name in ("index", "times", "readme"):
         raise BenchError(f"{here} must have a name of small letters, digits and hyphens that is no other page's")
-    own = _entries(
-        table, {"title": str, "conditions": str, "generation": int, "implementations": list}, here,
-        required=("implementations",),
-    )  # fmt: skip
+    kinds = {"title": str, "conditions": str, "generation": int, "implementations": list}
+    _check(table, kinds, here, required="implementations")
+    own = {"title": "", "conditions": "", "generation": GENERATION} | table
     if not own["implementations"]:
         raise BenchError(f"{here} has no implementation")
-    generation = GENERATION if own["generation"] is None else own["generation"]
-    if not is_whole(generation) or generation < 1:
-        raise BenchError(f"{here} has a generation of {generation!r}; it must be a whole number of at least 1")
-    made = [_implementation(name, each, here) for each in own["implementations"]]
-    _refuse_twins(made)
-    return Method(name, own["title"] or name, own["conditions"] or "", generation, tuple(made))
-
-
-def _implementation(method: str, table: Any, here: str) -> Implementation:
+    if not is_whole(own["generation"]) or own["generation"] < 1:
+        raise BenchError(f"{here} has a generation of {own['generation']!r}; it must be a whole number of at least 1")
     kinds = {"name": str, "label": str, "options": dict, "differs": str, "source": str}
-    own = _entries(table, kinds, f"an implementation of {here}", required=("name",))
-    label = own["label"] or default_label(own["name"])
-    return Implementation(
-        method, label, own["name"], own["options"] or {}, own["differs"] or "", own["source"] or ""
-    )  # fmt: skip
+    for each in own["implementations"]:
+        _check(each, kinds, f"an implementation of {here}", required="name")
+    made = [
+        Implementation(name, **each | {"label": each.get("label") or default_label(each["name"])})
+        for each in own["implementations"]
+    ]
+    own["title"] = own["title"] or name
+    return Method(name, **own | {"implementations": tuple(made)}, technical=technical)
 
 
-def _entries(table: Any, kinds: Mapping[str, type], here: str, required: Iterable[str]) -> dict[str, Any]:
-    """Return the entries of a table, None for those it lacks; raises BenchError for others and for other kinds."""
+def _check(table: Any, kinds: Mapping[str, type], here: str, required: str) -> None:
+    """Raise BenchError for a table that lacks a key, or has an unknown one or a value of another kind."""
     words = {str: "a text", int: "a whole number", list: "a list", dict: "a table"}
     if not isinstance(table, dict):
         raise BenchError(f"{here} must be a table, not {table!r}")
@@ -164,24 +168,5 @@ def _entries(table: Any, kinds: Mapping[str, type], here: str, required: Iterabl
             raise BenchError(f"{here} has an unknown key {key!r}{nearest(key, kinds)}")
         if not isinstance(value, kinds[key]):
             raise BenchError(f"{here} has {key} = {value!r}, which must be {words[kinds[key]]}")
-    for key in required:
-        if key not in table:
-            raise BenchError(f"{here} lacks the key {key!r}")
-    return {key: table.get(key) for key in kinds}
-
-
-def _joined(first: Method, second: Method) -> Method:
-    """Return the first method with the implementations of both."""
-    implementations = (*first.implementations, *second.implementations)
-    _refuse_twins(implementations)
-    technical = tuple(dict.fromkeys((*first.technical, *second.technical)))
-    return replace(first, implementations=implementations, technical=technical)
-
-
-def _refuse_twins(implementations: Sequence[Implementation]) -> None:
-    labels = [each.label for each in implementations]
-    for each in implementations:
-        if labels.count(each.label) > 1:
-            raise BenchError(
-                f"two implementations of the method {each.method!r} are called {each.label!r}; give one another label"
-            )
+    if required not in table:
+        raise BenchError(f"{here} lacks the key {required!r}")

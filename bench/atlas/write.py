@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,11 +16,12 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.similarity import Similarity
-from bench.atlas.compare import Atlas, biases
+from bench.atlas.compare import Atlas, centre_bias, findings
 from bench.atlas.runs import DIMENSION, MEASURES, PROBLEMS, Surveyed
 from bench.atlas.table import Method
 from bench.errors import BenchError
-from bench.helpers.atomic import replacing
+from bench.helpers.atomic import names_in, replacing
+from bench.helpers.markdown import code, plain, table
 from bench.helpers.text import count, joined
 from bench.plots import style
 from bench.plots.similarity import similarity_map
@@ -90,17 +91,13 @@ def _named(found: Similarity, surveyed: Sequence[Surveyed]) -> Similarity:
 
 def check_output(output: Path) -> None:
     """Raise BenchError for a folder that is neither new, nor empty, nor holds an atlas and nothing else."""
-    try:
-        present = {each.name for each in output.iterdir()}
-        known = {f"{name}.csv" for name in TABLES} | {INDEX, MAP_FILE}
-        if MARK in present:
+    present = names_in(output)
+    known = {f"{name}.csv" for name in TABLES} | {INDEX, MAP_FILE}
+    if MARK in present:
+        try:
             known |= {f"{each}.md" for each in pd.read_csv(output / MARK)["method"]}
-    except FileNotFoundError:
-        return
-    except NotADirectoryError:
-        present, known = {output.name}, set()
-    except (OSError, ValueError, KeyError) as error:
-        raise BenchError(f"{output} cannot be read as an atlas, which would be replaced: {error}") from error
+        except (OSError, ValueError, KeyError) as error:
+            raise BenchError(f"{output} cannot be read as an atlas, which would be replaced: {error}") from error
     if others := sorted(present - known):
         raise BenchError(f"{output} holds other files than an atlas, such as {others[0]}; give a new one by --output")
 
@@ -114,7 +111,7 @@ def frames(found: Atlas) -> dict[str, pd.DataFrame]:
         rows.append(names | {
             "optimizer": own.name, "options": json.dumps(dict(own.options)), "code": each.code,
             "group": found.groups.get(own.key, ""), "evaluations": each.evaluations,
-            "centre_bias": found.centre_bias.get(own.key, np.nan), "on_bounds": each.clamped,
+            "centre_bias": centre_bias(each.measures), "on_bounds": each.clamped,
             "repeatable": each.repeatable, "without_effect": json.dumps(dict(each.dead)), "failed": each.failed,
         })  # fmt: skip
         times.append(names | {"microseconds_an_evaluation": each.microseconds})
@@ -142,19 +139,24 @@ def index_page(found: Atlas, methods: Sequence[Method], size: str) -> str:
     ]
     several = found.pairs.groupby("method", sort=False)["different"].sum()
     counted = (
-        f"{int(several.sum())} of {count(len(found.pairs), 'pair')} of implementations of one method "
-        f"{'is' if several.sum() == 1 else 'are'} different. In {int((several == 0).sum())} of "
-        f"{count(len(several), 'method')} with several implementations, no pair is."
-        if len(several)
-        else ""
+        f"{found.counted}. In {int((several == 0).sum())} of {count(len(several), 'method')} with several "
+        "implementations, no pair is."
     )
     parts = [
         "# An atlas of implementations",
         f"{count(len(found.surveyed), 'implementation')} of {count(len(methods), 'method')}: {size}.",
-        " ".join(filter(None, (RULE.format(tests=f"{len(found.tests):,}"), _few(found), counted))),
+        " ".join(
+            filter(None, (RULE.format(tests=f"{len(found.tests):,}"), found.doubt, counted if len(several) else ""))
+        ),
         table(["method", *map(plain, libraries)], rows),
     ]
-    if noted := [row for each in found.surveyed for row in _notes(found, each)]:
+    noted = [
+        [plain(own.method), code(own.label), plain(said)]
+        for each in found.surveyed
+        for own in [each.implementation]
+        for said in findings(each)
+    ]
+    if noted:
         parts += ["## Biases, parameters without effect, failures",
                   table(["method", "implementation", "finding"], noted)]  # fmt: skip
     if found.similarity is not None:
@@ -181,7 +183,7 @@ def method_page(found: Atlas, method: Method, size: str) -> str:
     if len(pairs):
         parts += [
             "## Which of them differ",
-            " ".join(filter(None, (PAIRS, _few(found)))),
+            " ".join(filter(None, (PAIRS, found.doubt))),
             table(
                 ["pair", "verdict", "start", "next", "course", "final", "largest difference", "distance"],
                 [_pair_row(row) for row in pairs.to_dict("records")],
@@ -203,38 +205,15 @@ def method_page(found: Atlas, method: Method, size: str) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _few(found: Atlas) -> str:
-    return (
-        ""
-        if found.enough or found.pairs.empty
-        else "So few trials can show no difference beside as many tests: take more."
-    )
-
-
 def _cell(found: Atlas, each: Surveyed) -> str:
     short = each.implementation.label.rpartition(":")[2]
     return f"{code(short)} " + ("failed" if each.failed else f"**{found.groups[each.implementation.key]}**")
 
 
-def findings(found: Atlas, each: Surveyed) -> list[str]:
-    """Return what else was found of an implementation, in words."""
-    if each.failed:
-        return [f"failed: {each.failed}"]
-    said = [f"biased to the {bias}" for bias in biases(found, each)]
-    if each.dead:
-        said.append("without effect: " + ", ".join(f"{name} (tried {tried})" for name, tried in each.dead.items()))
-    return said + ([] if each.repeatable else ["a seed does not repeat its runs"])
-
-
-def _notes(found: Atlas, each: Surveyed) -> Iterable[list[str]]:
-    own = each.implementation
-    return ([plain(own.method), code(own.label), plain(said)] for said in findings(found, each))
-
-
 def _implementation_row(found: Atlas, each: Surveyed) -> list[str]:
     own = each.implementation
     evaluations = "–" if each.failed else cell_text(round(each.evaluations))
-    finding = plain("; ".join(findings(found, each)))
+    finding = plain("; ".join(findings(each)))
     return [code(own.label), found.groups.get(own.key, "–"), plain(each.code), evaluations, finding]
 
 
@@ -264,19 +243,3 @@ def _unexplained(pairs: pd.DataFrame, known: set[str]) -> list[str]:
         for row in pairs.to_dict("records")
         if row["different"] and not known & {row["first"], row["second"]}
     ]
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a Markdown table; cells are Markdown already."""
-    lines = [head, ["-"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
-
-
-def code(text: str) -> str:
-    """Return a text in code font."""
-    return f"``{text}``" if "`" in text else f"`{text}`"
-
-
-def plain(text: str) -> str:
-    """Return a text on one line in which Markdown reads no markup."""
-    return "".join(f"\\{letter}" if letter in "\\`*_[]<>#$" else letter for letter in " ".join(text.split()))

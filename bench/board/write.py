@@ -14,7 +14,7 @@ from bench.board.again import make_again, require_sandbox
 from bench.board.archive import Archive, read, refuse_twins
 from bench.board.ranks import Standing, standings
 from bench.errors import BenchError
-from bench.helpers.atomic import replacing
+from bench.helpers.atomic import names_in, replacing
 from bench.helpers.text import file_name
 
 PAGE, TABLE, STUDIES = "index.html", "board.csv", "studies"
@@ -75,14 +75,7 @@ def write_board(
 
 def _refuse_others(output: Path) -> None:
     """Raise BenchError for a folder that holds anything but a board."""
-    try:
-        present = {each.name for each in output.iterdir()}
-    except FileNotFoundError:
-        return
-    except NotADirectoryError:
-        present = {output.name}
-    except OSError as error:
-        raise BenchError(f"{output} cannot be read: {error.strerror}") from error
+    present = names_in(output)
     if present and not (TABLE in present and present <= {PAGE, TABLE, STUDIES}):
         raise BenchError(f"{output} holds other files than a board; give a new folder by --output")
 

@@ -6,12 +6,13 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import stats
 
 from bench.analysis import holm
 from bench.analysis.finished_trials import CLAMPED
 from bench.check.problems import SHIFT
-from bench.check.runs import Runs, RunSummary, make_runs, on_bound
+from bench.check.runs import Runs, make_runs, on_bound
 from bench.check.verdict import Verdict
 from bench.errors import BenchError
 from bench.optimizer import Optimizer
@@ -74,8 +75,11 @@ def centre_bias(runs: Runs) -> Verdict:
     count as at least 1e-8. An unbiased method has a ratio near 1, one that draws its points to the centre a large one
     (Kudela, Nature Machine Intelligence 4, 2022, doi:10.1038/s42256-022-00579-0).
     """
-    logarithms = [_mean_log_error(runs.moved[name]) - _mean_log_error(runs.centred[name]) for name in runs.centred]
-    ratio = float(np.exp(np.mean(logarithms)))
+    centred, moved = (
+        [mean_log_error([run.best for run in those]) for those in place.values()]
+        for place in (runs.centred, runs.moved)
+    )
+    ratio = float(np.exp(np.mean(np.subtract(moved, centred))))
     passed = ratio <= LIMIT
     finding = (
         f"errors are {ratio:.2g} times as high when the optimum is moved from the centre of the box by "
@@ -89,9 +93,9 @@ def centre_bias(runs: Runs) -> Verdict:
     return _verdict("centre bias", passed, finding, remedy, ratio)
 
 
-def _mean_log_error(runs: Sequence[RunSummary]) -> float:
-    """Return the mean logarithm of the errors; a run without a finite value has the largest float as its error."""
-    errors = np.nan_to_num([run.best for run in runs], nan=np.inf, posinf=np.finfo(float).max)
+def mean_log_error(errors: ArrayLike) -> float:
+    """Return the mean logarithm of the errors; one that is not finite counts as the largest float."""
+    errors = np.nan_to_num(errors, nan=np.inf, posinf=np.finfo(float).max)
     return float(np.log(np.maximum(errors, FLOOR)).mean())
 
 

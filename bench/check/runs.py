@@ -11,17 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.check.conformance.subject import PRINTED, make_subject, pack, unpack
+from bench.check.answers import NO_RECORD, answers, submit
+from bench.check.conformance.subject import make_subject, pack, unpack
 from bench.check.problems import FUNCTIONS, classic, noise
-from bench.check.verdict import LONGEST
 from bench.errors import BenchError
 from bench.execution import solve
-from bench.helpers.text import printable
 from bench.optimizer import Optimizer
 from bench.sandbox.messages import describe_error
 from bench.sandbox.pool import Pool
-from bench.sandbox.process import DiedError, LostError, PrintedTooMuchError, RemoteError
-from bench.sandbox.server import STILL_ASKING
 from bench.seeds import trial_seed
 from bench.typing import Floats
 
@@ -105,28 +102,17 @@ def _begin(pool: Pool, group: int, optimizer: Optimizer, tasks: list[CheckRun]) 
         packed = pack(make_subject(optimizer, {}, 0))
     except Exception as error:  # pickling runs a plug-in's code
         return BenchError(f"the optimizer cannot be sent to another process: {describe_error(error)}")
-    return [pool.submit(group, make_run, packed, task, printed=PRINTED) for task in tasks]
+    return [submit(pool, group, make_run, packed, task) for task in tasks]
 
 
 def _collect(tasks: list[CheckRun], begun: list[Future[Any]]) -> Runs | BenchError:
     """Wait for the runs of one optimizer; with the first that fails the others are given up."""
     made: dict[str, dict[str, list[RunSummary]]] = {"centred": {}, "moved": {}, "noise": {}}
     try:
-        for task, each in zip(tasks, begun, strict=True):
-            made[task.kind].setdefault(task.name, []).append(_summary(each.result(), task.dimension))
+        for task, each in zip(tasks, answers(begun), strict=True):
+            made[task.kind].setdefault(task.name, []).append(_summary(each, task.dimension))
     except BenchError as error:
         return error
-    except DiedError as error:
-        stuck = error.code == STILL_ASKING
-        why = "went on asking for values after its budget was spent" if stuck else f"ended its process ({error})"
-        return BenchError(f"the optimizer {why}")
-    except PrintedTooMuchError:
-        return BenchError(f"the optimizer printed more than {PRINTED / 1e6:g} MB in one run")
-    except (RemoteError, LostError) as error:
-        return BenchError(f"the optimizer failed: {error}")
-    finally:
-        for each in begun:
-            each.cancel()
     return Runs(**made)
 
 
@@ -180,14 +166,12 @@ def on_bound(x: Floats) -> NDArray[np.bool_]:
 
 
 def _summary(answer: Any, dimension: int) -> RunSummary:
-    """Return the summary in a process's answer; raises BenchError for an error, or for what is no summary."""
-    if isinstance(answer, dict) and "error" in answer:
-        raise BenchError(printable(str(answer["error"]), LONGEST))
+    """Return the summary in a process's answer; raises BenchError for what is no summary."""
     try:
         x, first = (np.asarray(answer[key], dtype=np.float64) for key in ("x", "first"))
         made = RunSummary(float(answer["best"]), x, first, float(answer["clamped"]), str(answer["course"]))
         if x.shape != (dimension,) or first.ndim != 2 or first.shape[1] != dimension:
             raise ValueError
     except (TypeError, ValueError, KeyError) as error:
-        raise BenchError("the optimizer's process gave an answer that is no record of a run") from error
+        raise BenchError(NO_RECORD) from error
     return made

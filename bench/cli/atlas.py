@@ -34,7 +34,8 @@ def atlas(
     methods, or implementations of known ones. Times are in times.csv.
     """
     from bench.atlas import compare, methods, survey, write_atlas
-    from bench.atlas.write import check_output, findings
+    from bench.atlas.compare import findings
+    from bench.atlas.write import check_output
     from bench.execution.progress import steps
     from bench.numbers import require_seed, require_whole
 
@@ -54,16 +55,14 @@ def atlas(
         shown.add_column(head, overflow="fold")
     for each in found.surveyed:
         own = each.implementation
-        said = (own.method, own.label, found.groups.get(own.key, "–"), "; ".join(findings(found, each)))
+        said = (own.method, own.label, found.groups.get(own.key, "–"), "; ".join(findings(each)))
         shown.add_row(*map(Text, said))
     console.print(shown)
-    different = int(found.pairs["different"].sum())
     print_line(
-        f"{different} of {count(len(found.pairs), 'pair')} of implementations of one method "
-        f"{'is' if different == 1 else 'are'} different ({count(len(found.tests), 'test')}, adjusted together); "
+        f"{found.counted} ({count(len(found.tests), 'test')}, adjusted together); "
         "implementations of one letter were not found different",
         console=console,
     )
-    if len(found.pairs) and not found.enough:
+    if found.doubt:
         print_line("so few trials can show no difference beside as many tests: take more --trials", console=console)
     print_line(f"pages: {page}", console=console)

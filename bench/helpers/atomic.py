@@ -33,3 +33,19 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             shutil.rmtree(temporary) if temporary.is_dir() else temporary.unlink(missing_ok=True)
+
+
+def names_in(folder: Path) -> set[str]:
+    """Return the names of what a folder to be written holds already: none in a new one, its own for a file.
+
+    Raises:
+        BenchError: where it cannot be read.
+    """
+    try:
+        return {each.name for each in folder.iterdir()}
+    except FileNotFoundError:
+        return set()
+    except NotADirectoryError:
+        return {folder.name}
+    except OSError as error:
+        raise BenchError(f"{folder} cannot be read: {error.strerror}") from error

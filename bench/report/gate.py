@@ -13,6 +13,7 @@ from bench.analysis.direction import ALPHA
 from bench.analysis.dominance import ordered_trials
 from bench.analysis.noninferiority import MARGIN, Noninferiority, noninferiority
 from bench.errors import BenchError, nearest
+from bench.helpers.markdown import table
 from bench.report.findings import Findings, Trials
 from bench.report.wording import count, listing, p_text
 from bench.storage.folder import Folder
@@ -45,10 +46,10 @@ class Gate:
     def markdown(self) -> str:
         """Return the verdict as Markdown, for a pull request."""
         sign = {"pass": "✅", "worse": "❌", "undecided": "⚠️"}[self.found.outcome]
-        head = f"| {' | '.join(HEADS)} |\n|{'-|' * len(HEADS)}"
-        rows = [f"| {' | '.join(each.replace('|', chr(92) + '|') for each in row)} |" for row in self.rows]
         notes = [f"- {note}" for note in self.notes]
-        return "\n".join([f"## {sign} {self.found.outcome}", "", self.sentence, "", head, *rows, "", *notes, ""])
+        return "\n".join(
+            [f"## {sign} {self.found.outcome}", "", self.sentence, "", table(HEADS, self.rows), "", *notes, ""]
+        )
 
 
 def gate(

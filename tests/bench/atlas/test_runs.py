@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench import Optimizer, parameter
-from bench.atlas.runs import MEASURES, PROBLEMS, Task, alternatives, measure, probe, run, survey
+from bench.atlas.runs import MEASURES, PROBLEMS, Task, _columns, alternatives, measure, probe, run, survey
 from bench.atlas.table import parse
 from bench.errors import BenchError
 
@@ -36,6 +36,12 @@ class Wild(Swarm):
         raise RuntimeError("it cannot")
 
 @dataclass(frozen=True)
+class Exiting(Swarm):
+    def minimize(self, objective, rng):
+        import os
+        os._exit(3)
+
+@dataclass(frozen=True)
 class Lucky(Swarm):
     def minimize(self, objective, rng):
         import os
@@ -59,9 +65,9 @@ def table(swarm, *names):
 
 def test_a_parameter_without_effect_is_found_and_one_with_effect_is_not(swarm):
     tasks = [Task(problem, 60, 3, 5) for problem in ("sphere moved", "Rastrigin moved")]
-    assert probe(f"{swarm}:Swarm", {}, "inertia", [0.35, 1.0], tasks) == [0, 1]
-    assert probe(f"{swarm}:Swarm", {}, "step", [0.2], tasks) == []
-    assert probe(f"{swarm}:Swarm", {}, "inertia", [7.0, 0.35], tasks) == [1]  # 7 is refused
+    assert probe(f"{swarm}:Swarm", {}, "inertia", [0.35, 1.0], tasks) == "0.35, 1.0"
+    assert probe(f"{swarm}:Swarm", {}, "step", [0.2], tasks) == ""
+    assert probe(f"{swarm}:Swarm", {}, "inertia", [7.0, 0.35], tasks) == "0.35"  # 7 is refused
 
 
 def test_a_run_gives_its_measures(swarm):
@@ -113,11 +119,22 @@ def test_other_values_of_parameters_are_those_it_accepts():
     assert found == {"kind": ["a", "c"], "flag": [False], "size": [3, 5], "share": [1.0, 0.25, 0]}
 
 
+@pytest.mark.parametrize("change", [{"measures": [1.0]}, {"behaviour": None}, {"clamped": "much"}, {"seconds": [1, 2]}])
+def test_an_answer_that_is_no_record_of_a_run_is_refused(swarm, change):
+    rows = [run(f"{swarm}:Swarm", {}, Task(problem, 60, 3, 5)) for problem in (*PROBLEMS, PROBLEMS[0])]
+    points, numbers = _columns(rows)
+    assert points[0] == points[-1]
+    assert numbers["measures"].shape == (len(PROBLEMS), 1, len(MEASURES))
+    with pytest.raises(BenchError, match="no record of a run"):
+        _columns([rows[0] | change, *rows[1:]])
+
+
 @pytest.mark.slow
 def test_failures_cost_their_own_implementation_alone(swarm):
     seen = []
-    one, copy, wild, lucky, missing = survey(
-        table(swarm, ("one", "Swarm"), ("copy", "Swarm"), ("wild", "Wild"), ("lucky", "Lucky"), ("no", "Nobody")),
+    names = ("Swarm", "Swarm", "Wild", "Exiting", "Lucky", "Nobody")
+    one, copy, wild, exiting, lucky, missing = survey(
+        table(swarm, *((f"{name} {number}", name) for number, name in enumerate(names))),
         trials=2, budget=60, n_jobs=2, on_progress=lambda *shown: seen.append(shown),
     )  # fmt: skip
     assert one.failed == copy.failed == ""
@@ -126,6 +143,7 @@ def test_failures_cost_their_own_implementation_alone(swarm):
     assert list(one.dead) == list(copy.dead) == ["inertia"]
     assert (one.measures["sphere moved"] != copy.measures["sphere moved"]).any()  # seeds of their own
     assert wild.failed == "RuntimeError: it cannot"
+    assert exiting.failed == "the optimizer ended its process (exit code 3)"
     assert (lucky.failed, lucky.repeatable, lucky.dead) == ("", False, {})
     assert "Nobody" in missing.failed
     assert seen[0][1] == 0

@@ -31,7 +31,7 @@ class InThisProcess:
     def __exit__(self, *_):
         pass
 
-    def submit(self, group, function, *arguments, printed=None):
+    def submit(self, group, function, *arguments, seconds=None, printed=None):
         future = Future()
         try:
             future.set_result(json.loads(json.dumps(function(*arguments))))

@@ -3,7 +3,7 @@
 import pytest
 
 from bench import BenchError, load_optimizer
-from bench.check import runs
+from bench.check import answers, runs
 from bench.check.runs import BOXES, CheckRun, Runs, make_run, make_runs
 from bench.sandbox.process import Process
 from tests.bench.check import biased, faulty
@@ -63,7 +63,7 @@ def test_an_optimizer_that_fails_or_crashes_costs_the_others_nothing():
 
 
 def test_an_optimizer_that_prints_without_end_is_stopped(monkeypatch):
-    monkeypatch.setattr(runs, "PRINTED", 100)
+    monkeypatch.setattr(answers, "PRINTED", 100)
     assert failures(faulty.Chatty(), n_jobs=1) == ["the optimizer printed more than 0.0001 MB in one run"]
 
 
