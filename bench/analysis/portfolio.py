@@ -15,7 +15,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import factorial
+from itertools import combinations
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,7 +31,6 @@ from bench.typing import Floats
 SPLITS = 10  # divisions of the trials into halves, each used both ways
 SEED = 1
 MOST_EXACT = 12  # optimizers all of whose sets are compared: 4,096 of them
-PERMUTATIONS = 200  # of more optimizers, for their Shapley values
 NEAR = 0.95  # of the score of the virtual best
 ROUNDING = 12  # decimals of scores: sums of equal numbers in another order differ by rounding
 
@@ -47,8 +47,8 @@ class Portfolio(NamedTuple):
             of each size; ``near``, whether the ratio is at least 0.95; ``exact``, whether all sets of the size were
             compared or an optimizer was added to the set before.
         members: optimizer, ``score`` (it alone), ``chosen`` (the share of problems for which the virtual best takes
-            it; a tie is divided), ``shapley``, its standard error ``se`` (0 where exact), and ``adds``: how much lower
-            the score of the virtual best is without this optimizer.
+            it; a tie is divided), ``shapley``, and ``adds``: how much lower the score of the virtual best is without
+            this optimizer.
     """
 
     gap: pd.DataFrame
@@ -81,14 +81,13 @@ def portfolio_of(scores: pd.DataFrame, blocks: Mapping[str, str], seed: int = SE
     Args:
         scores: those of :func:`target_shares`, or others of which larger is better and 0 is nothing.
         blocks: the function of each problem; functions are what the interval treats as independent.
-        seed: repeats the halves, and the permutations of more than 12 optimizers.
+        seed: repeats the halves.
 
     Raises:
         BenchError: where no problem is left.
     """
     halves = Halves.of(scores, blocks, seed)
-    sets, values = _exact_sets(halves) if len(halves.optimizers) <= MOST_EXACT else (_greedy_sets(halves), None)
-    return Portfolio(best_gap(halves), sets, _members(halves, values, seed))
+    return Portfolio(best_gap(halves), _best_sets(halves), _members(halves))
 
 
 def student(values: Sequence[float] | Floats, alpha: float = ALPHA) -> tuple[float, float, float]:
@@ -201,105 +200,61 @@ def best_gap(halves: Halves) -> pd.DataFrame:
     return pd.DataFrame([row])
 
 
-def _exact_sets(halves: Halves) -> tuple[pd.DataFrame, Floats]:
-    """Return the best set of each size, and the score of every set by the bits of its members.
-
-    The sets with one more optimizer follow from those without it: it is better, equal or worse than their best.
-    """
-    count, size = len(halves.optimizers), len(halves.problems)
-    values = np.zeros(2**count)
-    for choose, score in zip(halves.choose, halves.score, strict=True):
-        best, total, tied = np.full((1, size), -np.inf), np.zeros((1, size)), np.ones((1, size))
-        for own, scored in zip(choose.T, score.T, strict=True):
-            better, equal = own > best, own == best
-            best, total, tied = (
-                np.concatenate(each)
-                for each in (
-                    (best, np.where(better, own, best)),
-                    (total, np.where(better, scored, total + np.where(equal, scored, 0.0))),
-                    (tied, np.where(better, 1.0, tied + equal)),
-                )
-            )
-        values += (total / tied) @ halves.weights / len(halves.choose)
-    values[0] = 0.0
-    values = values.round(ROUNDING)
-    sizes = np.bitwise_count(np.arange(2**count))
-    places = [int(np.flatnonzero(sizes == each)[values[sizes == each].argmax()]) for each in range(1, count + 1)]
-    chosen = [[member for member in range(count) if place >> member & 1] for place in places]
-    return _sets(halves, chosen, exact=True), values
-
-
-def _greedy_sets(halves: Halves) -> pd.DataFrame:
-    """Return sets to each of which the optimizer was added that raises the score most, until one is near."""
-    chosen: list[list[int]] = [[]]
-    limit = NEAR * halves.value(range(len(halves.optimizers)))
-    while len(chosen) == 1 or halves.value(chosen[-1]) < limit:
-        others = [member for member in range(len(halves.optimizers)) if member not in chosen[-1]]
-        chosen.append(max(([*chosen[-1], member] for member in others), key=halves.value))
-    return _sets(halves, chosen[1:], exact=False)
-
-
-def _sets(halves: Halves, chosen: Sequence[Sequence[int]], *, exact: bool) -> pd.DataFrame:
-    virtual = halves.value(range(len(halves.optimizers)))
-    scores = np.array([halves.value(members) for members in chosen])
+def _best_sets(halves: Halves) -> pd.DataFrame:
+    """Return the best set of each size, of all sets or, for many optimizers, by adding one until a set is near."""
+    everyone = range(len(halves.optimizers))
+    virtual, exact = halves.value(everyone), len(everyone) <= MOST_EXACT
+    found: list[tuple[tuple[int, ...], float]] = []
+    while not found or (len(found) < len(everyone) if exact else found[-1][1] < NEAR * virtual):
+        before = found[-1][0] if found else ()
+        adding = ((*before, member) for member in everyone if member not in before)
+        candidates = combinations(everyone, len(found) + 1) if exact else adding
+        found.append(max(((members, halves.value(members)) for members in candidates), key=itemgetter(1)))
+    scores = np.array([score for _, score in found])
     return pd.DataFrame(
         {
-            "size": [len(members) for members in chosen],
-            "optimizers": [tuple(halves.optimizers[each] for each in members) for members in chosen],
+            "size": [len(members) for members, _ in found],
+            "optimizers": [tuple(halves.optimizers[each] for each in members) for members, _ in found],
             "score": scores,
             "ratio": scores / virtual if virtual > 0 else 1.0,
             "near": scores >= NEAR * virtual,
-            "exact": exact or np.array([len(members) == 1 for members in chosen]),
+            "exact": exact or np.array([len(members) == 1 for members, _ in found]),
         }
     )
 
 
-def _members(halves: Halves, values: Floats | None, seed: int) -> pd.DataFrame:
+def _members(halves: Halves) -> pd.DataFrame:
     everyone = list(range(len(halves.optimizers)))
     virtual = halves.value(everyone)
-    worth, error = _sampled_shapley(halves, seed) if values is None else (shapley(values), np.zeros(len(everyone)))
+    worth = [shapley(choose, score) for choose, score in zip(halves.choose, halves.score, strict=True)]
     without = [halves.value([each for each in everyone if each != member]) for member in everyone]
     return pd.DataFrame(
         {
             "optimizer": halves.optimizers,
             "score": [halves.value([member]) for member in everyone],
             "chosen": (halves.chosen(everyone).mean(axis=0) * halves.weights[:, np.newaxis]).sum(axis=0),
-            "shapley": worth,
-            "se": error,
+            "shapley": (halves.weights @ np.mean(worth, axis=0)).round(ROUNDING),
             "adds": np.subtract(virtual, without).round(ROUNDING),
         }
     )
 
 
-def shapley(worth: Floats) -> Floats:
-    """Return the Shapley value of each player (Shapley 1953), (K,), from the worth of all 2^K sets by their bits.
+def shapley(choose: Floats, score: Floats) -> Floats:
+    """Return the Shapley values of optimizers on each problem, (P, K): what one adds, averaged over all orders.
 
-    It is what a player adds to those before it, averaged over all orders; that of optimizers in a portfolio is by
-    Fréchette, Kotthoff, Michalak, Rahwan, Hoos and Leyton-Brown (2016, AAAI).
+    A set of optimizers takes the one with the highest ``choose`` and is worth its ``score``, the mean of those that
+    tie; both are (P, K). That of a portfolio is by Fréchette, Kotthoff, Michalak, Rahwan, Hoos and Leyton-Brown (2016,
+    AAAI). Here no sets are needed. With t better ones and g that tie, itself among them, an optimizer comes before all
+    better and tied ones in 1 of t + g orders, and then adds the mean score of those that tie. Its own score differs
+    from that mean, and counts more where it comes before some of them: by the mean of 1/(t + 1) to 1/(t + g - 1).
+    It takes the place of a worse one, whose t and g count here, in 1 of t (t + g) orders.
     """
-    count = int(np.log2(len(worth)))
-    sets = np.arange(len(worth))
-    sizes = np.bitwise_count(sets)
-    weights = np.array([factorial(size) * factorial(count - size - 1) for size in range(count)]) / factorial(count)
-    found = np.zeros(count)
-    for player in range(count):
-        before = sets[(sets >> player & 1) == 0]
-        found[player] = (weights[sizes[before]] * (worth[before | 1 << player] - worth[before])).sum()
-    return found
-
-
-def _sampled_shapley(halves: Halves, seed: int) -> tuple[Floats, Floats]:
-    """Return Shapley values from random orders, and their standard errors."""
-    rng, size = np.random.default_rng(seed), halves.choose.shape[:2]
-    added = np.empty((PERMUTATIONS, len(halves.optimizers)))
-    for row in added:
-        best, total, tied = np.full(size, -np.inf), np.zeros(size), np.ones(size)
-        before = 0.0
-        for player in rng.permutation(len(row)):
-            own, scored = halves.choose[..., player], halves.score[..., player]
-            better, equal = own > best, own == best
-            total = np.where(better, scored, total + np.where(equal, scored, 0.0))
-            tied, best = np.where(better, 1.0, tied + equal), np.where(better, own, best)
-            after = float((total / tied).mean(axis=0) @ halves.weights)
-            row[player], before = after - before, after
-    return added.mean(axis=0), added.std(axis=0, ddof=1) / np.sqrt(PERMUTATIONS)
+    better = choose[:, np.newaxis] > choose[..., np.newaxis]  # (P, K, K): the third is better than the second
+    equal = choose[:, np.newaxis] == choose[..., np.newaxis]
+    above, tied = better.sum(axis=-1), equal.sum(axis=-1)
+    inverse = np.concatenate(([0.0], (1 / np.arange(1, choose.shape[-1] + 1)).cumsum()))
+    mean = (equal * score[:, np.newaxis]).sum(axis=-1) / tied
+    apart = (inverse[above + tied - 1] - inverse[above]) / np.maximum(tied - 1, 1)
+    replaced = (better * (score / (np.maximum(above, 1) * (above + tied)))[..., np.newaxis]).sum(axis=1)
+    values: Floats = mean / (above + tied) + (score - mean) * apart - replaced
+    return values
