@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,11 +40,10 @@ class Portfolio(NamedTuple):
     Attributes:
         gap: one row: ``single``, the label of the single best; ``problems``, ``functions``; ``single_score`` and
             ``virtual_score``; ``gap``, their difference, with its interval ``low`` and ``high`` over functions
-            (Student's, missing with one function); ``shown``, whether that lies above 0; and ``same_trials``, the gap
-            where the same trials choose and score, which is too large.
+            (Student's, missing with one function); and ``shown``, whether that lies above 0.
         sets: size, optimizers (a tuple), ``score`` and ``ratio``, over the score of the virtual best, of the best set
-            of each size; ``near``, whether the ratio is at least 0.95; ``exact``, whether all sets of the size were
-            compared or an optimizer was added to the set before.
+            of each size, up to the first whose ratio is at least 0.95. All sets of a size were compared, or with more
+            than 12 optimizers those with one more than the set before.
         members: optimizer, ``score`` (it alone), ``chosen`` (the share of problems for which the virtual best takes
             it; a tie is divided), ``shapley``, and ``adds``: how much lower the score of the virtual best is without
             this optimizer.
@@ -172,10 +170,7 @@ def _halves(values: Floats) -> tuple[Floats, Floats]:
     """Return the mean of the first half of each column's values, and that of the others; missing ones are no trial."""
     held = ~np.isnan(values)
     first = held & (held.cumsum(axis=0) <= held.sum(axis=0) // 2)
-    filled = np.where(held, values, 0.0)
-    sums = (filled * first).sum(axis=0)
-    second = held & ~first
-    return sums / first.sum(axis=0), (filled * second).sum(axis=0) / second.sum(axis=0)
+    return values.mean(axis=0, where=first), values.mean(axis=0, where=held & ~first)
 
 
 def best_gap(halves: Halves) -> pd.DataFrame:
@@ -195,32 +190,24 @@ def best_gap(halves: Halves) -> pd.DataFrame:
         "single_score": float(single @ halves.weights),
         "virtual_score": float(virtual @ halves.weights),
         "gap": gap, "low": low, "high": high, "shown": bool(low > 0),
-        "same_trials": float(halves.whole.max(axis=1) @ halves.weights - means.max()),
     }  # fmt: skip
     return pd.DataFrame([row])
 
 
 def _best_sets(halves: Halves) -> pd.DataFrame:
-    """Return the best set of each size, of all sets or, for many optimizers, by adding one until a set is near."""
+    """Return the best set of each size, of all sets or, for many optimizers, by adding one, until a set is near."""
     everyone = range(len(halves.optimizers))
-    virtual, exact = halves.value(everyone), len(everyone) <= MOST_EXACT
-    found: list[tuple[tuple[int, ...], float]] = []
-    while not found or (len(found) < len(everyone) if exact else found[-1][1] < NEAR * virtual):
-        before = found[-1][0] if found else ()
-        adding = ((*before, member) for member in everyone if member not in before)
-        candidates = combinations(everyone, len(found) + 1) if exact else adding
-        found.append(max(((members, halves.value(members)) for members in candidates), key=itemgetter(1)))
-    scores = np.array([score for _, score in found])
-    return pd.DataFrame(
-        {
-            "size": [len(members) for members, _ in found],
-            "optimizers": [tuple(halves.optimizers[each] for each in members) for members, _ in found],
-            "score": scores,
-            "ratio": scores / virtual if virtual > 0 else 1.0,
-            "near": scores >= NEAR * virtual,
-            "exact": exact or np.array([len(members) == 1 for members, _ in found]),
-        }
-    )
+    virtual = halves.value(everyone)
+    members: tuple[int, ...] = ()
+    rows: list[tuple[Any, ...]] = []
+    while not rows or halves.value(members) < NEAR * virtual:
+        adding = [(*members, each) for each in everyone if each not in members]
+        few = len(everyone) <= MOST_EXACT
+        members = max(combinations(everyone, len(members) + 1) if few else adding, key=halves.value)
+        score = halves.value(members)
+        names = tuple(halves.optimizers[each] for each in members)
+        rows.append((len(members), names, score, score / virtual if virtual > 0 else 1.0))
+    return pd.DataFrame(rows, columns=["size", "optimizers", "score", "ratio"])
 
 
 def _members(halves: Halves) -> pd.DataFrame:

@@ -40,7 +40,7 @@ def section(findings: Findings) -> Section | None:
 
 def _smallest(found: Portfolio) -> str:
     """Return the sentence on the smallest set within 5 % of the virtual best."""
-    row = found.sets[found.sets["near"]].iloc[0]
+    row = found.sets.iloc[-1]
     members, everyone = list(row["optimizers"]), len(found.members)
     how = (
         f"all {2**everyone - 1:,} sets were compared"
@@ -74,6 +74,5 @@ def _sets(found: Portfolio) -> Table:
     data = found.sets.assign(optimizers=[" + ".join(members) for members in found.sets["optimizers"]])
     names = {"score": "reached, %", "ratio": "of the virtual best, %"}
     shown = data[["size", "optimizers"]].join(100 * data[list(names)].rename(columns=names))
-    kind = "The best set of each size" if found.sets["exact"].all() else "Sets, each with one optimizer more"
-    caption = f"{kind}, and how near it comes to the virtual best of all optimizers."
+    caption = "How near sets of few optimizers come to the virtual best of all."
     return Table("portfolio-sets", caption, shown, decimals=1, data=data)

@@ -42,10 +42,9 @@ def test_complementary_optimizers_make_a_gap_of_their_difference(complementary, 
 
 def test_the_smallest_set_holds_the_complementary_ones(complementary):
     sets = portfolio_of(complementary, apart(complementary)).sets
-    smallest = sets[sets["near"]].iloc[0]
-    assert smallest["optimizers"] == ("a", "b")
-    assert smallest["ratio"] == pytest.approx(1, abs=0.01)
-    assert sets["exact"].all()
+    assert sets["size"].to_list() == [1, 2]
+    assert sets["optimizers"].to_list()[-1] == ("a", "b")
+    assert sets["ratio"].to_list()[-1] == pytest.approx(1, abs=0.01)
 
 
 def test_what_each_adds_and_how_often_it_is_taken_show_the_useless_one(complementary):
@@ -58,7 +57,8 @@ def test_what_each_adds_and_how_often_it_is_taken_show_the_useless_one(complemen
 def test_equal_optimizers_have_a_gap_by_chance_on_the_same_trials_alone(one):
     scores = scores_of(np.random.default_rng(3).normal(0.5, 0.1, (24, 6, 10)))
     gap = one(portfolio_of(scores, apart(scores)).gap)
-    assert gap["same_trials"] > 0.03
+    whole = Halves.of(scores, apart(scores)).whole
+    assert whole.max(axis=1).mean() - whole.mean(axis=0).max() > 0.03
     assert abs(gap["gap"]) < 0.01
     assert gap["low"] < 0 < gap["high"]
     assert not gap["shown"]
@@ -84,8 +84,7 @@ def test_ties_are_shared_and_make_no_gap(one):
 def test_trials_that_reach_nothing_have_no_ratio_but_1(one):
     scores = scores_of(np.zeros((4, 3, 4)))
     found = portfolio_of(scores, apart(scores))
-    assert found.sets["ratio"].to_list() == [1, 1, 1]
-    assert found.sets["near"].all()
+    assert found.sets["ratio"].to_list() == [1]
     assert (found.members["shapley"] == 0).all()
     assert not one(found.gap)["shown"]
 
@@ -180,15 +179,17 @@ def test_adding_one_at_a_time_finds_the_sets_of_all_where_optimizers_are_complem
     monkeypatch.setattr("bench.analysis.portfolio.MOST_EXACT", 2)
     added = portfolio_of(scores, {}).sets
     assert [set(each) for each in added["optimizers"]] == [{"a"}, {"a", "b"}, {"a", "b", "c"}]
-    assert added["score"].to_list() == exact["score"].to_list()[:3]
+    assert added["score"].to_list() == exact["score"].to_list()
 
 
-def test_greedy_sets_grow_by_one_until_one_is_near(monkeypatch, complementary):
+def test_all_sets_of_a_size_are_compared_where_adding_one_misses_the_best(monkeypatch):
+    values = np.full((8, 3, 4), 0.2)
+    values[:4, 0] = values[4:, 1] = 0.8  # together the best on each problem
+    values[:, 2] = 0.6  # alone the best
+    scores = scores_of(values)
+    assert portfolio_of(scores, {}).sets["optimizers"].to_list() == [("c",), ("a", "b")]
     monkeypatch.setattr("bench.analysis.portfolio.MOST_EXACT", 2)
-    sets = portfolio_of(complementary, apart(complementary)).sets
-    assert [set(each) for each in sets["optimizers"]][-1] == {"a", "b"}
-    assert sets["near"].to_list() == [False, True]
-    assert sets["exact"].to_list() == [True, False]
+    assert portfolio_of(scores, {}).sets["optimizers"].to_list() == [("c",), ("c", "a"), ("c", "a", "b")]
 
 
 # Scores and intervals
