@@ -35,16 +35,16 @@ def section(findings: Findings) -> Section | None:
         text.append(f"Left out: {count(left_out, 'problem')} on which an optimizer has fewer than two trials.")
     if findings.trials.decisions.stopped:
         text.append("Looks stopped cells whose difference looked large, which makes differences too large.")
-    return Section(TITLE, tuple(text), (_members(found), _sets(found)))
+    return Section(TITLE, tuple(text), (_members(found),))
 
 
 def _smallest(found: Portfolio) -> str:
     """Return the sentence on the smallest set within 5 % of the virtual best."""
     row = found.sets.iloc[-1]
-    members, everyone = list(row["optimizers"]), len(found.members)
+    members = list(row["optimizers"])
     how = (
-        f"all {2**everyone - 1:,} sets were compared"
-        if everyone <= MOST_EXACT
+        "all sets of its size and smaller ones were compared"
+        if len(found.members) <= MOST_EXACT
         else "found by adding the optimizer that gains most, one after the other, so a smaller set may exist"
     )
     return (
@@ -68,11 +68,3 @@ def _members(found: Portfolio) -> Table:
         "others alone, about 0 where another optimizer replaces it.",
         data=own.reset_index(),
     )
-
-
-def _sets(found: Portfolio) -> Table:
-    data = found.sets.assign(optimizers=[" + ".join(members) for members in found.sets["optimizers"]])
-    names = {"score": "reached, %", "ratio": "of the virtual best, %"}
-    shown = data[["size", "optimizers"]].join(100 * data[list(names)].rename(columns=names))
-    caption = "How near sets of few optimizers come to the virtual best of all."
-    return Table("portfolio-sets", caption, shown, decimals=1, data=data)
