@@ -10,6 +10,7 @@ from typing import Any
 import pandas as pd
 
 from bench.analysis.landscape import describe
+from bench.analysis.portfolio import Halves, best_gap
 from bench.analysis.selection import NEIGHBOURS, Space, best_on, cell_scores, single_best, usual_reach
 from bench.errors import BenchError
 from bench.plugins.loading import is_imported, load_problem
@@ -75,7 +76,7 @@ def recommend(
     notes = _budget_notes(choice, described(asked))
     if len(findings.trials.optimizers) < 2:
         raise BenchError("the folders hold one optimizer, so there is nothing to choose; give others with --from")
-    notes.append(gap_sentence(choice.portfolio.gap))
+    notes.append(gap_sentence(best_gap(Halves.of(choice.scores, choice.blocks))))
     plain = cell_scores(choice.scores)
     single = advised = single_best(plain, choice.blocks)
     nearest, where, charged = pd.DataFrame(), list(plain.index), choice.scores

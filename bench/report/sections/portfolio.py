@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench.analysis.portfolio import MOST_EXACT, Portfolio
+from bench.analysis.portfolio import MOST_EXACT, Portfolio, portfolio_of
 from bench.errors import BenchError
 from bench.report.findings import Findings
 from bench.report.parts import Section, Table
@@ -23,10 +23,10 @@ def section(findings: Findings) -> Section | None:
     """Return what the optimizers are worth as a portfolio; None where there are few, or fewer than two trials each."""
     choice = Choice(findings)
     few = len(findings.trials.optimizers) < LEAST_OPTIMIZERS or len(findings.trials.problems) < LEAST_PROBLEMS
-    if few or not choice.reached:
+    if few or not (choice.scores["score"] > 0).any():
         return None
     try:
-        found = choice.portfolio
+        found = portfolio_of(choice.scores, choice.blocks)
     except BenchError:  # too few trials
         return None
     left_out = len(findings.trials.problems) - int(found.gap["problems"].iloc[0])
